@@ -1,0 +1,48 @@
+"""Finds importers, renderers and exporters through entry points, ours and anybody's alike."""
+
+import difflib
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Final
+
+from openrooms_usd.errors import InputError, MissingPackageError
+
+IMPORTERS: Final = "openrooms_usd.importers"
+RENDERERS: Final = "openrooms_usd.renderers"
+EXPORTERS: Final = "openrooms_usd.exporters"
+
+
+def available(group: str) -> dict[str, EntryPoint]:
+    """The adapters of a group by name, sorted; none of them is imported."""
+    return {point.name: point for point in sorted(entry_points(group=group), key=lambda p: p.name)}
+
+
+def load(group: str, name: str) -> Any:
+    """Import the adapter ``name`` of a group and make one.
+
+    Args:
+        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`.
+        name: The name under which it is registered.
+
+    Returns:
+        A new instance of the adapter's class.
+
+    Raises:
+        InputError: No adapter has that name.
+        MissingPackageError: The adapter needs a package that is not installed.
+    """
+    found = available(group)
+    kind = group.rpartition(".")[2].removesuffix("s")
+    if name not in found:
+        near = difflib.get_close_matches(name, found, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        known = ", ".join(found) or "none: install the package first (pip install -e .)"
+        raise InputError(f"no {kind} is named {name!r}", remedy=f"{hint}installed: {known}")
+    try:
+        factory = found[name].load()
+    except ImportError as error:
+        raise MissingPackageError(
+            f"the {kind} {name!r} needs the package {error.name!r}, which cannot be imported "
+            f"({error})",
+            remedy=f"pip install {error.name or 'the missing package'}",
+        ) from error
+    return factory()

@@ -1,0 +1,84 @@
+"""The contract of exporters, and the report of what became of every prim."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+from openrooms_usd import adapters
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+Outcome = Literal["translated", "approximated", "skipped"]
+
+
+@dataclass
+class Report:
+    """What became of every prim of a stage: nothing is lost in silence.
+
+    Attributes:
+        rows: (prim path, outcome, reason); the reason is empty for what was translated whole.
+    """
+
+    rows: list[tuple[str, Outcome, str]] = field(default_factory=list)
+
+    def add(self, prim: object, outcome: Outcome, reason: str = "") -> None:
+        """Say what became of a prim."""
+        self.rows.append((str(prim), outcome, reason))
+
+    def count(self, outcome: Outcome) -> int:
+        """How many rows have this outcome."""
+        return sum(1 for _, found, _ in self.rows if found == outcome)
+
+    def losses(self) -> Iterator[tuple[str, Outcome, str]]:
+        """The rows that were not translated whole."""
+        return (row for row in self.rows if row[1] != "translated")
+
+    def as_dict(self) -> dict[str, object]:
+        """The counts and the losses as plain data."""
+        return {
+            "translated": self.count("translated"),
+            "approximated": self.count("approximated"),
+            "skipped": self.count("skipped"),
+            "losses": [
+                {"prim": prim, "outcome": outcome, "reason": reason}
+                for prim, outcome, reason in self.losses()
+            ],
+        }
+
+
+class Exporter(Protocol):
+    """Writes a stage in a foreign form; an entry point ``openrooms_usd.exporters``."""
+
+    def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
+        """Write ``stage`` to ``destination``.
+
+        Raises:
+            OutputError: The destination cannot be written.
+        """
+        ...
+
+
+def convert_stage(
+    path: Path, destination: Path, *, to: str = "mitsuba", options: Mapping[str, Any] | None = None
+) -> Report:
+    """Convert a USD file to a foreign form.
+
+    Args:
+        path: The USD file.
+        destination: The file or folder to write.
+        to: The exporter's name.
+        options: What the exporter understands.
+
+    Returns:
+        What became of every prim.
+
+    Raises:
+        InputError: The file is no USD, or no exporter has that name.
+        OutputError: The destination cannot be written.
+    """
+    from openrooms_usd.usd.layers import open_stage
+
+    exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
+    return exporter.convert(open_stage(path), destination, options or {})

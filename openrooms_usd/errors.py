@@ -1,0 +1,114 @@
+"""The exception tree: what can go wrong, said so that a person can mend it.
+
+::
+
+    OrusdError
+    ├── DescriptionError    a mistake in room.yaml (one error lists all of them)
+    ├── InputError          a file that is read is missing, unreadable or holds nonsense
+    ├── OutputError         a file cannot be written
+    ├── StageError          a USD stage or prim is not what the operation needs
+    ├── RenderError         a renderer cannot do what is asked of it
+    └── MissingPackageError an optional package or system library is not installed
+
+Every error carries a stable code, the message, the place (file, field or prim) and a remedy. The
+command line prints ``str(error)`` and leaves with ``exit_code``; nobody ever needs a traceback.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+class OrusdError(Exception):
+    """Anything this package refuses, with its place and its remedy.
+
+    Args:
+        message: What is wrong, in one sentence.
+        place: The file, ``file:line:column``, field path or prim path that is to blame.
+        remedy: What to do about it.
+    """
+
+    code = "orusd"
+    exit_code = 1
+
+    def __init__(self, message: str, *, place: object = None, remedy: str | None = None) -> None:
+        self.message = message
+        self.place = None if place is None else str(place)
+        self.remedy = remedy
+        super().__init__(message)
+
+    def __str__(self) -> str:
+        text = f"{self.place}: {self.message}" if self.place else self.message
+        return f"{text}\n  remedy: {self.remedy}" if self.remedy else text
+
+    def as_dict(self) -> dict[str, str | None]:
+        """The error as plain data, for ``--json``."""
+        return {
+            "code": self.code,
+            "message": self.message,
+            "place": self.place,
+            "remedy": self.remedy,
+        }
+
+
+class DescriptionError(OrusdError):
+    """A room description is not valid; the message lists every mistake in it."""
+
+    code = "description"
+    exit_code = 2
+
+
+class InputError(OrusdError):
+    """A file or value that is read is missing, unreadable or holds nonsense."""
+
+    code = "input"
+    exit_code = 2
+
+
+class OutputError(OrusdError):
+    """A file or folder cannot be written."""
+
+    code = "output"
+    exit_code = 3
+
+
+class StageError(OrusdError):
+    """A USD stage or prim is not what the operation needs."""
+
+    code = "stage"
+    exit_code = 4
+
+
+class RenderError(OrusdError):
+    """A renderer cannot do what is asked of it."""
+
+    code = "render"
+    exit_code = 5
+
+
+class MissingPackageError(OrusdError):
+    """An optional package or a system library is not installed."""
+
+    code = "missing-package"
+    exit_code = 6
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn the operating system's refusal to write into an `OutputError`.
+
+    Args:
+        path: The file or folder that is written inside the ``with`` block.
+
+    Raises:
+        OutputError: The folder is read-only, the disk is full, or the path is taken.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise OutputError(
+            f"cannot write: {reason}",
+            place=path,
+            remedy="choose another output folder, or free space and set its permissions",
+        ) from error

@@ -1,0 +1,56 @@
+"""The scene contract as constants: prim paths, layer order, taxonomies, units.
+
+Everything that two modules must spell alike stands here once.
+"""
+
+from typing import Final
+
+# Prims and the stage that defines them. Every other stage writes ``over``.
+WORLD: Final = "/World"  # layout (assembly)
+ROOM: Final = "/World/Room"  # layout (component)
+FLOOR: Final = "/World/Room/Floor"
+CEILING: Final = "/World/Room/Ceiling"
+WALLS: Final = "/World/Room/Walls"
+OPENINGS: Final = "/World/Room/Openings"
+FURNITURE: Final = "/World/Furniture"  # alignment (group)
+MATERIALS: Final = "/World/Materials"  # materials
+LIGHTS: Final = "/World/Lights"  # lights
+ENVIRONMENT: Final = "/World/Lights/Environment"
+PORTALS: Final = "/World/Lights/Portals"
+CAMERAS: Final = "/World/Cameras"  # cameras
+RENDER: Final = "/Render"  # cameras
+RENDER_SETTINGS: Final = "/Render/Settings"
+
+# Stages from the weakest to the strongest layer.
+STAGES: Final = ("layout", "alignment", "materials", "lights", "cameras")
+
+# Files of a composed room.
+SCENE: Final = "scene.usda"
+LAYERS: Final = "layers"
+EDITS: Final = "edits"  # layers/edits.usda: the strongest layer, human, never written by us
+
+# Stage metadata that every layer carries alike.
+UP_AXIS: Final = "Z"
+METERS_PER_UNIT: Final = 1.0
+KILOGRAMS_PER_UNIT: Final = 1.0
+
+# customLayerData key and AuthorshipAPI package of our provenance.
+NAMESPACE: Final = "openrooms"
+CREATOR: Final = "openrooms_usd"
+
+# Taxonomies of SemanticsLabelsAPI.
+CATEGORY: Final = "category"  # our own category names
+OPENROOMS45: Final = "openrooms45"  # the 45 classes of the released dataset
+PART: Final = "part"  # semantic parts, named as PartNet does
+
+# Name of the texture coordinates, in metres.
+ST: Final = "st"
+
+# The part of a lamp that emits.
+LIGHT_BULB: Final = "light_bulb"
+
+# Attributes of our own schemas that more than one module spells.
+OPENING_WIDTH: Final = "openrooms:opening:width"
+OPENING_HEIGHT: Final = "openrooms:opening:height"
+OPENING_WALL: Final = "openrooms:opening:wall"
+ROOM_FLOOR: Final = "openrooms:room:floor"

@@ -1,0 +1,31 @@
+"""Files appear whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from openrooms_usd import atomic
+from openrooms_usd.errors import OutputError
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_beside_it(tmp_path: Path) -> None:
+    target = tmp_path / "a.txt"
+    atomic.write_text(target, "old")
+    with pytest.raises(RuntimeError), atomic.replacing(target) as beside:
+        beside.write_text("half")
+        raise RuntimeError
+    assert target.read_text() == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+
+
+def test_a_written_file_has_the_new_content_and_its_folder_is_made(tmp_path: Path) -> None:
+    target = tmp_path / "new" / "b.bin"
+    atomic.write_bytes(target, b"\x00\xff")
+    assert target.read_bytes() == b"\x00\xff"
+    assert [path.name for path in target.parent.iterdir()] == ["b.bin"]
+
+
+def test_a_folder_that_is_a_file_is_an_output_error(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(OutputError, match="cannot write"):
+        atomic.write_text(tmp_path / "taken" / "c.txt", "x")
