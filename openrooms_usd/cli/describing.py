@@ -1,0 +1,77 @@
+"""The commands ``init``, ``schema`` and ``doctor``."""
+
+import sys
+from importlib import resources
+from pathlib import Path
+from typing import Final
+
+import click
+
+from openrooms_usd.atomic import filling, write_text
+from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.errors import OutputError
+
+DESCRIPTION: Final = "room.yaml"
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+def init(folder: Path) -> None:
+    """Write DIR/room.yaml, a small living room to start from, and its JSON Schema beside it."""
+    from openrooms_usd.description import schema
+
+    starter = resources.files("openrooms_usd.description").joinpath("starter.yaml")
+    texts = {
+        schema.FILE: schema.schema_text(),
+        DESCRIPTION: f"{schema.HINT}\n{starter.read_text(encoding='utf-8')}",
+    }
+    for name in texts:
+        if (folder / name).exists():
+            raise OutputError(
+                "this file exists already",
+                place=folder / name,
+                remedy="choose another folder, or move the file away",
+            )
+    with filling(folder) as beside:
+        for name, text in texts.items():
+            write_text(beside / name, text)
+    click.echo(f"wrote {folder / DESCRIPTION}")
+    click.echo(f"next:  orusd compose {folder / DESCRIPTION} -o {folder / 'out'}")
+
+
+@click.command()
+def schema() -> None:
+    """Print the JSON Schema of room.yaml (draft 2020-12)."""
+    from openrooms_usd.description.schema import schema_text
+
+    click.echo(schema_text(), nl=False)
+
+
+@click.command()
+@json_option
+def doctor(as_json: bool) -> None:
+    """Say what this machine can do, what it lacks, and what to do about it.
+
+    Leaves with code 1 when something is missing that the toolkit cannot do without.
+    """
+    from openrooms_usd.doctor import diagnose
+
+    found = diagnose()
+    if as_json:
+        print_json(found.as_dict())
+    else:
+        _print_table("system", found.system)
+        _print_table("packages", {k: v or "not installed" for k, v in found.packages.items()})
+        _print_table("ray casting", {"caster": found.ray_caster or "none"})
+        _print_table("adapters", {k: ", ".join(v) or "none" for k, v in found.adapters.items()})
+        for name, states in found.renderers.items():
+            _print_table(f"renderer {name}", states)
+        for remedy in found.remedies:
+            click.echo(f"remedy: {remedy}")
+    sys.exit(0 if found.healthy else 1)
+
+
+def _print_table(title: str, rows: dict[str, str]) -> None:
+    click.echo(title)
+    for key, value in rows.items():
+        click.echo(f"  {key:<16} {value}")

@@ -1,0 +1,128 @@
+"""The ``cameras`` section: from where the room is seen."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, Tag
+
+from openrooms_usd.description.model import (
+    CheckedModel,
+    Found,
+    Model,
+    Number,
+    PrimName,
+    Whole,
+    by_source,
+    peek,
+    peek_list,
+    peek_text,
+)
+from openrooms_usd.description.naming import repeated_names
+from openrooms_usd.description.units import Angle, Length, PositiveLength
+
+Point3 = Annotated[tuple[Length, Length, Length], Field(description="x, y and z, metres")]
+FieldOfView = Annotated[Angle, Field(gt=1, lt=170)]
+Coefficient = Annotated[Number, Field(ge=-1, le=1)]
+Row = tuple[Coefficient, Coefficient, Coefficient, Annotated[Number, Field(ge=-1000, le=1000)]]
+
+# How far the rows of a rotation may be from unit length and right angles: rounding in text.
+_ROUNDING = 1e-3
+
+
+def _rotation(matrix: tuple[Row, Row, Row]) -> tuple[Row, Row, Row]:
+    """Refuse a matrix that mirrors, scales or shears."""
+    a, b, c = (row[:3] for row in matrix)
+    products = [sum(x * y for x, y in zip(p, q, strict=True)) for p in (a, b, c) for q in (a, b, c)]
+    wanted = (1, 0, 0, 0, 1, 0, 0, 0, 1)
+    off = max(abs(found - want) for found, want in zip(products, wanted, strict=True))
+    volume = sum(a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2]) for i in range(3))
+    if off > _ROUNDING or volume < 0:
+        raise ValueError("a matrix whose first three columns are a rotation (no scale, no mirror)")
+    return matrix
+
+
+def _ordered(bounds: tuple[float, float]) -> tuple[float, float]:
+    if bounds[0] > bounds[1]:
+        raise ValueError("the smaller bound first")
+    return bounds
+
+
+Range = Annotated[tuple[PositiveLength, PositiveLength], AfterValidator(_ordered)]
+
+
+class Viewed(Model):
+    """What every camera has."""
+
+    fov: FieldOfView = 60.0
+    """Horizontal field of view."""
+    exposure_value: Number | None = Field(default=None, ge=-10, le=30)
+    """EV100 of the previews (data is never exposed); by default fitted to each picture."""
+
+
+class LookAtCamera(Viewed, CheckedModel):
+    """A camera at one point that looks at another."""
+
+    source: Literal["look_at"] = Field(default="look_at", alias="from")
+    name: PrimName | None = None
+    """Its prim name; by default a number."""
+    eye: Point3
+    """Where it stands."""
+    target: Point3
+    """What it looks at."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """A camera that looks nowhere."""
+        eye = peek(given, "eye")
+        if eye is not None and eye == peek(given, "target"):
+            yield Found(("target",), "eye and target are the same point")
+
+
+class PoseCamera(Viewed):
+    """A camera by its rotation and position."""
+
+    source: Literal["pose"] = Field(default="pose", alias="from")
+    name: PrimName | None = None
+    """Its prim name; by default a number."""
+    world_from_camera: Annotated[tuple[Row, Row, Row], AfterValidator(_rotation)]
+    """Rows of the 3x4 matrix that takes points of the OpenCV camera frame (x right, y down,
+    z forward) to the world, metres."""
+
+
+class SelectedCameras(Viewed):
+    """The best of many views along the walls, chosen as the OpenRooms paper does."""
+
+    source: Literal["select"] = Field(alias="from")
+    name: PrimName = "view"
+    """Prefix of the cameras' names."""
+    count: Whole = Field(default=3, ge=1, le=1000)
+    """How many to keep."""
+    height: Range = (1.4, 1.8)
+    """Range of heights above the floor."""
+    distance: Range = (0.3, 1.5)
+    """Range of distances from the wall."""
+
+
+View = Annotated[
+    Annotated[LookAtCamera, Tag("look_at")]
+    | Annotated[PoseCamera, Tag("pose")]
+    | Annotated[SelectedCameras, Tag("select")],
+    by_source("look_at", world_from_camera="pose"),
+]
+
+Pixels = Annotated[Whole, Field(ge=1, le=16_384)]
+
+
+class Cameras(CheckedModel):
+    """The cameras and the size of their pictures."""
+
+    resolution: tuple[Pixels, Pixels] = (640, 480)
+    """Width and height in pixels."""
+    views: tuple[View, ...] = (SelectedCameras.model_validate({"from": "select"}),)
+    """The cameras, and how others are found."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Names that repeat."""
+        names = [peek_text(view, "name") for view in peek_list(given, "views")]
+        yield from repeated_names(names, "views", "camera")

@@ -1,0 +1,108 @@
+"""From a file or a text to a room, and back."""
+
+from pathlib import Path
+from typing import Final
+
+import yaml
+from pydantic import ValidationError
+
+from openrooms_usd.description.diagnosis import diagnose
+from openrooms_usd.description.mistakes import Mistake, refusal
+from openrooms_usd.description.reading import read_yaml
+from openrooms_usd.description.room import Room
+from openrooms_usd.description.scalars import FIRST, PLAIN
+from openrooms_usd.description.syntax import place_of
+from openrooms_usd.errors import DescriptionError, InputError
+
+MAX_BYTES: Final = 16 * 2**20
+
+
+def load_room(path: Path) -> Room:
+    """Read a description.
+
+    Args:
+        path: The YAML file.
+
+    Returns:
+        The room, with every default filled in.
+
+    Raises:
+        InputError: The file is missing or cannot be read.
+        DescriptionError: It is no valid description; the message lists every mistake.
+    """
+    remedy = "`orusd init DIR` writes a room to start from"
+    try:
+        if not path.is_file():
+            state = "this is no file" if path.exists() else "no such file"
+            raise InputError(state, place=path, remedy=remedy)
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"cannot read: {error.strerror or error}", place=path) from error
+    return parse_room(data, str(path))
+
+
+def parse_room(text: str | bytes, name: str = "room.yaml") -> Room:
+    """Read a description from text.
+
+    Args:
+        text: YAML; bytes are UTF-8, with or without a byte order mark.
+        name: A file name for messages.
+
+    Returns:
+        The room, with every default filled in.
+
+    Raises:
+        DescriptionError: It is no valid description; the message lists every mistake.
+    """
+    data, mistakes = read_yaml(_decoded(text, name), name)
+    try:
+        room = Room.model_validate(data)
+    except ValidationError as error:
+        places = {mistake.place for mistake in mistakes}
+        further = (found for found in diagnose(error, data) if found.place not in places)
+        raise refusal(name, [*mistakes, *further]) from None
+    if mistakes:
+        raise refusal(name, mistakes)
+    return room
+
+
+def dump_room(room: Room) -> str:
+    """Write a room as YAML that `parse_room` reads back as the same room.
+
+    What was not given when the room was made is left out.
+    """
+    data = room.model_dump(mode="json", by_alias=True, exclude_unset=True)
+    text: str = yaml.dump(
+        data,
+        Dumper=_Dumper,
+        sort_keys=False,
+        allow_unicode=True,
+        width=100,
+        default_flow_style=None,
+    )
+    return text
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes also what only YAML 1.2 would read as a number."""
+
+
+_Dumper.add_implicit_resolver("tag:yaml.org,2002:float", PLAIN, list(FIRST))
+
+
+def _decoded(text: str | bytes, name: str) -> str:
+    data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    if len(data) > MAX_BYTES:
+        raise DescriptionError(
+            f"the file is larger than {MAX_BYTES // 2**20} MiB",
+            place=name,
+            remedy="ten thousand objects need about 2 MiB; is this the right file?",
+        )
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        place = place_of(data[: error.start].decode(), error.start)
+        raise refusal(
+            name, [Mistake(place, (), f"the byte 0x{data[error.start]:02X} is not UTF-8 text")]
+        ) from None

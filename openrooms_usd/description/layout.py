@@ -1,0 +1,125 @@
+"""The ``layout`` section: the room's shell and what is cut into it."""
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Field, Tag
+
+from openrooms_usd.description.model import (
+    CheckedModel,
+    Found,
+    Model,
+    PrimName,
+    Whole,
+    by_source,
+    peek,
+    peek_list,
+    peek_text,
+)
+from openrooms_usd.description.naming import repeated_names, unique_names
+from openrooms_usd.description.polygon import simple_polygon
+from openrooms_usd.description.units import Angle, Length, PositiveLength
+
+Point2 = Annotated[tuple[Length, Length], Field(description="x and y, metres")]
+
+
+class Opening(Model):
+    """A window, a door or an open passage in one wall."""
+
+    kind: Literal["window", "door", "opening"]
+    """A door has a leaf, a window a frame with sashes, an opening has neither."""
+    name: PrimName | None = None
+    """Its prim name; by default its kind and a number, such as window_0."""
+    wall: Whole = Field(ge=0)
+    """The wall's number: wall i runs from corner i to corner i + 1."""
+    at: Length | None = None
+    """Distance from the wall's start to the middle of the opening; the wall's middle by default."""
+    width: PositiveLength | None = None
+    """Default 1.2 m for windows, 0.9 m otherwise."""
+    height: PositiveLength | None = None
+    """Default 1.3 m for windows, 2.05 m otherwise."""
+    sill: Length | None = Field(default=None, ge=0)
+    """Height of the lower edge above the floor; default 0.9 m for windows, 0 otherwise."""
+    open: Angle = Field(default=0.0, ge=0, le=180)
+    """How far a door's leaf stands open."""
+    hinge: Literal["left", "right"] = "left"
+    """The hinge side of a door, seen from inside the room."""
+    swing: Literal["in", "out"] = "in"
+    """Whether a door's leaf swings into the room or out of it."""
+
+
+class PolygonLayout(CheckedModel):
+    """A room drawn by hand: a simple polygon, also concave and at any angle."""
+
+    source: Literal["polygon"] = Field(default="polygon", alias="from")
+    polygon: Annotated[tuple[Point2, ...], AfterValidator(simple_polygon)] = Field(
+        default=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)), min_length=3, max_length=10_000
+    )
+    """Inner corners in order, either way round; not repeated at the end."""
+    height: PositiveLength = Field(default=2.6, ge=0.5, le=100)
+    """Floor to ceiling."""
+    wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
+    """Thickness of the walls, outwards from the polygon."""
+    openings: tuple[Opening, ...] = ()
+    """Windows, doors and passages."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Names that repeat, and openings in walls that the polygon does not have."""
+        openings = peek_list(given, "openings")
+        yield from _name_clashes(openings)
+        whole = peek(given, "polygon") is None
+        walls = len(cls.model_fields["polygon"].default if whole else peek_list(given, "polygon"))
+        for index, opening in enumerate(openings):
+            wall = peek(opening, "wall")
+            if type(wall) is int and wall >= walls >= 3:
+                yield Found(
+                    ("openings", index, "wall"),
+                    f"there is no wall {wall}: the polygon has the walls 0 to {walls - 1}",
+                )
+
+
+class RoomPlanLayout(CheckedModel):
+    """A room scanned with Apple RoomPlan."""
+
+    source: Literal["roomplan"] = Field(alias="from")
+    file: str = Field(min_length=1)
+    """The exported CapturedRoom JSON, relative to this description."""
+    wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
+    """Thickness of the walls, outwards from the scanned surfaces."""
+    height: PositiveLength | None = Field(default=None, ge=0.5, le=100)
+    """Floor to ceiling; by default as captured."""
+    openings: tuple[Opening, ...] = ()
+    """Further windows and doors beside the captured ones."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Names that repeat."""
+        yield from _name_clashes(peek_list(given, "openings"))
+
+
+Layout = Annotated[
+    Annotated[PolygonLayout, Tag("polygon")] | Annotated[RoomPlanLayout, Tag("roomplan")],
+    by_source("polygon"),
+]
+
+
+def named_openings(
+    openings: Sequence[Opening], taken: Collection[str] = ()
+) -> list[tuple[str, Opening]]:
+    """Give every opening its name: its own, or its kind and a number.
+
+    Args:
+        openings: The openings of the description, in order.
+        taken: Names that are used already, such as those of captured openings.
+
+    Returns:
+        The openings in order, each with its prim name.
+    """
+    wanted = ((opening.name, opening.kind) for opening in openings)
+    return list(zip(unique_names(wanted, taken), openings, strict=True))
+
+
+def _name_clashes(openings: Sequence[Any]) -> Iterator[Found]:
+    given = [peek_text(opening, "name") for opening in openings]
+    yield from repeated_names(given, "openings", "opening")

@@ -1,0 +1,89 @@
+"""A mistake in a description: where it stands and what is wrong, and all of them as one error."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+from openrooms_usd.errors import DescriptionError
+
+Steps = tuple[str | int, ...]
+
+# A person mends these first; ten thousand lines would help nobody.
+_MOST_SHOWN: Final = 50
+_LONGEST_SHOWN: Final = 40
+_LONGEST_LIST: Final = 4
+_NESTED: Final = (dict, list)
+
+
+class Place(NamedTuple):
+    """A position in a text file, counted from 1."""
+
+    line: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One thing that is wrong.
+
+    Attributes:
+        place: Where it stands.
+        path: Keys and list positions from the top of the description.
+        text: What is wrong, what was found, what is allowed.
+    """
+
+    place: Place
+    path: Steps
+    text: str
+
+    def __str__(self) -> str:
+        return f"{written(self.path)}: {self.text}" if self.path else self.text
+
+
+def written(path: Steps) -> str:
+    """A path as people write it: ``alignment.objects[3].size[1]``."""
+    text = "".join(
+        f"[{step}]"
+        if isinstance(step, int)
+        else f".{step}"
+        if step.isidentifier()
+        else f"[{shown(step)}]"
+        for step in path
+    )
+    return text.removeprefix(".")
+
+
+def shown(value: Any) -> str:
+    """What was found, short enough for a message."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        scalars = len(value) <= _LONGEST_LIST and not any(isinstance(v, _NESTED) for v in value)
+        return f"[{', '.join(map(shown, value))}]" if scalars else f"a list of {len(value)}"
+    text = repr(value)
+    cut = f"{text[:_LONGEST_SHOWN]}...{text[0] if isinstance(value, str) else ''}"
+    return text if len(text) <= _LONGEST_SHOWN else f"{cut} ({len(str(value)):,} characters)"
+
+
+def refusal(name: str, mistakes: Iterable[Mistake]) -> DescriptionError:
+    """One error that lists all mistakes in the order in which they stand in the file.
+
+    Args:
+        name: The description's file name.
+        mistakes: At least one.
+    """
+    ordered = sorted(
+        dict.fromkeys(mistakes), key=lambda mistake: (mistake.place, written(mistake.path))
+    )
+    lines = [
+        f"{name}:{mistake.place.line}:{mistake.place.column}: {mistake}"
+        for mistake in ordered[:_MOST_SHOWN]
+    ]
+    if len(ordered) > _MOST_SHOWN:
+        lines.append(f"and {len(ordered) - _MOST_SHOWN:,} more")
+    count = "1 mistake" if len(ordered) == 1 else f"{len(ordered):,} mistakes"
+    return DescriptionError("\n  ".join([count, *lines]), place=name)

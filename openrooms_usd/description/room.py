@@ -1,0 +1,90 @@
+"""The whole description: a name, a room type, a seed, and one section a stage."""
+
+from collections.abc import Iterator
+from typing import Any, Literal
+
+from pydantic import Field
+
+from openrooms_usd.description.alignment import Alignment, ObjectList, object_names
+from openrooms_usd.description.cameras import Cameras
+from openrooms_usd.description.layout import Layout, PolygonLayout
+from openrooms_usd.description.lights import Lights
+from openrooms_usd.description.materials import Materials
+from openrooms_usd.description.model import (
+    CheckedModel,
+    Found,
+    PrimName,
+    Whole,
+    peek,
+    peek_list,
+)
+from openrooms_usd.description.nearest import did_you_mean
+
+RoomType = Literal[
+    "apartment",
+    "bathroom",
+    "bedroom",
+    "hotel",
+    "bookstore",
+    "library",
+    "classroom",
+    "closet",
+    "computer_cluster",
+    "conference_room",
+    "copy_room",
+    "mail_room",
+    "dining_room",
+    "game_room",
+    "gym",
+    "hallway",
+    "kitchen",
+    "laundry_room",
+    "lounge",
+    "living_room",
+    "lobby",
+    "office",
+    "stairs",
+    "storage",
+    "basement",
+    "garage",
+    "misc",
+]
+
+
+class Room(CheckedModel):
+    """A room, as room.yaml describes it."""
+
+    name: PrimName = "room"
+    """The room's name, for people."""
+    room: RoomType = "misc"
+    """The room type; chooses defaults."""
+    seed: Whole = Field(default=0, ge=0, lt=2**63)
+    """Fixes everything that is drawn."""
+    layout: Layout = Field(default_factory=PolygonLayout)
+    """The room's shell."""
+    alignment: Alignment = Field(default_factory=ObjectList)
+    """The objects in it."""
+    materials: Materials = Field(default_factory=Materials)
+    """What things are made of."""
+    lights: Lights = Field(default_factory=Lights)
+    """The environment and the lamps."""
+    cameras: Cameras = Field(default_factory=Cameras)
+    """From where it is seen."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Lamps and materials for objects that do not exist.
+
+        Objects of a capture get their names from it, so only listed objects are checked.
+        """
+        alignment = peek(given, "alignment")
+        if (peek(alignment, "from") or peek(alignment, "source") or "objects") != "objects":
+            return
+        names = object_names(peek_list(alignment, "objects"))
+        for section, key in (("lights", "lamps"), ("materials", "overrides")):
+            entries = peek(peek(given, section), key)
+            if names is None or not isinstance(entries, dict):
+                continue
+            for name in entries.keys() - set(names):
+                hint = did_you_mean(str(name), names)
+                yield Found((section, key, name), f"no object is named {name!r}{hint}")

@@ -1,0 +1,125 @@
+"""What this machine can do for the toolkit, and what it lacks."""
+
+import os
+import platform
+import re
+from dataclasses import asdict, dataclass
+from importlib import import_module, metadata
+from typing import Any, Final
+
+from openrooms_usd import __version__, adapters
+from openrooms_usd.errors import OrusdError
+
+_DISTRIBUTION: Final = "openrooms-usd"
+
+# Ray casters from the fastest to the slowest: what to import, what it is, what to do about it.
+_RAY_CASTERS: Final = (
+    ("embreex.rtcore_scene", "Embree", ""),
+    ("rtree", "trimesh with rtree, many times slower than Embree", "pip install embreex"),
+)
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What was found.
+
+    Attributes:
+        system: Versions of this package and of Python, the platform, the processor's cores.
+        packages: Version of each required package; None where it is not installed.
+        ray_caster: What casts the core's rays; None where nothing can.
+        adapters: Names of the installed adapters by kind: importers, renderers, exporters.
+        renderers: By renderer: what each of its backends says about this machine.
+        remedies: What to do, in words; empty when nothing is missing.
+    """
+
+    system: dict[str, str]
+    packages: dict[str, str | None]
+    ray_caster: str | None
+    adapters: dict[str, list[str]]
+    renderers: dict[str, dict[str, str]]
+    remedies: list[str]
+
+    @property
+    def healthy(self) -> bool:
+        """Whether everything that the toolkit needs is there."""
+        return None not in (*self.packages.values(), self.ray_caster)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as plain data."""
+        return {**asdict(self), "healthy": self.healthy}
+
+
+def diagnose() -> Diagnosis:
+    """Look at this machine; nothing is changed, and no renderer stays loaded."""
+    remedies: list[str] = []
+    return Diagnosis(
+        system=_system(),
+        packages=_packages(remedies),
+        ray_caster=_ray_caster(remedies),
+        adapters={
+            group.rpartition(".")[2]: list(adapters.available(group))
+            for group in (adapters.IMPORTERS, adapters.RENDERERS, adapters.EXPORTERS)
+        },
+        renderers=_renderers(remedies),
+        remedies=remedies,
+    )
+
+
+def _system() -> dict[str, str]:
+    return {
+        "openrooms_usd": __version__,
+        "python": platform.python_version(),
+        "platform": platform.platform(terse=True),
+        "machine": platform.machine(),
+        "cores": str(os.cpu_count() or 1),
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _packages(remedies: list[str]) -> dict[str, str | None]:
+    """Versions of what the distribution requires everywhere."""
+    try:
+        required = metadata.requires(_DISTRIBUTION) or []
+    except metadata.PackageNotFoundError:
+        remedies.append("install the package itself: pip install -e . in its folder")
+        return {}
+    names = sorted(
+        {re.split(r"[^A-Za-z0-9._-]", line, maxsplit=1)[0] for line in required if ";" not in line},
+        key=str.lower,
+    )
+    versions = {name: _version(name) for name in names}
+    remedies += [f"pip install {name}" for name, version in versions.items() if version is None]
+    return versions
+
+
+def _ray_caster(remedies: list[str]) -> str | None:
+    for module, words, remedy in _RAY_CASTERS:
+        try:
+            import_module(module)
+        except ImportError:
+            continue
+        if remedy:
+            remedies.append(remedy)
+        return f"{words} ({module.partition('.')[0]} {_version(module.partition('.')[0])})"
+    remedies.append("pip install embreex, or where it has no wheel: pip install rtree")
+    return None
+
+
+def _renderers(remedies: list[str]) -> dict[str, dict[str, str]]:
+    """What each renderer says; one that cannot be loaded says why."""
+    said: dict[str, dict[str, str]] = {}
+    for name in adapters.available(adapters.RENDERERS):
+        try:
+            examine = getattr(adapters.load(adapters.RENDERERS, name), "diagnose", None)
+            said[name] = dict(examine()) if examine else {"state": "installed"}
+        except OrusdError as error:
+            said[name] = {"state": f"not usable: {error.message}"}
+            if error.remedy:
+                remedies.append(error.remedy)
+    return said
