@@ -1,0 +1,87 @@
+"""Pinhole cameras as arrays, in the OpenCV frame: x right, y down, z forward."""
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from openrooms_usd.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+def intrinsics(fov_degrees: float, width: int, height: int) -> Array:
+    """(3, 3) intrinsics in pixels of a centred camera with square pixels.
+
+    Args:
+        fov_degrees: Horizontal field of view.
+        width: Pixels.
+        height: Pixels; the centre of the top-left pixel is (0.5, 0.5).
+    """
+    focal = width / 2.0 / math.tan(math.radians(fov_degrees) / 2.0)
+    return np.array([[focal, 0.0, width / 2.0], [0.0, focal, height / 2.0], [0.0, 0.0, 1.0]])
+
+
+def pixel_directions(K: Array, width: int, height: int) -> Array:
+    """(height, width, 3) directions through the pixels' centres, camera frame, z = 1.
+
+    A point at planar depth d in a pixel is d times its direction.
+    """
+    x = (np.arange(width) + 0.5 - K[0, 2]) / K[0, 0]
+    y = (np.arange(height) + 0.5 - K[1, 2]) / K[1, 1]
+    return np.stack(np.broadcast_arrays(x[None, :], y[:, None], 1.0), axis=-1)
+
+
+def rotations(forwards: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Array:
+    """(C, 3, 3) upright rotations from the camera frame to the world.
+
+    Args:
+        forwards: (C, 3) viewing directions of any length.
+        up: The world's up; where a camera looks along it, the picture's up is the world's +Y.
+    """
+    ahead = _unit(np.asarray(forwards, dtype=np.float64).reshape(-1, 3))
+    right = np.cross(ahead, np.asarray(up, dtype=np.float64))
+    vertical = np.linalg.norm(right, axis=1) < 1e-6
+    right[vertical] = np.cross(ahead[vertical], (0.0, 1.0, 0.0))
+    right = _unit(right)
+    return np.stack([right, np.cross(ahead, right), ahead], axis=-1)
+
+
+def look_at(eye: ArrayLike, target: ArrayLike) -> Array:
+    """(4, 4) world_from_camera of an upright camera at ``eye`` that sees ``target`` in its middle.
+
+    Raises:
+        InputError: The two points coincide.
+    """
+    origin, aim = (np.asarray(point, dtype=np.float64) for point in (eye, target))
+    if not np.linalg.norm(aim - origin) > 1e-9:
+        raise InputError(
+            "the camera's eye and target are the same point",
+            remedy="move one of them: the direction of view is from the eye to the target",
+        )
+    return pose(rotations(aim - origin)[0], origin)
+
+
+def pose(rotation: ArrayLike, origin: ArrayLike) -> Array:
+    """(4, 4) matrix of a (3, 3) rotation and an origin."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation
+    matrix[:3, 3] = origin
+    return matrix
+
+
+def is_rotation(matrix: ArrayLike, tolerance: float = 1e-3) -> bool:
+    """Whether a (3, 3) matrix is a proper rotation: orthonormal, not mirrored."""
+    R = np.asarray(matrix, dtype=np.float64)
+    orthonormal = np.abs(R.T @ R - np.eye(3)).max() <= tolerance
+    return bool(np.isfinite(R).all() and orthonormal and np.linalg.det(R) > 0)
+
+
+def nearest_rotation(matrix: ArrayLike) -> Array:
+    """The rotation nearest to a (3, 3) matrix (orthogonal Procrustes), its scale taken away."""
+    U, _, Vt = np.linalg.svd(np.asarray(matrix, dtype=np.float64))
+    return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt)
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
