@@ -1,0 +1,210 @@
+"""Cameras as USD prims, and as a pinhole with numbers that every tool understands."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from openrooms_usd.errors import StageError
+from openrooms_usd.geometry.framing import FOV, framing_view
+from openrooms_usd.geometry.pinhole import intrinsics, nearest_rotation, pose
+from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
+from openrooms_usd.usd.meshes import MeshReading, read_meshes, world_triangles
+from openrooms_usd.usd.transforms import author_matrix
+
+Array = NDArray[np.float64]
+
+# OpenCV axes (right, down, forward) in USD's camera axes (right, up, backward), and back.
+FLIP: Final = np.diag([1.0, -1.0, -1.0, 1.0])
+
+# Width of a full-frame film, tenths of a metre: apertures need some absolute size.
+_FILM: Final = 0.36
+_CLIPPING: Final = (0.01, 1000.0)
+
+# Apertures and focal lengths are in tenths of a scene unit.
+_TENTH: Final = 0.1
+
+_EXPOSURE: Final = tuple(
+    f"exposure{suffix}" for suffix in ("", ":iso", ":time", ":fStop", ":responsivity")
+)
+
+
+@dataclass(frozen=True, eq=False)
+class PinholeCamera:
+    """A perspective camera for pictures of one size.
+
+    Attributes:
+        K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
+        world_from_camera: (4, 4) rigid, from the OpenCV frame (x right, y down, z forward) to the
+            world: Z up, metres.
+        exposure: What previews multiply luminance in nits by; None where none is authored.
+        f_stop: Of the lens; 0 for a pinhole, everything sharp.
+        focus_distance: Metres along the optical axis; 0 where none is authored.
+        lens_radius: Radius of the lens's opening, metres; 0 for a pinhole.
+        clipping: Nearest and farthest depth that is seen, metres.
+    """
+
+    K: Array
+    world_from_camera: Array
+    exposure: float | None = None
+    f_stop: float = 0.0
+    focus_distance: float = 0.0
+    lens_radius: float = 0.0
+    clipping: tuple[float, float] = _CLIPPING
+
+
+def define_camera(
+    stage: Usd.Stage,
+    path: str | Sdf.Path,
+    *,
+    world_from_camera: Array,
+    fov_degrees: float,
+    resolution: tuple[int, int],
+    exposure: float | None = None,
+) -> UsdGeom.Camera:
+    """Define a camera on a Z-up stage in metres, below prims without transforms.
+
+    Args:
+        stage: Where to define it; the edit target receives everything.
+        path: The prim's path.
+        world_from_camera: (4, 4) from the OpenCV frame (x right, y down, z forward), metres.
+        fov_degrees: Horizontal field of view.
+        resolution: Width and height in pixels; their ratio fixes the vertical aperture.
+        exposure: What previews multiply luminance in nits by.
+    """
+    width, height = resolution
+    camera = UsdGeom.Camera.Define(stage, path)
+    author_matrix(camera.GetPrim(), world_from_camera @ FLIP)
+    camera.CreateProjectionAttr(UsdGeom.Tokens.perspective)
+    camera.CreateHorizontalApertureAttr(_FILM)
+    camera.CreateVerticalApertureAttr(_FILM * height / width)
+    camera.CreateFocalLengthAttr(_FILM / 2.0 / math.tan(math.radians(fov_degrees) / 2.0))
+    camera.CreateClippingRangeAttr(Gf.Vec2f(*_CLIPPING))
+    if exposure is not None:
+        camera.CreateExposureAttr(math.log2(exposure))
+    return camera
+
+
+def exposure_of_ev100(exposure_value: float) -> float:
+    """What to multiply luminance in nits by at an EV100.
+
+    With the saturation-based speed of ISO 12232 and a lens transmittance q = 0.65, the luminance
+    that saturates the sensor is 78 / (100 q) 2^EV100 = 1.2 2^EV100 cd/m2; it becomes 1.
+    """
+    return float(1.0 / (1.2 * 2.0**exposure_value))
+
+
+def list_cameras(stage: Usd.Stage) -> list[Usd.Prim]:
+    """The stage's perspective and other cameras, sorted by path."""
+    prototypes = [Usd.PrimRange(prototype) for prototype in stage.GetPrototypes()]
+    inside = any(prim.IsA(UsdGeom.Camera) for prims in prototypes for prim in prims)
+    # Instances are entered only where it is worth it: there may be thousands of them.
+    predicate = Usd.TraverseInstanceProxies() if inside else Usd.PrimDefaultPredicate
+    found = [prim for prim in stage.Traverse(predicate) if prim.IsA(UsdGeom.Camera)]
+    return sorted(found, key=lambda prim: str(prim.GetPath()))
+
+
+def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
+    """A camera prim as a pinhole for pictures of one size.
+
+    The horizontal aperture gives the horizontal field of view and pixels are square: where the
+    picture has another shape than the apertures, the vertical field of view follows the picture.
+
+    Args:
+        prim: A ``UsdGeom.Camera`` of any stage.
+        width: Pixels.
+        height: Pixels.
+
+    Raises:
+        StageError: It is no perspective camera, or its numbers make no picture.
+    """
+    camera = UsdGeom.Camera(prim)
+    if not camera:
+        raise _unusable(prim, "this prim is no camera", "name a Camera prim")
+    if camera.GetProjectionAttr().Get(TIME) == UsdGeom.Tokens.orthographic:
+        raise _unusable(
+            prim, "orthographic cameras are not supported", "make its projection perspective"
+        )
+    stage = prim.GetStage()
+    metres = UsdGeom.GetStageMetersPerUnit(stage)
+    f_stop = _number(camera.GetFStopAttr())
+    focal = _number(camera.GetFocalLengthAttr()) * _TENTH * metres
+    near, far = camera.GetClippingRangeAttr().Get(TIME)
+    return PinholeCamera(
+        K=_intrinsics(camera, width, height),
+        world_from_camera=_pose(prim, world_from_stage(stage)),
+        exposure=_exposure(camera),
+        f_stop=f_stop,
+        focus_distance=_number(camera.GetFocusDistanceAttr()) * metres,
+        lens_radius=focal / (2.0 * f_stop) if f_stop > 0 else 0.0,
+        clipping=(near * metres, far * metres),
+    )
+
+
+def framing_camera(
+    stage: Usd.Stage, width: int, height: int, *, reading: MeshReading | None = None
+) -> PinholeCamera:
+    """A camera for a stage that has none: it sees everything, or a closed room from inside.
+
+    Args:
+        stage: Any stage.
+        width: Pixels.
+        height: Pixels.
+        reading: The stage's meshes, where they have been read already.
+    """
+    found = read_meshes(stage) if reading is None else reading
+    points, triangles, _ = world_triangles(found)
+    view = framing_view(points[triangles], RayCaster(points, triangles), width / height)
+    return PinholeCamera(intrinsics(FOV, width, height), view.poses()[0])
+
+
+def _unusable(prim: Usd.Prim, message: str, remedy: str) -> StageError:
+    return StageError(message, place=prim.GetPath(), remedy=remedy)
+
+
+def _number(attribute: Usd.Attribute) -> float:
+    value = attribute.Get(TIME)
+    return 0.0 if value is None else float(value)
+
+
+def _intrinsics(camera: UsdGeom.Camera, width: int, height: int) -> Array:
+    focal = _number(camera.GetFocalLengthAttr())
+    aperture = _number(camera.GetHorizontalApertureAttr())
+    if not (0 < focal < math.inf and 0 < aperture < math.inf):
+        raise _unusable(
+            camera.GetPrim(),
+            f"focalLength {focal:g} and horizontalAperture {aperture:g} make no picture",
+            "both must be positive, in tenths of a scene unit",
+        )
+    per_length = width / aperture
+    right = _number(camera.GetHorizontalApertureOffsetAttr()) * per_length
+    up = _number(camera.GetVerticalApertureOffsetAttr()) * per_length
+    # The window moves right and up, so the optical axis moves left and down in the picture.
+    return np.array(
+        [
+            [focal * per_length, 0.0, width / 2.0 - right],
+            [0.0, focal * per_length, height / 2.0 + up],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+
+
+def _pose(prim: Usd.Prim, world: Array) -> Array:
+    placed = world @ local_to_world(prim, UsdGeom.XformCache(TIME)) @ FLIP
+    determinant = np.linalg.det(placed[:3, :3])
+    if not (math.isfinite(determinant) and determinant > 0):
+        raise _unusable(
+            prim, "its transform is mirrored or singular", "use rotations and positive scales"
+        )
+    return pose(nearest_rotation(placed[:3, :3]), placed[:3, 3])
+
+
+def _exposure(camera: UsdGeom.Camera) -> float | None:
+    attributes = (camera.GetPrim().GetAttribute(name) for name in _EXPOSURE)
+    if not any(attribute and attribute.HasAuthoredValue() for attribute in attributes):
+        return None
+    return float(camera.ComputeLinearExposureScale(TIME))

@@ -1,0 +1,98 @@
+"""What lights say, as plain data: radiance in nits, frames in the world, Z up, metres.
+
+Radiance is scene-linear Rec.709 in nits: ``0.2126 R + 0.7152 G + 0.0722 B`` is luminance, cd/m2.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Light:
+    """What every light has.
+
+    Attributes:
+        path: Its prim.
+        radiance: (3,) nits of each primary; factor of the texture where there is one.
+        world_from_light: (4, 4) for columns, from its local frame to the world, Z up, metres.
+        losses: One sentence for each thing that is not said here.
+    """
+
+    path: str
+    radiance: NDArray[np.float64]
+    world_from_light: NDArray[np.float64]
+    losses: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class DomeLight(Light):
+    """The surroundings at infinity.
+
+    The local frame is that of OpenEXR's latitude-longitude maps: +Y is the picture's upper edge,
+    its middle looks along +Z, a quarter from the left along +X. ``world_from_light`` has the pole
+    axis of the prim worked in, and no scale.
+
+    Attributes:
+        texture: The picture in latitude-longitude layout, None for a constant dome.
+    """
+
+    texture: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class MeshLight(Light):
+    """A mesh that emits from its front sides (from both where it is double-sided)."""
+
+
+@dataclass(frozen=True, eq=False)
+class RectLight(Light):
+    """A rectangle in the local XY plane that emits along -Z.
+
+    The picture's upper left corner lies at (+x, +y): upright for someone who faces the light.
+    """
+
+    width: float
+    height: float
+    texture: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class DiskLight(Light):
+    """A disk in the local XY plane that emits along -Z."""
+
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class SphereLight(Light):
+    """A sphere that emits outwards."""
+
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class CylinderLight(Light):
+    """A cylinder about the local X axis that emits outwards; its ends do not."""
+
+    radius: float
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
+class DistantLight(Light):
+    """A disk at infinity that shines along the local -Z.
+
+    Attributes:
+        angle: Its angular diameter, degrees.
+        irradiance: (3,) lux of each primary on a surface that faces it.
+    """
+
+    angle: float
+    irradiance: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class UnknownLight(Light):
+    """A light of a kind that is not read; its losses say which."""

@@ -1,0 +1,196 @@
+"""One geometric prim as triangles: topology, normals and texture coordinates, checked and unrolled.
+
+What is drawn less well than it was meant, or not at all, comes with a reason.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Sdf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.tessellation import tessellate
+
+Loss = tuple[Literal["approximated", "skipped"], str]
+
+_UV_TYPES: Final = frozenset(
+    {
+        Sdf.ValueTypeNames.TexCoord2fArray,
+        Sdf.ValueTypeNames.TexCoord2dArray,
+        Sdf.ValueTypeNames.TexCoord2hArray,
+        Sdf.ValueTypeNames.Float2Array,
+        Sdf.ValueTypeNames.Double2Array,
+        Sdf.ValueTypeNames.Half2Array,
+    }
+)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What a prim gives to draw.
+
+    Attributes:
+        mesh: None when there is nothing to draw.
+        double_sided: Whether its back is seen too.
+        losses: What was approximated, or why it was skipped.
+    """
+
+    mesh: TriangleMesh | None
+    double_sided: bool = False
+    losses: tuple[Loss, ...] = ()
+
+
+def read_surface(prim: Usd.Prim) -> Surface:
+    """The triangles of a ``UsdGeom.Gprim`` in its local frame."""
+    double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(TIME))
+    if prim.IsA(UsdGeom.Mesh):
+        return _Polygons(prim, double_sided).surface()
+    polygons = tessellate(prim)
+    if polygons is None:
+        kind = prim.GetTypeName()
+        return Surface(None, losses=(("skipped", f"{kind} without a surface that is known here"),))
+    corners, faces = triangulate(polygons.points, polygons.counts, polygons.indices)
+    if _left_handed(prim):
+        corners = corners[:, ::-1]
+    normals = None if polygons.normals is None else polygons.normals[corners]
+    mesh = TriangleMesh(polygons.points, polygons.indices[corners], faces, normals)
+    return Surface(mesh, double_sided)
+
+
+def _left_handed(prim: Usd.Prim) -> bool:
+    return bool(UsdGeom.Gprim(prim).GetOrientationAttr().Get(TIME) == UsdGeom.Tokens.leftHanded)
+
+
+def _array(value: Any, dtype: type[np.generic], width: int | None = None) -> NDArray[Any]:
+    """A Vt array as numpy; empty where there is no value."""
+    found = np.asarray([] if value is None else value).astype(dtype)
+    return found if width is None else found.reshape(-1, width)
+
+
+class _Polygons:
+    """The reading of one mesh prim; it gathers the losses on its way."""
+
+    def __init__(self, prim: Usd.Prim, double_sided: bool) -> None:
+        self._geometry = UsdGeom.Mesh(prim)
+        self._double_sided = double_sided
+        self._losses: list[Loss] = []
+        self._points = _array(self._geometry.GetPointsAttr().Get(TIME), np.float64, 3)
+        self._counts = _array(self._geometry.GetFaceVertexCountsAttr().Get(TIME), np.int32)
+        self._indices = _array(self._geometry.GetFaceVertexIndicesAttr().Get(TIME), np.int32)
+
+    def surface(self) -> Surface:
+        reason = self._invalid()
+        if reason is not None:
+            return Surface(None, losses=(("skipped", reason),))
+        corners, faces = triangulate(self._points, self._counts, self._indices)
+        seen = ~np.isin(faces, self._holes())
+        corners, faces = corners[seen], faces[seen]
+        if not len(faces):
+            return Surface(None, losses=(("skipped", "no face has an area"),))
+        if _left_handed(self._geometry.GetPrim()):
+            corners = np.ascontiguousarray(corners[:, ::-1])
+        self._note_approximations()
+        normals, uvs = self._normals(corners, faces), self._uvs(corners, faces)
+        mesh = TriangleMesh(self._points, self._indices[corners], faces, normals, uvs)
+        return Surface(mesh, self._double_sided, tuple(self._losses))
+
+    def _invalid(self) -> str | None:
+        """Why there is nothing that could be drawn, if so."""
+        if not len(self._points) or not len(self._counts):
+            return "it has no points or no faces"
+        if (self._counts < 0).any() or self._counts.sum(dtype=np.int64) != len(self._indices):
+            return "faceVertexCounts do not add up to the number of faceVertexIndices"
+        if self._indices.min(initial=0) < 0 or self._indices.max(initial=0) >= len(self._points):
+            return "faceVertexIndices refer to points that do not exist"
+        if not np.isfinite(self._points).all():
+            return "points hold NaN or infinity"
+        return None
+
+    def _holes(self) -> Ints:
+        return _array(self._geometry.GetHoleIndicesAttr().Get(TIME), np.int32)
+
+    def _note_approximations(self) -> None:
+        scheme = self._geometry.GetSubdivisionSchemeAttr().Get(TIME)
+        if scheme != UsdGeom.Tokens.none:
+            self._lose(f"a {scheme} subdivision surface is drawn as its control cage")
+        if "SkelBindingAPI" in self._geometry.GetPrim().GetAppliedSchemas():
+            self._lose("skinning is not applied: drawn in its rest pose")
+
+    def _lose(self, reason: str) -> None:
+        self._losses.append(("approximated", reason))
+
+    def _normals(self, corners: Ints, faces: Ints) -> NDArray[np.float32] | None:
+        primvar = UsdGeom.PrimvarsAPI(self._geometry).GetPrimvar("normals")
+        if primvar and primvar.HasValue():
+            values, indices = primvar.Get(TIME), primvar.GetIndices(TIME)
+            interpolation = primvar.GetInterpolation()
+        else:
+            values, indices = self._geometry.GetNormalsAttr().Get(TIME), None
+            interpolation = self._geometry.GetNormalsInterpolation()
+        vectors = _array(values, np.float64, 3)
+        if not len(vectors):
+            return None
+        rows = self._rows(interpolation, corners, faces)
+        unrolled = self._unrolled(vectors, _array(indices, np.int32), rows, "normals")
+        return None if unrolled is None else self._unit(unrolled, corners)
+
+    def _unit(self, normals: NDArray[Any], corners: Ints) -> NDArray[np.float32]:
+        """Unit normals; the face's own where one is zero or not finite."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
+        usable = np.isfinite(lengths) & (lengths > 0)
+        units = np.where(usable, normals, 0.0) / np.where(usable, lengths, 1.0)
+        if not usable.all():
+            a, b, c = np.moveaxis(self._points[self._indices[corners]], 1, 0)
+            flat = np.cross(b - a, c - a)
+            flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+            units = np.where(usable, units, flat[:, None])
+        return units.astype(np.float32)
+
+    def _uvs(self, corners: Ints, faces: Ints) -> dict[str, NDArray[np.float32]]:
+        sets: dict[str, NDArray[np.float32]] = {}
+        for primvar in UsdGeom.PrimvarsAPI(self._geometry).GetPrimvarsWithValues():
+            if primvar.GetTypeName() not in _UV_TYPES:
+                continue
+            values = _array(primvar.Get(TIME), np.float32, 2)
+            indices = _array(primvar.GetIndices(TIME), np.int32)
+            rows = self._rows(primvar.GetInterpolation(), corners, faces)
+            name = primvar.GetPrimvarName()
+            unrolled = self._unrolled(values, indices, rows, f"primvars:{name}")
+            if unrolled is not None:
+                sets[name] = unrolled
+        # The usual name first: it is what consumers that want just one set take.
+        return dict(sorted(sets.items(), key=lambda item: (item[0] != names.ST, item[0])))
+
+    def _rows(self, interpolation: str, corners: Ints, faces: Ints) -> NDArray[Any] | None:
+        """(M, 3) the element of a primvar that each corner takes; None for an unknown word."""
+        rows: dict[str, Callable[[], NDArray[Any]]] = {
+            UsdGeom.Tokens.constant: lambda: np.zeros_like(corners),
+            UsdGeom.Tokens.uniform: lambda: np.repeat(faces[:, None], 3, axis=1),
+            UsdGeom.Tokens.vertex: lambda: self._indices[corners],
+            UsdGeom.Tokens.varying: lambda: self._indices[corners],
+            UsdGeom.Tokens.faceVarying: lambda: corners,
+        }
+        return rows[interpolation]() if interpolation in rows else None
+
+    def _unrolled(
+        self, values: NDArray[Any], indices: Ints, rows: NDArray[Any] | None, what: str
+    ) -> NDArray[Any] | None:
+        """(M, 3, ...) values at each corner; None, with a reason, where they do not fit."""
+        if rows is not None and len(indices) and rows.max() < len(indices):
+            rows = indices[rows]
+        elif len(indices):
+            rows = None
+        if rows is None or rows.min() < 0 or rows.max() >= len(values):
+            self._lose(f"{what} do not fit the faces and are left out")
+            return None
+        unrolled: NDArray[Any] = values[rows]
+        if what != "normals" and not np.isfinite(unrolled).all():
+            self._lose(f"{what} hold NaN or infinity and are left out")
+            return None
+        return unrolled

@@ -1,0 +1,216 @@
+"""Layers: open, stack, split arrays off, save whole.
+
+A stage authors ordinary USD on one stage object. What it wrote is then saved as two files: a light
+text layer that people read and edit, and a binary sublayer beside it with the long arrays. The
+binary file is named by its content, so that replacing the text layer switches both at once.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+from pxr import Ar, Sdf, Tf, Usd, UsdGeom
+
+from openrooms_usd import atomic, names
+from openrooms_usd.errors import InputError, writing
+
+# Arrays with more elements than this leave the text layer.
+LONG_ARRAY: Final = 24
+
+
+def apply_metadata(layer: Sdf.Layer) -> None:
+    """Write the metadata that every layer of a room carries alike."""
+    world = Sdf.Path(names.WORLD)
+    layer.defaultPrim = world.name
+    root = layer.pseudoRoot
+    root.SetInfo(UsdGeom.Tokens.upAxis, names.UP_AXIS)
+    root.SetInfo(UsdGeom.Tokens.metersPerUnit, names.METERS_PER_UNIT)
+    root.SetInfo("kilogramsPerUnit", names.KILOGRAMS_PER_UNIT)
+    custom = dict(layer.customLayerData)
+    custom["creator"] = names.CREATOR
+    layer.customLayerData = custom
+
+
+def reason(error: Tf.ErrorException) -> str:
+    """What USD says is wrong, without where in USD it was said."""
+    # The first of its errors is the cause, the others what followed from it.
+    return " ".join(str(error.args[0].commentary).split())
+
+
+def open_stage(path: Path) -> Usd.Stage:
+    """Open a USD stage from disk.
+
+    Raises:
+        InputError: The file is missing, or is not USD.
+    """
+    if not path.is_file():
+        raise InputError("no such file", place=path, remedy="check the path")
+    try:
+        stage = Usd.Stage.Open(str(path))
+        # USD caches layers by name; one that was written again since then is read again.
+        stage.Reload()
+    except Tf.ErrorException as error:
+        raise InputError(
+            f"not a readable USD file: {reason(error)}",
+            place=path,
+            remedy="open it with a USD tool that shows the mistake, or export it again",
+        ) from error
+    return stage
+
+
+def attribute_specs(layer: Sdf.Layer) -> list[Sdf.AttributeSpec]:
+    """Every attribute spec of a layer, in the order of their paths."""
+    paths: list[Sdf.Path] = []
+    layer.Traverse(Sdf.Path.absoluteRootPath, lambda path: paths.append(path))
+    specs = (layer.GetAttributeAtPath(path) for path in sorted(paths) if path.IsPropertyPath())
+    return [spec for spec in specs if spec is not None]
+
+
+def split_arrays(layer: Sdf.Layer) -> Sdf.Layer | None:
+    """Move the long arrays of a layer into a new one that shall be its sublayer.
+
+    Args:
+        layer: The layer to lighten, in place.
+
+    Returns:
+        An anonymous layer that holds only overs with the arrays, or None when there are none.
+    """
+    long = [
+        spec.path
+        for spec in attribute_specs(layer)
+        if spec.HasDefaultValue() and _length(spec.default) > LONG_ARRAY
+    ]
+    if not long:
+        return None
+    arrays = Sdf.Layer.CreateAnonymous(".usdc")
+    apply_metadata(arrays)
+    for path in long:
+        Sdf.CreatePrimInLayer(arrays, path.GetPrimPath())
+        Sdf.CopySpec(layer, path, arrays, path)
+        owner = layer.GetPrimAtPath(path.GetPrimPath())
+        owner.RemoveProperty(layer.GetAttributeAtPath(path))
+    return arrays
+
+
+def _length(value: Any) -> int:
+    # Strings have a length too, but they are no arrays.
+    return len(value) if hasattr(value, "__len__") and not isinstance(value, str) else 0
+
+
+def arrays_file(layer: Sdf.Layer, folder: Path) -> Path | None:
+    """Move a layer's long arrays into a binary sublayer in a folder beside it.
+
+    Args:
+        layer: The authored layer; it is lightened in place.
+        folder: Where files that only this layer refers to are kept, beside the layer's file.
+
+    Returns:
+        The binary file, or None when the layer has no long arrays.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    arrays = split_arrays(layer)
+    if arrays is None:
+        return None
+    binary = export_by_content(arrays, folder, "arrays", ".usdc")
+    layer.subLayerPaths.append(f"./{folder.name}/{binary.name}")
+    return binary
+
+
+def export(layer: Sdf.Layer, target: Path) -> None:
+    """Export a layer to a file that appears whole or not at all."""
+    with atomic.replacing(target) as beside:
+        _export(layer, beside)
+
+
+def export_by_content(layer: Sdf.Layer, folder: Path, stem: str, suffix: str) -> Path:
+    """Export a layer under a name that carries the hash of its bytes.
+
+    Returns:
+        ``folder/stem-<12 hex digits>suffix``.
+    """
+    beside = folder / f".{stem}.{os.getpid()}{suffix}"
+    with writing(folder), atomic.making(folder):
+        try:
+            _export(layer, beside)
+            digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:12]
+            return beside.replace(folder / f"{stem}-{digest}{suffix}")
+        finally:
+            beside.unlink(missing_ok=True)
+
+
+def _export(layer: Sdf.Layer, path: Path) -> None:
+    try:
+        done = layer.Export(str(path))
+    except Tf.ErrorException as error:
+        raise OSError(reason(error)) from error
+    if not done:
+        raise OSError("USD could not write the file")
+
+
+@contextmanager
+def stacked(
+    target: Sdf.Layer, stronger: Iterable[Path], weaker: Iterable[Path]
+) -> Iterator[Usd.Stage]:
+    """A stage that shows ``target`` between other layers and writes only to ``target``.
+
+    Args:
+        target: The layer that receives every edit.
+        stronger: Layer files above it, strongest first; missing files are left out.
+        weaker: Layer files below it, strongest first; missing files are left out.
+
+    Yields:
+        The composed stage, its edit target set to ``target``.
+    """
+    root = Sdf.Layer.CreateAnonymous(".usda")
+    apply_metadata(root)
+    above = [_fresh(path) for path in stronger if path.is_file()]
+    below = [_fresh(path) for path in weaker if path.is_file()]
+    root.subLayerPaths = [*above, target.identifier, *below]
+    stage = Usd.Stage.Open(root)
+    stage.SetEditTarget(target)
+    yield stage
+
+
+def composition_errors(stack: Iterable[Path]) -> list[str]:
+    """What USD finds wrong with layer files on top of each other.
+
+    Args:
+        stack: The files, strongest first; missing files are left out.
+    """
+    root = Sdf.Layer.CreateAnonymous(".usda")
+    apply_metadata(root)
+    root.subLayerPaths = [_fresh(path) for path in stack if path.is_file()]
+    return [str(error) for error in Usd.Stage.Open(root).GetCompositionErrors()]
+
+
+def _fresh(path: Path) -> str:
+    # Layers are cached by path for the whole process: a file that was replaced must be read again.
+    cached = Sdf.Layer.Find(str(path))
+    if cached is not None:
+        cached.Reload()
+    return str(path)
+
+
+def relative_assets(folder: Path) -> Callable[[Sdf.Layer, str], str]:
+    """For `UsdUtils.FlattenLayerStack`: rewrite asset paths relative to ``folder``, anchored.
+
+    Returns:
+        A function of (layer, authored path).
+    """
+    base = folder.resolve()
+
+    def rewrite(layer: Sdf.Layer, path: str) -> str:
+        if not path:
+            return path
+        absolute = Path(str(Ar.GetResolver().CreateIdentifier(path, layer.resolvedPath)))
+        if not absolute.is_absolute():
+            return path
+        text = Path(os.path.relpath(absolute.resolve(), base)).as_posix()
+        return text if text.startswith("../") else f"./{text}"
+
+    return rewrite

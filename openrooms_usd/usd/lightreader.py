@@ -1,0 +1,257 @@
+"""Reading the lights of any stage, with everything that scales them resolved.
+
+UsdLux defines the radiance of a light, in nits, as
+``intensity * 2^exposure * color * blackbody(temperature) / size``. The size is 1 unless
+``normalize`` is on; then it is the emitting area, or what stands for it with a distant light.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Sdf, Usd, UsdGeom, UsdLux
+
+from openrooms_usd.usd.emitters import (
+    CylinderLight,
+    DiskLight,
+    DistantLight,
+    DomeLight,
+    Light,
+    MeshLight,
+    RectLight,
+    SphereLight,
+    UnknownLight,
+)
+from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
+from openrooms_usd.usd.materials import Texture, bound_material, read_preview_surface
+from openrooms_usd.usd.photometry import world_area, world_from_prim
+
+Matrix = NDArray[np.float64]
+
+# Animated lights are read where they begin; all others have one value anyway.
+_WHEN: Final = Usd.TimeCode.EarliestTime()
+
+
+def read_lights(stage: Usd.Stage) -> list[Light]:
+    """Every light of a stage that can be seen, those inside instances too.
+
+    Args:
+        stage: Any stage, with any up axis and unit.
+
+    Returns:
+        The lights in the order of the stage; those of unknown kinds as `UnknownLight`.
+    """
+    prims = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
+    return [_read(prim) for prim in prims if _is_light(prim) and _is_seen(prim)]
+
+
+def _is_light(prim: Usd.Prim) -> bool:
+    # A portal emits nothing of its own: it guides the sampling of a dome.
+    return bool(prim.HasAPI(UsdLux.LightAPI)) and not prim.IsA(UsdLux.PortalLight)
+
+
+def _is_seen(prim: Usd.Prim) -> bool:
+    shown = UsdGeom.Imageable(prim)
+    if not shown:
+        return True
+    return shown.ComputeVisibility(
+        _WHEN
+    ) != UsdGeom.Tokens.invisible and shown.ComputePurpose() in (
+        UsdGeom.Tokens.default_,
+        UsdGeom.Tokens.render,
+    )
+
+
+def _read(prim: Usd.Prim) -> Light:
+    light = _Reader(prim)
+    if prim.HasAPI(UsdLux.MeshLightAPI) and prim.IsA(UsdGeom.Mesh):
+        return light.mesh()
+    read = _KINDS.get(prim.GetTypeName(), _Reader.unknown)
+    return read(light)
+
+
+class _Reader:
+    """One light prim: its attributes, and the losses so far."""
+
+    def __init__(self, prim: Usd.Prim) -> None:
+        self.prim = prim
+        self.losses: list[str] = []
+        self.world = world_from_prim(prim)
+
+    # Kinds: each reads what is its own, and what all have in common at the end.
+
+    def dome(self) -> Light:
+        pole = self.value("poleAxis", UsdGeom.Tokens.y)
+        if pole == UsdLux.Tokens.scene:
+            pole = UsdGeom.GetStageUpAxis(self.prim.GetStage())
+        frame = self.world @ Z_UP_FROM_Y_UP if pole == UsdGeom.Tokens.z else self.world
+        texture = self.texture()
+        path, radiance, _, losses = self.common(1.0)
+        return DomeLight(path, radiance, _rotation(frame), losses, texture)
+
+    def mesh(self) -> Light:
+        glow = self.glow()
+        path, radiance, world, losses = self.common(world_area(self.prim))
+        return MeshLight(path, radiance * glow, world, losses)
+
+    def rect(self) -> Light:
+        width, height = self.number("inputs:width", 1.0), self.number("inputs:height", 1.0)
+        texture = self.texture()
+        return RectLight(*self.common(width * height * self.xy_scale()), width, height, texture)
+
+    def disk(self) -> Light:
+        radius = self.number("inputs:radius", 0.5)
+        return DiskLight(*self.common(math.pi * radius**2 * self.xy_scale()), radius)
+
+    def sphere(self) -> Light:
+        radius = self.number("inputs:radius", 0.5)
+        return SphereLight(*self.common(ellipsoid_area(*(radius * self.scales()))), radius)
+
+    def cylinder(self) -> Light:
+        radius, length = self.number("inputs:radius", 0.5), self.number("inputs:length", 1.0)
+        sx, sy, sz = self.scales()
+        area = length * sx * ellipse_perimeter(radius * sy, radius * sz)
+        return CylinderLight(*self.common(area), radius, length)
+
+    def distant(self) -> Light:
+        angle = self.number("inputs:angle", 0.53)
+        half = math.radians(min(max(angle, 0.0), 360.0)) / 2
+        lit = math.sin(half) ** 2 * math.pi
+        size = 1.0 if half == 0 else lit if half <= math.pi / 2 else 2 * math.pi - lit
+        common = self.common(size)
+        return DistantLight(*common, angle, common[1] * size)
+
+    def unknown(self) -> Light:
+        self.losses.append(f"{self.prim.GetTypeName() or 'a prim'} is not a kind of light we read")
+        return UnknownLight(*self.common(1.0))
+
+    # What the kinds are made of.
+
+    def common(self, size: float) -> tuple[str, NDArray[np.float64], Matrix, tuple[str, ...]]:
+        """Path, radiance, frame and losses: what every light has."""
+        radiance = self.radiance(size)
+        self.check_extras()
+        return str(self.prim.GetPath()), radiance, self.world, tuple(self.losses)
+
+    def value(self, name: str, default: Any) -> Any:
+        attribute = self.prim.GetAttribute(name)
+        if attribute and attribute.HasAuthoredConnections():
+            self.losses.append(f"{name}: what is connected to it is left out")
+        value = attribute.Get(_WHEN) if attribute else None
+        return default if value is None else value
+
+    def number(self, name: str, default: float) -> float:
+        value = float(self.value(name, default))
+        if math.isfinite(value):
+            return value
+        self.losses.append(f"{name}: {value} is not finite; {default} is taken")
+        return default
+
+    def radiance(self, size: float) -> NDArray[np.float64]:
+        """(3,) nits of each primary."""
+        scale = self.number("inputs:intensity", 1.0) * 2.0 ** self.number("inputs:exposure", 0.0)
+        if self.value("inputs:normalize", False) and size > 0:
+            scale /= size
+        color = np.array(self.value("inputs:color", (1.0, 1.0, 1.0)), dtype=np.float64)
+        if self.value("inputs:enableColorTemperature", False):
+            kelvin = self.number("inputs:colorTemperature", 6500.0)
+            color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+        radiance = np.asarray(scale * color, dtype=np.float64)
+        if not np.isfinite(radiance).all() or (radiance < 0).any():
+            self.losses.append(f"its radiance {radiance.tolist()} is not physical; cut off at 0")
+            radiance = np.clip(np.nan_to_num(radiance, posinf=0.0, neginf=0.0), 0.0, None)
+        return radiance
+
+    def texture(self) -> str | None:
+        asset = self.value("inputs:texture:file", None)
+        authored = str(getattr(asset, "path", "") or "")
+        resolved = str(getattr(asset, "resolvedPath", "") or "")
+        layout = self.value("inputs:texture:format", UsdLux.Tokens.automatic)
+        if not authored:
+            return None
+        if not resolved:
+            self.losses.append(f"its texture {authored} is missing")
+        elif layout not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong):
+            self.losses.append(f"textures in {layout} layout are not read")
+        else:
+            return resolved
+        return None
+
+    def glow(self) -> NDArray[np.float64]:
+        """(3,) what the bound material makes of a mesh light's color."""
+        mode = self.value("light:materialSyncMode", UsdLux.Tokens.materialGlowTintsLight)
+        material = bound_material(self.prim)
+        if mode != UsdLux.Tokens.materialGlowTintsLight or material is None:
+            return np.ones(3)
+        emissive = read_preview_surface(material)[0].emissive
+        if isinstance(emissive, Texture) or not any(emissive):
+            what = "textured" if isinstance(emissive, Texture) else "black"
+            self.losses.append(f"its material's glow is {what}; the light is not tinted by it")
+            return np.ones(3)
+        return np.array(emissive)
+
+    def check_extras(self) -> None:
+        """Note the features that no light here has."""
+        for name, (neutral, what) in _EXTRAS.items():
+            attribute = self.prim.GetAttribute(name)
+            if attribute and attribute.HasAuthoredValue() and attribute.Get(_WHEN) != neutral:
+                self.losses.append(f"{name}: {what}")
+        if self.prim.GetRelationship("light:filters").HasAuthoredTargets():
+            self.losses.append("light:filters: light filters are left out")
+        light = UsdLux.LightAPI(self.prim)
+        for link in (light.GetLightLinkCollectionAPI(), light.GetShadowLinkCollectionAPI()):
+            if link.ComputeMembershipQuery().GetAsPathExpansionRuleMap() != _EVERYTHING:
+                self.losses.append(f"{link.GetName()}: the light lights everything")
+
+    def scales(self) -> NDArray[np.float64]:
+        """(3,) how much longer the local axes are in the world."""
+        return np.asarray(np.linalg.norm(self.world[:3, :3], axis=0))
+
+    def xy_scale(self) -> float:
+        """How much larger an area in the local XY plane is in the world."""
+        return float(np.linalg.norm(np.cross(self.world[:3, 0], self.world[:3, 1])))
+
+
+_KINDS: Final[dict[str, Callable[[_Reader], Light]]] = {
+    "DomeLight": _Reader.dome,
+    "DomeLight_1": _Reader.dome,
+    "RectLight": _Reader.rect,
+    "DiskLight": _Reader.disk,
+    "SphereLight": _Reader.sphere,
+    "CylinderLight": _Reader.cylinder,
+    "DistantLight": _Reader.distant,
+}
+# Attribute -> the value that changes nothing, and what any other value would do.
+_EXTRAS: Final[dict[str, tuple[Any, str]]] = {
+    "inputs:diffuse": (1.0, "the light acts on diffuse reflection as on any other"),
+    "inputs:specular": (1.0, "the light acts on specular reflection as on any other"),
+    "inputs:shadow:enable": (True, "the light casts shadows all the same"),
+    "inputs:shaping:focus": (0.0, "the light is not focused"),
+    "inputs:shaping:cone:angle": (90.0, "the light is not cut to a cone"),
+    "inputs:shaping:ies:file": (None, "the light does not follow its IES profile"),
+}
+
+_EVERYTHING: Final = {Sdf.Path.absoluteRootPath: Usd.Tokens.expandPrims}
+
+
+def _rotation(frame: Matrix) -> Matrix:
+    """A frame without its scales and offset."""
+    lengths = np.linalg.norm(frame[:3, :3], axis=0)
+    rotation = np.eye(4)
+    rotation[:3, :3] = frame[:3, :3] / np.where(lengths > 0, lengths, 1.0)
+    return rotation
+
+
+def ellipse_perimeter(a: float, b: float) -> float:
+    """Perimeter of an ellipse: Ramanujan's second approximation, exact for circles."""
+    h = ((a - b) / (a + b)) ** 2 if a + b > 0 else 0.0
+    return math.pi * (a + b) * (1 + 3 * h / (10 + math.sqrt(4 - 3 * h)))
+
+
+def ellipsoid_area(a: float, b: float, c: float) -> float:
+    """Area of an ellipsoid: Thomsen's approximation, exact for spheres, else within 1.1 %."""
+    p = 1.6075
+    mean = ((a * b) ** p + (a * c) ** p + (b * c) ** p) / 3
+    return float(4 * math.pi * mean ** (1 / p))

@@ -1,0 +1,85 @@
+"""Lights, authored in nits. `read_lights` reads those of any stage."""
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdLux
+
+from openrooms_usd.usd.emitters import (
+    CylinderLight,
+    DiskLight,
+    DistantLight,
+    DomeLight,
+    Light,
+    MeshLight,
+    RectLight,
+    SphereLight,
+    UnknownLight,
+)
+from openrooms_usd.usd.lightreader import read_lights
+from openrooms_usd.usd.photometry import luminance
+from openrooms_usd.usd.transforms import author_rotation
+
+__all__ = [
+    "CylinderLight",
+    "DiskLight",
+    "DistantLight",
+    "DomeLight",
+    "Light",
+    "MeshLight",
+    "RectLight",
+    "SphereLight",
+    "UnknownLight",
+    "define_dome",
+    "define_mesh_light",
+    "read_lights",
+]
+
+
+def define_dome(
+    stage: Usd.Stage,
+    path: str | Sdf.Path,
+    *,
+    radiance: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    texture: str | None = None,
+    rotation: float = 0.0,
+) -> UsdLux.DomeLight_1:
+    """Define the surroundings, with the pole along +Z.
+
+    Args:
+        stage: Where to define it; the edit target receives everything.
+        path: The prim's path.
+        radiance: Nits of each primary; with a texture, the factor of its pixels.
+        texture: Asset path of a latitude-longitude picture; without rotation its middle looks
+            along -Y, a quarter from the left along +X.
+        rotation: Degrees about the vertical, counter-clockwise from above.
+    """
+    dome = UsdLux.DomeLight_1.Define(stage, path)
+    dome.CreatePoleAxisAttr(UsdLux.Tokens.Z)
+    intensity = float(luminance(np.array(radiance)))
+    dome.CreateIntensityAttr(intensity)
+    if intensity > 0:
+        dome.CreateColorAttr(Gf.Vec3f(*(value / intensity for value in radiance)))
+    if texture is not None:
+        dome.CreateTextureFileAttr(texture)
+        dome.CreateTextureFormatAttr(UsdLux.Tokens.latlong)
+    if rotation:
+        author_rotation(dome.GetPrim(), rotation)
+    return dome
+
+
+def define_mesh_light(prim: Usd.Prim, *, nits: float, kelvin: float | None = None) -> None:
+    """Make a mesh emit the same luminance everywhere.
+
+    Args:
+        prim: The mesh, or an over where it shall be.
+        nits: Its luminance.
+        kelvin: Colour temperature, which changes the hue and not the luminance; white when None.
+    """
+    UsdLux.MeshLightAPI.Apply(prim)
+    light = UsdLux.LightAPI(prim)
+    light.CreateIntensityAttr(nits)
+    light.CreateNormalizeAttr(False)
+    # The schema's own default multiplies by the glow of the material, which is black here.
+    light.CreateMaterialSyncModeAttr(UsdLux.Tokens.noMaterialResponse)
+    if kelvin is not None:
+        light.CreateEnableColorTemperatureAttr(True)
+        light.CreateColorTemperatureAttr(kelvin)

@@ -1,0 +1,227 @@
+"""Materials: UsdPreviewSurface authored and read, and which material a prim shows."""
+
+from dataclasses import fields, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
+
+from openrooms_usd.usd.networks import Network
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture, UvTransform
+from openrooms_usd.usd.uvtextures import mended_normal_map, read_texture_node
+
+__all__ = [
+    "PreviewSurface",
+    "Texture",
+    "bound_material",
+    "bound_subsets",
+    "define_preview_surface",
+    "read_preview_surface",
+]
+
+_Types = Sdf.ValueTypeNames
+# Field of PreviewSurface -> input of UsdPreviewSurface and its type.
+_INPUTS: Final = {
+    "base_color": ("diffuseColor", _Types.Color3f),
+    "metallic": ("metallic", _Types.Float),
+    "roughness": ("roughness", _Types.Float),
+    "specular": ("specularColor", _Types.Color3f),
+    "opacity": ("opacity", _Types.Float),
+    "opacity_threshold": ("opacityThreshold", _Types.Float),
+    "opacity_mode": ("opacityMode", _Types.Token),
+    "ior": ("ior", _Types.Float),
+    "emissive": ("emissiveColor", _Types.Color3f),
+    "normal": ("normal", _Types.Normal3f),
+    "clearcoat": ("clearcoat", _Types.Float),
+    "clearcoat_roughness": ("clearcoatRoughness", _Types.Float),
+    "occlusion": ("occlusion", _Types.Float),
+}
+# What only a constant can say here.
+_UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
+
+
+def define_preview_surface(
+    stage: Usd.Stage, path: str | Sdf.Path, surface: PreviewSurface
+) -> UsdShade.Material:
+    """Define a material with a UsdPreviewSurface network below it.
+
+    Only what differs from the specification's defaults is authored.
+
+    Args:
+        stage: Where to define it; the edit target receives everything.
+        path: The material's path.
+        surface: Its inputs; the files of its textures are authored as they are given.
+    """
+    material = UsdShade.Material.Define(stage, path)
+    shader = _define_node(material, "Surface", "UsdPreviewSurface")
+    output = shader.CreateOutput("surface", _Types.Token)
+    material.CreateSurfaceOutput().ConnectToSource(output)
+    coordinates = _define_coordinates(material, surface)
+    for item in fields(surface):
+        value = getattr(surface, item.name)
+        socket = _INPUTS[item.name]
+        if isinstance(value, Texture):
+            texture = _define_texture(material, item.name, value, coordinates[_mapping(value)])
+            shader.CreateInput(*socket).ConnectToSource(texture)
+        elif value != item.default:
+            shader.CreateInput(*socket).Set(value)
+    if surface.specular is not None:
+        shader.CreateInput("useSpecularWorkflow", _Types.Int).Set(1)
+    return material
+
+
+def _define_node(material: UsdShade.Material, name: str, kind: str) -> UsdShade.Shader:
+    path = material.GetPath().AppendChild(name)
+    shader = UsdShade.Shader.Define(material.GetPrim().GetStage(), path)
+    shader.CreateIdAttr(kind)
+    return shader
+
+
+def _mapping(texture: Texture) -> tuple[str, UvTransform]:
+    transform = UvTransform(texture.uv_scale, texture.uv_rotation, texture.uv_translation)
+    return texture.primvar, transform
+
+
+def _define_coordinates(
+    material: UsdShade.Material, surface: PreviewSurface
+) -> dict[tuple[str, UvTransform], UsdShade.Output]:
+    """The output that gives the coordinates of each mapping; textures that agree share it."""
+    values = [getattr(surface, item.name) for item in fields(surface)]
+    mappings = dict.fromkeys(_mapping(value) for value in values if isinstance(value, Texture))
+    outputs = {}
+    for number, (primvar, transform) in enumerate(mappings):
+        suffix = f"_{number}" if number else ""
+        reader = _define_node(material, f"Coordinates{suffix}", "UsdPrimvarReader_float2")
+        reader.CreateInput("varname", _Types.String).Set(primvar)
+        output = reader.CreateOutput("result", _Types.Float2)
+        if transform != UvTransform():
+            node = _define_node(material, f"Mapping{suffix}", "UsdTransform2d")
+            node.CreateInput("in", _Types.Float2).ConnectToSource(output)
+            node.CreateInput("scale", _Types.Float2).Set(Gf.Vec2f(*transform.scale))
+            node.CreateInput("rotation", _Types.Float).Set(transform.rotation)
+            node.CreateInput("translation", _Types.Float2).Set(Gf.Vec2f(*transform.translation))
+            output = node.CreateOutput("result", _Types.Float2)
+        outputs[primvar, transform] = output
+    return outputs
+
+
+def _define_texture(
+    material: UsdShade.Material, name: str, texture: Texture, coordinates: UsdShade.Output
+) -> UsdShade.Output:
+    node = _define_node(material, f"{name}_texture", "UsdUVTexture")
+    node.CreateInput("file", _Types.Asset).Set(texture.file)
+    node.CreateInput("st", _Types.Float2).ConnectToSource(coordinates)
+    node.CreateInput("sourceColorSpace", _Types.Token).Set(texture.color_space)
+    node.CreateInput("wrapS", _Types.Token).Set(texture.wrap_s)
+    node.CreateInput("wrapT", _Types.Token).Set(texture.wrap_t)
+    for item in ("scale", "bias", "fallback"):
+        value = getattr(texture, item)
+        if value != getattr(Texture, item):
+            node.CreateInput(item, _Types.Float4).Set(Gf.Vec4f(*value))
+    kind = _Types.Float3 if texture.channel == "rgb" else _Types.Float
+    return node.CreateOutput(texture.channel, kind)
+
+
+def read_preview_surface(
+    material: UsdShade.Material,
+) -> tuple[PreviewSurface, tuple[str, ...]]:
+    """Read a material's UsdPreviewSurface.
+
+    Connections are followed through node graphs and interface inputs. What a `PreviewSurface`
+    cannot say is left at its default and named; nothing that a file holds raises.
+
+    Args:
+        material: Any material, of our own or of a foreign stage.
+
+    Returns:
+        The surface, and one sentence for each thing that was lost.
+    """
+    network = Network()
+    shader = _surface_shader(network, material)
+    if shader is None:
+        return PreviewSurface(), tuple(network.losses)
+    values = {
+        item.name: _read_input(network, shader, _INPUTS[item.name][0], item.default)
+        for item in fields(PreviewSurface)
+        if item.name not in _UNIFORM
+    }
+    return _completed(network, shader, values), tuple(network.losses)
+
+
+def _surface_shader(network: Network, material: UsdShade.Material) -> UsdShade.Shader | None:
+    if not material:
+        network.losses.append("there is no material")
+        return None
+    shader = UsdShade.Shader(material.ComputeSurfaceSource()[0])
+    if not shader:
+        network.losses.append(f"{material.GetPath()}: no surface shader for every renderer")
+        return None
+    kind = shader.GetShaderId()
+    if kind != "UsdPreviewSurface":
+        what = kind or "a shader without identifier"
+        network.losses.append(f"{shader.GetPath()}: {what} is not UsdPreviewSurface")
+        return None
+    return shader
+
+
+def _read_input(network: Network, shader: UsdShade.Shader, name: str, default: Any) -> Any:
+    """An input that a constant or a texture drives."""
+    source = network.source(shader, name)
+    if source.shader is None:
+        return network.finite(shader, name, source.constant, default)
+    if source.kind != "UsdUVTexture":
+        network.lost(shader, name, f"{source.kind or 'a shader'} cannot drive it")
+        return network.finite(shader, name, network.own_value(shader, name), default)
+    texture = read_texture_node(network, source.shader, source.output)
+    if texture is None:
+        authored = network.constant(source.shader, "fallback", None)
+        return network.finite(source.shader, "fallback", authored, default)
+    if isinstance(default, float) and texture.channel == "rgb":
+        return replace(texture, channel="r")
+    return texture
+
+
+def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]) -> PreviewSurface:
+    """The surface of what was read, with the inputs that hang on each other."""
+    if not network.constant(shader, "useSpecularWorkflow", 0):
+        values["specular"] = None
+    elif values["specular"] is None:
+        values["specular"] = (0.0, 0.0, 0.0)
+    if isinstance(values["normal"], Texture):
+        values["normal"] = mended_normal_map(network, values["normal"])
+    if _read_input(network, shader, "displacement", 0.0) != 0.0:
+        network.lost(shader, "displacement", "it is left out")
+    presence = str(network.constant(shader, "opacityMode", "")) == "presence"
+    return PreviewSurface(
+        **values,
+        opacity_mode="presence" if presence else "transparent",
+        opacity_threshold=network.number(shader, "opacityThreshold", 0.0),
+        ior=network.number(shader, "ior", 1.5),
+    )
+
+
+def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
+    """The material that a prim shows: the binding for ``full``, else for all purposes."""
+    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
+    return material if material else None
+
+
+def bound_subsets(prim: Usd.Prim) -> list[tuple[NDArray[np.int32], UsdShade.Material]]:
+    """The faces of a mesh that show another material than the mesh itself.
+
+    Args:
+        prim: A mesh.
+
+    Returns:
+        For each material subset (its face indices, its material); faces in none of them show
+        `bound_material` of the mesh.
+    """
+    api = UsdShade.MaterialBindingAPI(prim)
+    subsets = api.GetMaterialBindSubsets() if prim.IsA(UsdGeom.Mesh) else []
+    found = [(subset, bound_material(subset.GetPrim())) for subset in subsets]
+    return [
+        (np.array(subset.GetIndicesAttr().Get() or [], dtype=np.int32), material)
+        for subset, material in found
+        if material is not None and subset.GetElementTypeAttr().Get() == UsdGeom.Tokens.face
+    ]

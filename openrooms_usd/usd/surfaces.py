@@ -1,0 +1,118 @@
+"""What a UsdPreviewSurface says, as plain data: every input a constant or a texture."""
+
+import math
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import names
+
+Color = tuple[float, float, float]
+Channel = Literal["rgb", "r", "g", "b", "a"]
+ColorSpace = Literal["sRGB", "raw"]
+Wrap = Literal["repeat", "clamp", "mirror", "black"]
+
+# An 8-bit normal map stores (n + 1) / 2.
+NORMAL_SCALE: Final = (2.0, 2.0, 2.0, 1.0)
+NORMAL_BIAS: Final = (-1.0, -1.0, -1.0, 0.0)
+
+
+@dataclass(frozen=True)
+class UvTransform:
+    """UsdTransform2d: scale, then rotate (degrees, counter-clockwise), then translate."""
+
+    scale: tuple[float, float] = (1.0, 1.0)
+    rotation: float = 0.0
+    translation: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """(3, 3) for columns (s, t, 1)."""
+        angle = math.radians(self.rotation)
+        c, s = math.cos(angle), math.sin(angle)
+        matrix = np.eye(3)
+        matrix[:2, :2] = np.array([[c, -s], [s, c]]) @ np.diag(self.scale)
+        matrix[:2, 2] = self.translation
+        return matrix
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A picture that is looked up by texture coordinates (UsdUVTexture and what feeds it).
+
+    A texel's value is ``decode(pixel) * scale + bias``, of which ``channel`` is taken.
+
+    Attributes:
+        file: Read: the absolute path, which may lie inside a package (``/x/y.usdz[0/z.png]``).
+            Authored: the asset path as it shall stand in the layer.
+        channel: ``rgb`` for colours and normals, or one channel.
+        color_space: ``sRGB`` pixels are decoded to linear (alpha never is), ``raw`` ones are not.
+        scale: Factor of r, g, b, a.
+        bias: Offset of r, g, b, a.
+        wrap_s: What lies beyond 0..1 in s.
+        wrap_t: What lies beyond 0..1 in t.
+        primvar: Name of the texture coordinates.
+        uv_scale: Factor of the texture coordinates, applied first.
+        uv_rotation: Rotation of the texture coordinates, degrees counter-clockwise, applied second.
+        uv_translation: Offset of the texture coordinates, applied last.
+        fallback: Value where the picture cannot be read.
+    """
+
+    file: str
+    channel: Channel = "rgb"
+    color_space: ColorSpace = "raw"
+    scale: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    bias: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    wrap_s: Wrap = "repeat"
+    wrap_t: Wrap = "repeat"
+    primvar: str = names.ST
+    uv_scale: tuple[float, float] = (1.0, 1.0)
+    uv_rotation: float = 0.0
+    uv_translation: tuple[float, float] = (0.0, 0.0)
+    fallback: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+
+    @property
+    def uv_matrix(self) -> NDArray[np.float64]:
+        """(3, 3) from the primvar's coordinates to the picture's, for columns (s, t, 1).
+
+        s = 0 is the picture's left edge, t = 0 its lower one.
+        """
+        return UvTransform(self.uv_scale, self.uv_rotation, self.uv_translation).matrix
+
+
+@dataclass(frozen=True)
+class PreviewSurface:
+    """The inputs of a UsdPreviewSurface; the defaults are the specification's.
+
+    Attributes:
+        base_color: ``diffuseColor``, scene-linear Rec.709.
+        metallic: 0 dielectric to 1 metal; without meaning when ``specular`` is given.
+        roughness: Perceptual roughness; GGX alpha is its square.
+        specular: ``specularColor`` of the specular workflow; None in the metallic workflow.
+        opacity: 1 opaque to 0 clear.
+        opacity_threshold: Above 0, opacity is a mask: at least this is opaque, the rest absent.
+        opacity_mode: ``transparent`` keeps the specular reflection of clear parts, ``presence``
+            does not.
+        ior: Index of refraction.
+        emissive: ``emissiveColor``, nits of each primary.
+        normal: Tangent-space normal map or constant.
+        clearcoat: Weight of a second, white specular lobe.
+        clearcoat_roughness: Its perceptual roughness.
+        occlusion: Baked ambient occlusion; a path tracer has no use for it.
+    """
+
+    base_color: Color | Texture = (0.18, 0.18, 0.18)
+    metallic: float | Texture = 0.0
+    roughness: float | Texture = 0.5
+    specular: Color | Texture | None = None
+    opacity: float | Texture = 1.0
+    opacity_threshold: float = 0.0
+    opacity_mode: Literal["transparent", "presence"] = "transparent"
+    ior: float = 1.5
+    emissive: Color | Texture = (0.0, 0.0, 0.0)
+    normal: Color | Texture = (0.0, 0.0, 1.0)
+    clearcoat: float | Texture = 0.0
+    clearcoat_roughness: float | Texture = 0.01
+    occlusion: float | Texture = 1.0

@@ -1,0 +1,120 @@
+"""Pictures on disk or inside USD packages, as arrays. OpenImageIO is imported when one is read."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Ar
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.usd.surfaces import ColorSpace
+
+# More values than this are refused before they fill the memory: 16,384 x 8,192 RGBA.
+_LARGEST: Final = 2**29
+
+
+def read_texture(path: str) -> NDArray[np.float32]:
+    """Read a picture's stored values, without any colour decoding.
+
+    Args:
+        path: A file, or a file inside a package (``/x/y.usdz[0/z.png]``).
+
+    Returns:
+        (H, W, C) float32, the first row at the top; 8- and 16-bit pixels are in 0..1.
+
+    Raises:
+        InputError: There is no such file, or it is not a picture that can be read.
+    """
+    with _opened(path) as picture:
+        spec = picture.spec()
+        if not 0 < spec.width * spec.height * spec.nchannels <= _LARGEST:
+            raise InputError(
+                f"{spec.width} x {spec.height} pixels of {spec.nchannels} channels are not read",
+                place=path,
+                remedy="give a smaller picture",
+            )
+        pixels = picture.read_image("float")
+        if pixels is None or picture.has_error:
+            reason = picture.geterror().strip() or "it is damaged"
+            raise InputError(
+                f"unreadable picture: {reason}",
+                place=path,
+                remedy="open it in an image viewer and save it again",
+            )
+        return np.atleast_3d(np.asarray(pixels, dtype=np.float32))
+
+
+def texture_size(path: str) -> tuple[int, int]:
+    """Width and height of a picture in pixels.
+
+    Raises:
+        InputError: There is no such file, or it is not a picture that can be read.
+    """
+    with _opened(path) as picture:
+        spec = picture.spec()
+        return spec.width, spec.height
+
+
+def color_space(path: str) -> ColorSpace:
+    """What ``sourceColorSpace = auto`` means for a file: 8-bit RGB and RGBA are sRGB.
+
+    Raises:
+        InputError: There is no such file, or it is not a picture that can be read.
+    """
+    with _opened(path) as picture:
+        spec = picture.spec()
+        return "sRGB" if str(spec.format) == "uint8" and spec.nchannels >= 3 else "raw"
+
+
+@contextmanager
+def _opened(path: str) -> Iterator[Any]:
+    import OpenImageIO
+
+    with local_file(path) as file:
+        # An alpha channel must come as it is stored, not multiplied into the colour.
+        config = OpenImageIO.ImageSpec()
+        config.attribute("oiio:UnassociatedAlpha", 1)
+        picture = OpenImageIO.ImageInput.open(str(file), config)
+        if picture is None:
+            reason = OpenImageIO.geterror().strip().splitlines()
+            raise InputError(
+                f"not a readable picture: {reason[0] if reason else 'unknown format'}",
+                place=path,
+                remedy="use PNG, JPEG, EXR or HDR",
+            )
+        try:
+            yield picture
+        finally:
+            picture.close()
+
+
+@contextmanager
+def local_file(path: str) -> Iterator[Path]:
+    """A plain file with the content of ``path``, which may lie inside a package.
+
+    The file is ``path`` itself, or a temporary copy that lives as long as the ``with`` block.
+
+    Raises:
+        InputError: There is no such file.
+    """
+    if not Ar.IsPackageRelativePath(path):
+        if not Path(path).is_file():
+            raise InputError("no such file", place=path, remedy="check the texture's path")
+        yield Path(path)
+        return
+    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
+    if asset is None:
+        raise InputError("no such file in the package", place=path, remedy="package it again")
+    inner = Ar.SplitPackageRelativePathInner(path)[1]
+    handle, name = tempfile.mkstemp(suffix=Path(inner).suffix)
+    try:
+        with os.fdopen(handle, "wb") as copy:
+            copy.write(asset.GetBuffer())
+        yield Path(name)
+    finally:
+        Path(name).unlink(missing_ok=True)
