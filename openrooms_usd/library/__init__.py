@@ -1,0 +1,1 @@
+"""Furniture, materials and environments: made by rules, published as USD assets."""

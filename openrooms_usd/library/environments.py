@@ -1,0 +1,229 @@
+"""Environments as latitude-longitude pictures in nits: their illuminance, and a sky of our own.
+
+The first row is around the zenith. Columns run clockwise seen from above: the middle of the picture
+looks along -Y, a quarter from the left along +X.
+
+The bundled sky is written by::
+
+    python -m openrooms_usd.library.environments openrooms_usd/demo/sky.exr
+"""
+
+import math
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.library.pictures import write_exr
+
+Array = NDArray[np.float64]
+
+# Preetham, Shirley, Smits: A Practical Analytic Model for Daylight (SIGGRAPH 1999), appendix A.2:
+# Perez coefficients A..E of Y, x and y, each linear in the turbidity (slope, offset).
+_PEREZ: Final = np.array(
+    [
+        [(0.1787, -1.4630), (-0.3554, 0.4275), (-0.0227, 5.3251), (0.1206, -2.5771),
+         (-0.0670, 0.3703)],
+        [(-0.0193, -0.2592), (-0.0665, 0.0008), (-0.0004, 0.2125), (-0.0641, -0.8989),
+         (-0.0033, 0.0452)],
+        [(-0.0167, -0.2608), (-0.0950, 0.0092), (-0.0079, 0.2102), (-0.0441, -1.6537),
+         (-0.0109, 0.0529)],
+    ]
+)  # fmt: skip
+# Zenith chromaticity x and y: (T^2, T, 1) times matrix times (s^3, s^2, s, 1), s the sun's angle.
+_ZENITH: Final = np.array(
+    [
+        [[0.00166, -0.00375, 0.00209, 0.0],
+         [-0.02903, 0.06377, -0.03202, 0.00394],
+         [0.11693, -0.21196, 0.06052, 0.25886]],
+        [[0.00275, -0.00610, 0.00317, 0.0],
+         [-0.04214, 0.08970, -0.04153, 0.00516],
+         [0.15346, -0.26756, 0.06670, 0.26688]],
+    ]
+)  # fmt: skip
+# IEC 61966-2-1: linear Rec.709 from CIE XYZ.
+_RGB_FROM_XYZ: Final = np.array(
+    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
+)
+_WEIGHTS: Final = np.array([0.2126, 0.7152, 0.0722])
+
+# Scene-linear base colours of what stands and lies outside, and of sunlight.
+_LAWN: Final = np.array([0.092, 0.112, 0.055])
+_PATH: Final = np.array([0.24, 0.22, 0.19])
+_LEAVES: Final = np.array([0.06, 0.08, 0.038])
+_SUNLIGHT: Final = np.array([1.10, 0.99, 0.86])
+# Height of the eye above the ground, metres, and where the trees stand.
+_EYE: Final = 1.6
+_TREES: Final = 35.0
+
+
+def directions(height: int) -> Array:
+    """(H, 2 H, 3) unit vectors, Z up, through the middle of each pixel."""
+    latitude = math.pi * (0.5 - (np.arange(height) + 0.5) / height)
+    longitude = math.pi * (1.0 - 2.0 * (np.arange(2 * height) + 0.5) / (2 * height))
+    phi, lam = np.meshgrid(latitude, longitude, indexing="ij")
+    return np.stack([np.cos(phi) * np.sin(lam), -np.cos(phi) * np.cos(lam), np.sin(phi)], axis=-1)
+
+
+def horizontal_illuminance(pixels: NDArray[Any]) -> float:
+    """Illuminance on a horizontal surface under the open sky, lux.
+
+    The integral of luminance times cosine over the upper hemisphere; each row's share is exact, so
+    that a constant sky of luminance L gives pi L.
+
+    Args:
+        pixels: (H, 2 H, 3) nits, scene-linear Rec.709.
+    """
+    height, width = pixels.shape[:2]
+    edges = np.clip(math.pi * (0.5 - np.arange(height + 1) / height), 0.0, None)
+    rows = 0.5 * np.abs(np.diff(np.sin(edges) ** 2)) * (2.0 * math.pi / width)
+    luminance = pixels.astype(np.float64) @ _WEIGHTS
+    return float(rows @ luminance.sum(axis=1))
+
+
+def make_sky(
+    *,
+    height: int = 224,
+    sun_elevation: float = 38.0,
+    sun_azimuth: float = -52.0,
+    sun_illuminance: float = 12_000.0,
+    sun_spread: float = 2.5,
+    turbidity: float = 3.5,
+    seed: int = 0,
+) -> NDArray[np.float32]:
+    """A clear day over a garden: the analytic sky of Preetham et al., a soft sun, trees and lawn.
+
+    Args:
+        height: Rows; there are twice as many columns.
+        sun_elevation: Degrees above the horizon.
+        sun_azimuth: Degrees counter-clockwise from +X, seen from above.
+        sun_illuminance: What the sun adds on a surface that faces it, lux.
+        sun_spread: Standard deviation of the sun's disk, degrees: wide, so that few samples find
+            it and shadows stay soft.
+        turbidity: Haze; 2 is very clear, 6 is hazy.
+        seed: Draws trees and grass.
+
+    Returns:
+        (H, 2 H, 3) nits, scene-linear Rec.709.
+    """
+    rng = np.random.Generator(np.random.PCG64(seed))
+    way = directions(height)
+    elevation, azimuth = math.radians(sun_elevation), math.radians(sun_azimuth)
+    sun = np.array(
+        [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth),
+         math.sin(elevation)]
+    )  # fmt: skip
+    sky = _sky(way, sun, turbidity) + _sun(way, sun, sun_illuminance, math.radians(sun_spread))
+    lit = horizontal_illuminance(sky)
+    land, cover = _land(way, rng, sun, lit)
+    return (sky * (1.0 - cover) + land * cover).astype(np.float32)
+
+
+def _sky(way: Array, sun: Array, turbidity: float) -> Array:
+    """(H, W, 3) nits of the sky above the horizon, without the sun."""
+    up = np.maximum(way[..., 2], 0.02)
+    gamma = np.arccos(np.clip(way @ sun, -1.0, 1.0))
+    zenith = math.acos(float(sun[2]))
+    coefficients = _PEREZ @ np.array([turbidity, 1.0])
+    shape = [
+        _perez(c, up, gamma) / _perez(c, np.array(1.0), np.array(zenith)) for c in coefficients
+    ]
+    chi = (4.0 / 9.0 - turbidity / 120.0) * (math.pi - 2.0 * zenith)
+    brightness = (4.0453 * turbidity - 4.9710) * math.tan(chi) - 0.2155 * turbidity + 2.4192
+    powers = np.array([zenith**3, zenith**2, zenith, 1.0])
+    white = np.array([turbidity**2, turbidity, 1.0]) @ _ZENITH @ powers
+    Y = 1000.0 * brightness * shape[0]
+    x, y = white[0] * shape[1], white[1] * shape[2]
+    xyz = np.stack([x / y * Y, Y, (1.0 - x - y) / y * Y], axis=-1)
+    return np.asarray(np.maximum(xyz @ _RGB_FROM_XYZ.T, 0.0))
+
+
+def _perez(c: Array, up: Array, gamma: Array) -> Array:
+    """The sky's distribution by Perez et al. (1993)."""
+    around = 1.0 + c[2] * np.exp(c[3] * gamma) + c[4] * np.cos(gamma) ** 2
+    return np.asarray((1.0 + c[0] * np.exp(c[1] / up)) * around)
+
+
+def _sun(way: Array, sun: Array, illuminance: float, spread: float) -> Array:
+    """(H, W, 3) nits of a Gaussian disk that gives ``illuminance`` on what faces it."""
+    gamma = np.arccos(np.clip(way @ sun, -1.0, 1.0))
+    disk = np.exp(-0.5 * (gamma / spread) ** 2) / (2.0 * math.pi * spread**2)
+    color = _SUNLIGHT / float(_SUNLIGHT @ _WEIGHTS)
+    return np.asarray(illuminance * disk[..., None] * color)
+
+
+def _land(
+    way: Array, rng: np.random.Generator, sun: Array, illuminance: float
+) -> tuple[Array, Array]:
+    """(H, W, 3) nits of lawn, path and trees, and (H, W, 1) where they hide the sky."""
+    elevation = np.arcsin(way[..., 2])
+    width = way.shape[1]
+    texel = math.pi / way.shape[0]
+    tops = math.radians(4.0) + math.radians(7.0) * _ridge(rng, width, (3, 7, 16, 37, 80))
+    cover = np.clip((tops - elevation) / texel + 0.5, 0.0, 1.0)
+    ground = _ground(way, rng, illuminance)
+    trees = _trees(way, rng, sun, elevation, illuminance)
+    # Trees stand on the ground at some distance; their foot is a soft edge.
+    foot = -math.atan(_EYE / _TREES)
+    standing = np.clip((elevation - foot) / (1.5 * texel) + 0.5, 0.0, 1.0)[..., None]
+    return ground * (1.0 - standing) + trees * standing, cover[..., None]
+
+
+def _ridge(rng: np.random.Generator, width: int, waves: tuple[int, ...]) -> Array:
+    """(W,) a periodic outline in 0..1, rougher with each wave number."""
+    angle = 2.0 * math.pi * (np.arange(width) + 0.5) / width
+    phases = rng.uniform(0.0, 2.0 * math.pi, len(waves))
+    line = sum(
+        np.sin(n * angle + p) * waves[0] ** 0.7 / n**0.7 for n, p in zip(waves, phases, strict=True)
+    )
+    line = np.asarray(line)
+    return np.asarray((line - line.min()) / (line.max() - line.min()))
+
+
+def _grain(rng: np.random.Generator, shape: tuple[int, int], size: int) -> Array:
+    """(H, W) blurred noise of mean 0, periodic in columns, features of ``size`` pixels."""
+    noise = rng.random(shape) - 0.5
+    for axis in (0, 1):
+        for _ in range(3):
+            steps = range(-size // 2, size // 2 + 1)
+            noise = np.mean([np.roll(noise, step, axis=axis) for step in steps], axis=0)
+    return noise / float(noise.std())
+
+
+def _ground(way: Array, rng: np.random.Generator, illuminance: float) -> Array:
+    """(H, W, 3) nits of a lawn with a terrace around the house."""
+    down = np.maximum(-way[..., 2], 1e-3)
+    distance = _EYE * np.hypot(way[..., 0], way[..., 1]) / down
+    terrace = np.clip((4.0 - distance) / 0.4, 0.0, 1.0)[..., None]
+    patches = 1.0 + 0.12 * _grain(rng, (way.shape[0], way.shape[1]), 6)
+    blades = 1.0 + 0.10 * _grain(rng, (way.shape[0], way.shape[1]), 1)
+    # Seen flat, a lawn shows more of its sunlit tips.
+    lawn = _LAWN * (patches * blades * (1.0 + 0.35 * np.exp(-down / 0.1)))[..., None]
+    albedo = lawn * (1.0 - terrace) + _PATH * terrace
+    return np.asarray(albedo * illuminance / math.pi)
+
+
+def _trees(
+    way: Array, rng: np.random.Generator, sun: Array, elevation: Array, illuminance: float
+) -> Array:
+    """(H, W, 3) nits of foliage: lit from above and from the sun's side, with haze."""
+    clumps = _grain(rng, (way.shape[0], way.shape[1]), 4)
+    leaves = _grain(rng, (way.shape[0], way.shape[1]), 1)
+    facing = 0.5 - 0.5 * (way[..., :2] @ sun[:2])
+    lit = np.clip(0.45 + 0.4 * facing + 0.18 * clumps + 0.12 * leaves, 0.08, None)
+    rising = 0.6 + 2.0 * np.clip(elevation, 0.0, 0.3)
+    foliage = _LEAVES * (lit * rising)[..., None] * illuminance / math.pi
+    haze = 0.06 * illuminance / math.pi * np.array([0.75, 0.9, 1.1]) * 0.5
+    return np.asarray(foliage + 0.5 * haze)
+
+
+def _rounded(pixels: NDArray[np.float32], bits: int = 8) -> NDArray[np.float32]:
+    """Values to so many significant bits, which makes files small."""
+    mantissa, exponent = np.frexp(pixels)
+    return np.asarray(np.ldexp(np.rint(mantissa * 2**bits) / 2**bits, exponent), np.float32)
+
+
+if __name__ == "__main__":
+    write_exr(Path(sys.argv[1]), _rounded(make_sky()))

@@ -1,0 +1,160 @@
+"""The user's own models: OBJ, GLB, PLY and USD files as parts in our object frame."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.topology import is_closed
+from openrooms_usd.geometry.uv import cube_projection
+from openrooms_usd.library.assets import Model
+from openrooms_usd.library.furniture import Size
+from openrooms_usd.library.gltf import read_glb, read_ply
+from openrooms_usd.library.pieces import Piece, Reading, is_textured, mended, prim_names
+from openrooms_usd.library.usdfile import read_usd
+from openrooms_usd.library.wavefront import read_obj
+
+Up = Literal["Y", "Z"]
+Front = Literal["+X", "-X", "+Y", "-Y"]
+
+# Without a size, a longest side that is not between these (metres) means a wrong unit.
+SMALLEST: Final = 0.005
+LARGEST: Final = 100.0
+
+_Z_UP_FROM_Y_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+# Cosine and sine of the turn about Z that brings the front to -Y.
+_TURNS: Final[dict[Front, tuple[int, int]]] = {
+    "-Y": (1, 0), "+X": (0, -1), "+Y": (-1, 0), "-X": (0, 1),
+}  # fmt: skip
+
+
+def read_model(
+    path: Path,
+    *,
+    size: Size | None = None,
+    up: Up | None = None,
+    front: Front = "-Y",
+    unit: float | None = None,
+) -> Model:
+    """Read a mesh file as an asset's parts.
+
+    Args:
+        path: An OBJ, GLB, PLY or USD file.
+        size: Width, depth and height to stretch it to, metres; by default its own size.
+        up: The file's up axis; by default Y for OBJ and GLB, Z for PLY, as stated in USD.
+        front: Where its front looks after the up axis is turned to Z.
+        unit: Metres for one unit of the file; by default 1, in USD as stated.
+
+    Returns:
+        Its parts in the object frame. Normals are computed where they are missing; texture
+        coordinates are in metres except on parts with textures of their own.
+
+    Raises:
+        InputError: The file is missing, broken, empty, of no known kind or absurdly large.
+        MissingPackageError: It is compressed and the decoder is not installed.
+    """
+    suffix = path.suffix.lower()
+    reader = _READERS.get(suffix)
+    if reader is None:
+        raise InputError(
+            f"a mesh file of the kind {suffix or 'without a suffix'!r} cannot be read",
+            place=path,
+            remedy=f"convert it to one of: {', '.join(_READERS)}",
+        )
+    if not path.is_file():
+        raise InputError("no such file", place=path, remedy="check the path")
+    try:
+        reading = reader(path)
+    except OSError as error:
+        raise InputError(
+            f"cannot be read: {error.strerror or error}", place=path, remedy="check the file"
+        ) from error
+    turn = _turn(up or reading.up, front) * (unit or reading.unit)
+    parts = _sound(reading, path)
+    return _fitted(_as_model(parts, turn, reading.notes), size, path)
+
+
+def _turn(up: Up, front: Front) -> NDArray[np.float64]:
+    """(3, 3) from a file's axes to ours."""
+    upright = _Z_UP_FROM_Y_UP if up == "Y" else np.eye(3)
+    c, s = _TURNS[front]
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return np.asarray(turn @ upright, dtype=np.float64)
+
+
+def _sound(reading: Reading, path: Path) -> list[Piece]:
+    """The pieces that have an area, mended."""
+    if any(not np.isfinite(piece.mesh.points).all() for piece in reading.pieces):
+        raise InputError(
+            "the mesh has coordinates that are not finite", place=path, remedy="export it again"
+        )
+    sound = [
+        replace(piece, mesh=mesh)
+        for piece in reading.pieces
+        if (mesh := mended(piece.mesh)) is not None
+    ]
+    if not sound:
+        raise InputError(
+            "the file holds no faces with an area",
+            place=path,
+            remedy="give a mesh, not points or curves",
+        )
+    return sound
+
+
+def _as_model(pieces: Sequence[Piece], turn: NDArray[np.float64], notes: Sequence[str]) -> Model:
+    names = prim_names([piece.title for piece in pieces])
+    found = list(zip(names, pieces, strict=True))
+    return Model(
+        parts={name: piece.mesh.transformed(turn) for name, piece in found},
+        titles={name: piece.title for name, piece in found if piece.title not in ("", name)},
+        surfaces={name: piece.surface for name, piece in found if piece.surface is not None},
+        notes=tuple(notes),
+    )
+
+
+def _fitted(model: Model, size: Size | None, path: Path) -> Model:
+    """The model on the origin, stretched to a size if one is asked for."""
+    low, high = model.extent
+    own = high - low
+    longest = float(own.max())
+    if size is None and not SMALLEST <= longest <= LARGEST:
+        raise InputError(
+            f"its longest side is {longest:.4g} m",
+            place=path,
+            remedy="say the unit of the file (unit: 1 mm), or the size that it shall have",
+        )
+    # A sheet has no thickness that could be stretched.
+    scale = np.where(own > 1e-9 * longest, np.asarray(size or own) / np.maximum(own, 1e-300), 1.0)
+    fit = np.eye(4)
+    fit[:3, :3] = np.diag(scale)
+    fit[:3, 3] = -scale * [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]]
+    fitted = {name: mesh.transformed(fit) for name, mesh in model.parts.items()}
+    return replace(
+        model,
+        parts={name: _mapped(model, name, mesh) for name, mesh in fitted.items()},
+        # Sheets without thickness are seen from behind too.
+        double_sided=not all(is_closed(mesh) for mesh in fitted.values()),
+    )
+
+
+def _mapped(model: Model, name: str, mesh: Mesh) -> Mesh:
+    """Foreign texture coordinates are only good for the part's own textures."""
+    keep = mesh.st is not None and is_textured(model.surfaces.get(name))
+    return mesh if keep else cube_projection(mesh)
+
+
+_READERS: Final[dict[str, Callable[[Path], Reading]]] = {
+    ".obj": read_obj,
+    ".glb": read_glb,
+    ".ply": read_ply,
+    ".usd": read_usd,
+    ".usda": read_usd,
+    ".usdc": read_usd,
+    ".usdz": read_usd,
+}

@@ -1,0 +1,75 @@
+"""Writing pictures: whole or not at all, and without anything that differs between runs."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import atomic
+from openrooms_usd.errors import OutputError
+
+
+def write_png(path: Path, pixels: NDArray[np.uint8], *, is_color: bool) -> None:
+    """Write eight-bit pixels.
+
+    Args:
+        path: Where.
+        pixels: (H, W) or (H, W, 3), the first row on top.
+        is_color: Whether they are sRGB-encoded colours; data carry no colour profile.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    attributes = {
+        "oiio:ColorSpace": "sRGB" if is_color else "data",
+        # More effort makes the files hardly smaller.
+        "png:compressionLevel": 4,
+    }
+    _write(path, pixels, "uint8", attributes)
+
+
+def write_exr(path: Path, pixels: NDArray[np.float32], *, half: bool = False) -> None:
+    """Write scene-linear Rec.709 pixels.
+
+    Args:
+        path: Where.
+        pixels: (H, W, 3), the first row on top.
+        half: Sixteen bits a value: smaller, up to 65,504 and with three digits.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    attributes = {
+        "oiio:ColorSpace": "lin_rec709_scene",
+        "compression": "zip",
+        # Otherwise the writer adds the time of day.
+        "DateTime": "",
+    }
+    _write(path, pixels, "half" if half else "float", attributes)
+
+
+def _write(path: Path, pixels: NDArray[Any], format_: str, attributes: dict[str, Any]) -> None:
+    import OpenImageIO
+
+    # A plane without a channel axis would be read as rows of channels.
+    pixels = np.ascontiguousarray(np.atleast_3d(pixels))
+    height, width, channels = pixels.shape
+    spec = OpenImageIO.ImageSpec(width, height, channels, format_)
+    for name, value in attributes.items():
+        spec.attribute(name, value)
+    with atomic.replacing(path) as beside:
+        file = OpenImageIO.ImageOutput.create(str(beside))
+        done = (
+            file is not None
+            and file.open(str(beside), spec)
+            and file.write_image(pixels)
+            and file.close()
+        )
+        if not done:
+            reason = file.geterror() if file is not None else OpenImageIO.geterror()
+            raise OutputError(
+                f"cannot write the picture: {reason.strip()}",
+                place=path,
+                remedy="choose another output folder, or free space and set its permissions",
+            )

@@ -1,0 +1,81 @@
+"""Reads USD files as pieces: one a gprim, with its bound UsdPreviewSurface."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.library.pieces import Piece, Reading
+
+if TYPE_CHECKING:
+    from openrooms_usd.usd.materials import PreviewSurface
+    from openrooms_usd.usd.meshes import PlacedMesh
+
+
+def read_usd(path: Path) -> Reading:
+    """Read a USD, USDA, USDC or USDZ file.
+
+    Raises:
+        InputError: It is no readable USD file.
+    """
+    from pxr import UsdGeom
+
+    from openrooms_usd.usd.frames import world_from_stage
+    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.meshes import read_meshes
+
+    stage = open_stage(path)
+    reading = read_meshes(stage)
+    stage_from_world = np.linalg.inv(world_from_stage(stage))
+    notes = [f"{prim}: {outcome}, {reason}" for prim, outcome, reason in reading.losses]
+    pieces = []
+    for placed in reading:
+        stage_from_local = stage_from_world @ placed.world_from_local
+        surface = _surface(placed, path, notes)
+        pieces.append(
+            Piece(placed.prim.GetName(), _mesh(placed).transformed(stage_from_local), surface)
+        )
+    up: Literal["Y", "Z"] = "Y" if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y else "Z"
+    return Reading(pieces, notes, up, UsdGeom.GetStageMetersPerUnit(stage))
+
+
+def _mesh(placed: "PlacedMesh") -> Mesh:
+    mesh = placed.mesh
+    return Mesh(
+        points=mesh.points,
+        counts=np.full(len(mesh.triangles), 3, dtype=np.int32),
+        indices=mesh.triangles.reshape(-1),
+        normals=None if mesh.normals is None else mesh.normals.reshape(-1, 3),
+        st=None if mesh.st is None else mesh.st.reshape(-1, 2),
+    )
+
+
+def _surface(placed: "PlacedMesh", path: Path, notes: list[str]) -> "PreviewSurface | None":
+    """The bound material, without pictures from outside the model's folder."""
+    from openrooms_usd.usd.materials import (
+        PreviewSurface,
+        Texture,
+        bound_material,
+        read_preview_surface,
+    )
+
+    material = bound_material(placed.prim)
+    if not material:
+        return None
+    surface, losses = read_preview_surface(material)
+    notes.extend(f"{material.GetPath()}: {loss}" for loss in losses)
+    kept = {}
+    for name, value in vars(surface).items():
+        if isinstance(value, Texture) and not _inside(value.file, path):
+            notes.append(f"{value.file!r} lies outside the model's folder and is ignored")
+            kept[name] = getattr(PreviewSurface, name)
+        else:
+            kept[name] = value
+    return PreviewSurface(**kept)
+
+
+def _inside(file: str, model: Path) -> bool:
+    """Whether a picture is a file in or below the model's folder, or packed with it."""
+    outer = Path(file.partition("[")[0])
+    return outer.is_file() and outer.resolve().is_relative_to(model.parent.resolve())

@@ -1,0 +1,187 @@
+"""Furniture fills its box exactly, keeps real thicknesses, and lets its light out."""
+
+import typing
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from openrooms_usd.description.alignment import LibraryCategory
+from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.mesh import joined
+from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.solids import box
+from openrooms_usd.geometry.topology import is_closed
+from openrooms_usd.library.furniture import (
+    CATEGORIES,
+    STAND_INS,
+    Parts,
+    Size,
+    category,
+    make,
+    part_of,
+    styles,
+)
+from openrooms_usd.library.furniture.joinery import fitted
+
+EVERYTHING = [
+    (name, style) for name, spec in {**CATEGORIES, **STAND_INS}.items() for style in spec.styles
+]
+LAMPS = [(name, style) for name, style in EVERYTHING if category(name).emits]
+# The shell of a chair is cut in two along a seam: seat and back are open there.
+OPEN = {("chair", "shell", "seat"), ("chair", "shell", "back")}
+
+
+def _usual(name: str, style: str) -> Size:
+    return category(name).styles[style].size or category(name).size
+
+
+def _rng(seed: int = 0) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+def _extent(parts: Parts) -> np.ndarray:
+    return joined(list(parts.values())).extent
+
+
+@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+@pytest.mark.parametrize("factor", [(1, 1, 1), (1.3, 0.8, 1.1), (0.02, 9, 3)])
+def test_fills_the_box_exactly(name: str, style: str, factor: Size) -> None:
+    usual = np.array(_usual(name, style)) * factor
+    width, depth, height = np.clip(usual, 0.02, 20.0).tolist()
+    extent = _extent(make(name, (width, depth, height), style, _rng()))
+    expected = [[-0.5 * width, -0.5 * depth, 0.0], [0.5 * width, 0.5 * depth, height]]
+    np.testing.assert_allclose(extent, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+def test_is_planned_for_its_box(name: str, style: str) -> None:
+    # What the last stretch corrects is small, so boards and legs keep their thickness.
+    size = _usual(name, style)
+    if (name, style) == ("table", "disc"):
+        size = (0.5, 0.5, 0.5)
+    spec = category(name)
+    extent = _extent(spec.styles[style].build(size, _rng()))
+    assert np.abs(np.array(size) / (extent[1] - extent[0]) - 1).max() < 0.04
+
+
+@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+@pytest.mark.parametrize("seed", range(3))
+def test_meshes_are_sound(name: str, style: str, seed: int) -> None:
+    parts = make(name, _usual(name, style), style, _rng(seed))
+    triangles = 0
+    for part, mesh in parts.items():
+        triangles += int((mesh.counts - 2).sum())
+        assert mesh.areas().min() > 0
+        assert np.abs(np.linalg.norm(mesh.normals, axis=1) - 1).max() < 1e-5
+        assert np.isfinite(mesh.st).all()
+        if (name, style, part) not in OPEN:
+            assert is_closed(mesh), part
+            assert mesh.volume() > 0, part
+    assert 200 < triangles < 12_000
+
+
+@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+def test_follows_from_its_seed(name: str, style: str) -> None:
+    first, second = (make(name, _usual(name, style), style, _rng(7)) for _ in range(2))
+    assert first.keys() == second.keys()
+    for part, mesh in first.items():
+        assert mesh.points.tobytes() == second[part].points.tobytes()
+        assert mesh.st.tobytes() == second[part].st.tobytes()
+
+
+def test_what_was_built_elsewhere_is_brought_to_the_origin() -> None:
+    parts = fitted({"seat": box((1, 1, 1), (5, 6, 7)), "leg": box((1, 1, 1), (5, 6, 6))}, (2, 3, 4))
+    np.testing.assert_allclose(_extent(parts), [[-1, -1.5, 0], [1, 1.5, 4]])
+    assert parts["leg"].extent[1, 2] == pytest.approx(2)
+
+
+def test_chairs_are_sat_on_at_45_cm() -> None:
+    for height in (0.75, 0.9, 1.1):
+        seat = make("chair", (0.45, 0.5, height), "slat", _rng())["seat"]
+        assert seat.extent[1, 2] == pytest.approx(0.45, abs=0.005)
+
+
+def test_legs_keep_their_thickness() -> None:
+    def leg(size: Size) -> np.ndarray:
+        mesh = make("table", size, "four_legs", _rng())["leg_0"]
+        return (mesh.extent[1] - mesh.extent[0])[:2]
+
+    np.testing.assert_allclose(leg((1.4, 0.6, 0.7)), leg((1.4, 1.2, 0.8)), atol=5e-4)
+
+
+def test_wide_cabinets_get_more_doors() -> None:
+    def doors(width: float) -> int:
+        parts = make("cabinet", (width, 0.4, 0.8), "doors", _rng())
+        return sum(part_of(name) == "door" for name in parts)
+
+    assert doors(0.45) == 1
+    assert doors(0.9) == 2
+    assert doors(2.7) == 6
+
+
+def test_doors_and_drawers_have_gaps_between_them() -> None:
+    parts = make("cabinet", (0.9, 0.42, 0.9), "drawers", _rng())
+    fronts = sorted(
+        (mesh.extent[:, 2] for name, mesh in parts.items() if part_of(name) == "drawer_front"),
+        key=lambda span: span[0],
+    )
+    gaps = [above[0] - below[1] for below, above in pairwise(fronts)]
+    assert gaps == pytest.approx([0.003] * len(gaps), abs=1e-6)
+
+
+@pytest.mark.parametrize(("name", "style"), LAMPS)
+def test_light_leaves_the_lamp(name: str, style: str) -> None:
+    """From the bulb outwards, a good share of directions reaches the room past every other part."""
+    parts = make(name, _usual(name, style), style, _rng())
+    bulb = parts.pop("light_bulb")
+    others = joined(list(parts.values()))
+    corners, _ = others.triangles()
+    caster = RayCaster(others.points, others.indices[corners])
+    corners, _ = bulb.triangles()
+    a, b, c = np.moveaxis(bulb.points[bulb.indices[corners]], 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    rng = _rng(1)
+    face = rng.choice(len(area), size=4000, p=area / area.sum())
+    u = rng.dirichlet((1, 1, 1), size=len(face))
+    origins = u[:, :1] * a[face] + u[:, 1:2] * b[face] + u[:, 2:] * c[face]
+    normal = np.cross(b - a, c - a)[face] / area[face][:, None]
+    # Lambertian: normal plus a point on the unit sphere.
+    sphere = rng.normal(size=normal.shape)
+    directions = normal + sphere / np.linalg.norm(sphere, axis=1, keepdims=True)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    # Past itself too: bulbs are convex, so only other parts block.
+    hits = caster.first_hit(origins + 1e-4 * normal, directions)
+    assert np.isinf(hits.distance).mean() > 0.3
+
+
+def test_the_description_knows_the_same_categories() -> None:
+    assert set(typing.get_args(LibraryCategory)) == set(CATEGORIES)
+
+
+def test_every_category_has_a_default_style_for_its_size() -> None:
+    for name, spec in CATEGORIES.items():
+        assert set(styles(name)) <= set(spec.styles)
+        assert len(styles(name)) >= 2
+        assert (spec.lumen > 0) == spec.emits
+
+
+def test_styles_suit_the_size() -> None:
+    assert styles("chair", (0.8, 0.8, 0.8)) == ("armchair",)
+    assert "armchair" not in styles("chair", (0.45, 0.5, 0.8))
+    assert styles("sofa", (2.6, 1.6, 0.8)) == ("chaise",)
+
+
+@pytest.mark.parametrize(
+    ("name", "style", "size", "said"),
+    [
+        ("chiar", "slat", (1, 1, 1), "did you mean 'chair'"),
+        ("chair", "slats", (1, 1, 1), "did you mean 'slat'"),
+        ("chair", "slat", (1e9, 1, 1), "between 0.02 m and 20 m"),
+        ("chair", "slat", (float("nan"), 1, 1), "between 0.02 m and 20 m"),
+    ],
+)
+def test_refuses_what_it_cannot_build(name: str, style: str, size: Size, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        make(name, size, style, _rng())
+    assert said in str(caught.value)
