@@ -1,0 +1,174 @@
+"""From a description to a composed stage: run the stages, stack their layers, flatten, package."""
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from openrooms_usd import names
+from openrooms_usd.description import load_room
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.stages import base, runner
+from openrooms_usd.stages.draft import Draft, drafting
+
+State = Literal["written", "unchanged"]
+
+
+@dataclass(frozen=True)
+class StageSummary:
+    """What became of one stage."""
+
+    stage: str
+    state: State
+    seconds: float
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ComposeSummary:
+    """What a composition did.
+
+    Attributes:
+        scene: The root layer.
+        stages: From the weakest to the strongest layer.
+        files: The flattened and packaged files that were asked for.
+    """
+
+    scene: Path
+    stages: tuple[StageSummary, ...]
+    files: tuple[Path, ...] = ()
+
+    @property
+    def unchanged(self) -> bool:
+        """Whether every stage was up to date."""
+        return all(summary.state == "unchanged" for summary in self.stages)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for ``--json``."""
+        return {
+            "scene": str(self.scene),
+            "stages": [asdict(summary) for summary in self.stages],
+            "files": [str(path) for path in self.files],
+        }
+
+
+def compose_room(
+    description: Path,
+    out: Path,
+    *,
+    only: str | None = None,
+    flatten: bool = False,
+    usdz: bool = False,
+    workers: int | None = None,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> ComposeSummary:
+    """Compose the room that a file describes.
+
+    Stages whose inputs have not changed since their layer was written are skipped.
+
+    Args:
+        description: The ``room.yaml``.
+        out: The folder for ``scene.usda`` and ``layers/``.
+        only: Run this stage alone, on the layers that are there.
+        flatten: Also write ``scene.usdc``, the layer stack merged into one layer.
+        usdz: Also write ``scene.usdz``, everything in one file.
+        workers: Threads that a stage may use; all cores by default. The bytes never depend on it.
+        progress: Called with each stage's name before it runs.
+
+    Returns:
+        What was done.
+
+    Raises:
+        DescriptionError: The description has mistakes.
+        InputError: A file that the description names cannot be read.
+        StageError: The composed stage has errors.
+        OutputError: ``out`` cannot be written.
+    """
+    room = load_room(description)
+    chosen = _chosen(only)
+    with drafting(out) as draft:
+        _check_complete(draft, chosen)
+        runner.create_edits(draft)
+        summaries = [
+            _run(stage, room, description.parent, draft, workers, progress) for stage in chosen
+        ]
+        runner.write_scene(draft)
+        if any(summary.state == "written" for summary in summaries):
+            _check(draft)
+    files = _extras(out / names.SCENE, flatten, usdz)
+    return ComposeSummary(out / names.SCENE, tuple(summaries), files)
+
+
+def _run(
+    stage: base.Stage,
+    room: Room,
+    source: Path,
+    draft: Draft,
+    workers: int | None,
+    progress: Callable[[str], None],
+) -> StageSummary:
+    """Run a stage, unless its layer is up to date."""
+    started = time.perf_counter()
+    wanted = base.fingerprint(stage, room, source, draft.layer)
+    notes: Sequence[str] = ()
+    state: State = "unchanged"
+    if not runner.is_current(stage, wanted, draft):
+        progress(stage.name)
+        state = "written"
+        notes = runner.run(stage, room, source, draft, wanted, workers or os.cpu_count() or 1)
+    return StageSummary(stage.name, state, time.perf_counter() - started, tuple(notes))
+
+
+def _chosen(only: str | None) -> list[base.Stage]:
+    stages = runner.stages()
+    if only is None:
+        return stages
+    chosen = [stage for stage in stages if stage.name == only]
+    if not chosen:
+        known = ", ".join(stage.name for stage in stages)
+        raise InputError(f"no stage is named {only!r}", remedy=f"stages: {known}")
+    return chosen
+
+
+def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
+    """Refuse stages whose weaker layers are neither there nor written before them."""
+    known = {stage.name for stage in chosen}
+    for stage in chosen:
+        missing = [n for n in stage.reads if n not in known and not draft.layer(n).is_file()]
+        if missing:
+            raise StageError(
+                f"{stage.name} reads the layer {missing[0]}, which is not there yet",
+                place=draft.layer(missing[0]),
+                remedy="compose the whole room once, without naming one stage",
+            )
+
+
+def _check(draft: Draft) -> None:
+    """Refuse a composition that USD finds errors in, before it takes the old one's place."""
+    from openrooms_usd.usd.layers import composition_errors
+
+    errors = composition_errors([draft.layer(n) for n in (names.EDITS, *reversed(names.STAGES))])
+    if errors:
+        raise StageError(
+            f"the composed stage has {len(errors)} errors, the first: {errors[0]}",
+            place=draft.out / names.SCENE,
+            remedy=f"look into {names.LAYERS}/{names.EDITS}.usda, the layer that people edit",
+        )
+
+
+def _extras(scene: Path, flatten: bool, usdz: bool) -> tuple[Path, ...]:
+    from openrooms_usd import package
+
+    wanted: Mapping[str, tuple[bool, Callable[[Path, Path], None]]] = {
+        ".usdc": (flatten, package.flatten),
+        ".usdz": (usdz, package.package),
+    }
+    files = []
+    for suffix, (asked, write) in wanted.items():
+        if asked:
+            write(scene, scene.with_suffix(suffix))
+            files.append(scene.with_suffix(suffix))
+    return tuple(files)

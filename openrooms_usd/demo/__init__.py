@@ -1,0 +1,1 @@
+"""The bundled example: a description and its sky."""

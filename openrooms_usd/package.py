@@ -1,0 +1,166 @@
+"""One file of a scene: flattened into a binary layer, or packaged with everything it needs.
+
+Both keep what makes a scene editable: references, payloads, variants, classes and instances. A
+package keeps the layers too; it is the scene's folder in one archive.
+"""
+
+import os
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from pxr import Ar, Sdf, Usd, UsdUtils
+
+from openrooms_usd import atomic
+from openrooms_usd.errors import OutputError, StageError
+from openrooms_usd.usd import layers
+
+# What the USDZ specification allows: layers, and beside them images and packages as they are.
+LAYERS: Final = (".usda", ".usdc", ".usd")
+EMBEDDED: Final = (".png", ".jpg", ".jpeg", ".exr", ".avif", ".usdz")
+
+# Files in a package start at multiples of this, so that they can be mapped into memory.
+_ALIGNMENT: Final = 64
+# A zip file's local header without its name, with the header of the padding.
+_HEADER: Final = 30 + 4
+# The id of the extra field that USD's own writer pads with.
+_PADDING: Final = 0x1986
+_EPOCH: Final = (1980, 1, 1, 0, 0, 0)
+
+
+def flatten(scene: Path, target: Path) -> None:
+    """Merge the layer stack of a scene into one layer; references and variants stay.
+
+    Args:
+        scene: The scene's root layer.
+        target: The layer to write. Asset paths in it are relative to its folder.
+
+    Raises:
+        InputError: The scene cannot be read.
+        OutputError: The target cannot be written.
+    """
+    stage = layers.open_stage(scene)
+    flat = UsdUtils.FlattenLayerStack(stage, layers.relative_assets(target.parent), "")
+    layers.export(flat, target)
+
+
+def package(scene: Path, target: Path) -> None:
+    """Write a scene and all files that it depends on into one USDZ archive.
+
+    Files below the scene's folder keep their place. Files from elsewhere move to
+    ``external/<number>/`` and the layers that name them are rewritten. The same scene gives the
+    same bytes, wherever it lies and whenever it is packaged.
+
+    Args:
+        scene: The scene's root layer.
+        target: The ``.usdz`` to write.
+
+    Raises:
+        InputError: The scene cannot be read.
+        StageError: A file that it needs is missing, or may not be in a USDZ archive.
+        OutputError: The target cannot be written.
+    """
+    stage = layers.open_stage(scene)
+    places = _places(_dependencies(stage))
+    with atomic.replacing(target) as beside:
+        try:
+            _write_archive(beside, places)
+        except zipfile.LargeZipFile as error:
+            raise OutputError(
+                "a USDZ archive cannot be larger than 4 GiB",
+                place=target,
+                remedy="use the scene as a folder, or smaller textures",
+            ) from error
+
+
+def _dependencies(stage: Usd.Stage) -> list[Path]:
+    """All files of a scene, the root layer first, then by name."""
+    root = stage.GetRootLayer()
+    used, assets, missing = UsdUtils.ComputeAllDependencies(root.realPath)
+    if missing:
+        raise StageError(
+            f"files are missing: {', '.join(sorted(missing))}",
+            place=root.realPath,
+            remedy="put them back or remove what refers to them; orusd validate says where",
+        )
+    names = {*(layer.realPath for layer in used), *assets} - {root.realPath}
+    # A file inside a package stands for the whole package.
+    outer = {Ar.SplitPackageRelativePathOuter(name)[0] for name in names}
+    files = [Path(root.realPath), *(Path(name) for name in sorted(outer))]
+    refused = [path.name for path in files if path.suffix.lower() not in (*LAYERS, *EMBEDDED)]
+    if refused:
+        raise StageError(
+            f"a USDZ archive cannot hold {', '.join(refused)}",
+            place=root.realPath,
+            remedy="convert textures to PNG, JPEG or EXR",
+        )
+    return files
+
+
+def _places(files: Sequence[Path]) -> dict[Path, PurePosixPath]:
+    """Where each file goes in the archive, in the order of the archive."""
+    home = files[0].parent
+    # Numbered by their relative names, so that the numbers do not depend on where the scene lies.
+    foreign = sorted(
+        {os.path.relpath(file.parent, home) for file in files if not file.is_relative_to(home)}
+    )
+
+    def place(file: Path) -> PurePosixPath:
+        if file.is_relative_to(home):
+            return PurePosixPath(file.relative_to(home).as_posix())
+        number = foreign.index(os.path.relpath(file.parent, home))
+        return PurePosixPath("external", str(number), file.name)
+
+    return {file: place(file) for file in files}
+
+
+def _write_archive(target: Path, places: dict[Path, PurePosixPath]) -> None:
+    moved = {file.parent: place.parent for file, place in places.items()}
+    with target.open("wb") as out, zipfile.ZipFile(out, "w", allowZip64=False) as archive:
+        for file, place in places.items():
+            data = file.read_bytes()
+            if file.suffix.lower() in LAYERS:
+                data = _relocated(file, data, moved)
+            archive.writestr(_entry(str(place), out.tell()), data)
+
+
+def _relocated(file: Path, data: bytes, moved: dict[Path, PurePosixPath]) -> bytes:
+    """A layer's bytes with its asset paths as they are in the archive."""
+    layer = Sdf.Layer.FindOrOpen(str(file))
+    changed = False
+
+    def rewrite(path: str) -> str:
+        nonlocal changed
+        target = Path(str(Ar.GetResolver().CreateIdentifier(path, layer.resolvedPath)))
+        if not path or target.parent not in moved:
+            return path
+        place = moved[target.parent] / target.name
+        text = PurePosixPath(os.path.relpath(place, moved[file.parent])).as_posix()
+        if text == os.path.normpath(path):
+            return path
+        changed = True
+        return text if text.startswith("../") else f"./{text}"
+
+    copy = Sdf.Layer.CreateAnonymous(file.suffix)
+    copy.TransferContent(layer)
+    UsdUtils.ModifyAssetPaths(copy, rewrite)
+    return _serialised(copy, file.suffix) if changed else data
+
+
+def _serialised(layer: Sdf.Layer, suffix: str) -> bytes:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / f"layer{suffix}"
+        layers.export(layer, path)
+        return path.read_bytes()
+
+
+def _entry(name: str, offset: int) -> zipfile.ZipInfo:
+    """The header of an uncompressed file at ``offset``, padded so that its data is aligned."""
+    info = zipfile.ZipInfo(name, _EPOCH)
+    info.create_system = 3  # Unix, whatever the machine
+    info.external_attr = 0o644 << 16
+    room = -(offset + _HEADER + len(name.encode())) % _ALIGNMENT
+    info.extra = _PADDING.to_bytes(2, "little") + room.to_bytes(2, "little") + bytes(room)
+    return info

@@ -1,0 +1,1 @@
+"""The stages: each reads the composed stage below it and writes one layer."""

@@ -1,0 +1,157 @@
+"""What a stage is, and how one is run: skipped when nothing it depends on has changed."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+import numpy as np
+
+from openrooms_usd import __version__, names
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import InputError
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+# Part of every fingerprint: raise it when what the stages write changes without a new version.
+FORMAT: Final = 1
+
+
+@dataclass(frozen=True)
+class StageContext:
+    """What a stage is given.
+
+    Attributes:
+        room: The whole description; a stage reads its own section, the room type and the seed.
+        source: The folder of the description: its relative file names start here.
+        stage: The composed stage of all weaker layers, the layer to write and ``edits.usda``. All
+            edits go to the layer to write.
+        folder: ``layers/<stage name>``, for the files that only this layer refers to. Asset paths
+            in the layer are relative to the layer: ``./<stage name>/<file>``.
+        workers: How many threads the stage may use. The result never depends on it.
+        notes: Sentences for the user: what was approximated or guessed.
+    """
+
+    room: Room
+    source: Path
+    stage: "Usd.Stage"
+    folder: Path
+    workers: int = 1
+    notes: list[str] = field(default_factory=list)
+    _kept: set[str] = field(default_factory=set)
+
+    def rng(self, *key: str) -> np.random.Generator:
+        """A generator that depends on the seed and the key alone.
+
+        Key it by the stage and the object's name, so that adding one object changes no other.
+        """
+        text = json.dumps([self.room.seed, *key]).encode()
+        words = np.frombuffer(hashlib.sha256(text).digest(), dtype=np.uint32)
+        return np.random.Generator(np.random.PCG64(np.random.SeedSequence(words.tolist())))
+
+    def keep(self, relative: str) -> Path:
+        """Name a file (or a folder of files) that the layer refers to.
+
+        What is not kept is removed from ``folder`` after the layer was saved. Name files by their
+        content or by what determines it: a file that is already there is then not written again.
+
+        Args:
+            relative: The path below ``folder``, with forward slashes.
+
+        Returns:
+            ``folder / relative``.
+        """
+        self._kept.add(relative)
+        return self.folder / relative
+
+    def asset(self, relative: str) -> str:
+        """The anchored asset path for the layer of a kept file: ``./<stage name>/<relative>``."""
+        return f"./{self.folder.name}/{relative}"
+
+    def kept(self) -> frozenset[str]:
+        """Everything that was named by `keep`."""
+        return frozenset(self._kept)
+
+    def input(self, relative: str) -> Path:
+        """An input file of the description.
+
+        Raises:
+            InputError: It does not exist.
+        """
+        return input_file(self.source, relative)
+
+
+def input_file(source: Path, relative: str) -> Path:
+    """A file that a description names, relative to the description's folder.
+
+    Raises:
+        InputError: It does not exist.
+    """
+    path = source / relative
+    if not path.is_file():
+        raise InputError(
+            "no such file",
+            place=path,
+            remedy="paths in a description are relative to the folder that it lies in",
+        )
+    return path
+
+
+class Stage(Protocol):
+    """One step of the pipeline: writes one layer and the files that only this layer refers to."""
+
+    name: str
+    """One of `openrooms_usd.names.STAGES`."""
+
+    reads: tuple[str, ...]
+    """The weaker stages whose prims this one looks at."""
+
+    def inputs(self, room: Room) -> Iterable[str]:
+        """The files that the description names for this stage, relative to the description."""
+        ...
+
+    def author(self, context: StageContext) -> None:
+        """Write the layer through ``context.stage``.
+
+        Raises:
+            OrusdError: The description asks for something impossible.
+        """
+        ...
+
+
+def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
+    """A hash of everything that a stage's layer depends on.
+
+    That is: this package's version, the stage's section, the room type, the seed, its input files,
+    the layers that it reads, and the human edits.
+
+    Args:
+        stage: The stage.
+        room: The description.
+        source: The description's folder.
+        layer: Where the layer of a name lies.
+
+    Returns:
+        64 hexadecimal digits.
+    """
+    parts: dict[str, Any] = {
+        "format": [__version__, FORMAT, stage.name],
+        "section": getattr(room, stage.name).model_dump(mode="json"),
+        "room": [room.name, room.room, room.seed],
+        "inputs": {name: file_digest(input_file(source, name)) for name in stage.inputs(room)},
+        "reads": {
+            name: file_digest(path)
+            for name in (*stage.reads, names.EDITS)
+            if (path := layer(name)).is_file()
+        },
+    }
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file, in hexadecimal."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,87 @@
+"""Which assets a room needs: one for each distinct object, however often it stands there."""
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache, partial
+from typing import Any
+
+from openrooms_usd.description.alignment import FileObject
+from openrooms_usd.errors import InputError
+from openrooms_usd.library.assets import Asset, Model, read_asset
+from openrooms_usd.library.furniture import Size, category, make, styles
+from openrooms_usd.library.meshfile import read_model
+from openrooms_usd.stages.base import StageContext, file_digest
+
+
+@dataclass
+class Catalogue:
+    """Makes each distinct asset once.
+
+    Attributes:
+        context: The stage's context: its seed draws styles and details.
+    """
+
+    context: StageContext
+    _assets: dict[tuple[Any, ...], Asset] = field(default_factory=dict)
+    _drawn: dict[tuple[str, Size], str] = field(default_factory=dict)
+
+    def furniture(
+        self, name: str, size: Size, style: str | None = None, label: str | None = None
+    ) -> Asset:
+        """Furniture of the library. Pieces of one category, size and style are the same asset.
+
+        Args:
+            name: The category to build, or a stand-in.
+            size: Its box, metres.
+            style: One of the category's styles; drawn once for its size when None.
+            label: What it shall be called; by default its category.
+
+        Raises:
+            InputError: The library has no such category or style.
+        """
+        if style is None:
+            style = self._drawn.get((name, size)) or self._draw(name, size)
+        elif style not in category(name).styles:
+            known = ", ".join(category(name).styles)
+            raise InputError(f"no {name} has the style {style!r}", remedy=f"known: {known}")
+        key = (name, *size, style, self.context.room.seed)
+        rng = partial(self.context.rng, "alignment", "details", name, repr(size), style)
+        return self._asset(label or name, key, lambda: Model(make(name, size, style, rng())))
+
+    def _draw(self, name: str, size: Size) -> str:
+        choices = styles(name, size)
+        draw = self.context.rng("alignment", "style", name, repr(size))
+        return self._drawn.setdefault((name, size), choices[int(draw.integers(len(choices)))])
+
+    def file(self, item: FileObject) -> Asset:
+        """The user's own mesh.
+
+        Raises:
+            InputError: The file is missing, unreadable or not a mesh.
+            MissingPackageError: Its format needs a package that is not installed.
+        """
+        path = self.context.input(item.file)
+        how = (item.file, item.size, item.up, item.front, item.unit)
+        if (known := self._assets.get((item.category, *how))) is not None:
+            return known
+        model = read_model(path, size=item.size, up=item.up, front=item.front, unit=item.unit)
+        self.context.notes.extend(f"{item.file}: {note}" for note in model.notes)
+        key = (file_digest(path), *how[1:], _surfaces_digest(model))
+        asset = self._asset(item.category, key, lambda: model)
+        self._assets[item.category, *how] = asset
+        return asset
+
+    def _asset(self, label: str, key: tuple[Any, ...], build: Callable[[], Model]) -> Asset:
+        return self._assets.setdefault((label, *key), Asset(label, key, cache(build)))
+
+
+def _surfaces_digest(model: Model) -> str:
+    """A hash of the materials that a model brings, with the content of their textures."""
+    digest = hashlib.sha256()
+    for part, surface in model.surfaces.items():
+        for name, value in vars(surface).items():
+            file = getattr(value, "file", None)
+            content = hashlib.sha256(read_asset(file)).hexdigest() if file else repr(value)
+            digest.update(f"{part} {name} {content}\n".encode())
+    return digest.hexdigest()

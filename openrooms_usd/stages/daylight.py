@@ -1,0 +1,68 @@
+"""Portals of the lights stage: where the surroundings come in, told to renderers that ask."""
+
+from typing import Final
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.usd.frames import TIME, local_to_world
+from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
+
+# A leaf that is turned less than this is shut, and its door no way for light.
+_SHUT: Final = np.radians(0.5)
+# An opening's frame (x along the wall, y outwards, z up) in the portal's (x, y up, z outwards).
+_PORTAL_AXES: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+
+
+def author_portals(context: StageContext) -> None:
+    """Write a portal for every opening that light can pass, on the outer side of its wall.
+
+    On the outer side, because from there the walls' thickness hides least of what lies inside, and
+    because the reveals, too, are then inside.
+    """
+    cache = UsdGeom.XformCache(TIME)
+    openings = context.stage.GetPrimAtPath(names.OPENINGS)
+    ways = [prim for prim in openings.GetChildren() if _is_way(prim)] if openings else []
+    portals = []
+    if ways:
+        UsdGeom.Scope.Define(context.stage, names.PORTALS)
+    for prim in ways:
+        portals.append(define_portal(context.stage, _portal(prim, cache)).GetPrim())
+    connect_portals(context.stage.OverridePrim(names.ENVIRONMENT), portals)
+
+
+def _is_way(opening: Usd.Prim) -> bool:
+    """Whether light can pass: it has a size, and no leaf that is shut."""
+    if not opening.GetAttribute(names.OPENING_WIDTH) or not UsdGeom.Imageable(opening):
+        return False
+    leaf = opening.GetChild("Leaf")
+    if not leaf or not leaf.IsActive():
+        return True
+    turn = UsdGeom.Xformable(leaf).GetLocalTransformation(TIME).ExtractRotation()
+    return bool(np.radians(abs(turn.GetAngle())) > _SHUT)
+
+
+def _portal(opening: Usd.Prim, cache: UsdGeom.XformCache) -> Portal:
+    world = local_to_world(opening, cache)
+    outer = world.copy()
+    outer[:3, 3] += world[:3, 1] * _depth(opening, world, cache)
+    outer[:3, :3] = world[:3, :3] @ _PORTAL_AXES.T
+    width, height = (
+        float(opening.GetAttribute(name).Get(TIME))
+        for name in (names.OPENING_WIDTH, names.OPENING_HEIGHT)
+    )
+    return Portal(f"{names.PORTALS}/{opening.GetName()}", outer, width, height)
+
+
+def _depth(opening: Usd.Prim, world: np.ndarray, cache: UsdGeom.XformCache) -> float:
+    """How thick the opening's wall is, metres; 0 when it has none."""
+    walls = opening.GetRelationship(names.OPENING_WALL).GetTargets()
+    prim = opening.GetStage().GetPrimAtPath(walls[0]) if walls else None
+    points = UsdGeom.PointBased(prim).GetPointsAttr().Get(TIME) if prim else None
+    if not points:
+        return 0.0
+    to_opening = np.linalg.inv(world) @ local_to_world(prim, cache)
+    across = np.asarray(points, dtype=np.float64) @ to_opening[1, :3] + to_opening[1, 3]
+    return max(0.0, float(across.max()))

@@ -1,0 +1,229 @@
+"""The layout stage: floor, ceiling, walls with real holes, and what fills these holes."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
+
+from openrooms_usd import adapters, names
+from openrooms_usd.capture import Capture
+from openrooms_usd.description.layout import PolygonLayout, RoomPlanLayout
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import DescriptionError, InputError
+from openrooms_usd.geometry.curves import signed_area
+from openrooms_usd.geometry.doors import door, free_angle
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.polygons import counter_clockwise, defect
+from openrooms_usd.geometry.shell import cut_apart, slab, wall_solid
+from openrooms_usd.geometry.walls import Wall, walls_of
+from openrooms_usd.geometry.windows import window_frame
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.openings import Cut, captured_cuts, described_cuts
+from openrooms_usd.usd.frames import gf_matrix
+from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.semantics import label, label_part
+from openrooms_usd.usd.transforms import author_placement
+
+# Floor to ceiling where a capture does not know, metres.
+_USUAL_HEIGHT = 2.6
+# Windows that begin lower than this have no sill board, metres.
+_BOARD_FROM = 0.3
+
+_TYPES = Sdf.ValueTypeNames
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A room's shell before it is built.
+
+    Attributes:
+        corners: (N, 2) the floor, counter-clockwise, metres.
+        walls: By ascending number.
+        height: Floor to ceiling, metres.
+        thickness: Of the walls and slabs, metres.
+        cuts: The openings.
+        capture: What it is made from, if anything.
+    """
+
+    corners: NDArray[np.float64]
+    walls: tuple[Wall, ...]
+    height: float
+    thickness: float
+    cuts: tuple[Cut, ...]
+    capture: Capture | None = None
+
+
+class LayoutStage:
+    """Writes ``/World`` and ``/World/Room`` with everything below it."""
+
+    name = "layout"
+    reads: tuple[str, ...] = ()
+
+    def inputs(self, room: Room) -> Iterable[str]:
+        """The capture, if the room is made from one."""
+        return [room.layout.file] if isinstance(room.layout, RoomPlanLayout) else []
+
+    def author(self, context: StageContext) -> None:
+        """Write the room's shell.
+
+        Raises:
+            DescriptionError: The polygon is not simple, or an opening does not fit.
+            InputError: The capture cannot be read, or has no usable floor.
+        """
+        layout, stage = context.room.layout, context.stage
+        if isinstance(layout, RoomPlanLayout):
+            plan = captured_plan(layout, context)
+        else:
+            plan = described_plan(layout)
+        _author_room(stage, plan, context.room.room)
+        _author_shell(stage, plan)
+        for cut in plan.cuts:
+            _author_opening(stage, plan, cut, context.notes)
+
+
+def described_plan(layout: PolygonLayout) -> Plan:
+    """The plan of a room that is drawn by hand."""
+    if reason := defect(layout.polygon):
+        raise DescriptionError(
+            f"the polygon {reason}",
+            place="layout.polygon",
+            remedy="list the inner corners once, in order around the room, at least 1 mm apart",
+        )
+    corners, numbers = counter_clockwise(layout.polygon)
+    walls = walls_of(corners, numbers, layout.wall_thickness)
+    clockwise = signed_area(np.asarray(layout.polygon)) < 0.0
+    cuts = described_cuts(layout.openings, walls, layout.height, clockwise=clockwise)
+    return Plan(corners, walls, layout.height, layout.wall_thickness, tuple(cuts))
+
+
+def captured_plan(layout: RoomPlanLayout, context: StageContext) -> Plan:
+    """The plan of a captured room."""
+    path = context.input(layout.file)
+    capture: Capture = adapters.load(adapters.IMPORTERS, "roomplan").read(path)
+    context.notes.extend(capture.notes)
+    if capture.floor is None:
+        raise InputError("the capture has no floor and no walls that close", place=path)
+    if reason := defect(capture.floor):
+        raise InputError(f"the captured floor {reason}", place=path, remedy="scan the room again")
+    height = layout.height or capture.height
+    if height is None:
+        height = _USUAL_HEIGHT
+        context.notes.append(f"the capture has no height: {height} m is taken")
+    corners, numbers = counter_clockwise(capture.floor)
+    walls = walls_of(corners, numbers, layout.wall_thickness)
+    taken = [opening.name for opening in layout.openings if opening.name]
+    cuts = captured_cuts(capture.openings, walls, height, taken=taken, notes=context.notes)
+    cuts += described_cuts(layout.openings, walls, height, before=cuts)
+    return Plan(corners, walls, height, layout.wall_thickness, tuple(cuts), capture)
+
+
+def _author_room(stage: Usd.Stage, plan: Plan, room_type: str) -> None:
+    world = UsdGeom.Xform.Define(stage, names.WORLD).GetPrim()
+    Usd.ModelAPI(world).SetKind(Kind.Tokens.assembly)
+    room = UsdGeom.Xform.Define(stage, names.ROOM).GetPrim()
+    Usd.ModelAPI(room).SetKind(Kind.Tokens.component)
+    room.AddAppliedSchema("OpenRoomsRoomAPI")
+    _set(room, "openrooms:room:type", _TYPES.Token, room_type)
+    _set(room, "openrooms:room:height", _TYPES.Double, plan.height)
+    floor = Vt.Vec2dArray.FromNumpy(np.ascontiguousarray(plan.corners))
+    _set(room, "openrooms:room:floor", _TYPES.Double2Array, floor)
+    if plan.capture:
+        room.AddAppliedSchema("OpenRoomsSourceAPI")
+        _set(room, "openrooms:source:file", _TYPES.String, plan.capture.source)
+        matrix = gf_matrix(plan.capture.source_from_world)
+        _set(room, "openrooms:source:fromWorld", _TYPES.Matrix4d, matrix)
+
+
+def _set(prim: Usd.Prim, name: str, type_name: Sdf.ValueTypeName, value: object) -> None:
+    prim.CreateAttribute(name, type_name, custom=False).Set(value)
+
+
+def _author_shell(stage: Usd.Stage, plan: Plan) -> None:
+    below = slab(plan.corners, plan.thickness, -plan.thickness, 0.0)
+    above = slab(plan.corners, plan.thickness, plan.height, plan.height + plan.thickness)
+    _author_mesh(stage, names.FLOOR, below, category="floor")
+    _author_mesh(stage, names.CEILING, above, category="ceiling")
+    UsdGeom.Xform.Define(stage, names.WALLS)
+    for wall in plan.walls:
+        holes = [cut.hole for cut in plan.cuts if cut.wall is wall]
+        solid = wall_solid(wall, plan.height, holes)
+        _author_mesh(stage, _wall_path(wall), solid, category="wall")
+    if plan.cuts:
+        UsdGeom.Xform.Define(stage, names.OPENINGS)
+
+
+def _wall_path(wall: Wall) -> str:
+    return f"{names.WALLS}/wall_{wall.number}"
+
+
+def _author_mesh(
+    stage: Usd.Stage, path: str, mesh: Mesh, *, category: str = "", part: str = ""
+) -> None:
+    prim = define_mesh(stage, path, mesh).GetPrim()
+    if category:
+        label(prim, category)
+    if part:
+        label_part(prim, part)
+
+
+def _author_opening(stage: Usd.Stage, plan: Plan, cut: Cut, notes: list[str]) -> None:
+    """The opening's frame, its description for tools, and what fills it."""
+    hole, path = cut.hole, f"{names.OPENINGS}/{cut.name}"
+    # Nanometres are noise of subtracting.
+    width, height = round(hole.right - hole.left, 9), round(hole.top - hole.bottom, 9)
+    xform = UsdGeom.Xform.Define(stage, path)
+    x, y = cut.wall.to_plan(np.array([0.5 * (hole.left + hole.right), 0.0]))
+    heading = float(np.degrees(np.arctan2(cut.wall.along[1], cut.wall.along[0])))
+    prim = xform.GetPrim()
+    author_placement(prim, Gf.Vec3d(x, y, 0.5 * (hole.bottom + hole.top)), heading)
+    Usd.ModelAPI(prim).SetKind(Kind.Tokens.subcomponent)
+    label(prim, cut.kind)
+    prim.AddAppliedSchema("OpenRoomsOpeningAPI")
+    _set(prim, "openrooms:opening:kind", _TYPES.Token, cut.kind)
+    _set(prim, "openrooms:opening:width", _TYPES.Double, width)
+    _set(prim, "openrooms:opening:height", _TYPES.Double, height)
+    _set(prim, "openrooms:opening:sill", _TYPES.Double, hole.bottom)
+    wall = prim.CreateRelationship("openrooms:opening:wall", custom=False)
+    wall.SetTargets([_wall_path(cut.wall)])
+    if cut.source:
+        prim.AddAppliedSchema("OpenRoomsSourceAPI")
+        _set(prim, "openrooms:source:id", _TYPES.String, cut.source.id)
+        if cut.source.confidence:
+            _set(prim, "openrooms:source:confidence", _TYPES.Token, cut.source.confidence)
+    if cut.kind == "window":
+        board = hole.bottom >= _BOARD_FROM
+        frame = window_frame(width, height, cut.wall.thickness, board=board)
+        _author_mesh(stage, f"{path}/Frame", frame, part="frame")
+    elif cut.kind == "door":
+        _author_door(stage, plan, cut, path, notes)
+
+
+def _author_door(stage: Usd.Stage, plan: Plan, cut: Cut, path: str, notes: list[str]) -> None:
+    hole = cut.hole
+    made = door(
+        hole.right - hole.left,
+        hole.top - hole.bottom,
+        cut.wall.thickness,
+        hinge=cut.hinge,
+        swing=cut.swing,
+    )
+    angle = free_angle(made, cut.open, _around(plan, cut)) if cut.open else 0.0
+    if angle < cut.open:
+        notes.append(f"{cut.name} opens {angle:g} degrees, not {cut.open:g}: it meets a wall")
+    _author_mesh(stage, f"{path}/Frame", made.frame, part="frame")
+    leaf = UsdGeom.Xform.Define(stage, f"{path}/Leaf")
+    author_placement(leaf.GetPrim(), Gf.Vec3d(*made.hinge, 0.0), made.sense * angle)
+    _author_mesh(stage, f"{path}/Leaf/Panel", made.panel, part="panel")
+    _author_mesh(stage, f"{path}/Leaf/Handle", made.handle, part="handle")
+
+
+def _around(plan: Plan, cut: Cut) -> list[NDArray[np.float64]]:
+    """What a leaf can run into: all walls, its own but for the hole, in the opening's x and y."""
+    to_middle = np.array([0.5 * (cut.hole.left + cut.hole.right), 0.0])
+    rings = []
+    for wall in plan.walls:
+        pieces = cut_apart(wall, [cut.hole]) if wall is cut.wall else [wall.outline]
+        rings += [cut.wall.from_plan(wall.to_plan(piece)) - to_middle for piece in pieces]
+    return rings

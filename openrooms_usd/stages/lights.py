@@ -1,0 +1,193 @@
+"""The lights stage: one environment, and lamps as their emitting meshes."""
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from openrooms_usd import __version__, names
+from openrooms_usd.description.lights import ConstantEnvironment, FileEnvironment, Lamp
+from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import DescriptionError, StageError
+from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
+from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.stages.base import FORMAT, StageContext, file_digest
+from openrooms_usd.stages.daylight import author_portals
+from openrooms_usd.usd.lights import define_dome, define_mesh_light
+from openrooms_usd.usd.photometry import luminance, nits_from_lumen, world_area
+from openrooms_usd.usd.semantics import read_label
+
+# Of a lamp whose category the library does not know.
+_LUMEN: Final = 800.0
+# Drawn evenly from this range where the description says nothing (as in the OpenRooms paper).
+_KELVIN: Final = (4000.0, 8000.0)
+# UsdLux knows black bodies up to here; hotter ones look the same to it.
+_HOTTEST: Final = 10_000.0
+
+
+@dataclass(frozen=True)
+class Found:
+    """A lamp in the stage.
+
+    Attributes:
+        root: The object.
+        bulbs: Its emitting meshes.
+    """
+
+    root: Usd.Prim
+    bulbs: tuple[Usd.Prim, ...]
+
+
+class LightsStage:
+    """Writes ``/World/Lights``, and makes the lamps' bulbs emit."""
+
+    name = "lights"
+    reads: tuple[str, ...] = ("layout", "alignment")
+
+    def inputs(self, room: Room) -> Iterable[str]:
+        """The panorama, if there is one."""
+        environment = room.lights.environment
+        return [environment.file] if isinstance(environment, FileEnvironment) else []
+
+    def author(self, context: StageContext) -> None:
+        """Write the environment and the lamps.
+
+        Raises:
+            DescriptionError: A lamp is named that is not there.
+            InputError: The panorama cannot be read or is no radiance.
+            OutputError: The converted panorama cannot be written.
+            StageError: A lamp's bulb has no area, or is inside an instance that stays one.
+        """
+        lamps = _lamps(context.stage)
+        _check_names(context, lamps)
+        UsdGeom.Scope.Define(context.stage, names.LIGHTS)
+        environment = context.room.lights.environment
+        if isinstance(environment, FileEnvironment):
+            _author_panorama(context, environment)
+        else:
+            _author_constant(context, environment)
+        author_portals(context)
+        for name, lamp in lamps.items():
+            _author_lamp(context, lamp, context.room.lights.lamps.get(name, Lamp()))
+
+
+def _author_constant(context: StageContext, environment: ConstantEnvironment) -> None:
+    """A dome of one radiance: L = E / pi."""
+    hue = np.array(environment.color)
+    brightness = float(luminance(hue))
+    nits = environment.illuminance / math.pi
+    if brightness <= 0.0 and nits > 0.0:
+        raise DescriptionError(
+            f"a black sky cannot give {environment.illuminance:g} lux",
+            place="lights.environment.color",
+            remedy="give a color with some light in it, or illuminance: 0",
+        )
+    r, g, b = (hue * (nits / brightness if brightness > 0.0 else 0.0)).tolist()
+    define_dome(context.stage, names.ENVIRONMENT, radiance=(r, g, b))
+
+
+def _author_panorama(context: StageContext, environment: FileEnvironment) -> None:
+    """A dome with a picture in nits that only this layer refers to."""
+    source = context.input(environment.file)
+    key = [__version__, FORMAT, file_digest(source), environment.illuminance, environment.scale]
+    digest = hashlib.sha256(json.dumps(key).encode()).hexdigest()[:8]
+    stem = re.sub(r"[^A-Za-z0-9]+", "_", source.stem).strip("_")[:40] or "environment"
+    file = f"{stem}_{digest}.exr"
+    target = context.keep(file)
+    if not target.is_file():
+        pixels = read_panorama(str(source))
+        nits = scaled_to_nits(
+            pixels, str(source), illuminance=environment.illuminance, scale=environment.scale
+        )
+        # 32 bits: the sun is too bright for 16.
+        write_exr(target, nits)
+    define_dome(
+        context.stage,
+        names.ENVIRONMENT,
+        texture=context.asset(file),
+        rotation=environment.rotate,
+    )
+
+
+def _lamps(stage: Usd.Stage) -> dict[str, Found]:
+    """The objects that have an emitting part, by name."""
+    furniture = stage.GetPrimAtPath(names.FURNITURE)
+    found = {}
+    for root in furniture.GetChildren() if furniture else ():
+        prims = Usd.PrimRange(root, Usd.TraverseInstanceProxies())
+        bulbs = tuple(
+            prim
+            for prim in prims
+            if prim.IsA(UsdGeom.Mesh) and read_label(prim, names.PART) == names.LIGHT_BULB
+        )
+        if bulbs:
+            found[root.GetName()] = Found(root, bulbs)
+    return found
+
+
+def _check_names(context: StageContext, lamps: Mapping[str, Found]) -> None:
+    """Refuse lamps that are not there, and objects that are no lamps."""
+    for name in context.room.lights.lamps:
+        if name in lamps:
+            continue
+        is_object = context.stage.GetPrimAtPath(f"{names.FURNITURE}/{name}")
+        reason = (
+            f"{name} has no part {names.LIGHT_BULB} that could emit"
+            if is_object
+            else f"there is no lamp {name!r}{did_you_mean(name, lamps)}"
+        )
+        raise DescriptionError(
+            reason,
+            place=f"lights.lamps.{name}",
+            remedy=f"lamps are: {', '.join(list(lamps)[:30]) or 'none'}",
+        )
+
+
+def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
+    """Let the bulbs emit; the lamp's flux is shared by their areas."""
+    root = lamp.root
+    kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
+    if kelvin > _HOTTEST:
+        context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_HOTTEST:g} K")
+    lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
+    area = sum(world_area(bulb) for bulb in lamp.bulbs)
+    if area <= 0.0:
+        raise StageError("the lamp's bulb has no area", place=root.GetPath())
+    paths = [bulb.GetPath() for bulb in lamp.bulbs]
+    _open_instance(context.stage, root)
+    for path in paths:
+        define_mesh_light(
+            context.stage.OverridePrim(path),
+            nits=nits_from_lumen(lumen, area) if wanted.on else 0.0,
+            kelvin=kelvin,
+        )
+
+
+def _open_instance(stage: Usd.Stage, root: Usd.Prim) -> None:
+    """Make a lamp no instance: what is written below an instance is lost."""
+    path = root.GetPath()
+    if root.IsInstance():
+        stage.OverridePrim(path).SetInstanceable(False)
+    if stage.GetPrimAtPath(path).IsInstance():
+        raise StageError(
+            "the lamp is an instance, below which no layer can make its bulb emit",
+            place=path,
+            remedy=f"set instanceable = false on it in {names.LAYERS}/{names.EDITS}.usda",
+        )
+
+
+def _drawn_kelvin(context: StageContext, name: str) -> float:
+    return float(round(context.rng("lights", name).uniform(*_KELVIN)))
+
+
+def _usual_lumen(root: Usd.Prim) -> float:
+    spec = CATEGORIES.get(read_label(root, names.CATEGORY) or "")
+    return spec.lumen if spec is not None and spec.lumen > 0.0 else _LUMEN

@@ -1,0 +1,225 @@
+"""From openings as they are described or captured to holes that fit their walls."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from openrooms_usd.capture import CapturedOpening
+from openrooms_usd.description.layout import Opening, named_openings
+from openrooms_usd.description.naming import unique_names
+from openrooms_usd.errors import DescriptionError
+from openrooms_usd.geometry.openings import around, clamped, free_span, misfit, too_close
+from openrooms_usd.geometry.shell import Hole
+from openrooms_usd.geometry.walls import Wall
+
+Kind = Literal["window", "door", "opening"]
+
+# Width, height and sill where the description gives none, metres.
+DEFAULTS: Final = {
+    "window": (1.2, 1.3, 0.9),
+    "door": (0.9, 2.05, 0.0),
+    "opening": (0.9, 2.05, 0.0),
+}
+# How far a captured door stands open when all that is known is that it does, degrees.
+_AJAR: Final = 60.0
+# A captured opening belongs to the nearest wall within this distance (metres) and direction.
+_REACH, _PARALLEL = 0.5, 0.8
+
+
+@dataclass(frozen=True)
+class Cut:
+    """An opening with its name, its wall and the hole that it makes there.
+
+    Attributes:
+        name: Its prim name.
+        kind: What it is.
+        wall: Its wall.
+        hole: Its rectangle in the wall's x and z, metres.
+        open: How far a door's leaf shall stand open, degrees.
+        hinge: The hinge side of a door, seen from inside.
+        swing: Where a door's leaf swings to.
+        source: The captured opening that it is made from.
+    """
+
+    name: str
+    kind: Kind
+    wall: Wall
+    hole: Hole
+    open: float = 0.0
+    hinge: Literal["left", "right"] = "left"
+    swing: Literal["in", "out"] = "in"
+    source: CapturedOpening | None = None
+
+
+def described_cuts(
+    openings: Sequence[Opening],
+    walls: Sequence[Wall],
+    height: float,
+    *,
+    clockwise: bool = False,
+    before: Sequence[Cut] = (),
+) -> list[Cut]:
+    """The holes of the description's openings.
+
+    Args:
+        openings: As they are described.
+        walls: By ascending number.
+        height: Floor to ceiling, metres.
+        clockwise: Whether the polygon was given clockwise, so that walls start at their left end.
+        before: Openings that are there already.
+
+    Returns:
+        The openings in order.
+
+    Raises:
+        DescriptionError: Some do not fit their wall, or come too close to each other.
+    """
+    cuts: list[Cut] = []
+    mistakes: list[str] = []
+    for index, (name, opening) in enumerate(named_openings(openings, {cut.name for cut in before})):
+        field = f"openings[{index}] ({name})"
+        if opening.wall >= len(walls):
+            last = len(walls) - 1
+            mistakes.append(f"{field}: there is no wall {opening.wall}, only 0 to {last}")
+            continue
+        wall = walls[opening.wall]
+        hole = _hole(opening, wall, clockwise)
+        if reason := misfit(wall, height, hole):
+            mistakes.append(f"{field} in wall {opening.wall} {reason}; {_free(wall, clockwise)}")
+            continue
+        cuts.append(Cut(name, opening.kind, wall, hole, opening.open, opening.hinge, opening.swing))
+    mistakes += _clashes([*before, *cuts], clockwise)
+    if mistakes:
+        raise DescriptionError(
+            "\n  ".join(mistakes) if len(mistakes) == 1 else "\n  - ".join(["", *mistakes]),
+            place="layout.openings",
+            remedy="change wall, at, width, height or sill of these openings",
+        )
+    return cuts
+
+
+def _hole(opening: Opening, wall: Wall, clockwise: bool) -> Hole:
+    width, height, sill = (
+        default if given is None else given
+        for given, default in zip(
+            (opening.width, opening.height, opening.sill), DEFAULTS[opening.kind], strict=True
+        )
+    )
+    at = 0.5 * wall.length if opening.at is None else opening.at
+    middle = _from_start(wall, at, clockwise)
+    return Hole(middle - 0.5 * width, middle + 0.5 * width, sill, sill + height)
+
+
+def _from_start(wall: Wall, at: float, clockwise: bool) -> float:
+    """A distance from the wall's start to one from its left end, or back.
+
+    Seen from inside, the walls of a polygon that runs counter-clockwise start on the right.
+    """
+    return at if clockwise else wall.length - at
+
+
+def _free(wall: Wall, clockwise: bool) -> str:
+    low, high = free_span(wall)
+    if low >= high:
+        return "nothing can be cut into it"
+    ends = sorted(_from_start(wall, end, clockwise) for end in (low, high))
+    return f"from its start it is free between {ends[0]:.3f} m and {ends[1]:.3f} m"
+
+
+def _clashes(cuts: Sequence[Cut], clockwise: bool) -> Iterator[str]:
+    for i, cut in enumerate(cuts):
+        for other in cuts[:i]:
+            if other.wall is cut.wall and too_close(other.hole, cut.hole):
+                places = " and ".join(f"{c.name} {_extent(c, clockwise)}" for c in (other, cut))
+                yield f"{other.name} and {cut.name} in wall {cut.wall.number} overlap: {places}"
+
+
+def _extent(cut: Cut, clockwise: bool) -> str:
+    ends = sorted(_from_start(cut.wall, x, clockwise) for x in (cut.hole.left, cut.hole.right))
+    across = f"{ends[0]:.3f} to {ends[1]:.3f} m from the wall's start"
+    return f"({across}, {cut.hole.bottom:.3f} to {cut.hole.top:.3f} m high)"
+
+
+def captured_cuts(
+    openings: Sequence[CapturedOpening],
+    walls: Sequence[Wall],
+    height: float,
+    *,
+    taken: Sequence[str],
+    notes: list[str],
+) -> list[Cut]:
+    """The holes of captured openings, made to fit: moved to their wall, clamped, merged.
+
+    Args:
+        openings: As they were captured.
+        walls: By ascending number.
+        height: Floor to ceiling, metres.
+        taken: Names that are used already.
+        notes: Receives a sentence for everything that was changed.
+
+    Returns:
+        The openings in order.
+    """
+    found: list[tuple[CapturedOpening, Wall, Hole]] = []
+    for opening in openings:
+        wall = _nearest_wall(opening, walls)
+        if wall is None:
+            notes.append(f"dropped the {opening.kind} {opening.id}: no wall is near it")
+            continue
+        whole = _captured_hole(opening, wall)
+        hole = clamped(wall, height, whole)
+        if hole is None:
+            notes.append(f"dropped the {opening.kind} {opening.id}: it does not fit its wall")
+            continue
+        if max(whole.right - hole.right, hole.left - whole.left, whole.top - hole.top) > 1e-3:
+            notes.append(f"made the {opening.kind} {opening.id} smaller, to fit wall {wall.number}")
+        found.append((opening, wall, hole))
+    merged = list(_merged(found, notes))
+    names = unique_names(((None, opening.kind) for opening, _, _ in merged), taken)
+    return [
+        Cut(name, opening.kind, wall, hole, _AJAR if opening.is_open else 0.0, source=opening)
+        for name, (opening, wall, hole) in zip(names, merged, strict=True)
+    ]
+
+
+def _nearest_wall(opening: CapturedOpening, walls: Sequence[Wall]) -> Wall | None:
+    """The wall along an opening that is nearest to its middle."""
+
+    def distance(wall: Wall) -> float:
+        x, y = wall.from_plan(opening.center[:2])
+        return float(np.hypot(x - np.clip(x, 0.0, wall.length), y))
+
+    along = [w for w in walls if abs(float(w.along @ opening.direction[:2])) > _PARALLEL]
+    nearest = min(along, key=distance, default=None)
+    return nearest if nearest is not None and distance(nearest) < _REACH else None
+
+
+def _captured_hole(opening: CapturedOpening, wall: Wall) -> Hole:
+    x = float(wall.from_plan(opening.center[:2])[0])
+    z, half = float(opening.center[2]), 0.5 * opening.width
+    return Hole(x - half, x + half, z - 0.5 * opening.height, z + 0.5 * opening.height)
+
+
+def _merged(
+    found: Sequence[tuple[CapturedOpening, Wall, Hole]], notes: list[str]
+) -> Iterator[tuple[CapturedOpening, Wall, Hole]]:
+    """Join openings of one wall that overlap; doors win over windows, windows over openings."""
+    rank = list(DEFAULTS)
+    groups: list[list[tuple[CapturedOpening, Wall, Hole]]] = []
+    for item in found:
+        touching = [g for g in groups if g[0][1] is item[1] and too_close(_box(g), item[2])]
+        groups = [g for g in groups if g not in touching]
+        groups.append([row for group in touching for row in group] + [item])
+    order = {id(item[0]): i for i, item in enumerate(found)}
+    for group in sorted(groups, key=lambda g: min(order[id(row[0])] for row in g)):
+        best = min(group, key=lambda row: (row[0].kind != "door", rank.index(row[0].kind)))
+        if len(group) > 1:
+            ids = " and ".join(row[0].id for row in group)
+            notes.append(f"merged the overlapping openings {ids} in wall {best[1].number}")
+        yield best[0], best[1], _box(group)
+
+
+def _box(group: Sequence[tuple[CapturedOpening, Wall, Hole]]) -> Hole:
+    return around([hole for _, _, hole in group])

@@ -1,0 +1,146 @@
+"""Runs one stage: gives it a layer between the others, then drafts what it wrote, whole."""
+
+from collections.abc import Iterable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Final
+
+from pxr import Sdf, Tf, Usd, UsdMedia, Vt
+
+from openrooms_usd import __version__, names
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import StageError
+from openrooms_usd.stages.base import Stage, StageContext
+from openrooms_usd.stages.draft import Draft
+from openrooms_usd.usd import layers as usd_layers
+
+_CLASSES: Final = {
+    "layout": "LayoutStage",
+    "alignment": "AlignmentStage",
+    "materials": "MaterialsStage",
+    "lights": "LightsStage",
+    "cameras": "CamerasStage",
+}
+
+
+def stages() -> list[Stage]:
+    """One of each stage, from the weakest to the strongest layer."""
+    return [
+        getattr(import_module(f"openrooms_usd.stages.{name}"), _CLASSES[name])()
+        for name in names.STAGES
+    ]
+
+
+def create_edits(draft: Draft) -> None:
+    """Make the layer for human edits when there is none yet; never touch it again."""
+    if not draft.layer(names.EDITS).exists():
+        layer = Sdf.Layer.CreateAnonymous(".usda")
+        usd_layers.apply_metadata(layer)
+        draft.export(layer, names.EDITS)
+
+
+def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
+    """Whether a stage's layer was written from this fingerprint and all its files are there."""
+    path = draft.layer(stage.name)
+    if not path.is_file():
+        return False
+    try:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path), metadataOnly=True)
+    except Tf.ErrorException:
+        return False
+    record = _record(layer, stage.name)
+    files: Iterable[str] = record.get("files", ())
+    return record.get("fingerprint") == wanted and all(
+        (draft.layers / stage.name / file).exists() for file in files
+    )
+
+
+def _record(layer: Sdf.Layer, stage: str) -> dict[str, Any]:
+    data: Any = layer.customLayerData
+    for key in (names.NAMESPACE, "stages", stage):
+        data = data.get(key, {}) if isinstance(data, dict) else {}
+    return data if isinstance(data, dict) else {}
+
+
+def run(
+    stage: Stage, room: Room, source: Path, draft: Draft, fingerprint: str, workers: int
+) -> Sequence[str]:
+    """Author one stage's layer into a draft.
+
+    Args:
+        stage: The stage.
+        room: The description.
+        source: The description's folder.
+        draft: The composition that it is for.
+        fingerprint: What the layer is written from; stored in it.
+        workers: Threads that the stage may use.
+
+    Returns:
+        Notes for the user.
+
+    Raises:
+        OrusdError: The stage refuses the description, or a file cannot be written.
+    """
+    folder = draft.begin(stage.name)
+    try:
+        with draft.scratch(stage.name) as layer:
+            usd_layers.apply_metadata(layer)
+            position = names.STAGES.index(stage.name)
+            weaker = [draft.layer(name) for name in reversed(names.STAGES[:position])]
+            stronger = [draft.layer(names.EDITS)]
+            with usd_layers.stacked(layer, stronger, weaker) as composed:
+                context = StageContext(room, source, composed, folder, workers)
+                stage.author(context)
+                _write_authorship(composed, stage.name, room, fingerprint)
+            kept = set(context.kept())
+            arrays = usd_layers.arrays_file(layer, folder)
+            kept |= {arrays.name} if arrays else set()
+            _write_record(layer, stage.name, room, fingerprint, kept)
+            draft.export(layer, stage.name, kept)
+    except Tf.ErrorException as error:
+        reason = str(error).strip().splitlines()[-1].strip()
+        raise StageError(f"USD refuses what the stage {stage.name} writes: {reason}") from error
+    return context.notes
+
+
+def _write_record(
+    layer: Sdf.Layer, stage: str, room: Room, fingerprint: str, kept: Iterable[str]
+) -> None:
+    custom = dict(layer.customLayerData)
+    record = {
+        "fingerprint": fingerprint,
+        "seed": str(room.seed),
+        "version": __version__,
+        "files": Vt.StringArray(sorted(kept)),
+    }
+    custom[names.NAMESPACE] = {"stages": {stage: record}}
+    layer.customLayerData = custom
+
+
+def _write_authorship(stage: Usd.Stage, name: str, room: Room, fingerprint: str) -> None:
+    # customLayerData of sublayers does not survive Stage.Flatten, these records do.
+    record = UsdMedia.AuthorshipAPI.Apply(stage.OverridePrim(names.WORLD), name)
+    record.CreateSoftwarePackageAttr(names.CREATOR)
+    record.CreateSoftwareVersionAttr(__version__)
+    record.CreateInputsAttr(["fingerprint", fingerprint, "seed", str(room.seed)])
+
+
+def stack(draft: Draft) -> Sdf.Layer:
+    """The root layer: metadata, and the layers that are there as sublayers."""
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    usd_layers.apply_metadata(layer)
+    layer.subLayerPaths = [
+        f"./{names.LAYERS}/{name}.usda"
+        for name in (names.EDITS, *reversed(names.STAGES))
+        if draft.layer(name).is_file()
+    ]
+    layer.pseudoRoot.SetInfo("renderSettingsPrimPath", names.RENDER_SETTINGS)
+    return layer
+
+
+def write_scene(draft: Draft) -> None:
+    """Draft the root layer where it is missing or differs."""
+    layer = stack(draft)
+    text = layer.ExportToString()
+    if not draft.scene.is_file() or draft.scene.read_text(encoding="utf-8") != text:
+        draft.export_scene(layer)

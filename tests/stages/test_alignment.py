@@ -1,0 +1,288 @@
+"""The alignment stage: objects where they were asked for, repeats as instances, equal bytes."""
+
+import hashlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pxr import Sdf, Usd, UsdGeom
+
+from openrooms_usd import adapters, names
+from openrooms_usd.capture import Capture, CapturedBox
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import InputError
+from openrooms_usd.library.furniture import CATEGORIES, STAND_INS
+from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.captured import SUBSTITUTES
+from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.runner import run
+from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.semantics import read_label
+
+HEIGHT = 2.4
+
+
+def _compose(
+    folder: Path, objects: list[dict[str, Any]], *, seed: int = 0, workers: int = 1, **section: Any
+) -> tuple[Usd.Stage, list[str]]:
+    room = Room.model_validate(
+        {"seed": seed, "layout": {"height": HEIGHT}, "alignment": {"objects": objects, **section}}
+    )
+    layers = folder / "layers"
+    run(LayoutStage(), room, folder, layers, "", workers)
+    notes = run(AlignmentStage(), room, folder, layers, "", workers)
+    root = Sdf.Layer.CreateAnonymous(".usda")
+    root.subLayerPaths = [str(layers / "alignment.usda"), str(layers / "layout.usda")]
+    root.pseudoRoot.SetInfo("upAxis", "Z")
+    root.pseudoRoot.SetInfo("metersPerUnit", 1.0)
+    return Usd.Stage.Open(root), list(notes)
+
+
+def _bound(stage: Usd.Stage, name: str) -> np.ndarray:
+    """World bounding box from the meshes themselves."""
+    path = f"{names.FURNITURE}/{name}/"
+    points = [m.world_points() for m in read_meshes(stage) if m.path.startswith(path)]
+    together = np.concatenate(points)
+    return np.stack([together.min(axis=0), together.max(axis=0)])
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    files = sorted((folder / "layers" / "alignment").rglob("*"))
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in [*files, folder / "layers" / "alignment.usda"]
+        if path.is_file()
+    }
+
+
+def test_objects_stand_where_they_are_asked_for(tmp_path: Path) -> None:
+    stage, notes = _compose(tmp_path, [
+        {"category": "cabinet", "at": [2, 1], "size": [1.2, 0.4, 0.9], "yaw": 90},
+        {"category": "ceiling_lamp", "at": [1, 2], "size": [0.4, 0.4, 0.3]},
+        {"category": "table", "at": [3, 3], "size": [1.0, 0.8, 0.7], "name": "desk"},
+        {"category": "table_lamp", "at": [3.2, 3.1]},
+        {"category": "chair", "at": [1, 1, 0.25]},
+    ])  # fmt: skip
+    assert notes == []
+    np.testing.assert_allclose(
+        _bound(stage, "cabinet_0"), [[1.8, 0.4, 0], [2.2, 1.6, 0.9]], atol=1e-6
+    )
+    np.testing.assert_allclose(
+        _bound(stage, "ceiling_lamp_0"), [[0.8, 1.8, 2.1], [1.2, 2.2, HEIGHT]], atol=1e-6
+    )
+    assert _bound(stage, "table_lamp_0")[0, 2] == pytest.approx(0.7)
+    assert _bound(stage, "chair_0")[0, 2] == pytest.approx(0.25)
+
+
+def test_the_scene_contract(tmp_path: Path) -> None:
+    stage, _ = _compose(tmp_path, [
+        {"category": "chair", "at": [1, 1]}, {"category": "floor_lamp", "at": [2, 1]},
+    ])  # fmt: skip
+    assert Usd.ModelAPI(stage.GetPrimAtPath(names.FURNITURE)).GetKind() == "group"
+    chair, lamp = (stage.GetPrimAtPath(f"{names.FURNITURE}/{n}_0") for n in ("chair", "floor_lamp"))
+    for prim, category in ((chair, "chair"), (lamp, "floor_lamp")):
+        assert Usd.ModelAPI(prim).GetKind() == "component"
+        assert read_label(prim, names.CATEGORY) == category
+    assert chair.IsInstance()
+    # The lights stage writes over the bulb.
+    assert not lamp.IsInstance()
+    assert stage.OverridePrim(f"{lamp.GetPath()}/Geometry/{names.LIGHT_BULB}")
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "layers" / "alignment.usda"))
+    assert layer.GetPrimAtPath(names.WORLD).specifier == Sdf.SpecifierOver
+    for reference in layer.GetCompositionAssetDependencies():
+        assert reference.startswith("./alignment/")
+
+
+def test_repeats_share_one_prototype_and_one_style(tmp_path: Path) -> None:
+    chairs = [{"category": "chair", "at": [0.5 * i + 0.5, 1]} for i in range(6)]
+    stage, _ = _compose(tmp_path, chairs)
+    assert len(stage.GetPrototypes()) == 1
+    assert len(list((tmp_path / "layers/alignment/assets").iterdir())) == 1
+
+
+def test_another_object_changes_no_other(tmp_path: Path) -> None:
+    some = [{"category": "chair", "at": [1, 1]}, {"category": "sofa", "at": [3, 3]}]
+    _compose(tmp_path / "few", some)
+    _compose(tmp_path / "more", [*some, {"category": "table", "at": [2, 2]}])
+    few, more = _digests(tmp_path / "few"), _digests(tmp_path / "more")
+    assets = {name for name in few if name.endswith((".usdc", "/chair", "/sofa"))}
+    assert assets
+    assert all(more[name] == few[name] for name in assets)
+
+
+def test_equal_bytes_whatever_the_workers(tmp_path: Path) -> None:
+    objects = [
+        {"category": name, "at": [1 + 0.3 * i, 2], "style": style}
+        for name, spec in CATEGORIES.items()
+        for i, style in enumerate(spec.styles)
+    ]
+    for workers in (1, 4):
+        _compose(tmp_path / str(workers), objects, seed=5, workers=workers)
+    assert _digests(tmp_path / "1") == _digests(tmp_path / "4")
+
+
+def test_the_seed_chooses_styles(tmp_path: Path) -> None:
+    found = set()
+    for seed in range(6):
+        _compose(tmp_path / str(seed), [{"category": "chair", "at": [1, 1]}], seed=seed)
+        found |= {name for name in _digests(tmp_path / str(seed)) if name.endswith(".usdc")}
+    assert len(found) == 6
+
+
+def test_valid_for_everybody(tmp_path: Path, assert_valid: Callable[..., None]) -> None:
+    _, _ = _compose(tmp_path, [
+        {"category": name, "at": [1 + 0.5 * i, 2]} for i, name in enumerate(CATEGORIES)
+    ])  # fmt: skip
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "layers" / "layout.usda"))
+    scene = Sdf.Layer.CreateNew(str(tmp_path / "scene.usda"))
+    scene.TransferContent(layer)
+    for prim in list(scene.rootPrims):
+        del scene.rootPrims[prim.name]
+    scene.customLayerData = {"creator": "openrooms_usd"}
+    scene.subLayerPaths = ["./layers/alignment.usda", "./layers/layout.usda"]
+    scene.Save()
+    assert_valid(tmp_path / "scene.usda", without=("material",))
+
+
+def test_the_users_own_mesh(tmp_path: Path) -> None:
+    text = (
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\ng top\nf 1 2 3 4\ng side\nf 1 4 5\nf 1 5 2\n"
+    )
+    (tmp_path / "thing.obj").write_text(text)
+    stage, _ = _compose(tmp_path, [
+        {"from": "file", "category": "piano", "file": "thing.obj", "at": [1, 1],
+         "size": [1.5, 0.6, 1.0], "name": "grand"},
+        {"from": "file", "category": "piano", "file": "thing.obj", "at": [3, 1],
+         "size": [1.5, 0.6, 1.0]},
+    ])  # fmt: skip
+    np.testing.assert_allclose(
+        _bound(stage, "grand"), [[0.25, 0.7, 0], [1.75, 1.3, 1.0]], atol=1e-6
+    )
+    assert len(stage.GetPrototypes()) == 1
+    grand = stage.GetPrimAtPath(f"{names.FURNITURE}/grand")
+    assert read_label(grand, names.CATEGORY) == "piano"
+    assert read_label(grand, names.OPENROOMS45) == "piano"
+
+
+def test_a_broken_mesh_leaves_the_layer_as_it_was(tmp_path: Path) -> None:
+    _compose(tmp_path, [{"category": "chair", "at": [1, 1]}])
+    before = _digests(tmp_path)
+    (tmp_path / "thing.obj").write_text("v 0 0 0\nf 1 2 3\n")
+    with pytest.raises(InputError):
+        _compose(
+            tmp_path, [{"from": "file", "category": "piano", "file": "thing.obj", "at": [1, 1]}]
+        )
+    assert _digests(tmp_path) == before
+
+
+def test_an_unknown_style_names_the_known_ones(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        _compose(tmp_path, [{"category": "chair", "at": [1, 1], "style": "throne"}])
+    assert "slat" in str(caught.value)
+    assert "chair_0" in str(caught.value)
+
+
+def _box(label: str, center: Any, size: Any, yaw: float = 0.0, key: str = "id") -> CapturedBox:
+    c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
+    rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return CapturedBox(key, label, np.array(center), rotation, np.array(size), "medium")
+
+
+class _Importer:
+    """Gives a capture without any file format."""
+
+    def __init__(self, *boxes: CapturedBox) -> None:
+        self.boxes = boxes
+
+    def read(self, source: Path) -> Capture:
+        return Capture(source.name, np.eye(4), boxes=self.boxes)
+
+
+def _capture(monkeypatch: pytest.MonkeyPatch, folder: Path, *boxes: CapturedBox) -> dict[str, Any]:
+    monkeypatch.setattr(adapters, "load", lambda group, name: _Importer(*boxes))
+    folder.mkdir(exist_ok=True)
+    (folder / "Room.json").write_text("{}")
+    return {"from": "roomplan", "file": "Room.json"}
+
+
+def test_captured_boxes_are_filled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    section = _capture(
+        monkeypatch, tmp_path,
+        _box("table", (2, 2, 0.37), (1.4, 0.8, 0.7), 30.0, "first"),
+        _box("chair", (1, 1, 0.41), (0.5, 0.5, 0.8)),
+        _box("chair", (3, 1, 0.4), (0.5, 0.5, 0.8), 90.0),
+        _box("refrigerator", (0.5, 3, 0.9), (0.6, 0.6, 1.8)),
+        _box("television", (4, 3.5, 1.4), (1.2, 0.08, 0.7)),
+        _box("unheard_of", (4, 1, 0.5), (0.5, 0.5, 1.0)),
+    )  # fmt: skip
+    objects = [{"category": "table_lamp", "at": [2, 2]}, {"category": "chair", "at": [4, 2]}]
+    stage, notes = _compose(tmp_path, objects, **section)
+    children = stage.GetPrimAtPath(names.FURNITURE).GetChildren()
+    assert [prim.GetName() for prim in children] == [
+        "table_0", "chair_0", "chair_1", "refrigerator_0", "television_0", "cabinet_0",
+        "table_lamp_0", "chair_2",
+    ]  # fmt: skip
+    table = children[0]
+    # What begins near the floor stands on it.
+    translate, turn = UsdGeom.Xformable(table).GetOrderedXformOps()
+    assert translate.Get() == (2, 2, 0)
+    assert turn.Get() == pytest.approx(30.0)
+    assert table.GetAttribute("openrooms:source:id").Get() == "first"
+    assert table.GetAttribute("openrooms:source:file").Get() == "Room.json"
+    assert table.GetAttribute("openrooms:source:confidence").Get() == "medium"
+    assert "OpenRoomsSourceAPI" in table.GetPrimTypeInfo().GetAppliedAPISchemas()
+    assert _bound(stage, "television_0")[:, 2] == pytest.approx([1.05, 1.75])
+    assert _bound(stage, "table_lamp_0")[0, 2] == pytest.approx(0.7)
+    assert read_label(children[3], names.CATEGORY) == "refrigerator"
+    # Equal boxes are the same asset.
+    assert children[1].GetPrototype() == children[2].GetPrototype()
+    assert any("unheard_of" in note for note in notes)
+    assert any("refrigerator" in note for note in notes)
+
+
+def test_a_captured_box_is_met_by_its_corners(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    box = _box("storage", (2, 2, 1.0), (1.2, 0.4, 1.0), 37.0)
+    section = _capture(monkeypatch, tmp_path, box)
+    stage, _ = _compose(tmp_path, [], **section)
+    corners = np.stack(np.meshgrid(*[(-0.5, 0.5)] * 3), axis=-1).reshape(-1, 3) * box.size
+    world = box.center + corners @ box.rotation.T
+    found = np.concatenate([
+        m.world_points() for m in read_meshes(stage) if m.path.startswith(names.FURNITURE)
+    ])  # fmt: skip
+    # Every point lies in the box, and the object reaches all of its sides.
+    local = (found - box.center) @ box.rotation / box.size
+    np.testing.assert_allclose([local.min(axis=0), local.max(axis=0)], [[-0.5] * 3, [0.5] * 3],
+                               atol=1e-5)  # fmt: skip
+    assert found[:, 2].min() == pytest.approx(world[:, 2].min())
+
+
+def test_every_captured_label_can_be_built() -> None:
+    for substitute in SUBSTITUTES.values():
+        assert substitute.category in CATEGORIES or substitute.category in STAND_INS
+
+
+def test_names_stay_when_others_join(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    boxes = [
+        _box("chair", (1, 1, 0.4), (0.5, 0.5, 0.8)),
+        _box("chair", (2, 1, 0.4), (0.5, 0.5, 0.8)),
+    ]
+    section = _capture(monkeypatch, tmp_path, *boxes)
+    named = [{"category": "chair", "at": [3, 3], "name": "chair_1"}]
+    stage, _ = _compose(tmp_path, named, **section)
+    children = stage.GetPrimAtPath(names.FURNITURE).GetChildren()
+    assert [prim.GetName() for prim in children] == ["chair_0", "chair_2", "chair_1"]
+
+
+def test_a_real_capture(tmp_path: Path) -> None:
+    source = Path(__file__).resolve().parents[2].parent / "shared/data/roomplan_libroom/Room.json"
+    if not source.is_file():
+        pytest.skip("the folder of real captures is absent")
+    (tmp_path / "Room.json").write_bytes(source.read_bytes())
+    stage, _ = _compose(tmp_path, [], **{"from": "roomplan", "file": "Room.json"})
+    wanted = json.loads(source.read_text())["objects"]
+    assert len(stage.GetPrimAtPath(names.FURNITURE).GetChildren()) == len(wanted)

@@ -1,0 +1,172 @@
+"""Stages are run when what they depend on has changed, and only then; a failure changes nothing."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd, UsdGeom
+
+from openrooms_usd.compose import ComposeSummary, compose_room
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import InputError
+from openrooms_usd.stages import runner
+from openrooms_usd.stages.base import StageContext
+
+
+class FakeLayout:
+    name = "layout"
+    reads: tuple[str, ...] = ()
+    broken = False
+
+    def inputs(self, room: Room) -> Iterator[str]:
+        yield "input.txt"
+
+    def author(self, context: StageContext) -> None:
+        text = context.input("input.txt").read_text()
+        UsdGeom.Xform.Define(context.stage, "/World")
+        mesh = UsdGeom.Mesh.Define(context.stage, "/World/Room")
+        mesh.CreatePointsAttr([(float(len(text)), float(i), 0.0) for i in range(100)])
+        kept = context.keep(f"file-{text}.txt")
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        kept.write_text(text)
+        if self.broken:
+            raise InputError("the planted failure")
+
+
+class FakeAlignment:
+    name = "alignment"
+    reads = ("layout",)
+
+    def inputs(self, room: Room) -> Iterator[str]:
+        yield from ()
+
+    def author(self, context: StageContext) -> None:
+        points = UsdGeom.Mesh(context.stage.GetPrimAtPath("/World/Room")).GetPointsAttr().Get()
+        prim = UsdGeom.Xform.Define(context.stage, "/World/Furniture").GetPrim()
+        prim.CreateAttribute("seen", Sdf.ValueTypeNames.Int).Set(len(points))
+        prim.CreateAttribute("draw", Sdf.ValueTypeNames.Double).Set(
+            context.rng("alignment", "a").random()
+        )
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(runner, "stages", lambda: [FakeLayout(), FakeAlignment()])
+    (tmp_path / "room.yaml").write_text("seed: 1\n")
+    (tmp_path / "input.txt").write_text("one")
+    return tmp_path
+
+
+def compose(place: Path) -> ComposeSummary:
+    return compose_room(place / "room.yaml", place / "out", workers=1)
+
+
+def states(summary: ComposeSummary) -> list[str]:
+    return [row.state for row in summary.stages]
+
+
+def tree(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def test_a_second_compose_does_nothing(place: Path) -> None:
+    assert states(compose(place)) == ["written", "written"]
+    before = tree(place / "out")
+    summary = compose(place)
+    assert summary.unchanged
+    assert tree(place / "out") == before
+
+
+def test_what_a_stage_reads_runs_it_again_and_old_files_go(place: Path) -> None:
+    compose(place)
+    (place / "input.txt").write_text("three")
+    assert states(compose(place)) == ["written", "written"]
+    names = [path.name for path in sorted((place / "out" / "layers" / "layout").iterdir())]
+    assert len(names) == 2
+    assert names[0].startswith("arrays-")
+    assert names[1] == "file-three.txt"
+
+
+def test_a_missing_file_of_a_layer_is_made_again(place: Path) -> None:
+    compose(place)
+    before = tree(place / "out")
+    (place / "out" / "layers" / "layout" / "file-one.txt").unlink()
+    assert states(compose(place)) == ["written", "unchanged"]
+    assert tree(place / "out") == before
+
+
+def test_the_seed_changes_the_draws_and_equal_seeds_give_equal_bytes(place: Path) -> None:
+    compose(place)
+    first = tree(place / "out")
+    (place / "room.yaml").write_text("seed: 2\n")
+    compose(place)
+    changed = tree(place / "out")
+    assert changed["layers/alignment.usda"] != first["layers/alignment.usda"]
+    (place / "room.yaml").write_text("seed: 1\n")
+    compose(place)
+    assert tree(place / "out") == first
+
+
+def test_a_failing_stage_leaves_the_layers_as_they_were(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compose(place)
+    before = tree(place / "out")
+    (place / "input.txt").write_text("two")
+    monkeypatch.setattr(FakeLayout, "broken", True)
+    with pytest.raises(InputError, match="planted"):
+        compose(place)
+    after = tree(place / "out")
+    assert {name: after[name] for name in before} == before
+
+
+def test_edits_are_made_once_read_by_stages_and_never_written_again(place: Path) -> None:
+    compose(place)
+    edits = place / "out" / "layers" / "edits.usda"
+    layer = Sdf.Layer.FindOrOpen(str(edits))
+    points = UsdGeom.Tokens.points
+    spec = Sdf.CreatePrimInLayer(layer, "/World/Room")
+    Sdf.AttributeSpec(spec, points, Sdf.ValueTypeNames.Point3fArray).default = [(0, 0, 0)] * 7
+    layer.Save()
+    edited = edits.read_bytes()
+    assert states(compose(place)) == ["written", "written"]
+    assert edits.read_bytes() == edited
+    stage = Usd.Stage.Open(str(place / "out" / "scene.usda"))
+    assert stage.GetPrimAtPath("/World/Furniture").GetAttribute("seen").Get() == 7
+
+
+def test_only_runs_one_stage(place: Path) -> None:
+    compose(place)
+    (place / "input.txt").write_text("two")
+    summary = compose_room(place / "room.yaml", place / "out", only="alignment")
+    assert [(row.stage, row.state) for row in summary.stages] == [("alignment", "unchanged")]
+
+
+def test_an_unknown_stage_is_refused(place: Path) -> None:
+    with pytest.raises(InputError, match="no stage is named 'layuot'"):
+        compose_room(place / "room.yaml", place / "out", only="layuot")
+
+
+def test_the_root_layer_holds_metadata_and_sublayers_only(place: Path) -> None:
+    compose(place)
+    scene = Sdf.Layer.FindOrOpen(str(place / "out" / "scene.usda"))
+    assert list(scene.subLayerPaths) == [
+        "./layers/edits.usda",
+        "./layers/alignment.usda",
+        "./layers/layout.usda",
+    ]
+    assert not scene.rootPrims
+    stage = Usd.Stage.Open(scene)
+    assert UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 1.0
+
+
+def test_output_that_cannot_be_written_is_explained(place: Path) -> None:
+    (place / "out").write_text("a file where the folder should be")
+    with pytest.raises(Exception, match="cannot write") as caught:
+        compose(place)
+    assert "remedy" in str(caught.value)
