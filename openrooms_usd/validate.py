@@ -1,0 +1,135 @@
+"""Checks a stage: USD's own validators, then our rules, each with a code and a remedy.
+
+What USD finds is an error anywhere. Our own rules are errors in the scenes that this package
+writes; elsewhere they are warnings, because a stage that follows none of our habits is still a
+stage.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from pxr import Usd, UsdUtils
+
+from openrooms_usd.usd import layers
+from openrooms_usd.validation import layer_rules, prim_rules
+from openrooms_usd.validation.core import core_findings
+from openrooms_usd.validation.model import Finding, Rule, Severity, Subject
+
+RULES: Final = (
+    Rule(
+        "equal-metadata",
+        layer_rules.equal_metadata,
+        "give every layer the root layer's metadata: USD converts nothing between layers",
+    ),
+    Rule(
+        "absolute-path",
+        layer_rules.absolute_paths,
+        "write the path relative to the layer, starting with ./ or ../",
+    ),
+    Rule(
+        "unanchored-path",
+        layer_rules.unanchored_paths,
+        "start the path with ./ or ../, so that it does not depend on search paths",
+    ),
+    Rule(
+        "one-definer",
+        layer_rules.one_definer,
+        "keep one def and make the others over",
+    ),
+    Rule(
+        "below-instance",
+        layer_rules.nothing_below_instances,
+        "write on the instance's root, choose a variant there, or set instanceable = false",
+    ),
+    Rule(
+        "orphan",
+        layer_rules.no_orphans,
+        "rename it to where the prim is now, or remove it",
+        advice=True,
+    ),
+    Rule("extent", prim_rules.extents, "author extent from the points"),
+    Rule(
+        "subdivision-scheme",
+        prim_rules.subdivision_schemes,
+        'author uniform token subdivisionScheme = "none" for a polygonal mesh',
+    ),
+    Rule("material", prim_rules.materials, "bind a material to it or to a prim above it"),
+    Rule("label", prim_rules.labels, "apply SemanticsLabelsAPI:category to it or above it"),
+    Rule("kind", prim_rules.kinds, "give the prims above a component the kind group or assembly"),
+    Rule("component", prim_rules.components, "publish it with a class and an extentsHint"),
+    Rule("contract", prim_rules.contract, "keep to the names in openrooms_usd/names.py"),
+)
+
+
+@dataclass(frozen=True, order=True)
+class Licence:
+    """What may be done with one asset of a scene.
+
+    Attributes:
+        asset: The asset's name.
+        licence: Its licence, as its ``assetInfo`` says.
+        prims: How many prims of the scene show it.
+    """
+
+    asset: str
+    licence: str
+    prims: int
+
+
+def validate_stage(path: Path, *, strict: bool = False) -> list[Finding]:
+    """Check a stage against USD's rules and ours.
+
+    Args:
+        path: Any USD file.
+        strict: Count warnings as errors.
+
+    Returns:
+        What is wrong, errors first; empty for a clean stage.
+
+    Raises:
+        InputError: The file is missing, or is not USD.
+    """
+    with quiet():
+        return check(layers.open_stage(path), strict=strict)
+
+
+def check(stage: Usd.Stage, *, strict: bool = False) -> list[Finding]:
+    """Check a stage that is open already; see `validate_stage`."""
+    subject = Subject(stage)
+    found = [*core_findings(subject), *_house_findings(subject, RULES)]
+    if strict:
+        found = [replace(finding, severity="error") for finding in found]
+    return sorted(set(found))
+
+
+def _house_findings(subject: Subject, rules: Iterable[Rule]) -> Iterator[Finding]:
+    for rule in rules:
+        severity: Severity = "error" if subject.ours and not rule.advice else "warning"
+        for place, message in rule.check(subject):
+            yield Finding(severity, rule.code, place, message, rule.remedy)
+
+
+def licences(stage: Usd.Stage) -> list[Licence]:
+    """The licences that the ``assetInfo`` of a stage's prims name, by asset."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for prim in stage.Traverse():
+        info = prim.GetAssetInfo()
+        licence = info.get("license") or info.get("licence")
+        if licence:
+            counts[str(info.get("name", prim.GetName())), str(licence)] += 1
+    return sorted(Licence(asset, licence, prims) for (asset, licence), prims in counts.items())
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep USD from printing what the findings say better."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        delegate.TakeUncoalescedDiagnostics()
+        del delegate

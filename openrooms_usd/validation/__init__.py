@@ -1,0 +1,1 @@
+"""The rules of ``orusd validate``: USD's own validators, and ours about layers and about prims."""

@@ -1,0 +1,145 @@
+"""What a rule is, what it looks at and what it finds."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, Literal
+
+from pxr import Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils
+
+from openrooms_usd import names
+from openrooms_usd.usd.semantics import read_label
+
+Severity = Literal["error", "warning"]
+
+_PRIMS: Final = Usd.TraverseInstanceProxies(
+    Usd.PrimIsActive & Usd.PrimIsDefined & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract
+)
+
+
+@dataclass(frozen=True, order=True)
+class Finding:
+    """One thing that is wrong with a stage.
+
+    Attributes:
+        severity: An error breaks the stage for others; a warning breaks a habit of this package.
+        code: The rule, such as ``extent`` or ``usdValidation:CompositionErrorTest``.
+        place: The prim, property or layer.
+        message: What is wrong there.
+        remedy: What to do about it; empty where the message says it.
+    """
+
+    severity: Severity
+    code: str
+    place: str
+    message: str
+    remedy: str = ""
+
+
+Complaint = tuple[str, str]
+"""A place, and what is wrong there."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One rule of ours.
+
+    Attributes:
+        code: Its stable name.
+        check: Gives the complaints about a stage.
+        remedy: What to do about them.
+        advice: Whether it is no more than a warning in our own scenes too.
+    """
+
+    code: str
+    check: "Callable[[Subject], Iterable[Complaint]]"
+    remedy: str
+    advice: bool = False
+
+
+class Subject:
+    """A stage under test, with what several rules look at."""
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self.stage = stage
+        self.root: Sdf.Layer = stage.GetRootLayer()
+        self.stack: tuple[Sdf.Layer, ...] = tuple(stage.GetLayerStack(False))
+
+    @cached_property
+    def home(self) -> str:
+        """The scene's folder, with a slash at its end."""
+        return str(self.root.realPath).rpartition("/")[0] + "/"
+
+    @cached_property
+    def ours(self) -> bool:
+        """Whether this package wrote the stage, and it is a scene and not a part of one."""
+        world = self.stage.GetPrimAtPath(names.WORLD)
+        creator = self.root.customLayerData.get("creator")
+        return bool(creator == names.CREATOR and world and world.IsDefined())
+
+    @cached_property
+    def prims(self) -> tuple[Usd.Prim, ...]:
+        """Every prim that shows; what equal instances share is listed once, below the first."""
+        return tuple(_distinct_prims(self.stage))
+
+    @cached_property
+    def gprims(self) -> tuple[Usd.Prim, ...]:
+        """The geometry among `prims`, guides left out."""
+        return tuple(
+            prim
+            for prim in self.prims
+            if prim.IsA(UsdGeom.Gprim)
+            and UsdGeom.Imageable(prim).ComputePurpose() != UsdGeom.Tokens.guide
+        )
+
+    @cached_property
+    def asset_paths(self) -> tuple[tuple[Sdf.Layer, str], ...]:
+        """Every asset path that the used layers hold, unselected variants included."""
+        found: list[tuple[Sdf.Layer, str]] = []
+
+        def note(layer: Sdf.Layer, info: UsdUtils.DependencyInfo) -> UsdUtils.DependencyInfo:
+            found.append((layer, info.rawAssetPath))
+            return info
+
+        # A layer that cannot be read is found by USD's own validators.
+        with suppress(Tf.ErrorException):
+            UsdUtils.ComputeAllDependencies(self.root.identifier, note)
+        return tuple(found)
+
+    def specs(self, layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
+        """The prim specs of a layer outside variants, parents before children."""
+        waiting = list(reversed(list(layer.rootPrims)))
+        while waiting:
+            spec = waiting.pop()
+            yield spec
+            waiting.extend(reversed(list(spec.nameChildren)))
+
+    def name(self, layer: Sdf.Layer) -> str:
+        """A layer's file name as a person knows it: relative to the scene's folder."""
+        return str(layer.realPath or layer.identifier).removeprefix(self.home)
+
+
+def _distinct_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    seen: set[tuple[Sdf.Path, bool, bool]] = set()
+    walk = iter(Usd.PrimRange(stage.GetPseudoRoot(), _PRIMS))
+    for prim in walk:
+        if not prim.IsPseudoRoot():
+            yield prim
+        if prim.IsInstance():
+            # What lies below differs between instances only by what it inherits from above.
+            key = (prim.GetPrototype().GetPath(), has_label(prim), has_material(prim))
+            if key in seen:
+                walk.PruneChildren()
+            seen.add(key)
+
+
+def has_label(prim: Usd.Prim) -> bool:
+    """Whether a prim, or one above it, says what it is."""
+    return read_label(prim, names.CATEGORY) is not None
+
+
+def has_material(prim: Usd.Prim) -> bool:
+    """Whether a material is bound to a prim, directly, from above or by a collection."""
+    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
+    return bool(material)
