@@ -1,0 +1,28 @@
+"""Renders USD stages: the contract of renderers, and the driver that writes what they give.
+
+``contract`` is what an adapter implements; ``driver`` is the story of a run, ``plan`` what it shall
+render and ``run`` what it has written; the other modules are the files: ``exr``, ``previews`` (with
+``color``) and ``sheet`` (each whole by ``imagefile``), ``manifest`` and the ``folder`` of them all.
+"""
+
+from openrooms_usd.render.contract import (
+    Image,
+    Legend,
+    Renderer,
+    RenderRequest,
+    RenderSession,
+    View,
+)
+from openrooms_usd.render.driver import Progress, RenderSummary, render_stage
+
+__all__ = [
+    "Image",
+    "Legend",
+    "Progress",
+    "RenderRequest",
+    "RenderSession",
+    "RenderSummary",
+    "Renderer",
+    "View",
+    "render_stage",
+]

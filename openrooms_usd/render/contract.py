@@ -1,0 +1,153 @@
+"""The contract between the driver and whatever renders: a request goes in, arrays come out."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.convert import Report
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+
+@dataclass(frozen=True)
+class RenderRequest:
+    """What to render of one camera.
+
+    Exactly one of ``samples``, ``error`` and ``seconds`` is given.
+
+    Attributes:
+        camera: The camera's prim path; None frames the scene itself.
+        channels: Names from `openrooms_usd.channels.CHANNELS`.
+        width: Pixels.
+        height: Pixels.
+        samples: Samples a pixel for the channels that need many.
+        error: Stop when the radiance's estimated error (see the conventions) is at most this.
+        seconds: Stop after about this time.
+        seed: Fixes every random number, together with the camera's path.
+        bounces: At most this many scatterings on the way from a light to the camera.
+    """
+
+    camera: str | None
+    channels: tuple[str, ...]
+    width: int
+    height: int
+    samples: int | None = None
+    error: float | None = None
+    seconds: float | None = None
+    seed: int = 0
+    bounces: int = 7
+
+
+@dataclass(frozen=True)
+class Image:
+    """One channel of one camera.
+
+    Attributes:
+        pixels: (height, width, components) float32, top row first.
+        samples: Samples a pixel.
+        seconds: What it took to render.
+        error: Estimated relative mean squared error; 0 where one ray is exact, None where a single
+            sample gives no estimate.
+    """
+
+    pixels: NDArray[np.float32]
+    samples: int
+    seconds: float
+    error: float | None
+
+
+@dataclass(frozen=True)
+class View:
+    """A rendered camera.
+
+    Attributes:
+        camera: The camera's prim path; None for the framing camera.
+        name: A name for files, unique in the stage.
+        width: Pixels.
+        height: Pixels.
+        K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
+        world_from_camera: (4, 4) from the OpenCV camera frame to the world, metres.
+        exposure: What previews multiply radiance by; None fits it to the picture.
+        images: By channel name.
+    """
+
+    camera: str | None
+    name: str
+    width: int
+    height: int
+    K: NDArray[np.float64]
+    world_from_camera: NDArray[np.float64]
+    exposure: float | None
+    images: Mapping[str, Image]
+
+
+@dataclass(frozen=True)
+class Legend:
+    """What the numbers in the label channels mean.
+
+    Attributes:
+        semantic: Number to OpenRooms-45 class name.
+        instance: Number to prim path.
+        part: Number to prim path.
+        material: Number to prim path.
+        category: Number of an instance to our category name.
+    """
+
+    semantic: Mapping[int, str] = field(default_factory=dict)
+    instance: Mapping[int, str] = field(default_factory=dict)
+    part: Mapping[int, str] = field(default_factory=dict)
+    material: Mapping[int, str] = field(default_factory=dict)
+    category: Mapping[int, str] = field(default_factory=dict)
+
+
+class RenderSession(Protocol):
+    """A stage that was opened once by a renderer."""
+
+    backend: str
+    """What computes, for the record: such as ``mitsuba 3.9.1 llvm_ad_rgb``."""
+
+    cameras: tuple[str, ...]
+    """Prim paths of the stage's cameras, sorted."""
+
+    resolution: tuple[int, int]
+    """Width and height that the stage's render settings ask for, or (640, 480)."""
+
+    legend: Legend
+    report: Report
+
+    def render(
+        self, request: RenderRequest, progress: Callable[[float], None] = lambda fraction: None
+    ) -> View:
+        """Render one camera.
+
+        Args:
+            request: What to render.
+            progress: Called with the finished fraction, from 0 to 1.
+
+        Raises:
+            RenderError: The renderer cannot do it.
+        """
+        ...
+
+
+class Renderer(Protocol):
+    """Renders USD stages; registered as an entry point ``openrooms_usd.renderers``."""
+
+    channels: tuple[str, ...]
+    """The names of the channels that it can give."""
+
+    def open(self, stage: "Usd.Stage", *, variant: str = "auto") -> RenderSession:
+        """Translate a stage, once.
+
+        Args:
+            stage: The composed stage. Any stage: ours, or one that follows none of our names.
+            variant: ``auto``, or a backend of this renderer.
+
+        Raises:
+            RenderError: The backend is not available.
+        """
+        ...

@@ -1,0 +1,130 @@
+"""Renders the cameras of a stage into files: pictures, ground truth and one manifest."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from openrooms_usd import adapters
+from openrooms_usd.render import folder, manifest
+from openrooms_usd.render.contract import Renderer
+from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
+from openrooms_usd.render.run import Run, raw_bytes
+
+Progress = Callable[[str, float], None]
+"""Called with the view's name and the finished fraction of the whole run."""
+
+
+@dataclass(frozen=True)
+class RenderSummary:
+    """What a run wrote.
+
+    Attributes:
+        out: The folder.
+        manifest: What stands in ``manifest.json``.
+        timing: What stands in ``timing.json``.
+    """
+
+    out: Path
+    manifest: Mapping[str, Any]
+    timing: Mapping[str, Any]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The summary as plain data."""
+        return {"out": str(self.out), "manifest": self.manifest, "timing": self.timing}
+
+
+def silent(view: str, fraction: float) -> None:
+    """Show no progress."""
+
+
+def render_stage(
+    path: Path,
+    out: Path,
+    *,
+    cameras: Sequence[str] = (),
+    channels: Sequence[str] | None = None,
+    resolution: tuple[int, int] | None = None,
+    samples: int | None = None,
+    error: float | None = None,
+    seconds: float | None = None,
+    seed: int = 0,
+    bounces: int = 7,
+    renderer: str = "mitsuba",
+    variant: str = "auto",
+    progress: Progress = silent,
+) -> RenderSummary:
+    """Render cameras of a USD stage with their ground truth.
+
+    ``out`` then holds a folder for every view (``channels.exr``, ``radiance.exr``, a PNG for every
+    channel), ``contact_sheet.png``, ``manifest.json`` and ``timing.json``, and no view of an
+    earlier run. Views appear whole: whatever interrupts the run, the finished ones stay and the
+    manifest lists them.
+
+    Args:
+        path: The USD file.
+        out: The folder to write.
+        cameras: Names or prim paths; all cameras where empty, and a framing camera where the stage
+            has none.
+        channels: Names from `openrooms_usd.channels.CHANNELS`; None for all the renderer gives.
+        resolution: Width and height in pixels; None for what the stage's render settings say.
+        samples: Samples a pixel; 64 where neither ``error`` nor ``seconds`` is given.
+        error: Stop a view at this estimated error of its radiance.
+        seconds: Stop a view after about this time.
+        seed: Fixes every random number.
+        bounces: At most this many scatterings on the way from a light to the camera.
+        renderer: A registered renderer.
+        variant: ``auto``, or a backend of the renderer.
+        progress: Called with the view's name and the finished fraction of the whole run.
+
+    Returns:
+        What was written.
+
+    Raises:
+        InputError: The stage is unreadable, a name is unknown or a number is absurd.
+        OutputError: The folder cannot be written.
+        RenderError: The renderer cannot do it.
+    """
+    from openrooms_usd.usd.layers import open_stage
+
+    # 1. Refuse what cannot work before anything slow begins.
+    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
+    request = plan(
+        choose_channels(channels, adapter.channels),
+        resolution,
+        samples=samples,
+        error=error,
+        seconds=seconds,
+        seed=seed,
+        bounces=bounces,
+    )
+    folder.check_writable(out)
+
+    # 2. Translate the stage.
+    stage = open_stage(path)
+    began = time.perf_counter()
+    session = adapter.open(stage, variant=variant)
+    translation = time.perf_counter() - began
+    request = sized(request, resolution or session.resolution)
+    views = choose_cameras(cameras, session.cameras)
+    folder.check_replaceable(out, views)
+    folder.check_space(out, raw_bytes(request))
+
+    # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
+    run = Run(out, manifest.run_entry(path, renderer, session, request))
+    run.timing |= {"machine": manifest.machine_entry(session.backend), "translation": translation}
+    try:
+        for index, (name, camera) in enumerate(views.items()):
+            part = _part(progress, name, index, len(views))
+            began = time.perf_counter()
+            view = session.render(replace(request, camera=camera), part)
+            run.add(name, view, request.channels, time.perf_counter() - began)
+    finally:
+        run.finish()
+    return RenderSummary(out, run.manifest, run.timing)
+
+
+def _part(progress: Progress, name: str, index: int, count: int) -> Callable[[float], None]:
+    """The progress of one view as a part of the whole run's."""
+    return lambda fraction: progress(name, (index + min(max(fraction, 0.0), 1.0)) / count)

@@ -1,0 +1,140 @@
+"""The manifest: everything that a reader of the files must know, the same for the same render.
+
+It holds no time, no machine and no absolute path; those are in ``timing.json``.
+"""
+
+import json
+import math
+import os
+import platform
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import __version__, atomic, names
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.render.contract import Image, Legend, RenderRequest, RenderSession, View
+from openrooms_usd.render.exr import exr_channels
+from openrooms_usd.render.folder import CHANNELS_FILE, RADIANCE_FILE
+from openrooms_usd.render.previews import Preview
+
+FORMAT: Final = 1
+CONVENTIONS: Final = {
+    "world": "right-handed, Z up, metres",
+    "world_from_camera": "4x4, row-major, multiplies column vectors; camera frame of OpenCV: "
+    "x right, y down, z forward; metres",
+    "K": "3x3 intrinsics in pixels; the centre of the top-left pixel is at (0.5, 0.5)",
+    "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
+    "estimated_error": "mean over pixels of ((a - b)^2 / 4) / (m^2 + 0.01 M^2) for two independent "
+    "halves a and b, their mean m, and the channel's mean M; 0 where one ray is exact, null where "
+    "there is no estimate",
+    "bounces": "at most this many scatterings on the way from a light to the camera",
+}
+
+Plain = dict[str, Any]
+
+
+def run_entry(stage: Path, renderer: str, session: RenderSession, request: RenderRequest) -> Plain:
+    """What all views of a run share.
+
+    Args:
+        stage: The rendered file; only its name is kept.
+        renderer: The name under which the renderer is registered.
+        session: The opened stage.
+        request: What every view was asked for.
+    """
+    asked = {"samples": request.samples, "error": request.error, "seconds": request.seconds}
+    return {
+        "format": FORMAT,
+        "generator": f"{names.CREATOR} {__version__}",
+        "stage": stage.name,
+        "renderer": {"name": renderer, "backend": session.backend},
+        "seed": request.seed,
+        "bounces": request.bounces,
+        "stop": {name: value for name, value in asked.items() if value is not None},
+        "conventions": CONVENTIONS,
+        "channels": {name: _definition(name) for name in request.channels},
+        "legend": {part.name: dict(getattr(session.legend, part.name)) for part in fields(Legend)},
+        "report": session.report.as_dict(),
+    }
+
+
+def _definition(name: str) -> Plain:
+    row = {**CHANNELS[name].as_dict(), "exr_channels": exr_channels(name)}
+    del row["name"]
+    return row
+
+
+def view_entry(name: str, view: View, previews: Mapping[str, Preview]) -> Plain:
+    """A finished view: its camera, its files and how good each channel is.
+
+    Args:
+        name: The view's name, which is its folder.
+        view: What was rendered.
+        previews: By channel name.
+    """
+    files = {"channels": f"{name}/{CHANNELS_FILE}"}
+    if "radiance" in view.images:
+        files["radiance"] = f"{name}/{RADIANCE_FILE}"
+    return {
+        "camera": view.camera,
+        "resolution": [view.width, view.height],
+        "K": view.K.tolist(),
+        "world_from_camera": view.world_from_camera.tolist(),
+        "exposure": view.exposure,
+        "files": files,
+        "channels": {
+            channel: {
+                "samples": image.samples,
+                "estimated_error": _number(image.error),
+                "nonfinite_pixels": nonfinite_pixels(channel, image),
+                "preview": f"{name}/{channel}.png",
+                "preview_shows": previews[channel].shows,
+            }
+            for channel, image in view.images.items()
+        },
+    }
+
+
+def nonfinite_pixels(channel: str, image: Image) -> int:
+    """How many pixels hold a NaN or an infinity, counted as they are stored."""
+    stored: NDArray[Any] = image.pixels
+    if CHANNELS[channel].storage == "half":
+        with np.errstate(over="ignore", invalid="ignore"):
+            stored = stored.astype(np.float16)
+    return int((~np.isfinite(stored)).any(axis=-1).sum())
+
+
+def _number(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def machine_entry(backend: str) -> Plain:
+    """Where a run took its time: the processor, the cores that it may use, and the backend."""
+    return {"cpu": _processor(), "cores": _cores(), "backend": backend}
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+    except OSError:
+        lines = []
+    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(models, "") or platform.processor() or platform.machine()
+
+
+def _cores() -> int:
+    # Not everywhere can a process ask which cores it is allowed to use.
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def write_json(path: Path, data: Plain) -> None:
+    """Write data with sorted keys; the file appears whole or not at all."""
+    text = json.dumps(data, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False)
+    atomic.write_text(path, text + "\n")

@@ -1,0 +1,186 @@
+"""What a run shall render: cameras, channels, size and quality; the absurd is refused first."""
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.contract import RenderRequest
+
+DEFAULT_SAMPLES: Final = 64
+FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
+
+_MOST_PIXELS: Final = 2**27
+_LIMITS: Final[dict[str, tuple[float, float]]] = {
+    "width": (1, 2**15),
+    "height": (1, 2**15),
+    "samples (--spp)": (1, 2**20),
+    "error (--error)": (1e-9, 1e3),
+    "seconds (--time)": (1e-3, 1e7),
+    "seed": (0, 2**31 - 1),
+    "bounces": (0, 1024),
+}
+
+
+def plan(
+    channels: tuple[str, ...],
+    resolution: tuple[int, int] | None,
+    *,
+    samples: int | None,
+    error: float | None,
+    seconds: float | None,
+    seed: int,
+    bounces: int,
+) -> RenderRequest:
+    """The request that all views share, still without a camera.
+
+    Args:
+        channels: What `choose_channels` gave.
+        resolution: Width and height; None where the stage, not opened yet, will say (`sized`).
+        samples: As in `openrooms_usd.render.RenderRequest`, like the rest.
+        error: At most one of samples, error and seconds; none means 64 samples.
+        seconds: See there.
+        seed: See there.
+        bounces: See there.
+
+    Raises:
+        InputError: A number is absurd, or samples, error and seconds contradict each other.
+    """
+    given = {"samples (--spp)": samples, "error (--error)": error, "seconds (--time)": seconds}
+    stops = [name for name, value in given.items() if value is not None]
+    if len(stops) > 1:
+        raise InputError(
+            f"{' and '.join(stops)} are given, but a render stops by one of them",
+            remedy="give one of them",
+        )
+    for name, value in {**given, "seed": seed, "bounces": bounces}.items():
+        _check(name, value)
+    request = RenderRequest(
+        camera=None,
+        channels=channels,
+        width=1,
+        height=1,
+        samples=samples if stops else DEFAULT_SAMPLES,
+        error=error,
+        seconds=seconds,
+        seed=seed,
+        bounces=bounces,
+    )
+    return sized(request, resolution) if resolution else request
+
+
+def sized(request: RenderRequest, resolution: tuple[int, int]) -> RenderRequest:
+    """The request at a size in pixels.
+
+    Raises:
+        InputError: The size is absurd.
+    """
+    width, height = resolution
+    _check("width", width)
+    _check("height", height)
+    if width * height > _MOST_PIXELS:
+        raise InputError(
+            f"{width}x{height} are more than {_MOST_PIXELS:,} pixels", place="resolution"
+        )
+    return replace(request, width=width, height=height)
+
+
+def _check(name: str, value: float | None) -> None:
+    low, high = _LIMITS[name]
+    # A NaN lies between nothing.
+    if value is not None and not low <= value <= high:
+        raise InputError(f"{value} is not between {low:,} and {high:,}", place=name)
+
+
+def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[str, ...]:
+    """The channels to render, in the order of the table.
+
+    Args:
+        asked: Names; None for everything that the renderer gives.
+        given: What the renderer gives.
+
+    Raises:
+        InputError: A name is unknown, or the renderer cannot give it.
+    """
+    if asked is None:
+        return tuple(name for name in CHANNELS if name in given)
+    for name in asked:
+        if name not in CHANNELS:
+            raise InputError(
+                f"no channel is named {name!r}", place="channels", remedy=_nearest(name, CHANNELS)
+            )
+        if name not in given:
+            raise InputError(
+                f"this renderer does not give the channel {name!r}",
+                place="channels",
+                remedy=f"it gives: {', '.join(given)}",
+            )
+    if not asked:
+        raise InputError("no channel is asked for", place="channels", remedy="orusd channels")
+    return tuple(name for name in CHANNELS if name in asked)
+
+
+def view_names(cameras: Sequence[str]) -> dict[str, str]:
+    """A short file name for every camera: the prim's name where it is the only one, else its path.
+
+    A path is written with dots, which no prim's name contains. Names that differ only in case
+    count as equal, because some file systems think so.
+
+    Args:
+        cameras: Prim paths.
+
+    Returns:
+        Name by prim path, such as ``camera_0`` or ``World.Cameras.left``.
+    """
+    short = {path: path.rpartition("/")[2] for path in cameras}
+    folded = [name.casefold() for name in short.values()]
+    return {
+        path: name if folded.count(name.casefold()) == 1 else path.strip("/").replace("/", ".")
+        for path, name in short.items()
+    }
+
+
+def choose_cameras(asked: Sequence[str], cameras: Sequence[str]) -> dict[str, str | None]:
+    """The views to render, in the order asked for.
+
+    Args:
+        asked: Names or prim paths; all cameras where empty.
+        cameras: The stage's cameras, as prim paths.
+
+    Returns:
+        Prim path by view name; the framing camera, without a path, where the stage has none.
+
+    Raises:
+        InputError: A name fits no camera, or several.
+    """
+    names = view_names(cameras)
+    if not cameras and not asked:
+        return {FRAMING: None}
+    chosen = [_find(text, names) for text in asked] if asked else cameras
+    return {names[path]: path for path in chosen}
+
+
+def _find(text: str, names: Mapping[str, str]) -> str:
+    found = [path for path, name in names.items() if text in (path, name, path.rpartition("/")[2])]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise InputError(
+            f"{len(found)} cameras are named {text!r}",
+            place="camera",
+            remedy=f"give a path: {', '.join(found)}",
+        )
+    raise InputError(
+        f"no camera is named {text!r}",
+        place="camera",
+        remedy=_nearest(text, [*names, *names.values()], shown=list(names.values())),
+    )
+
+
+def _nearest(text: str, known: Iterable[str], shown: Iterable[str] | None = None) -> str:
+    near = difflib.get_close_matches(text, list(known), n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    listed = ", ".join(shown if shown is not None else known)
+    return f"{hint}there are: {listed or 'none'}"

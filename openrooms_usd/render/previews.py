@@ -1,0 +1,129 @@
+"""Pictures of channels for people: 8-bit sRGB, one way of showing for every kind of number.
+
+What is not finite shows in magenta, so that nobody overlooks it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.render import color, imagefile
+
+Pixels = NDArray[np.float32]
+Bytes = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Preview:
+    """A channel as people look at it.
+
+    Attributes:
+        pixels: (height, width, 3) or (height, width, 1), sRGB-encoded.
+        shows: What its colours mean, such as ``0.41 m (bright) to 5.20 m (dark)``.
+    """
+
+    pixels: Bytes
+    shows: str
+
+
+def preview(name: str, pixels: Pixels, exposure: float | None = None) -> Preview:
+    """Make a picture of a channel.
+
+    Args:
+        name: The channel's name in the table.
+        pixels: (height, width, components).
+        exposure: What light is multiplied by; None fits it to the picture.
+    """
+    channel = CHANNELS[name]
+    finite = np.asarray(np.isfinite(pixels).all(axis=-1))
+    known = np.where(finite[..., None], pixels, np.float32(0))
+    shown = _SHOWN[channel.unit, "".join(channel.components)](known, exposure)
+    return shown if finite.all() else Preview(_marked(shown.pixels, ~finite), shown.shows)
+
+
+def _marked(pixels: Bytes, bad: NDArray[np.bool_]) -> Bytes:
+    colored = np.repeat(pixels, 3, axis=-1) if pixels.shape[-1] == 1 else pixels.copy()
+    colored[bad] = color.NONFINITE
+    return colored
+
+
+def _light(pixels: Pixels, exposure: float | None) -> Preview:
+    factor = color.fitted_exposure(pixels) if exposure is None else exposure
+    whose = "fitted" if exposure is None else "of the camera"
+    graded = color.film(pixels * np.float32(factor))
+    return Preview(color.quantize(color.srgb(graded)), f"AgX, exposure {factor:.3g} ({whose})")
+
+
+def _length(pixels: Pixels, exposure: float | None) -> Preview:
+    lengths = pixels[..., 0]
+    surface = lengths > 0
+    near, far = np.percentile(lengths[surface], (0.5, 99.5)) if surface.any() else (0.0, 1.0)
+    picture = color.quantize(color.ramp((lengths - near) / max(far - near, 1e-6)))
+    picture[~surface] = 0
+    return Preview(picture, f"{near:.2f} m (bright) to {far:.2f} m (dark)")
+
+
+def _position(pixels: Pixels, exposure: float | None) -> Preview:
+    surface = (pixels != 0).any(axis=-1)
+    seen = pixels[surface] if surface.any() else np.zeros((1, 3), np.float32)
+    low, high = np.percentile(seen, (0.5, 99.5), axis=0)
+    picture = color.quantize((pixels - low) / np.maximum(high - low, 1e-6))
+    picture[~surface] = 0
+    spans = (f"{a} {s:.2f} to {e:.2f} m" for a, s, e in zip("XYZ", low, high, strict=True))
+    return Preview(picture, ", ".join(spans))
+
+
+def _direction(pixels: Pixels, exposure: float | None) -> Preview:
+    picture = color.quantize(0.5 * (pixels + 1))
+    picture[(pixels == 0).all(axis=-1)] = 0
+    return Preview(picture, "0.5 (n + 1)")
+
+
+def _reflectance(pixels: Pixels, exposure: float | None) -> Preview:
+    return Preview(color.quantize(color.srgb(pixels)), "sRGB")
+
+
+def _ratio(pixels: Pixels, exposure: float | None) -> Preview:
+    return Preview(color.quantize(pixels), "black 0, white 1")
+
+
+def _label(pixels: Pixels, exposure: float | None) -> Preview:
+    return Preview(color.palette(pixels[..., 0].astype(np.int64)), "a colour for every number")
+
+
+_Show = Callable[[Pixels, float | None], Preview]
+_SHOWN: Final[dict[tuple[str, str], _Show]] = {
+    ("nit", "RGB"): _light,
+    ("m", "Y"): _length,
+    ("m", "XYZ"): _position,
+    ("1", "XYZ"): _direction,
+    ("1", "RGB"): _reflectance,
+    ("1", "Y"): _ratio,
+    ("id", "Y"): _label,
+}
+
+
+def write_png(path: Path, pixels: Bytes) -> None:
+    """Write 8-bit sRGB pixels, with the same bytes for the same pixels.
+
+    Args:
+        path: The file.
+        pixels: (height, width, 1 or 3).
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    import OpenImageIO
+
+    height, width, depth = pixels.shape
+    spec = OpenImageIO.ImageSpec(width, height, depth, OpenImageIO.UINT8)
+    spec.attribute("oiio:ColorSpace", "srgb_rec709_scene")
+    spec.attribute("png:compressionLevel", 4)
+    output: Any = OpenImageIO.ImageOutput.create(str(path))
+    done = output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels))
+    imagefile.finish(output, done, path)

@@ -1,0 +1,115 @@
+"""One run on disk: views are added one by one, and what is there is whole at any moment."""
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.errors import RenderError
+from openrooms_usd.render import exr, folder, manifest, sheet
+from openrooms_usd.render.contract import RenderRequest, View
+from openrooms_usd.render.previews import Preview, preview, write_png
+
+
+def raw_bytes(request: RenderRequest) -> int:
+    """What one view's ``channels.exr`` takes before compression."""
+    size = {"half": 2, "float": 4}
+    rows = [CHANNELS[name] for name in request.channels]
+    return request.width * request.height * sum(len(r.components) * size[r.storage] for r in rows)
+
+
+class Run:
+    """The finished views of a run, their manifest, timing and contact sheet.
+
+    Args:
+        out: The folder.
+        entry: What all views share, from `manifest.run_entry`.
+    """
+
+    def __init__(self, out: Path, entry: manifest.Plain) -> None:
+        self.manifest: manifest.Plain = {**entry, "views": {}}
+        self.timing: manifest.Plain = {"views": {}}
+        self._out = out
+        self._earlier = folder.earlier_views(out)
+        self._rows: list[list[sheet.Tile]] = []
+
+    def add(self, name: str, view: View, channels: tuple[str, ...], seconds: float) -> None:
+        """Write a finished view, and say so in the manifest.
+
+        Args:
+            name: The view's name, which is its folder.
+            view: What was rendered.
+            channels: What was asked for.
+            seconds: What it took to render.
+
+        Raises:
+            OutputError: It cannot be written.
+            RenderError: The renderer did not give what was asked for.
+        """
+        _check(view, channels)
+        began = time.perf_counter()
+        with folder.replacing_folder(self._out / name) as beside:
+            previews = write_view(beside, view)
+        self.manifest["views"][name] = manifest.view_entry(name, view, previews)
+        self.timing["views"][name] = {
+            # Channels that share rays each count them: their sum may exceed the whole.
+            "channels": {channel: image.seconds for channel, image in view.images.items()},
+            "render": seconds,
+            "output": time.perf_counter() - began,
+        }
+        if len(self._rows) < sheet.MOST_VIEWS:
+            self._rows.append(sheet.tiles(name, previews))
+        self._save()
+
+    def _save(self) -> None:
+        folder.remove_views(self._out, self._earlier - self.manifest["views"].keys())
+        manifest.write_json(self._out / folder.MANIFEST, self.manifest)
+        manifest.write_json(self._out / folder.TIMING, self.timing)
+
+    def finish(self) -> None:
+        """Write the contact sheet of the views that were finished."""
+        if self._rows:
+            sheet.write_sheet(self._out / folder.SHEET, self._rows)
+
+
+def _check(view: View, channels: tuple[str, ...]) -> None:
+    for name in channels:
+        shape = (view.height, view.width, len(CHANNELS[name].components))
+        image = view.images.get(name)
+        if image is None or image.pixels.shape != shape:
+            got = "nothing" if image is None else f"an array of shape {image.pixels.shape}"
+            raise RenderError(f"the renderer gave {got} for the channel {name!r}", place=view.name)
+
+
+def write_view(target: Path, view: View) -> dict[str, Preview]:
+    """Write the files of a view into an empty folder.
+
+    Args:
+        target: The folder.
+        view: What was rendered.
+
+    Returns:
+        The pictures that were written, by channel name.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    pixels = {n: np.asarray(image.pixels, np.float32) for n, image in view.images.items()}
+
+    def picture(name: str) -> Preview:
+        shown = preview(name, pixels[name], view.exposure)
+        write_png(target / f"{name}.png", shown.pixels)
+        return shown
+
+    # Encoding leaves the interpreter's lock: the longest goes first, the rest beside it.
+    with ThreadPoolExecutor(max_workers=4) as pool:
+        exact = [pool.submit(exr.write_channels, target / folder.CHANNELS_FILE, pixels)]
+        if "radiance" in pixels:
+            plain = target / folder.RADIANCE_FILE
+            exact.append(pool.submit(exr.write_rgb, plain, pixels["radiance"]))
+        previews = dict(zip(pixels, pool.map(picture, pixels), strict=True))
+    for written in exact:
+        written.result()
+    return previews

@@ -1,0 +1,118 @@
+"""What a run shall render, and what is refused."""
+
+import pytest
+
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized, view_names
+
+CAMERAS = ("/World/A/left", "/World/B/left", "/World/B/Right", "/World/Cameras/door")
+
+
+def numbers(**given):
+    rest = {"samples": None, "error": None, "seconds": None, "seed": 0, "bounces": 7}
+    return plan(("depth",), given.pop("resolution", (640, 480)), **{**rest, **given})
+
+
+def test_short_names_where_they_are_the_only_ones():
+    assert view_names(CAMERAS) == {
+        "/World/A/left": "World.A.left",
+        "/World/B/left": "World.B.left",
+        "/World/B/Right": "Right",
+        "/World/Cameras/door": "door",
+    }
+    assert len({name.casefold() for name in view_names(("/a/Cam", "/b/cam")).values()}) == 2
+
+
+def test_names_stay_apart_whatever_the_paths():
+    # With underscores the first two would be the same, and the third has that name already.
+    paths = ("/A/b/c", "/A_b/c", "/x/A_b_c", "/y/c")
+    assert len({name.casefold() for name in view_names(paths).values()}) == len(paths)
+
+
+@pytest.mark.parametrize("text", ["door", "/World/Cameras/door"])
+def test_a_camera_by_name_or_path(text):
+    assert choose_cameras([text], CAMERAS) == {"door": "/World/Cameras/door"}
+
+
+def test_all_cameras_none_and_the_framing_one():
+    assert list(choose_cameras((), CAMERAS).values()) == list(CAMERAS)
+    assert choose_cameras((), ()) == {"framing": None}
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("dor", "did you mean 'door'"),
+        ("/World/Cameras/dor", "did you mean '/World/Cameras/door'"),
+        ("left", "give a path: /World/A/left, /World/B/left"),
+        ("", "there are: "),
+    ],
+)
+def test_wrong_cameras(text, said):
+    with pytest.raises(InputError) as caught:
+        choose_cameras([text], CAMERAS)
+    assert said in str(caught.value)
+
+
+def test_a_camera_where_there_is_none():
+    with pytest.raises(InputError, match="no camera is named 'left'"):
+        choose_cameras(["left"], ())
+
+
+def test_channels_in_the_order_of_the_table():
+    assert choose_channels(["valid", "depth", "valid"], tuple(CHANNELS)) == ("depth", "valid")
+    assert choose_channels(None, ("valid", "depth", "unheard_of")) == ("depth", "valid")
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (["dept"], "did you mean 'depth'"),
+        (["position"], "it gives: depth, valid"),
+        ([], "no channel is asked for"),
+    ],
+)
+def test_wrong_channels(names, said):
+    with pytest.raises(InputError) as caught:
+        choose_channels(names, ("depth", "valid"))
+    assert said in str(caught.value)
+
+
+def test_samples_are_64_unless_something_else_is_said():
+    assert numbers().samples == 64
+    assert numbers(samples=3).samples == 3
+    assert numbers(error=0.1).samples is None
+    assert numbers(seconds=2.0).samples is None
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"samples": 0},
+        {"samples": -1},
+        {"samples": 10**9},
+        {"error": float("nan")},
+        {"error": 0.0},
+        {"seconds": float("inf")},
+        {"seconds": -1.0},
+        {"seed": -1},
+        {"seed": 2**40},
+        {"bounces": -1},
+        {"bounces": 10**6},
+        {"resolution": (0, 10)},
+        {"resolution": (-3, 10)},
+        {"resolution": (10**9, 1)},
+        {"resolution": (30000, 30000)},
+        {"samples": 3, "error": 0.1},
+        {"samples": 3, "error": 0.1, "seconds": 2.0},
+    ],
+)
+def test_absurd_numbers(given):
+    with pytest.raises(InputError):
+        numbers(**given)
+
+
+def test_the_size_of_the_stage_is_checked_too():
+    with pytest.raises(InputError, match="width"):
+        sized(numbers(resolution=None), (0, 480))
