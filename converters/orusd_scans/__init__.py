@@ -1,0 +1,1 @@
+"""Importers of scans: each turns foreign files into the neutral Capture."""

@@ -1,0 +1,120 @@
+"""A capture through the layout stage: its openings are made to fit, never refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Usd
+
+from openrooms_usd.description import parse_room
+from openrooms_usd.errors import DescriptionError, InputError
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.layout import LayoutStage
+
+CORNERS = [[0, 0], [5, 0], [5, 4], [0, 4]]
+
+
+def author(path: Path, more: str = "") -> tuple[Usd.Stage, list[str]]:
+    room = parse_room(f"layout: {{from: roomplan, file: {path.name}{more}}}")
+    stage = Usd.Stage.CreateInMemory()
+    context = StageContext(room, path.parent, stage, path.parent / "layout")
+    LayoutStage().author(context)
+    return stage, context.notes
+
+
+def openings(stage: Usd.Stage) -> dict[str, tuple[str, float, float, float]]:
+    found = stage.GetPrimAtPath("/World/Room/Openings")
+    return {
+        prim.GetName(): tuple(
+            prim.GetAttribute(f"openrooms:opening:{key}").Get()
+            for key in ("kind", "width", "height", "sill")
+        )
+        for prim in (found.GetChildren() if found else [])
+    }
+
+
+def test_openings_are_cut_where_they_were_captured(scanner) -> None:
+    data = scanner.room(CORNERS, 2.5)
+    ajar = {"category": {"door": {"isOpen": True}}, "identifier": "the door"}
+    data["doors"] = [scanner.surface("door", [5, 1], [5, 1.9], 0.003, 2.1, **ajar)]
+    # Twelve centimetres before its wall.
+    data["windows"] = [scanner.surface("window", [1, 0.12], [2.5, 0.12], 0.9, 2.1)]
+    stage, notes = author(scanner.write(data))
+    assert notes == []
+    assert openings(stage) == {
+        "door_0": ("door", pytest.approx(0.9), pytest.approx(2.1), 0.0),
+        "window_0": ("window", pytest.approx(1.5), pytest.approx(1.2), pytest.approx(0.9)),
+    }
+    door = stage.GetPrimAtPath("/World/Room/Openings/door_0")
+    assert door.GetAttribute("openrooms:source:id").Get() == "the door"
+    assert door.GetAttribute("openrooms:source:confidence").Get() == "high"
+    assert stage.GetPrimAtPath("/World/Room/Openings/door_0/Leaf").GetAttribute(
+        "xformOp:rotateZ"
+    ).Get() == pytest.approx(-60)
+    room = stage.GetPrimAtPath("/World/Room")
+    assert room.GetAttribute("openrooms:source:file").Get() == "Room.json"
+    assert room.GetAttribute("openrooms:room:height").Get() == pytest.approx(2.5)
+    # Row vectors: a corner of the floor goes back to one of the source.
+    matrix = np.array(room.GetAttribute("openrooms:source:fromWorld").Get())
+    corner = [*room.GetAttribute("openrooms:room:floor").Get()[0], 0.0, 1.0]
+    source = scanner.source(np.column_stack([CORNERS, np.zeros(4)]))
+    assert np.linalg.norm(source - (corner @ matrix)[:3], axis=1).min() < 1e-6
+
+
+def test_openings_that_do_not_fit_are_clamped_merged_or_dropped_with_notes(scanner) -> None:
+    data = scanner.room(CORNERS, 2.5)
+    data["windows"] = [
+        scanner.surface("window", [0.5, 0], [2.0, 0], 0.9, 2.1, identifier="w1"),
+        scanner.surface("window", [3, 2], [4, 2], 0.9, 2.1, identifier="inside"),
+    ]
+    data["doors"] = [scanner.surface("door", [1.8, 0], [2.7, 0], 0.0, 2.0, identifier="d1")]
+    data["openings"] = [
+        scanner.surface("opening", [0, 4], [0, 0], 0.0, 2.5, identifier="whole wall"),
+        scanner.surface("opening", [4.99, 0], [5.5, 0], 0.0, 2.0, identifier="outside"),
+    ]
+    stage, notes = author(scanner.write(data))
+    found = openings(stage)
+    assert found == {
+        "door_0": ("door", pytest.approx(2.2), pytest.approx(2.1), 0.0),
+        "opening_0": ("opening", pytest.approx(3.96), pytest.approx(2.48), 0.0),
+    }
+    text = "\n".join(notes)
+    assert "merged" in text
+    for word in ("w1", "d1", "inside", "outside", "whole wall"):
+        assert word in text
+
+
+def test_further_openings_keep_their_names_and_may_not_overlap(scanner) -> None:
+    data = scanner.room(CORNERS, 2.5)
+    data["windows"] = [scanner.surface("window", [1, 0], [2, 0], 0.9, 2.1)]
+    path = scanner.write(data)
+    stage, _ = author(path, ", openings: [{kind: window, wall: 1, name: window_0, height: 1}]")
+    assert openings(stage)["window_0"][2] == pytest.approx(1.0)
+    assert openings(stage)["window_1"][2] == pytest.approx(1.2)
+    walls = [p for p in range(4) if _overlaps(path, p)]
+    assert len(walls) == 1
+    with pytest.raises(DescriptionError, match="there is no wall 7"):
+        author(path, ", openings: [{kind: window, wall: 7}]")
+
+
+def _overlaps(path: Path, wall: int) -> bool:
+    try:
+        author(path, f", openings: [{{kind: opening, wall: {wall}, width: 3}}]")
+    except DescriptionError as error:
+        assert "overlap" in str(error)
+        return True
+    return False
+
+
+def test_the_height_may_be_given_or_is_guessed_with_a_note(scanner) -> None:
+    path = scanner.write(scanner.room(CORNERS, 2.5))
+    stage, _ = author(path, ", height: 3 m")
+    assert stage.GetPrimAtPath("/World/Room").GetAttribute("openrooms:room:height").Get() == 3.0
+    stage, notes = author(scanner.write(scanner.room(CORNERS, 2.5, walls=[]), "flat.json"))
+    assert stage.GetPrimAtPath("/World/Room").GetAttribute("openrooms:room:height").Get() == 2.6
+    assert any("no height" in note for note in notes)
+
+
+def test_a_capture_without_a_floor_is_refused(scanner) -> None:
+    with pytest.raises(InputError, match="no floor"):
+        author(scanner.write({"walls": []}))

@@ -1,0 +1,283 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from openrooms_usd.adapters import IMPORTERS, load
+from openrooms_usd.capture import Capture
+from openrooms_usd.errors import InputError
+
+CORNERS = np.array([[0, 0], [5, 0], [5, 2.5], [3, 2.5], [2, 4], [0, 4]], dtype=float)
+HEIGHT = 2.45
+REAL = Path(__file__).parents[3] / "shared/data/roomplan_libroom/Room.json"
+
+
+def read(path: Path) -> Capture:
+    capture: Capture = load(IMPORTERS, "roomplan").read(path)
+    return capture
+
+
+def to_source(capture: Capture, points: np.ndarray) -> np.ndarray:
+    M = capture.source_from_world
+    return np.asarray(points @ M[:3, :3].T + M[:3, 3])
+
+
+def same_ring(a: np.ndarray, b: np.ndarray, tolerance: float) -> bool:
+    """Whether two rings have the same corners, whatever their start and direction."""
+    turned = [np.roll(ring, k, axis=0) for ring in (b, b[::-1]) for k in range(len(b))]
+    return len(a) == len(b) and any(np.abs(a - ring).max() < tolerance for ring in turned)
+
+
+def floor_in_source(capture: Capture) -> np.ndarray:
+    assert capture.floor is not None
+    return to_source(capture, np.column_stack([capture.floor, np.zeros(len(capture.floor))]))
+
+
+def expected_floor(scanner) -> np.ndarray:
+    return scanner.source(np.column_stack([CORNERS, np.zeros(len(CORNERS))]))
+
+
+def test_floor_and_height_come_back_to_the_source(scanner) -> None:
+    capture = read(scanner.write(scanner.room(CORNERS, HEIGHT)))
+    assert same_ring(floor_in_source(capture), expected_floor(scanner), 1e-8)
+    assert capture.height == pytest.approx(HEIGHT)
+    assert capture.source == "Room.json"
+    assert capture.notes == ()
+    floor = shapely.Polygon(capture.floor)
+    assert floor.exterior.is_ccw
+    assert floor.bounds[:2] == pytest.approx((0, 0), abs=1e-8)
+    # The longest wall, of 5 m, runs along an axis.
+    along = np.roll(capture.floor, -1, axis=0) - capture.floor
+    longest = along[np.argmax(np.linalg.norm(along, axis=1))]
+    assert np.abs(longest).min() < 1e-8
+
+
+def test_the_way_back_is_a_rigid_motion_with_up_along_y(scanner) -> None:
+    M = read(scanner.write(scanner.room(CORNERS, HEIGHT))).source_from_world
+    assert M[:3, :3] @ M[:3, :3].T == pytest.approx(np.eye(3), abs=1e-12)
+    assert np.linalg.det(M[:3, :3]) == pytest.approx(1.0)
+    assert M[:3, :3] @ [0, 0, 1] == pytest.approx([0, 1, 0], abs=1e-12)
+
+
+def test_coordinates_far_from_the_origin_lose_nothing(scanner) -> None:
+    near = read(scanner.write(scanner.room(CORNERS, HEIGHT)))
+    scanner.origin = scanner.origin + np.array([1e6, 250.0, -3e6])
+    far = read(scanner.write(scanner.room(CORNERS, HEIGHT)))
+    assert far.floor == pytest.approx(near.floor, abs=1e-8)
+    assert np.abs(floor_in_source(far) - expected_floor(scanner)[:1]).max() < 10
+    assert same_ring(floor_in_source(far), expected_floor(scanner), 1e-8)
+
+
+@pytest.mark.parametrize("shuffle", [0, 1, 2])
+def test_without_a_floor_the_walls_enclose_it(scanner, shuffle: int) -> None:
+    """What iOS 16 writes: no floors, no corners, walls in any order and direction."""
+    rng = np.random.default_rng(shuffle)
+    data = scanner.room(CORNERS, HEIGHT)
+    walls = [
+        scanner.surface("wall", *(pair if rng.random() < 0.5 else pair[::-1]), 0.0, HEIGHT)
+        for pair in zip(CORNERS, np.roll(CORNERS, -1, axis=0), strict=True)
+    ]
+    # Walls that were seen twice, one of them inexactly.
+    walls.append(scanner.surface("wall", [5.02, 0.03], [5.01, 2.46], 0.0, HEIGHT))
+    walls += walls[:3]
+    keep = ("identifier", "category", "confidence", "dimensions", "transform")
+    data["walls"] = [{k: walls[i][k] for k in keep} for i in rng.permutation(len(walls))]
+    for key in ("floors", "sections", "story", "coreModel", "version", "openings"):
+        del data[key]
+    capture = read(scanner.write(data))
+    assert same_ring(floor_in_source(capture), expected_floor(scanner), 1e-6)
+    assert capture.height == pytest.approx(HEIGHT)
+
+
+def test_walls_that_leave_a_gap_are_closed_with_a_note(scanner) -> None:
+    data = scanner.room(CORNERS, HEIGHT, floors=[])
+    data["walls"][0] = scanner.surface("wall", [0.8, 0], [5, 0], 0, HEIGHT)
+    capture = read(scanner.write(data))
+    assert shapely.Polygon(capture.floor).area > 0.9 * shapely.Polygon(CORNERS).area
+    assert any("gap of 0.80 m" in note for note in capture.notes)
+
+
+def test_walls_that_do_not_close_give_their_hull_with_a_note(scanner) -> None:
+    data = scanner.room(CORNERS, HEIGHT, floors=[])
+    cross = [([0, 0], [4, 3]), ([4, 0], [0, 3]), ([2, -1], [2, 4])]
+    data["walls"] = [scanner.surface("wall", a, b, 0, HEIGHT) for a, b in cross]
+    capture = read(scanner.write(data))
+    hull = shapely.MultiPoint([p for wall in cross for p in wall]).convex_hull
+    assert shapely.Polygon(capture.floor).area == pytest.approx(hull.area)
+    assert any("convex hull" in note for note in capture.notes)
+
+
+def test_a_floor_that_crosses_itself_gives_its_largest_part_with_a_note(scanner) -> None:
+    corners = [[0, 0], [5, 0], [5, 3], [0.5, 3], [0.5, 3.3], [0, 2.9]]
+    capture = read(scanner.write(scanner.room(corners, HEIGHT, walls=[])))
+    assert shapely.Polygon(capture.floor).area == pytest.approx(15.0, abs=0.3)
+    bow = read(scanner.write(scanner.room([[0, 0], [4, 3], [4, 0], [0, 3.2]], HEIGHT, walls=[])))
+    assert shapely.Polygon(bow.floor).is_valid
+    assert any("crossed itself" in note for note in bow.notes)
+    assert bow.height is None
+
+
+def test_openings_keep_their_place_size_and_state(scanner) -> None:
+    data = scanner.room(CORNERS, HEIGHT)
+    state = {"category": {"door": {"isOpen": True}}, "confidence": {"low": {}}}
+    data["doors"] = [scanner.surface("door", [5, 0.5], [5, 1.4], 0.0, 2.1, **state)]
+    data["windows"] = [scanner.surface("window", [3, 0], [1, 0], 0.8, 2.2, curve={})]
+    data["openings"] = [scanner.surface("opening", [0, 3], [0, 2], 0.0, 2.0)]
+    door, window, opening = read(scanner.write(data)).openings
+    assert (door.kind, window.kind, opening.kind) == ("door", "window", "opening")
+    assert (door.is_open, window.is_open) == (True, None)
+    assert (door.confidence, window.confidence) == ("low", "high")
+    capture = read(scanner.write(data))
+    for found, middle, along, size in (
+        (door, [5, 0.95, 1.05], [0, 1, 0], (0.9, 2.1)),
+        (window, [2, 0, 1.5], [-1, 0, 0], (2.0, 1.4)),
+        (opening, [0, 2.5, 1.0], [0, -1, 0], (1.0, 2.0)),
+    ):
+        assert to_source(capture, found.center) == pytest.approx(scanner.source(middle))
+        turned = capture.source_from_world[:3, :3] @ found.direction
+        assert turned == pytest.approx(scanner.rotation @ along)
+        assert (found.width, found.height) == pytest.approx(size)
+
+
+def test_openings_seen_twice_become_the_surer_one_with_a_note(scanner) -> None:
+    data = scanner.room(CORNERS, HEIGHT)
+    low = {"confidence": {"low": {}}, "identifier": "unsure"}
+    data["openings"] = [
+        scanner.surface("opening", [1, 0.02], [2.02, 0.01], 0.0, 2.0, **low),
+        scanner.surface("opening", [2, 0], [1, 0], 0.0, 2.02, identifier="sure"),
+        scanner.surface("opening", [3, 0], [4, 0], 0.0, 2.02, identifier="other"),
+    ]
+    capture = read(scanner.write(data))
+    assert [opening.id for opening in capture.openings] == ["sure", "other"]
+    assert any("unsure" in note and "seen twice" in note for note in capture.notes)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 30.0, 90.0, 215.0])
+def test_boxes_have_their_width_right_depth_back_and_height_up(scanner, yaw: float) -> None:
+    data = scanner.room(CORNERS, HEIGHT)
+    attributes = {"ChairType": "dining", "ChairLegType": "four"}
+    data["objects"] = [
+        scanner.box("chair", [1, 2, 0.45], [0.5, 0.6, 0.9], yaw, attributes=attributes)
+    ]
+    capture = read(scanner.write(data))
+    box = capture.boxes[0]
+    assert (box.label, box.confidence, box.attributes) == ("chair", "medium", attributes)
+    assert box.size == pytest.approx([0.5, 0.6, 0.9])
+    assert box.rotation.T @ box.rotation == pytest.approx(np.eye(3), abs=1e-12)
+    assert np.linalg.det(box.rotation) == pytest.approx(1.0)
+    # Its front looks along -Y of its own frame: at yaw 0 along -Y of the room.
+    c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
+    in_room = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    assert capture.source_from_world[:3, :3] @ box.rotation == pytest.approx(
+        scanner.rotation @ in_room
+    )
+    assert to_source(capture, box.center) == pytest.approx(scanner.source([1, 2, 0.45]))
+
+
+def test_curved_and_sloped_walls_are_noted_and_several_floors(scanner) -> None:
+    data = scanner.room(CORNERS, HEIGHT)
+    data["walls"][0]["curve"] = {"radius": 3}
+    data["walls"][1]["polygonCorners"] = [[-1, -1, 0], [1, -1, 0], [0, 1, 0]]
+    data["floors"].insert(0, scanner.floor([[9, 9], [9.5, 9], [9.5, 9.5]]))
+    capture = read(scanner.write(data))
+    assert same_ring(floor_in_source(capture), expected_floor(scanner), 1e-8)
+    notes = "\n".join(capture.notes)
+    assert all(word in notes for word in ("1 curved", "1 walls that are no rect", "2 floors"))
+
+
+def spoiled(data: dict, **changes: object) -> dict:
+    data["walls"][2] |= changes
+    return data
+
+
+BAD_WALLS = {
+    "NaN": ({"dimensions": [float("nan"), 1, 0]}, "NaN is not a JSON number"),
+    "huge": ({"dimensions": [1e30, 1, 0]}, r"walls\[2\].dimensions: 1e\+30 is out of range"),
+    "negative": ({"dimensions": [-1, 1, 0]}, r"walls\[2\].dimensions: a dimension is negative"),
+    "two numbers": ({"dimensions": [1, 2]}, r"walls\[2\].dimensions: 3 numbers expected, found 2"),
+    "text": ({"dimensions": ["a", 2, 3]}, r"walls\[2\].dimensions: a number expected, found a tex"),
+    "true": ({"dimensions": [True, 2, 3]}, r"a number expected, found true or false"),
+    "missing": ({"transform": None}, r"walls\[2\]: 'transform' is missing"),
+    "sheared": ({"transform": [2, *[0] * 4, 1, *[0] * 4, 1, *[0] * 4, 1]}, "not a rotation"),
+    "mirrored": ({"transform": [-1, *[0] * 4, 1, *[0] * 4, 1, *[0] * 4, 1]}, "not a rotation"),
+    "corners": ({"polygonCorners": 7}, r"walls\[2\].polygonCorners: a list expected, found a num"),
+    "category": ({"category": 7}, r"walls\[2\].category: a name or an object"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_WALLS)
+def test_nonsense_in_a_record_is_refused_with_its_place(scanner, name: str) -> None:
+    changes, message = BAD_WALLS[name]
+    path = scanner.write(spoiled(scanner.room(CORNERS, HEIGHT), **changes))
+    with pytest.raises(InputError) as error:
+        read(path)
+    assert error.value.place
+    assert str(path) in error.value.place
+    import re
+
+    assert re.search(message, str(error.value))
+
+
+BAD_FILES = {
+    "empty": b"",
+    "binary": bytes(range(256)) * 4,
+    "truncated": b'{"walls": [{"dimensions": [1, 2',
+    "a number": b"42",
+    "a list": b"[]",
+    "other JSON": b'{"rooms": []}',
+    "a record is a number": b'{"walls": [3]}',
+    "walls are an object": b'{"walls": {"a": 1}}',
+    "nested without end": b'{"walls":' + b"[" * 200_000,
+    "nested whole": b'{"walls":' + b"[" * 100_000 + b"]" * 100_000 + b"}",
+    "infinite": b'{"walls": [{"dimensions": [1e999, 1, 1], "transform": []}]}',
+    "an endless integer": b'{"walls": [{"dimensions": [' + b"9" * 10_000 + b"]}]}",
+    "a long integer": b'{"walls": [{"dimensions": [' + b"9" * 400 + b", 1, 1]}]}",
+}
+
+
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_what_is_no_export_is_refused(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "bad.json"
+    path.write_bytes(BAD_FILES[name])
+    with pytest.raises(InputError) as error:
+        read(path)
+    assert "bad.json" in str(error.value)
+    assert error.value.remedy
+
+
+def test_missing_files_and_folders_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="No such file"):
+        read(tmp_path / "none.json")
+    with pytest.raises(InputError, match="directory"):
+        read(tmp_path)
+
+
+def test_a_file_that_is_too_large_is_not_even_read(tmp_path: Path) -> None:
+    path = tmp_path / "large.json"
+    with path.open("wb") as file:
+        file.truncate(1 << 40)  # sparse
+    with pytest.raises(InputError, match="too much for a capture"):
+        read(path)
+
+
+def test_a_room_without_anything_has_no_floor(scanner) -> None:
+    capture = read(scanner.write({"walls": []}))
+    assert capture.floor is None
+    assert capture.height is None
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason="the shared captures are not here")
+def test_a_real_capture() -> None:
+    capture = read(REAL)
+    assert capture.floor is not None
+    assert len(capture.floor) == 7
+    assert shapely.Polygon(capture.floor).area == pytest.approx(11.24, abs=0.01)
+    assert capture.height == pytest.approx(2.414, abs=1e-3)
+    assert [opening.kind for opening in capture.openings] == ["opening"]
+    assert [box.label for box in capture.boxes] == ["chair", "table", "chair"]
+    chairs, table = capture.boxes[::2], capture.boxes[1]
+    for chair in chairs:
+        assert chair.center[2] - 0.5 * chair.size[2] == pytest.approx(0.0, abs=1e-3)
+        front = -chair.rotation[:, 1]
+        assert front @ (table.center - chair.center) > 0.1, "chairs look at the table"
