@@ -1,0 +1,59 @@
+"""What is registered as entry points: a renderer and an exporter that load Mitsuba when used."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.convert import Report
+from orusd_mitsuba import variants
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+    from orusd_mitsuba.session import MitsubaSession
+
+
+class MitsubaRenderer:
+    """Renders USD stages with Mitsuba 3: on an NVIDIA GPU, on the CPU by LLVM, or plainly."""
+
+    channels: Final = tuple(CHANNELS)
+
+    def open(self, stage: "Usd.Stage", *, variant: str = "auto") -> "MitsubaSession":
+        """Translate a stage, once.
+
+        Args:
+            stage: The composed stage.
+            variant: ``auto`` (the fastest that works here), ``cuda``, ``llvm`` or ``scalar``.
+
+        Raises:
+            RenderError: The backend is not available.
+        """
+        chosen = variants.choose(variant)
+        from orusd_mitsuba.session import MitsubaSession
+
+        return MitsubaSession(stage, chosen)
+
+    def diagnose(self) -> dict[str, str]:
+        """What works on this machine, in words, by backend."""
+        return variants.diagnose()
+
+
+class MitsubaExporter:
+    """Writes a stage as a Mitsuba XML scene with its meshes and textures beside it."""
+
+    def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
+        """Write ``stage`` to ``destination``.
+
+        Args:
+            stage: The composed stage.
+            destination: The ``.xml`` file, or a folder that receives ``scene.xml``.
+            options: None is known; each that is given is refused.
+
+        Raises:
+            InputError: An option is not known.
+            OutputError: The destination cannot be written.
+        """
+        from orusd_mitsuba.exporter import export_scene
+
+        return export_scene(stage, destination, options)

@@ -1,0 +1,70 @@
+"""Surfaces and lights as Mitsuba plugin descriptions, `Picture` where a texture stands."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from orusd_mitsuba.pictures import Picture, Value
+from orusd_mitsuba.scene import Sun
+from orusd_mitsuba.surfaces import Surface
+
+Description = dict[str, Any]
+
+
+def describe_bsdf(surface: Surface) -> Description:
+    """The BSDF of a surface: nested dictionaries of plugins, numbers and pictures.
+
+    UsdPreviewSurface's base and specular lobes are those of ``principled``: a GGX lobe with
+    alpha = R^2 over a diffuse one. Without any specular lobe it is exactly Lambertian.
+    """
+    bsdf = _lobes(surface)
+    if surface.normal is not None:
+        bsdf = {"type": "normalmap", "normalmap": _stored(surface.normal), "bsdf": bsdf}
+    bsdf = {"type": "twosided", "bsdf": bsdf}
+    if surface.opacity == 1.0:
+        return bsdf
+    return {"type": "mask", "opacity": surface.opacity, "bsdf": bsdf}
+
+
+def describe_color(value: Value) -> Any:
+    """A constant or textured value as a plugin."""
+    if isinstance(value, tuple):
+        return {"type": "rgb", "value": list(value)}
+    return value
+
+
+def describe_area(radiance: Value, weight: float) -> Description:
+    """A mesh's emission, and how often it is sampled."""
+    return {"type": "area", "radiance": describe_color(radiance), "sampling_weight": weight}
+
+
+def describe_sun(sun: Sun, weight: float) -> Description:
+    """Parallel light."""
+    return {
+        "type": "directional",
+        "direction": sun.direction.tolist(),
+        "irradiance": {"type": "rgb", "value": sun.irradiance.tolist()},
+        "sampling_weight": weight,
+    }
+
+
+def _lobes(surface: Surface) -> Description:
+    if surface.is_diffuse:
+        return {"type": "diffuse", "reflectance": describe_color(surface.base_color)}
+    lobes = {
+        "type": "principled",
+        "base_color": describe_color(surface.base_color),
+        "roughness": surface.roughness,
+        "metallic": surface.metallic,
+        "eta": max(surface.ior, 1.001),
+    }
+    if surface.clearcoat > 0.0:
+        gloss = 1.0 - surface.clearcoat_roughness
+        lobes |= {"clearcoat": surface.clearcoat, "clearcoat_gloss": gloss}
+    return lobes
+
+
+def _stored(normal: Picture) -> Picture:
+    """Normals as ``normalmap`` reads them, in 0..1."""
+    return replace(normal, pixels=(normal.pixels + np.float16(1)) * np.float16(0.5))

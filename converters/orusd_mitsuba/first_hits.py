@@ -1,0 +1,135 @@
+"""What the pixels' centres see, in double precision, from the triangles that were found."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.pinhole import pixel_directions
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.pictures import Array, evaluate
+from orusd_mitsuba.rays import RayTracer, Rows
+from orusd_mitsuba.scene import Scene
+
+# |cos| between ray and plane below which the plane cannot tell where the ray meets it.
+_GRAZING: Final = 1e-6
+# How many clear surfaces a ray goes through at most, and the step behind each.
+_LAYERS: Final = 64
+_STEP: Final = 1e-5
+# What is less opaque than this is seen through by geometry and labels.
+_OPAQUE: Final = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """Points on triangles, one for each pixel that sees something.
+
+    Attributes:
+        shape: (height, width) of the picture.
+        pixels: (R,) flat index of each pixel.
+        rows: (R,) row of ``scene.triangles``.
+        patches: (R,) row of ``scene.patches``.
+        directions: (R, 3) world directions of planar depth 1.
+        depth: (R,) planar depth, metres.
+        position: (R, 3) world, metres.
+        weights: (R, 3) barycentric coordinates.
+        st: (R, 2) the mesh's texture coordinates.
+        geometric: (R, 3) unit normal of the triangle, on its front side.
+    """
+
+    shape: tuple[int, int]
+    pixels: Rows
+    rows: Rows
+    patches: Rows
+    directions: Array
+    depth: Array
+    position: Array
+    weights: Array
+    st: Array
+    geometric: Array
+
+    @property
+    def front(self) -> NDArray[np.bool_]:
+        """(R,) whether the front side is seen."""
+        return np.asarray(np.einsum("ij,ij->i", self.geometric, self.directions) < 0)
+
+    def image(self, values: Array) -> NDArray[np.float32]:
+        """(height, width, C) the (R,) or (R, C) values in their pixels, 0 elsewhere."""
+        columns = values if values.ndim == 2 else values[:, None]
+        flat = np.zeros((self.shape[0] * self.shape[1], columns.shape[1]), dtype=np.float32)
+        flat[self.pixels] = columns
+        return flat.reshape(*self.shape, -1)
+
+
+def first_hits(
+    scene: Scene, tracer: RayTracer, camera: PinholeCamera, width: int, height: int
+) -> Hits:
+    """What the centre of each pixel sees.
+
+    Surfaces that are less than half opaque at the point are seen through.
+    """
+    found = tracer.pixels(camera, width, height).ravel()
+    R = camera.world_from_camera[:3, :3]
+    directions = (pixel_directions(camera.K, width, height) @ R.T).reshape(-1, 3)
+    for _ in range(_LAYERS):
+        hits = _hits(scene, camera, (height, width), found, directions)
+        clear = _clear(scene, hits)
+        if not clear.any():
+            break
+        behind = hits.position[clear] + _STEP * hits.directions[clear]
+        found[hits.pixels[clear]] = tracer.rays(behind, hits.directions[clear])
+    return hits
+
+
+def _hits(
+    scene: Scene, camera: PinholeCamera, shape: tuple[int, int], found: Rows, directions: Array
+) -> Hits:
+    pixels = np.flatnonzero(found >= 0)
+    rows, ahead = found[pixels], directions[pixels]
+    eye = camera.world_from_camera[:3, 3]
+    depth, weights, normals = _meet(scene.triangles.corners[rows], eye, ahead)
+    return Hits(
+        shape,
+        pixels,
+        rows,
+        np.searchsorted(scene.offsets, rows, side="right") - 1,
+        ahead,
+        depth,
+        eye + depth[:, None] * ahead,
+        weights,
+        np.einsum("ri,rij->rj", weights, scene.triangles.st[rows].astype(np.float64)),
+        normals,
+    )
+
+
+def _meet(corners: Array, eye: Array, directions: Array) -> tuple[Array, Array, Array]:
+    """Depth, barycentric coordinates and unit normals where rays meet the planes of triangles."""
+    a, b, c = np.moveaxis(corners - eye, 1, 0)
+    normals = np.cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.where(areas > 0, areas, 1.0)
+    slopes = np.einsum("ij,ij->i", normals, directions)
+    edge_on = np.abs(slopes) < _GRAZING * np.linalg.norm(directions, axis=1)
+    # Seen edge-on, the triangle's middle has to do.
+    heights = np.einsum("ij,ij->i", normals, a)
+    middle = np.einsum("ij,ij->i", (a + b + c) / 3, directions)
+    middle /= np.einsum("ij,ij->i", directions, directions)
+    depth = np.where(edge_on, middle, heights / np.where(edge_on, 1.0, slopes))
+    points = depth[:, None] * directions
+    double_area = np.where(areas[:, 0] > 0, areas[:, 0], 1.0)
+    second = np.einsum("ij,ij->i", np.cross(points - a, c - a), normals) / double_area
+    third = np.einsum("ij,ij->i", np.cross(b - a, points - a), normals) / double_area
+    # Rays were traced in single precision: they may pass a little beside an edge.
+    weights = np.clip(np.column_stack([1 - second - third, second, third]), 0.0, 1.0)
+    return depth, weights / weights.sum(axis=1, keepdims=True), normals
+
+
+def _clear(scene: Scene, hits: Hits) -> NDArray[np.bool_]:
+    clear = np.zeros(len(hits.rows), dtype=bool)
+    for number in np.unique(hits.patches):
+        opacity = scene.patches[number].surface.opacity
+        if opacity != 1.0:
+            here = hits.patches == number
+            clear[here] = evaluate(opacity, hits.st[here], 1)[:, 0] < _OPAQUE
+    return clear

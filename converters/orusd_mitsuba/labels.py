@@ -1,0 +1,101 @@
+"""Numbers for objects, parts, materials and classes, and what they mean."""
+
+from pxr import Usd, UsdShade
+
+from openrooms_usd import names
+from openrooms_usd.render import Legend
+from openrooms_usd.usd.semantics import OPENROOMS45, openrooms45, read_label
+from orusd_mitsuba.scene import Piece
+
+
+class Labels:
+    """Numbers whatever is seen, from 1, in the order in which it is met."""
+
+    def __init__(self) -> None:
+        self.pieces: list[Piece] = []
+        self._rows: dict[Piece, int] = {}
+        self._instances: dict[str, int] = {}
+        self._parts: dict[str, int] = {}
+        self._materials: dict[str, int] = {}
+        self._categories: dict[int, str] = {}
+        self._objects: dict[str, tuple[int, int]] = {}
+
+    def row(self, path: str, prim: Usd.Prim, material: str | None) -> int:
+        """The row in `pieces` of a surface.
+
+        Args:
+            path: Where it stands.
+            prim: Its prim; below a point instancer that is the prototype's.
+            material: Path of its material, if it has one.
+        """
+        instance, semantic = self._object(path, prim)
+        piece = Piece(
+            instance,
+            _number(self._parts, path),
+            0 if material is None else _number(self._materials, material),
+            semantic,
+        )
+        if piece not in self._rows:
+            self._rows[piece] = len(self.pieces)
+            self.pieces.append(piece)
+        return self._rows[piece]
+
+    @property
+    def legend(self) -> Legend:
+        """What the numbers mean."""
+        return Legend(
+            semantic=dict(enumerate(OPENROOMS45)),
+            instance=_names(self._instances),
+            part=_names(self._parts),
+            material=_names(self._materials),
+            category=dict(self._categories),
+        )
+
+    def _object(self, path: str, prim: Usd.Prim) -> tuple[int, int]:
+        """Instance number and class of the object that a surface is part of."""
+        owner, levels = _owner(prim)
+        stands = path if levels == 0 else path.rsplit("/", levels)[0]
+        if stands not in self._objects:
+            instance = _number(self._instances, stands)
+            category = read_label(owner, names.CATEGORY)
+            known = read_label(owner, names.OPENROOMS45) or openrooms45(category or "")
+            if category:
+                self._categories[instance] = category
+            semantic = OPENROOMS45.index(known) if known in OPENROOMS45 else 0
+            self._objects[stands] = instance, semantic
+        return self._objects[stands]
+
+
+def _owner(prim: Usd.Prim) -> tuple[Usd.Prim, int]:
+    """The prim of the object that a surface is part of, and how many levels above it stands.
+
+    That is the nearest labelled prim, else the nearest component, else the surface itself.
+    """
+    chain = [prim]
+    while not chain[-1].GetParent().IsPseudoRoot():
+        chain.append(chain[-1].GetParent())
+    tests = (_is_labelled, Usd.Prim.IsComponent)
+    for test in tests:
+        for levels, candidate in enumerate(chain):
+            if test(candidate):
+                return candidate, levels
+    return prim, 0
+
+
+def _is_labelled(prim: Usd.Prim) -> bool:
+    schemas = prim.GetAppliedSchemas()
+    kinds = (names.CATEGORY, names.OPENROOMS45)
+    return any(f"SemanticsLabelsAPI:{kind}" in schemas for kind in kinds)
+
+
+def material_path(material: UsdShade.Material | None) -> str | None:
+    """The path of a material, or None."""
+    return None if material is None else str(material.GetPath())
+
+
+def _number(numbers: dict[str, int], name: str) -> int:
+    return numbers.setdefault(name, len(numbers) + 1)
+
+
+def _names(numbers: dict[str, int]) -> dict[int, str]:
+    return {number: name for name, number in numbers.items()}

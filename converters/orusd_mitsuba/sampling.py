@@ -1,0 +1,175 @@
+"""Radiance in passes, two independent halves of them, and what they say about the error."""
+
+import hashlib
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render import RenderRequest
+from orusd_mitsuba.pictures import Array
+
+# When an error is asked for: samples to begin with, and where to give up.
+_FIRST: Final = 16
+_MOST: Final = 1 << 16
+
+
+class Pass(Protocol):
+    """Renders (height, width, 3) radiance with some samples a pixel from a seed."""
+
+    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one pass."""
+        ...
+
+
+@dataclass(eq=False)
+class Halves:
+    """Sums of the even and of the odd passes.
+
+    Attributes:
+        sums: Two (height, width, 3) sums over samples.
+        samples: How many each has.
+    """
+
+    sums: Array
+    samples: list[int]
+
+    def add(self, half: int, pixels: NDArray[np.float32], samples: int) -> None:
+        """Add a pass."""
+        self.sums[half] += samples * pixels.astype(np.float64)
+        self.samples[half] += samples
+
+    @property
+    def total(self) -> int:
+        """Samples a pixel."""
+        return sum(self.samples)
+
+    @property
+    def mean(self) -> NDArray[np.float32]:
+        """(height, width, 3) radiance."""
+        return np.asarray(self.sums.sum(axis=0) / self.total, dtype=np.float32)
+
+    @property
+    def error(self) -> float | None:
+        """The estimated error of `mean`; None while one half is empty."""
+        if min(self.samples) == 0:
+            return None
+        a, b = (total / count for total, count in zip(self.sums, self.samples, strict=True))
+        return relative_error(a, b, *self.samples)
+
+
+def relative_error(a: Array, b: Array, samples_a: int = 1, samples_b: int = 1) -> float:
+    """Estimated relative mean squared error of the mean of two independent halves.
+
+    With m the mean of the two weighted by their samples, M its mean over the picture, and v =
+    (a - b)^2 n_a n_b / (n_a + n_b)^2 the unbiased estimate of the variance of m, which for equal
+    halves is (a - b)^2 / 4: the mean over pixels of v / (m^2 + 0.01 M^2) for each of red, green and
+    blue, and the mean of the three.
+
+    Args:
+        a: (height, width, 3) one half.
+        b: (height, width, 3) the other.
+        samples_a: Samples a pixel in ``a``.
+        samples_b: Samples a pixel in ``b``.
+    """
+    total = samples_a + samples_b
+    mean = (a * samples_a + b * samples_b) / total
+    variance = (a - b) ** 2 * (samples_a * samples_b / total**2)
+    scale = mean**2 + 0.01 * mean.mean(axis=(0, 1)) ** 2
+    return float(np.mean(np.divide(variance, scale, out=np.zeros_like(scale), where=scale > 0)))
+
+
+def pass_seed(*parts: object) -> int:
+    """A seed of 32 bits from whatever makes a pass unlike every other."""
+    text = "\0".join(map(str, parts))
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest(), "little")
+
+
+class Sampler:
+    """Renders passes of one camera until the request is met.
+
+    Args:
+        render: Renders one pass.
+        request: Says when it is enough, and the seed.
+        shape: Height and width.
+        most: Samples a pixel that one pass may take at most.
+        progress: Called with the finished fraction.
+    """
+
+    def __init__(
+        self,
+        render: Pass,
+        request: RenderRequest,
+        shape: tuple[int, int],
+        most: int,
+        progress: Callable[[float], None],
+    ) -> None:
+        self._render = render
+        self._request = request
+        self._most = most
+        self._progress = progress
+        self._passes = 0
+        self.halves = Halves(np.zeros((2, *shape, 3)), [0, 0])
+
+    def run(self) -> Halves:
+        """Render until there are enough samples, the error is small enough or time is up."""
+        request = self._request
+        if request.error is not None:
+            self._until_error(request.error)
+        elif request.seconds is not None:
+            self._until_time(request.seconds)
+        else:
+            self._until_samples(request.samples or 1)
+        return self.halves
+
+    def _until_samples(self, wanted: int) -> None:
+        for half, samples in self._shares(wanted):
+            self._add(half, samples)
+            self._progress(self.halves.total / wanted)
+
+    def _until_error(self, wanted: float) -> None:
+        goal, error = _FIRST, np.inf
+        while error > wanted and goal <= _MOST:
+            for half, samples in self._shares(goal - self.halves.total):
+                self._add(half, samples)
+                # The error falls as the inverse of the samples.
+                known = np.isfinite(error) and wanted > 0
+                expected = goal * max(1.0, error / wanted if known else 1.0)
+                self._progress(min(0.99, self.halves.total / expected))
+            error = self.halves.error or 0.0
+            goal *= 2
+        self._progress(1.0)
+
+    def _until_time(self, limit: float) -> None:
+        start, samples = time.perf_counter(), 1
+        while True:
+            begun = time.perf_counter()
+            self._add(0, samples)
+            self._add(1, samples)
+            now = time.perf_counter()
+            left = limit - (now - start)
+            self._progress(min(1.0, (now - start) / limit))
+            pace = (now - begun) / samples
+            # Twice as much while that surely fits; what remains is filled with what fits.
+            samples = min(2 * samples, self._most, int(left / pace)) if left > 0 else 0
+            if samples < 1:
+                return
+
+    def _shares(self, samples: int) -> Iterator[tuple[int, int]]:
+        """(half, samples) of passes that bring both halves on alike."""
+        shares = [samples - samples // 2, samples // 2]
+        while any(shares):
+            for half, left in enumerate(shares):
+                if left:
+                    now = min(left, self._most)
+                    shares[half] -= now
+                    yield half, now
+
+    def _add(self, half: int, samples: int) -> None:
+        request = self._request
+        seed = pass_seed(request.seed, request.camera, self._passes)
+        self._passes += 1
+        self.halves.add(half, self._render(samples, seed), samples)

@@ -1,0 +1,160 @@
+"""A stage as arrays: what is between USD and Mitsuba, and what ground truth is looked up in."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.convert import Report
+from openrooms_usd.render import Legend
+from openrooms_usd.usd.portals import Portal
+from orusd_mitsuba.pictures import Array, Value
+from orusd_mitsuba.surfaces import Surface
+
+Floats = NDArray[np.float32]
+Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Triangles with what is known at their corners.
+
+    Attributes:
+        corners: (M, 3, 3) world, metres; counter-clockwise seen from the front.
+        normals: (M, 3, 3) unit shading normal at each corner.
+        st: (M, 3, 2) texture coordinates at each corner.
+        pieces: (M,) row of `Scene.pieces` that the triangle belongs to.
+    """
+
+    corners: Array
+    normals: Floats
+    st: Floats
+    pieces: Ints
+
+    def __len__(self) -> int:
+        return len(self.corners)
+
+    def rows(self, which: Any) -> "Triangles":
+        """Some of the triangles, by an index array or a slice."""
+        return Triangles(
+            self.corners[which], self.normals[which], self.st[which], self.pieces[which]
+        )
+
+    @staticmethod
+    def joined(parts: Sequence["Triangles"]) -> "Triangles":
+        """All triangles of several, in their order."""
+        return Triangles(
+            np.concatenate([np.zeros((0, 3, 3)), *(part.corners for part in parts)]),
+            np.concatenate([np.zeros((0, 3, 3), np.float32), *(part.normals for part in parts)]),
+            np.concatenate([np.zeros((0, 3, 2), np.float32), *(part.st for part in parts)]),
+            np.concatenate([np.zeros(0, np.int32), *(part.pieces for part in parts)]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """Triangles that share a surface; one shape of the renderer.
+
+    Attributes:
+        name: An identifier, unique in the scene.
+        triangles: Its triangles.
+        surface: What it does to light.
+        radiance: What its front side emits, nits; None where it is dark.
+    """
+
+    name: str
+    triangles: Triangles
+    surface: Surface
+    radiance: Value | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Environment:
+    """The surroundings at infinity.
+
+    Attributes:
+        pixels: (H, W, 3) nits, latitude-longitude from pole to pole; one pixel where it is
+            constant.
+        world_from_light: (3, 3) rotation; in the light's frame +Y is the picture's upper edge, its
+            middle lies along +Z, a quarter from the left along +X.
+    """
+
+    pixels: Floats
+    world_from_light: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Sun:
+    """Parallel light.
+
+    Attributes:
+        direction: (3,) unit vector along which it travels.
+        irradiance: (3,) lux of each primary on a surface that faces it.
+    """
+
+    direction: Array
+    irradiance: Array
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What the pixels of a piece of surface are labelled with; 0 is nothing."""
+
+    instance: int = 0
+    part: int = 0
+    material: int = 0
+    semantic: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A translated stage.
+
+    Attributes:
+        patches: All surfaces.
+        pieces: What the triangles' labels are.
+        environment: The surroundings, if there are any.
+        suns: Parallel lights.
+        portals: Where the surroundings come in; empty where the stage does not say.
+        legend: What the label numbers mean.
+        report: What became of every prim.
+    """
+
+    patches: tuple[Patch, ...]
+    pieces: tuple[Piece, ...]
+    environment: Environment | None
+    suns: tuple[Sun, ...]
+    portals: tuple[Portal, ...]
+    legend: Legend
+    report: Report = field(default_factory=Report)
+
+    @cached_property
+    def triangles(self) -> Triangles:
+        """The triangles of all patches, patch by patch."""
+        return Triangles.joined([patch.triangles for patch in self.patches])
+
+    @cached_property
+    def offsets(self) -> NDArray[np.int64]:
+        """(P + 1,) the first triangle of each patch, and the number of all."""
+        return np.cumsum([0, *(len(patch.triangles) for patch in self.patches)])
+
+    @cached_property
+    def radius(self) -> float:
+        """Metres; of a sphere about `origin` that holds all surfaces."""
+        if not len(self.triangles):
+            return 1.0
+        corners = self.triangles.corners.reshape(-1, 3) - self.origin
+        return float(np.sqrt((corners**2).sum(axis=1).max()))
+
+    @cached_property
+    def origin(self) -> Array:
+        """(3,) whole metres in the middle of the scene.
+
+        Renderers work in single precision: what they get is relative to this.
+        """
+        if not len(self.triangles):
+            return np.zeros(3)
+        return np.round(np.median(self.triangles.corners[:, 0], axis=0))

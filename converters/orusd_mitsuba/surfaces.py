@@ -1,0 +1,191 @@
+"""What a surface does to light, as neutral data: between UsdPreviewSurface and Mitsuba's BSDFs."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd import names
+from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture
+from orusd_mitsuba.pictures import Array, Picture, Value, load
+
+Limits = tuple[float, float]
+_UNIT: Final = (0.0, 1.0)
+_ANY: Final = (0.0, math.inf)
+_NORMAL: Final = (-1.0, 1.0)
+# Below the least roughness GGX is so sharp that paths hit its peak only by luck.
+_ROUGHNESS: Final = (0.01, 1.0)
+_MOST_IOR: Final = 20.0
+_FLAT: Final = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """The inputs of a BSDF, each a constant or a picture in linear units.
+
+    Attributes:
+        base_color: Diffuse colour of dielectrics, reflectance of metals.
+        roughness: Perceptual roughness R; alpha = R^2.
+        metallic: 0 dielectric to 1 metal.
+        ior: Index of refraction; 1 leaves the diffuse part alone.
+        clearcoat: Weight of the second specular lobe.
+        clearcoat_roughness: Its perceptual roughness.
+        opacity: 0 absent to 1 there.
+        normal: Tangent-space normals in -1..1, or None.
+        emission: Radiance in nits; None where it is dark.
+        primvar: Name of the texture coordinates.
+        uv: (3, 3) from the primvar to the mesh's texture coordinates, common to all pictures.
+        losses: What could not be kept, in words.
+    """
+
+    base_color: Value = (0.18, 0.18, 0.18)
+    roughness: Value = 0.5
+    metallic: Value = 0.0
+    ior: float = 1.5
+    clearcoat: float = 0.0
+    clearcoat_roughness: float = 0.01
+    opacity: Value = 1.0
+    normal: Picture | None = None
+    emission: Value | None = None
+    primvar: str = names.ST
+    uv: Array = field(default_factory=lambda: np.eye(3))
+    losses: tuple[str, ...] = ()
+
+    @property
+    def is_diffuse(self) -> bool:
+        """Whether nothing but the Lambertian part is there."""
+        return self.ior == 1.0 and self.metallic == 0.0 and self.clearcoat == 0.0
+
+    @property
+    def is_textured(self) -> bool:
+        """Whether any input is a picture."""
+        return any(isinstance(value, Picture) for value in vars(self).values())
+
+
+class SurfaceReader:
+    """Turns preview surfaces into `Surface`, reading each picture once."""
+
+    def __init__(self) -> None:
+        self._surfaces: dict[PreviewSurface, Surface] = {}
+        self._pictures: dict[tuple[Texture, int, Limits, bytes], Picture] = {}
+
+    def read(self, preview: PreviewSurface) -> Surface:
+        """The surface of a preview surface; equal ones share one object."""
+        if preview not in self._surfaces:
+            self._surfaces[preview] = self._read(preview)
+        return self._surfaces[preview]
+
+    def _read(self, preview: PreviewSurface) -> Surface:
+        primvar, uv = _common_mapping(preview)
+        emission = self._value(preview.emissive, 3, _ANY, uv)
+        textured_normal = isinstance(preview.normal, Texture)
+        values: dict[str, Any] = {
+            "base_color": self._value(preview.base_color, 3, _UNIT, uv),
+            "roughness": self._value(preview.roughness, 1, _ROUGHNESS, uv),
+            "metallic": self._value(preview.metallic, 1, _UNIT, uv),
+            "opacity": self._opacity(preview, uv),
+            "normal": self._value(preview.normal, 3, _NORMAL, uv) if textured_normal else None,
+            "emission": None if emission == (0.0, 0.0, 0.0) else emission,
+        }
+        ior, losses = _ior(preview)
+        if preview.specular is not None:
+            values["metallic"] = 0.0
+        losses += [text for found, text in _LOST if found(preview)]
+        losses += [loss for v in values.values() if isinstance(v, Picture) for loss in v.losses]
+        return Surface(
+            **values,
+            ior=ior,
+            clearcoat=_constant(preview.clearcoat, 0.0),
+            clearcoat_roughness=_constant(preview.clearcoat_roughness, 0.01),
+            primvar=primvar,
+            uv=uv,
+            losses=tuple(dict.fromkeys(losses)),
+        )
+
+    def _value(
+        self, source: float | Color | Texture, channels: int, limits: Limits, uv: Array
+    ) -> Value:
+        if isinstance(source, Texture):
+            key = (source, channels, limits, uv.tobytes())
+            if key not in self._pictures:
+                self._pictures[key] = load(source, channels, limits, _relative(source, uv))
+            return self._pictures[key]
+        clipped = np.clip(np.asarray(source, dtype=np.float64), *limits)
+        if channels == 1:
+            return float(clipped)
+        red, green, blue = np.broadcast_to(clipped, 3).tolist()
+        return red, green, blue
+
+    def _opacity(self, preview: PreviewSurface, uv: Array) -> Value:
+        opacity = self._value(preview.opacity, 1, _UNIT, uv)
+        threshold = preview.opacity_threshold
+        if threshold <= 0.0:
+            return opacity
+        if isinstance(opacity, Picture):
+            mask = (opacity.pixels >= threshold).astype(np.float16)
+            return Picture(mask, opacity.wrap, opacity.uv, opacity.losses)
+        return float(np.asarray(opacity) >= threshold)
+
+
+def _textures(preview: PreviewSurface) -> list[Texture]:
+    """All textures, the normal map first: tangents hang on its coordinates."""
+    values = [preview.normal, *(getattr(preview, item.name) for item in fields(preview))]
+    return [value for value in values if isinstance(value, Texture)]
+
+
+def _common_mapping(preview: PreviewSurface) -> tuple[str, Array]:
+    """The texture coordinates and the transform that go into the mesh.
+
+    Inside the mesh the transform also turns the tangent that normal maps are relative to.
+    """
+    for texture in _textures(preview):
+        if abs(np.linalg.det(texture.uv_matrix)) > 1e-12:
+            return texture.primvar, texture.uv_matrix
+    return names.ST, np.eye(3)
+
+
+def _relative(texture: Texture, uv: Array) -> Array:
+    matrix = texture.uv_matrix
+    # Exactly the identity where both are equal: a rounded one would cost a transform a lookup.
+    return np.eye(3) if np.array_equal(matrix, uv) else matrix @ np.linalg.inv(uv)
+
+
+def _ior(preview: PreviewSurface) -> tuple[float, list[str]]:
+    if preview.specular is None:
+        if preview.ior >= 1.0:
+            return min(preview.ior, _MOST_IOR), []
+        return 1.0, [f"ior {preview.ior:g} is taken as 1"]
+    if isinstance(preview.specular, Texture):
+        return 1.5, ["a textured specular colour is taken as ior 1.5"]
+    reflectance = float(np.clip(np.mean(preview.specular), 0.0, 0.9))
+    root = math.sqrt(reflectance)
+    return (1 + root) / (1 - root), ["the specular colour is taken as a colourless ior"]
+
+
+def _constant(value: float | Texture, default: float) -> float:
+    return default if isinstance(value, Texture) else float(np.clip(value, 0.0, 1.0))
+
+
+def _is_textured(name: str) -> Callable[[PreviewSurface], bool]:
+    return lambda preview: isinstance(getattr(preview, name), Texture)
+
+
+def _is_clear(preview: PreviewSurface) -> bool:
+    transparent = preview.opacity_mode == "transparent" and preview.opacity_threshold <= 0.0
+    return transparent and preview.opacity != 1.0
+
+
+def _many_primvars(preview: PreviewSurface) -> bool:
+    return len({texture.primvar for texture in _textures(preview)}) > 1
+
+
+_LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
+    (_is_textured("clearcoat"), "a textured clearcoat is left out"),
+    (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as 0.01"),
+    (_is_clear, "opacity lets light straight through; clear parts reflect nothing"),
+    (_many_primvars, "its textures use several sets of coordinates; one set is used for all"),
+    (lambda p: p.normal not in (_FLAT,) and not isinstance(p.normal, Texture),
+     "a constant normal is left out"),
+)  # fmt: skip

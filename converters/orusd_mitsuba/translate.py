@@ -1,0 +1,243 @@
+"""From a composed USD stage to a `Scene`: arrays, surfaces, lights, labels and a report."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Final
+
+import numpy as np
+from pxr import Usd, UsdGeom, UsdShade
+
+from openrooms_usd.convert import Report
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.lights import (
+    CylinderLight,
+    DiskLight,
+    DistantLight,
+    DomeLight,
+    Light,
+    MeshLight,
+    RectLight,
+    SphereLight,
+    read_lights,
+)
+from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
+from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.usd.portals import Portal, read_portals
+from openrooms_usd.usd.surfaces import PreviewSurface
+from orusd_mitsuba import lamps
+from orusd_mitsuba.labels import Labels, material_path
+from orusd_mitsuba.pictures import Array, Value
+from orusd_mitsuba.scene import Environment, Floats, Patch, Scene, Sun, Triangles
+from orusd_mitsuba.surfaces import Surface, SurfaceReader
+from orusd_mitsuba.unseen import report_unseen
+
+_BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
+
+
+def translate(stage: Usd.Stage) -> Scene:
+    """Translate a stage; nothing that it holds raises.
+
+    Args:
+        stage: The composed stage, with any up axis and unit.
+
+    Returns:
+        The scene, whose report names every prim that was not translated whole.
+    """
+    work = _Translation()
+    lights = read_lights(stage)
+    # 1. Light, first: a mesh has to know whether it emits.
+    for light in lights:
+        work.add_light(stage, light)
+    work.add_portals(stage)
+    # 2. Surfaces, instances expanded.
+    reading = read_meshes(stage)
+    for path, outcome, reason in reading.losses:
+        work.report.add(path, outcome, reason)
+    lossy = {path for path, _, _ in reading.losses}
+    for mesh in reading:
+        work.add_mesh(mesh, whole=mesh.path not in lossy)
+    # 3. Everything else is named too.
+    report_unseen(stage, work.report)
+    return work.scene()
+
+
+@dataclass
+class _Group:
+    """Triangles that are gathered for one shape of the renderer."""
+
+    surface: Surface
+    radiance: Value | None
+    parts: list[Triangles] = field(default_factory=list)
+
+
+class _Translation:
+    """Gathers what will be the scene."""
+
+    def __init__(self) -> None:
+        self.report = Report()
+        self._labels = Labels()
+        self._surfaces = SurfaceReader()
+        self._materials: dict[str, Surface] = {}
+        self._groups: dict[tuple[int, str], _Group] = {}
+        self._emitting: dict[str, Array] = {}
+        self._environment: Environment | None = None
+        self._suns: list[Sun] = []
+        self._portals: tuple[Portal, ...] = ()
+
+    def scene(self) -> Scene:
+        numbers = count(1)
+        patches = tuple(
+            Patch(f"patch_{next(numbers)}", Triangles.joined(group.parts), group.surface,
+                  group.radiance)
+            for group in self._groups.values()
+        )  # fmt: skip
+        return Scene(
+            patches,
+            tuple(self._labels.pieces),
+            self._environment,
+            tuple(self._suns),
+            self._portals,
+            self._labels.legend,
+            self.report,
+        )
+
+    # Light.
+
+    def add_portals(self, stage: Usd.Stage) -> None:
+        self._portals = read_portals(stage)
+        for portal in self._portals:
+            self.report.add(portal.path, "translated")
+
+    def add_light(self, stage: Usd.Stage, light: Light) -> None:
+        losses = list(light.losses)
+        if isinstance(light, MeshLight):
+            self._emitting[light.path] = light.radiance
+            if not losses:
+                return
+        elif isinstance(light, DomeLight):
+            if self._environment is not None:
+                self.report.add(light.path, "skipped", "only the first dome is used")
+                return
+            self._environment, lost = lamps.environment(light)
+            losses += lost
+        elif isinstance(light, DistantLight):
+            found, lost = lamps.sun(light)
+            self._suns.append(found)
+            losses += lost
+        elif isinstance(light, RectLight | DiskLight | SphereLight | CylinderLight):
+            if abs(np.linalg.det(light.world_from_light[:3, :3])) < 1e-18:
+                self.report.add(light.path, "skipped", "its transform is singular")
+                return
+            radiance, lost = lamps.radiance(light)
+            row = self._labels.row(light.path, stage.GetPrimAtPath(light.path), None)
+            self._group(light.path, _BLACK, radiance).parts.append(lamps.shape(light, row))
+            losses += lost
+        else:
+            self.report.add(light.path, "skipped", "; ".join(losses))
+            return
+        self._say(light.path, losses)
+
+    # Surfaces.
+
+    def add_mesh(self, mesh: PlacedMesh, *, whole: bool) -> None:
+        losses: list[str] = []
+        corners, normals = _placed(mesh)
+        emitted = self._emitting.get(str(mesh.prim.GetPath()))
+        light = None if emitted is None else (*map(float, emitted),)
+        for rows, material in _materials(mesh):
+            surface = self._surface(mesh, material, losses)
+            radiance: Value | None = light if light is not None else surface.emission  # type: ignore[assignment]
+            if radiance is not None and mesh.double_sided:
+                losses.append("it emits from its front side only")
+            st = _texture_coordinates(mesh, surface, losses)
+            triangles = Triangles(
+                corners[rows],
+                normals[rows],
+                st[rows],
+                np.full(len(rows), self._labels.row(mesh.path, mesh.prim, material_path(material)),
+                        dtype=np.int32),
+            )  # fmt: skip
+            if mesh.mirrored:
+                triangles = lamps.flipped(triangles)
+            self._group(mesh.path, surface, radiance).parts.append(triangles)
+        if losses or whole:
+            self._say(mesh.path, losses)
+
+    def _group(self, path: str, surface: Surface, radiance: Value | None) -> _Group:
+        # What emits is a shape of its own, so that it is sampled as one light.
+        key = id(surface), "" if radiance is None else path
+        return self._groups.setdefault(key, _Group(surface, radiance))
+
+    def _surface(
+        self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
+    ) -> Surface:
+        if material is None:
+            color, reason = _display_color(mesh.prim)
+            losses.append(reason)
+            return self._surfaces.read(PreviewSurface(base_color=color))
+        prim = material.GetPrim()
+        # Instances of one prototype show the same material under many paths.
+        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+        key = str(source.GetPath())
+        if key not in self._materials:
+            preview, lost = read_preview_surface(material)
+            surface = self._materials[key] = self._surfaces.read(preview)
+            self._say(str(prim.GetPath()), [*lost, *surface.losses])
+        return self._materials[key]
+
+    def _say(self, path: str, losses: list[str]) -> None:
+        if losses:
+            self.report.add(path, "approximated", "; ".join(dict.fromkeys(losses)))
+        else:
+            self.report.add(path, "translated")
+
+
+def _placed(mesh: PlacedMesh) -> tuple[Array, Floats]:
+    """(M, 3, 3) corners and unit normals in the world."""
+    corners = mesh.world_points()[mesh.mesh.triangles]
+    if mesh.mesh.normals is None:
+        a, b, c = np.moveaxis(corners, 1, 0)
+        flat = np.cross(b - a, c - a) * (-1.0 if mesh.mirrored else 1.0)
+        normals = np.repeat(flat[:, None], 3, axis=1)
+    else:
+        normals = mesh.mesh.normals @ np.linalg.inv(mesh.world_from_local[:3, :3])
+    lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
+    return corners, (normals / np.where(lengths > 0, lengths, 1.0)).astype(np.float32)
+
+
+def _texture_coordinates(mesh: PlacedMesh, surface: Surface, losses: list[str]) -> Floats:
+    """(M, 3, 2) with the surface's common transform worked in."""
+    st = mesh.mesh.uvs.get(surface.primvar)
+    if st is None:
+        st = mesh.mesh.st
+        if surface.is_textured:
+            instead = "others are" if st is not None else "none are there; 0 is"
+            losses.append(f"texture coordinates {surface.primvar} are missing, {instead} used")
+    if st is None:
+        st = np.zeros((len(mesh.mesh.triangles), 3, 2), dtype=np.float32)
+    if np.array_equal(surface.uv, np.eye(3)):
+        return st
+    return (st @ surface.uv[:2, :2].T + surface.uv[:2, 2]).astype(np.float32)
+
+
+def _materials(mesh: PlacedMesh) -> Iterator[tuple[np.ndarray, UsdShade.Material | None]]:
+    """(rows of triangles, their material) for each part of a mesh with a material of its own."""
+    faces = mesh.mesh.faces
+    rest = np.ones(len(faces), dtype=bool)
+    for indices, material in bound_subsets(mesh.prim):
+        rows = np.flatnonzero(rest & np.isin(faces, indices))
+        if len(rows):
+            rest[rows] = False
+            yield rows, material
+    if rest.any():
+        yield np.flatnonzero(rest), bound_material(mesh.prim)
+
+
+def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
+    primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
+    values = np.asarray(primvar.ComputeFlattened(TIME) or [], dtype=np.float64).reshape(-1, 3)
+    if not len(values) or not np.isfinite(values).all():
+        return PreviewSurface.base_color, "it has no material: taken as grey"  # type: ignore[return-value]
+    red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()
+    return (red, green, blue), "it has no material: taken as its displayColor"

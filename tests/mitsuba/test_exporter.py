@@ -1,0 +1,113 @@
+"""The XML scene: Mitsuba loads it by itself and sees what the session sees."""
+
+import hashlib
+import math
+import time
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from pxr import Gf, UsdGeom, UsdLux
+
+from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from orusd_mitsuba import MitsubaExporter
+
+
+def room(build, save_picture, folder):
+    """One of everything that is exported."""
+    made = build()
+    random = np.random.default_rng(2)
+    paper = save_picture(folder / "paper.png", random.integers(0, 255, (8, 8, 3)).astype(np.uint8))
+    sky = save_picture(folder / "sky.exr", random.random((8, 16, 3)).astype(np.float32))
+    tilted = np.full((4, 4, 3), 128, dtype=np.uint8)
+    tilted[..., 0], tilted[..., 2] = 180, 230
+    relief = save_picture(folder / "relief.png", tilted)
+    textured = made.material(
+        "/M/textured",
+        base_color=Texture(paper, color_space="sRGB", uv_rotation=20.0),
+        roughness=Texture(paper, channel="g", wrap_s="mirror", wrap_t="mirror", uv_scale=(2, 3)),
+        normal=Texture(relief, scale=NORMAL_SCALE, bias=NORMAL_BIAS),
+        ior=1.5,
+    )
+    leaf = made.material("/M/leaf", base_color=(0.2, 0.6, 0.2), opacity=0.6)
+    metal = made.material("/M/metal", base_color=(0.9, 0.7, 0.5), metallic=1.0, roughness=0.3)
+    made.quad("/Floor", [(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], material=textured)
+    made.box("/a/box", 0.8, material=metal).AddTranslateOp().Set(Gf.Vec3d(0.7, 0, 0.4))
+    made.box("/A/Box", 0.8, material=leaf).AddTranslateOp().Set(Gf.Vec3d(-0.7, 0.3, 0.4))
+    bulb = made.box("/bsdf", 0.2)
+    bulb.AddTranslateOp().Set(Gf.Vec3d(0, 0, 1.5))
+    UsdLux.LightAPI(UsdLux.MeshLightAPI.Apply(bulb.GetPrim())).CreateIntensityAttr(20.0)
+    sun = UsdLux.DistantLight.Define(made.stage, "/Sun")
+    sun.CreateIntensityAttr(1.0)
+    sun.AddRotateXOp().Set(40.0)
+    made.dome("/environment", radiance=2.0).CreateTextureFileAttr(sky)
+    made.camera((0.5, -4, 2), (0, 0, 0.4))
+    made.stage.DefinePrim("/Render/Settings", "RenderSettings")
+    UsdGeom.Scope.Define(made.stage, "/World")
+    return made.stage
+
+
+def test_mitsuba_loads_the_file_and_sees_the_same(build, shoot, save_picture, tmp_path, variant):
+    stage = room(build, save_picture, tmp_path)
+    ours = shoot(stage, "radiance", width=64, height=48, samples=64).images["radiance"]
+    MitsubaExporter().convert(stage, tmp_path / "out", {})
+    import mitsuba as mi
+
+    loaded = mi.load_file(str(tmp_path / "out" / "scene.xml"))
+    film = mi.traverse(loaded)
+    film["World_Camera.film.size" if "World_Camera.film.size" in film else "Camera.film.size"] = (
+        mi.ScalarVector2u(64, 48)
+    )
+    film.update()
+    theirs = np.asarray(mi.render(loaded, spp=64, seed=5))
+    assert theirs.shape == ours.pixels.shape
+    for color in range(3):
+        a, b = ours.pixels[..., color].astype(np.float64), theirs[..., color].astype(np.float64)
+        deviation = math.sqrt(2 * ours.error / a.size) * float(np.sqrt((a**2).mean()))
+        assert abs(a.mean() - b.mean()) < 4 * deviation
+    difference = (
+        (ours.pixels - theirs) ** 2 / (ours.pixels**2 + 0.01 * ours.pixels.mean() ** 2)
+    ).mean()
+    assert difference == pytest.approx(2 * ours.error, rel=0.5)
+
+
+def test_one_shape_for_each_prim_with_names_that_differ(build, save_picture, tmp_path):
+    MitsubaExporter().convert(room(build, save_picture, tmp_path), tmp_path / "x.xml", {})
+    root = ElementTree.parse(tmp_path / "x.xml").getroot()
+    identifiers = [element.get("id") for element in root]
+    assert len({name.lower() for name in identifiers}) == len(identifiers)
+    shapes = sorted(element.get("id") for element in root if element.tag == "shape")
+    assert shapes == ["A_Box_2", "Floor", "a_box", "bsdf_2"] or len(shapes) == 4
+    files = [
+        element.get("value") for element in root.iter("string") if element.get("name") == "filename"
+    ]
+    assert len(files) >= 8
+    assert all((tmp_path / file).is_file() and not file.startswith(("/", "..")) for file in files)
+
+
+def test_equal_stages_give_equal_bytes(build, save_picture, tmp_path):
+    digests = []
+    for name in ("first", "second"):
+        MitsubaExporter().convert(room(build, save_picture, tmp_path), tmp_path / name, {})
+        files = sorted(path for path in (tmp_path / name).rglob("*") if path.is_file())
+        time.sleep(1.1)  # whatever writes the time of day writes another one now
+        digests.append([hashlib.sha256(file.read_bytes()).hexdigest() for file in files])
+    assert digests[0] == digests[1]
+
+
+def test_options_and_places_that_cannot_be_used_are_refused(build, tmp_path):
+    made = build()
+    with pytest.raises(InputError, match="colour"):
+        MitsubaExporter().convert(made.stage, tmp_path, {"colour": 1})
+    (tmp_path / "file").write_text("")
+    made.box("/Box", 1.0)
+    with pytest.raises(OutputError):
+        MitsubaExporter().convert(made.stage, tmp_path / "file", {})
+
+
+def test_a_stage_far_away_is_moved_near_and_says_so(build, tmp_path):
+    made = build()
+    made.box("/Box", 1.0).AddTranslateOp().Set(Gf.Vec3d(5e6, 0, 0))
+    report = MitsubaExporter().convert(made.stage, tmp_path, {})
+    assert any(path == "/" and "moved" in reason for path, _, reason in report.losses())
