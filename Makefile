@@ -1,0 +1,64 @@
+# `make demo` and `make test` set up what they need in .venv, inside the checkout.
+
+# The first of these that is Python 3.11 or newer; or say PYTHON=/path/to/python.
+PYTHON ?= $(shell for python in python3.11 python3.12 python3.13 python3.14 python3 python; do \
+	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null \
+	&& echo $$python && break; done)
+BIN := .venv/bin
+export PIP_ROOT_USER_ACTION := ignore
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test venv lint types unit check benchmarks clean
+
+help:
+	@echo "make demo        compose and render the bundled example into out/demo"
+	@echo "make test        ruff, mypy --strict and pytest"
+	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
+	@echo "make check       ruff and mypy"
+	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
+	@echo "make venv        set up .venv with the tools for development"
+	@echo "make clean       remove .venv, out and caches"
+
+demo: .venv/installed
+	@$(BIN)/python -c "import sys; from orusd_mitsuba.variants import choose; sys.exit(choose().variant.startswith('scalar'))" \
+		|| .ci/install-llvm
+	$(BIN)/orusd demo -o out/demo
+
+test: lint types unit
+
+check: lint types
+
+venv: .venv/installed-dev
+
+lint: .venv/installed-dev
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+
+types: .venv/installed-dev
+	$(BIN)/mypy
+
+unit: .venv/installed-dev
+	$(BIN)/pytest
+
+benchmarks: .venv/installed-dev
+	@mkdir -p out/benchmarks
+	for name in first_picture compose radiance; do \
+		$(BIN)/python -m benchmarks.$$name --json out/benchmarks/$$name.json || exit 1; done
+
+clean:
+	rm -rf .venv out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+# pip reads dependency groups since 25.1.
+.venv/installed: pyproject.toml
+	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer is needed and none was found:" \
+		"install it (Debian, Ubuntu: apt-get install python3 python3-venv) or say" \
+		"make PYTHON=/path/to/python"; exit 1; }
+	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv || { rm -rf .venv; echo "no virtual" \
+		"environment could be made (Debian, Ubuntu: apt-get install python3-venv)"; exit 1; }
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+.venv/installed-dev: .venv/installed
+	$(BIN)/python -m pip install --quiet --group dev
+	@touch $@

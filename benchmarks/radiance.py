@@ -1,0 +1,184 @@
+"""Seconds of radiance against its relative mean squared error, on each backend present.
+
+The error is the mean over pixels of (x - ref)^2 / (ref^2 + 0.01 M^2) for each colour, M the mean of
+the reference in that colour, and the mean of the three; beside it stands what the renderer itself
+estimates. The reference has another seed and many more samples; its own error, which the measured
+one includes, stands in its row. Every backend runs in a process of its own, whose peak memory is
+the last column. The share is what translation and output take beside 64 samples with all channels.
+"""
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.report import publish, table
+from benchmarks.scenes import demo_stage
+from openrooms_usd import adapters
+from openrooms_usd.errors import RenderError
+from openrooms_usd.render import RenderRequest, render_stage
+from openrooms_usd.usd.layers import open_stage
+
+VARIANTS: Final = ("cuda", "llvm", "scalar")
+SAMPLES: Final = (4, 16, 64, 256, 1024)
+
+
+@click.command(help=__doc__)
+@click.option("--stage", type=click.Path(path_type=Path), help="By default the bundled example.")
+@click.option("--camera", help="Its path; by default the stage's first.")
+@click.option("--variant", "variants", multiple=True, type=click.Choice(VARIANTS))
+@click.option("--samples", type=int, multiple=True, default=SAMPLES, show_default=True)
+@click.option("--reference", type=int, default=4096, show_default=True, help="Its samples.")
+@click.option("--quick", is_flag=True, help="64x48, few samples, the scalar backend only.")
+@click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
+def main(
+    stage: Path | None,
+    camera: str | None,
+    variants: tuple[str, ...],
+    samples: tuple[int, ...],
+    reference: int,
+    quick: bool,
+    target: Path | None,
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        scene = stage or demo_stage(place)
+        chosen = ("scalar",) if quick else variants or usable(scene)
+        counts, many = ((2, 8), 64) if quick else (samples, reference)
+        job = {
+            "stage": str(scene),
+            "camera": camera,
+            "resolution": [64, 48] if quick else [640, 480],
+            "folder": folder,
+        }
+        # The first backend is the fastest: it alone renders the reference.
+        backends = [
+            in_process({**job, "variant": variant, "samples": [*counts, *([many] * first)]})
+            for variant, first in zip(chosen, [1] + [0] * len(chosen), strict=False)
+        ]
+        rows = compared(backends, place, many)
+    titles = ("backend", "samples", "seconds", "relative MSE", "estimated")
+    summary = [[b["variant"], b["share"], b["memory_MB"]] for b in backends]
+    markdown = "\n\n".join(
+        [
+            table(titles, [list(row.values()) for row in rows]),
+            table(("backend", "translation + output / tracing", "peak MB"), summary),
+        ]
+    )
+    publish("radiance", {"rows": rows, "backends": backends}, markdown, target)
+
+
+def usable(stage: Path) -> tuple[str, ...]:
+    """The backends that can open the stage here, the fastest first."""
+    return tuple(variant for variant in VARIANTS if _opens(stage, variant))
+
+
+def _opens(stage: Path, variant: str) -> bool:
+    try:
+        adapters.load(adapters.RENDERERS, "mitsuba").open(open_stage(stage), variant=variant)
+    except RenderError:
+        return False
+    return True
+
+
+def compared(backends: Sequence[dict[str, Any]], folder: Path, many: int) -> list[dict[str, Any]]:
+    """A row for every picture, with its distance from the reference, which comes last."""
+    reference = np.load(picture_file(folder, backends[0]["variant"], many))
+    rows = []
+    for backend in backends:
+        for picture in backend.pop("pictures"):
+            itself = picture["samples"] == many
+            pixels = np.load(picture_file(folder, backend["variant"], picture["samples"]))
+            rows.append(
+                {
+                    "backend": backend["variant"] + " (reference)" * itself,
+                    "samples": picture["samples"],
+                    "seconds": picture["seconds"],
+                    "relative_mse": None if itself else relative_mse(pixels, reference),
+                    "estimated": picture["estimated"],
+                }
+            )
+    return sorted(rows, key=lambda row: row["relative_mse"] is None)
+
+
+def relative_mse(pixels: NDArray[np.float32], reference: NDArray[np.float32]) -> float:
+    """The error of a picture against a reference, as the module's text defines it."""
+    x, ref = pixels.astype(np.float64), reference.astype(np.float64)
+    mean = ref.mean(axis=(0, 1))
+    return float(np.mean((x - ref) ** 2 / (ref**2 + 0.01 * mean**2)))
+
+
+def in_process(job: dict[str, Any]) -> dict[str, Any]:
+    """Run `measure` in a process of its own, so that its memory is its own."""
+    script = (
+        "import json, sys; from benchmarks.radiance import measure; "
+        "print(json.dumps(measure(json.loads(sys.argv[1]))))"
+    )
+    command = [sys.executable, "-c", script, json.dumps(job)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode:
+        raise SystemExit(f"the backend {job['variant']} failed")
+    result: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return result
+
+
+def measure(job: dict[str, Any]) -> dict[str, Any]:
+    """Render every number of samples on one backend, and once the whole way through the driver."""
+    stage, folder = Path(job["stage"]), Path(job["folder"])
+    width, height = job["resolution"]
+    session = adapters.load(adapters.RENDERERS, "mitsuba").open(
+        open_stage(stage), variant=job["variant"]
+    )
+    camera = job["camera"] or next(iter(session.cameras), None)
+    pictures = []
+    for samples in (1, *job["samples"]):  # the first compiles the kernels
+        # Another seed for every picture: a shared one would make their errors alike.
+        request = RenderRequest(camera, ("radiance",), width, height, samples=samples, seed=samples)
+        began = time.perf_counter()
+        image = session.render(request).images["radiance"]
+        seconds = time.perf_counter() - began
+        np.save(picture_file(folder, job["variant"], samples), image.pixels)
+        pictures.append({"samples": samples, "seconds": seconds, "estimated": image.error})
+    timing = render_stage(
+        stage,
+        folder / f"{job['variant']}_all",
+        cameras=[camera] if camera else [],
+        resolution=(width, height),
+        samples=64,
+        variant=job["variant"],
+    ).timing
+    (view,) = timing["views"].values()
+    return {
+        "variant": job["variant"],
+        "backend": session.backend,
+        "pictures": pictures[1:],
+        "share": (timing["translation"] + view["output"]) / view["render"],
+        "translation_s": timing["translation"],
+        "output_s": view["output"],
+        "tracing_s": view["render"],
+        "memory_MB": peak_memory() / 1e6,
+    }
+
+
+def picture_file(folder: Path, variant: str, samples: int) -> Path:
+    """Where a rendered picture is kept for the comparison."""
+    return folder / f"{variant}_{samples}.npy"
+
+
+def peak_memory() -> int:
+    """The most bytes that this process ever had in memory."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
+
+
+if __name__ == "__main__":
+    main()

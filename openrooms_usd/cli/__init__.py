@@ -1,0 +1,68 @@
+"""The command line: each command is imported when it is called, so that ``--help`` is instant."""
+
+import sys
+from importlib import import_module
+from typing import Final
+
+import click
+
+from openrooms_usd import __version__
+from openrooms_usd.errors import OrusdError
+
+# command: (module, attribute, one line of help). The help stands here, because listing the
+# commands must not import them.
+_COMMANDS: Final = {
+    "demo": ("composing", "demo", "Compose and render the bundled example."),
+    "init": ("describing", "init", "Write a small room.yaml to start from."),
+    "doctor": ("describing", "doctor", "Say what this machine can do, and what it lacks."),
+    "schema": ("describing", "schema", "Print the JSON Schema of room.yaml."),
+    "channels": ("rendering", "channels", "Print the table of ground-truth channels."),
+    "import": ("importing", "import_", "Turn a capture into a room.yaml."),
+    "compose": ("composing", "compose", "Run the stages and stack their layers."),
+    "validate": ("validating", "validate", "Check a USD stage."),
+    "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
+    "convert": ("converting", "convert", "Write a USD stage in a foreign form."),
+}
+
+
+class LazyGroup(click.Group):
+    """A group that knows its commands by table and imports the one that is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names in the order of the table."""
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import one command."""
+        if cmd_name not in _COMMANDS:
+            return None
+        module, attribute, _ = _COMMANDS[cmd_name]
+        command = getattr(import_module(f"{__name__}.{module}"), attribute)
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands from the table alone."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, row[2]) for name, row in _COMMANDS.items()])
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="orusd")
+def orusd() -> None:
+    """Indoor scenes from one text file: USD layers, pictures and ground truth."""
+
+
+def main() -> None:
+    """Run the command line; errors for people become one message and an exit code."""
+    try:
+        orusd(standalone_mode=False)
+    except OrusdError as error:
+        click.echo(f"error: {error}", err=True)
+        sys.exit(error.exit_code)
+    except click.ClickException as error:
+        error.show()
+        sys.exit(error.exit_code)
+    except (click.Abort, KeyboardInterrupt):
+        click.echo("interrupted: what was finished is whole", err=True)
+        sys.exit(130)

@@ -1,0 +1,83 @@
+"""The commands ``compose`` and ``demo``."""
+
+import time
+from importlib import resources
+from pathlib import Path
+
+import click
+
+from openrooms_usd import names
+from openrooms_usd.atomic import filling
+from openrooms_usd.cli.console import json_option, print_json
+
+
+@click.command()
+@click.argument("description", type=click.Path(path_type=Path), metavar="ROOM.YAML")
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option("--only", type=click.Choice(names.STAGES), help="Run this stage alone.")
+@click.option("--flatten", is_flag=True, help="Also write scene.usdc, one layer.")
+@click.option("--usdz", is_flag=True, help="Also write scene.usdz, one file.")
+@click.option("--workers", type=click.IntRange(1, 256), help="Threads; all cores by default.")
+@json_option
+def compose(
+    description: Path,
+    out: Path,
+    only: str | None,
+    flatten: bool,
+    usdz: bool,
+    workers: int | None,
+    as_json: bool,
+) -> None:
+    """Run the stages of a room and stack their layers into OUT/scene.usda.
+
+    Stages whose inputs have not changed are skipped. OUT/layers/edits.usda is yours: it is the
+    strongest layer and is never written again.
+    """
+    from openrooms_usd.compose import compose_room
+
+    started = time.perf_counter()
+    summary = compose_room(description, out, only=only, flatten=flatten, usdz=usdz, workers=workers)
+    if as_json:
+        print_json(summary.as_dict())
+        return
+    for row in summary.stages:
+        click.echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
+        for note in row.notes:
+            click.echo(f"           note: {note}")
+    seconds = time.perf_counter() - started
+    done = "nothing to do, everything is up to date" if summary.unchanged else "composed"
+    click.echo(f"{done}: {summary.scene} ({seconds:.2f} s)")
+    for path in summary.files:
+        click.echo(f"wrote {path}")
+
+
+@click.command()
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("out/demo"),
+    show_default=True,
+    help="Output folder.",
+)
+@click.option("--spp", type=click.IntRange(1, 65536), default=128, show_default=True)
+@click.pass_context
+def demo(ctx: click.Context, out: Path, spp: int) -> None:
+    """Compose and render the bundled example, and say where the pictures are."""
+    from openrooms_usd.cli.rendering import render
+
+    room = copy_example(out / "source")
+    ctx.invoke(compose, description=room, out=out, usdz=True)
+    ctx.invoke(render, stage=out / names.SCENE, out=out / "render", spp=spp)
+    click.echo(f"\nthe pictures: {out / 'render' / 'contact_sheet.png'}")
+    click.echo(f"the scene:    {out / names.SCENE}  (open it in any USD viewer)")
+    click.echo(f"to change:    {room}, then: orusd compose {room} -o {out}")
+
+
+def copy_example(folder: Path) -> Path:
+    """Copy the bundled example into a folder and return its description."""
+    bundled = resources.files("openrooms_usd.demo")
+    with filling(folder) as beside:
+        for name in ("room.yaml", "sky.exr"):
+            (beside / name).write_bytes((bundled / name).read_bytes())
+    return folder / "room.yaml"

@@ -1,0 +1,175 @@
+"""The commands ``render`` and ``channels``."""
+
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from openrooms_usd.cli.console import json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.render import Progress, RenderSummary
+
+
+def _resolution(
+    ctx: click.Context, param: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    """A size in pixels, such as ``640x480``."""
+    if value is None:
+        return None
+    found = re.fullmatch(r"(\d{1,9})[x×](\d{1,9})", value.strip().lower())
+    if found is None:
+        raise click.BadParameter(f"{value!r} is not a size like 640x480", ctx, param)
+    return int(found[1]), int(found[2])
+
+
+@click.command()
+@click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option("--camera", "cameras", multiple=True, metavar="NAME_OR_PATH", help="Repeatable.")
+@click.option("--channels", default="all", show_default=True, help="Names with commas, or all.")
+@click.option(
+    "--resolution", metavar="WxH", callback=_resolution, help="By default what the stage says."
+)
+@click.option("--spp", type=int, help="Samples a pixel; 64 by default.")
+@click.option("--error", type=float, help="Stop at this estimated relative error.")
+@click.option("--time", "seconds", type=float, help="Stop each view after these seconds.")
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--bounces", type=int, default=7, show_default=True)
+@click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
+@click.option("--renderer", default="mitsuba", show_default=True)
+@json_option
+def render(
+    stage: Path,
+    out: Path,
+    cameras: tuple[str, ...],
+    channels: str,
+    resolution: tuple[int, int] | None,
+    spp: int | None,
+    error: float | None,
+    seconds: float | None,
+    seed: int,
+    bounces: int,
+    variant: str,
+    renderer: str,
+    as_json: bool,
+) -> None:
+    """Render the cameras of a USD stage with their ground truth.
+
+    OUT receives a folder for every view, contact_sheet.png, manifest.json and timing.json. Ctrl-C
+    keeps the views that are finished.
+    """
+    from openrooms_usd.render import render_stage
+
+    with _progress_bar(hidden=as_json) as progress:
+        summary = render_stage(
+            stage,
+            out,
+            cameras=cameras,
+            channels=_names(channels),
+            resolution=resolution,
+            samples=spp,
+            error=error,
+            seconds=seconds,
+            seed=seed,
+            bounces=bounces,
+            renderer=renderer,
+            variant=variant,
+            progress=progress,
+        )
+    if as_json:
+        print_json(summary.as_dict())
+    else:
+        _print_summary(summary)
+
+
+def _names(text: str) -> list[str] | None:
+    return None if text == "all" else [name.strip() for name in text.split(",") if name.strip()]
+
+
+@contextmanager
+def _progress_bar(*, hidden: bool) -> Iterator["Progress"]:
+    """A bar on standard error where that is a terminal, else nothing."""
+    from openrooms_usd.render.driver import silent
+
+    if hidden or not sys.stderr.isatty():
+        yield silent
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
+
+    def show(view: str, fraction: float) -> None:
+        bar.update(task, description=view, completed=fraction)
+
+    columns = ("[progress.description]{task.description}", BarColumn(), TaskProgressColumn())
+    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
+        task = bar.add_task("translating", total=1.0)
+        yield show
+
+
+def _print_summary(summary: "RenderSummary") -> None:
+    for name, view in summary.manifest["views"].items():
+        width, height = view["resolution"]
+        took = summary.timing["views"][name]
+        click.echo(
+            f"{name:<16} {width}x{height}  {_quality(view)}{took['render'] + took['output']:.1f} s"
+        )
+        for warning in _warnings(view):
+            click.echo(f"    warning: {warning}", err=True)
+    report = summary.manifest["report"]
+    if report["losses"]:
+        click.echo(
+            f"{report['approximated']} prims approximated, {report['skipped']} skipped: "
+            f"see the report in {summary.out / 'manifest.json'}"
+        )
+    click.echo(f"rendered with {summary.manifest['renderer']['backend']}")
+    click.echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")
+
+
+def _quality(view: Mapping[str, Any]) -> str:
+    radiance = view["channels"].get("radiance")
+    if radiance is None:
+        return ""
+    error = radiance["estimated_error"]
+    measured = "" if error is None else f", estimated error {error:.2g}"
+    return f"{radiance['samples']} samples{measured}  "
+
+
+def _warnings(view: Mapping[str, Any]) -> Iterator[str]:
+    for name, channel in view["channels"].items():
+        if channel["nonfinite_pixels"]:
+            yield f"{channel['nonfinite_pixels']} pixels of {name} are not finite"
+
+
+@click.command()
+@click.option("--markdown", is_flag=True, help="Print the page docs/channels.md.")
+@json_option
+def channels(markdown: bool, as_json: bool) -> None:
+    """Print the table of ground-truth channels: what every number in a render means."""
+    from openrooms_usd.channels import CHANNELS, markdown_page
+
+    if as_json:
+        print_json([channel.as_dict() for channel in CHANNELS.values()])
+    elif markdown:
+        click.echo(markdown_page(), nl=False)
+    else:
+        _print_table()
+
+
+def _print_table() -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    from openrooms_usd.channels import CHANNELS
+
+    table = Table("channel", "parts", "unit, frame", "meaning", box=box.SIMPLE)
+    for row in CHANNELS.values():
+        parts = f"{' '.join(row.components)} {row.storage}"
+        unit = ", ".join(filter(None, (row.unit, row.frame)))
+        table.add_row(row.name, parts, unit, row.meaning)
+    Console().print(table)

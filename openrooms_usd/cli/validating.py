@@ -1,0 +1,84 @@
+"""The command ``validate``."""
+
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from openrooms_usd.cli.console import json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.validate import Licence
+    from openrooms_usd.validation.model import Finding
+
+# More rows than this of one rule say no more.
+_ROWS = 20
+
+
+@click.command()
+@click.argument("stage", type=click.Path(path_type=Path))
+@click.option("--strict", is_flag=True, help="Count warnings as errors.")
+@json_option
+def validate(stage: Path, strict: bool, as_json: bool) -> None:
+    """Check any USD stage against USD's rules and ours; exit with 1 when it has errors.
+
+    Our own rules are warnings for stages that other tools wrote. The licences that the assets of
+    the stage name are listed too.
+    """
+    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.validate import check, licences, quiet
+
+    with quiet():
+        opened = open_stage(stage)
+        findings, terms = check(opened, strict=strict), licences(opened)
+    failed = any(finding.severity == "error" for finding in findings)
+    if as_json:
+        print_json(
+            {
+                "stage": str(stage),
+                "valid": not failed,
+                "findings": [asdict(finding) for finding in findings],
+                "licences": [asdict(licence) for licence in terms],
+            }
+        )
+    else:
+        _print_findings(stage, findings)
+        _print_licences(terms)
+    if failed:
+        sys.exit(1)
+
+
+def _print_findings(stage: Path, findings: "list[Finding]") -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    if not findings:
+        click.echo(f"{stage}: clean")
+        return
+    errors = sum(finding.severity == "error" for finding in findings)
+    click.echo(f"{stage}: {errors} errors, {len(findings) - errors} warnings")
+    table = Table("", "rule", "where", "what")
+    for column in table.columns:
+        column.overflow = "fold"
+    shown: dict[str, int] = {}
+    for finding in findings:
+        shown[finding.code] = shown.get(finding.code, 0) + 1
+        if shown[finding.code] <= _ROWS:
+            # Which of USD's plugins it comes from, before the colon, tells a person nothing.
+            code = finding.code.rpartition(":")[2]
+            cells = (finding.severity, code, finding.place, finding.message)
+            table.add_row(*map(Text, cells))
+    Console().print(table)
+    for code, count in shown.items():
+        if count > _ROWS:
+            click.echo(f"{code}: {count - _ROWS} more; --json lists all")
+    for code, remedy in sorted({(f.code, f.remedy) for f in findings if f.remedy}):
+        click.echo(f"{code}: {remedy}")
+
+
+def _print_licences(terms: "list[Licence]") -> None:
+    for term in terms:
+        click.echo(f"licence: {term.asset} ({term.prims} prims): {term.licence}")

@@ -1,0 +1,103 @@
+"""What the documents show is true: commands run, YAML loads, links lead somewhere."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+DOCUMENTS = [
+    *(ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")),
+    *sorted((ROOT / "docs").glob("*.md")),
+]
+FENCE = re.compile(r"^( *)```(\w*)[^\n]*\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)")
+
+
+class Block(NamedTuple):
+    document: Path
+    line: int
+    language: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.document.name}-{self.line}"
+
+
+BLOCKS = [
+    Block(path, text.count("\n", 0, match.start()) + 1, match[2], match[3])
+    for path in DOCUMENTS
+    if path.is_file()
+    for text in [path.read_text(encoding="utf-8")]
+    for match in FENCE.finditer(text)
+]
+
+
+def commands(block: Block) -> list[str]:
+    """The commands of a block: all lines of ``bash``, those after ``$`` of ``console``."""
+    lines = block.text.replace("\\\n", " ").splitlines()
+    if block.language == "console":
+        lines = [line.strip()[2:] for line in lines if line.strip().startswith("$ ")]
+    return [line.split(" #")[0].strip() for line in lines if line.split("#")[0].strip()]
+
+
+def runnable(document: Path) -> list[str]:
+    """What a reader would type, document by document; ``make`` is checked elsewhere."""
+    blocks = [b for b in BLOCKS if b.document == document and b.language == "console"]
+    return [c for block in blocks for c in commands(block) if shlex.split(c)[0] != "make"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "document", [d for d in DOCUMENTS if d.is_file() and runnable(d)], ids=lambda path: path.name
+)
+def test_the_commands_of_a_document_run_in_order(document: Path, tmp_path: Path) -> None:
+    """Each in the same empty folder, with this environment's ``orusd`` first on the path."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    for command in runnable(document):
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=tmp_path,
+            env={**os.environ, "PATH": path},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, f"$ {command}\n{done.stdout}{done.stderr}"
+
+
+def test_make_is_only_asked_for_targets_that_exist() -> None:
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    words = [
+        shlex.split(command)
+        for block in BLOCKS
+        if block.language in ("console", "bash")
+        for command in commands(block)
+    ]
+    asked = {word for line in words if line[0] == "make" for word in line[1:] if "=" not in word}
+    assert asked <= targets
+    assert {"demo", "test"} <= asked
+
+
+@pytest.mark.parametrize("block", [b for b in BLOCKS if b.language in ("yaml", "yml")], ids=str)
+def test_yaml_loads_as_a_room_or_as_a_part_of_one(block: Block, tmp_path: Path) -> None:
+    from openrooms_usd.description import load_room
+    from openrooms_usd.description.room import Room
+
+    data = yaml.safe_load(block.text)
+    assert isinstance(data, dict)
+    assert set(data) <= {field.alias or name for name, field in Room.model_fields.items()}
+    (tmp_path / "room.yaml").write_text(block.text, encoding="utf-8")
+    load_room(tmp_path / "room.yaml")
+
+
+@pytest.mark.parametrize("document", [d for d in DOCUMENTS if d.is_file()], ids=lambda p: p.name)
+def test_links_lead_to_files(document: Path) -> None:
+    text = FENCE.sub("", document.read_text(encoding="utf-8"))
+    assert [link for link in LINK.findall(text) if not (document.parent / link).exists()] == []

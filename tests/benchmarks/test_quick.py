@@ -1,0 +1,97 @@
+"""The benchmarks run, and measure what they say."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+ROOM = """#usda 1.0
+(
+    defaultPrim = "World"
+    upAxis = "Z"
+    metersPerUnit = 1
+)
+def Xform "World"
+{
+    def Cube "Box"
+    {
+        double size = 4
+    }
+    def SphereLight "Lamp"
+    {
+        float inputs:intensity = 500
+        float inputs:radius = 0.3
+    }
+    def Camera "eye"
+    {
+        double3 xformOp:translate = (0, 0, 1.5)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+}
+"""
+
+
+def run(name: str, target: Path, *words: object) -> tuple[str, dict]:
+    command = [sys.executable, "-m", f"benchmarks.{name}", "--quick", "--json", target, *words]
+    done = subprocess.run([*map(str, command)], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout, json.loads(target.read_text())
+
+
+@pytest.fixture
+def room(tmp_path: Path) -> Path:
+    path = tmp_path / "room.usda"
+    path.write_text(ROOM)
+    return path
+
+
+def test_radiance(room, tmp_path):
+    pytest.importorskip("mitsuba")
+    said, data = run("radiance", tmp_path / "r.json", "--stage", room)
+    few, more, reference = data["rows"]
+    assert (few["samples"], more["samples"], reference["samples"]) == (2, 8, 64)
+    assert few["relative_mse"] > more["relative_mse"] > 0
+    assert reference["relative_mse"] is None
+    assert data["backends"][0]["share"] > 0
+    assert 20 < data["backends"][0]["memory_MB"] < 4000
+    assert "| scalar | 8 |" in said
+
+
+def test_first_picture(room, tmp_path):
+    pytest.importorskip("mitsuba")
+    said, data = run("first_picture", tmp_path / "f.json", "--stage", room)
+    assert data["rows"][0]["first_s"] > 0
+    assert "| scalar |" in said
+
+
+def test_compose(tmp_path):
+    said, data = run("compose", tmp_path / "c.json")
+    assert data["rows"][0]["objects"] == 10
+    assert data["rows"][0]["cold_s"] > 0
+    assert "| 10 |" in said
+
+
+def test_relative_mse_of_a_known_error(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT))
+    from benchmarks.radiance import relative_mse
+
+    reference = np.full((5, 6, 3), [1.0, 2.0, 4.0])
+    for factor in (0.5, 1.1, 3.0):
+        expected = (factor - 1) ** 2 / 1.01
+        assert relative_mse(factor * reference, reference) == pytest.approx(expected)
+
+
+def test_the_hall_has_as_many_objects_as_asked_for(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(ROOT))
+    from benchmarks.scenes import hall
+    from openrooms_usd.description import load_room
+
+    (tmp_path / "room.yaml").write_text(hall(37))
+    room = load_room(tmp_path / "room.yaml")
+    places = {item.at for item in room.alignment.objects}
+    assert len(places) == 37

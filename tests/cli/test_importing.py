@@ -1,0 +1,126 @@
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from click.testing import CliRunner, Result
+
+from openrooms_usd.capture import Capture
+from openrooms_usd.cli import orusd
+from openrooms_usd.cli.importing import describe
+from openrooms_usd.description import load_room, parse_room
+from openrooms_usd.errors import InputError, OutputError
+
+# Four walls of 4 x 3 m from the first principles of the format: column-major, Y up.
+WALLS = [
+    ([2, 1.2, 0], [1, 0, 0], 4),
+    ([4, 1.2, -1.5], [0, 0, -1], 3),
+    ([2, 1.2, -3], [-1, 0, 0], 4),
+    ([0, 1.2, -1.5], [0, 0, 1], 3),
+]
+
+
+def surface(center: list, along: list, length: float, height: float = 2.4) -> dict:
+    x, _, z = along
+    return {
+        "dimensions": [length, height, 0],
+        "transform": [x, 0, z, 0, 0, 1, 0, 0, -z, 0, x, 0, *center, 1],
+    }
+
+
+@pytest.fixture
+def capture(tmp_path: Path) -> Path:
+    data = {
+        "walls": [surface(*wall) for wall in WALLS],
+        "windows": [surface([2, 1.5, 0], [1, 0, 0], 1.2, 1.2)],
+        "doors": [surface([4, 1.0, -1.5], [0, 0, -1], 0.9, 2.0)],
+    }
+    path = tmp_path / "my scan: #1.json"
+    path.write_text(json.dumps(data))
+    return path
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(orusd, ["import", *map(str, arguments)])
+
+
+def test_import_copies_the_capture_and_describes_the_room(capture: Path, tmp_path: Path) -> None:
+    result = run("roomplan", capture, "-o", tmp_path / "room", "--json")
+    assert result.exit_code == 0, result.output
+    report = json.loads(result.output)
+    assert (report["walls"], report["openings"], report["objects"]) == (4, 2, 0)
+    copy = tmp_path / "room" / capture.name
+    assert copy.read_bytes() == capture.read_bytes()
+    room = load_room(tmp_path / "room" / "room.yaml")
+    assert room.layout.file == room.alignment.file == capture.name
+    lamp = room.alignment.objects[0]
+    assert lamp.category == "ceiling_lamp"
+    assert lamp.at == (2.0, 1.5)
+    assert room.cameras.views[0].count == 3
+
+
+def test_the_lamp_of_a_concave_room_hangs_inside() -> None:
+    floor = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 6], [0, 6]], dtype=float)
+    text = describe("roomplan", Capture("a.json", np.eye(4), floor), "a.json")
+    x, y = parse_room(text).alignment.objects[0].at
+    assert shapely.Polygon(floor).buffer(-0.3).contains(shapely.Point(x, y))
+
+
+def test_people_read_what_was_found(capture: Path, tmp_path: Path) -> None:
+    result = run("roomplan", capture, "-o", tmp_path / "room")
+    assert "walls     4" in result.output
+    assert "orusd compose" in result.output
+    text = (tmp_path / "room" / "room.yaml").read_text()
+    assert "# Captured" in text
+    assert "1 door, 1 window" in text
+
+
+def test_a_room_that_is_there_is_not_overwritten(capture: Path, tmp_path: Path) -> None:
+    (tmp_path / "room.yaml").write_text("name: mine\n")
+    result = run("roomplan", capture, "-o", tmp_path)
+    assert isinstance(result.exception, OutputError)
+    assert (tmp_path / "room.yaml").read_text() == "name: mine\n"
+
+
+def test_another_capture_of_that_name_is_not_overwritten(capture: Path, tmp_path: Path) -> None:
+    (tmp_path / "room").mkdir()
+    other = tmp_path / "room" / capture.name
+    other.write_text("{}")
+    result = run("roomplan", capture, "-o", tmp_path / "room")
+    assert isinstance(result.exception, OutputError)
+    assert other.read_text() == "{}"
+    assert sorted(p.name for p in other.parent.iterdir()) == [capture.name]
+
+
+def test_the_folder_of_the_capture_may_be_the_output(capture: Path) -> None:
+    assert run("roomplan", capture, "-o", capture.parent).exit_code == 0
+    assert load_room(capture.parent / "room.yaml").layout.file == capture.name
+
+
+def test_nothing_is_written_for_what_cannot_be_read(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.json"
+    bad.write_text('{"walls": []}')
+    result = run("roomplan", bad, "-o", tmp_path / "room")
+    assert isinstance(result.exception, InputError)
+    assert "no floor" in str(result.exception)
+    assert not (tmp_path / "room").exists()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_read_only_folder_is_named(capture: Path, tmp_path: Path) -> None:
+    (tmp_path / "locked").mkdir(mode=0o500)
+    result = run("roomplan", capture, "-o", tmp_path / "locked" / "room")
+    assert isinstance(result.exception, OutputError)
+
+
+def test_a_file_in_the_place_of_the_folder_is_named(capture: Path, tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("")
+    result = run("roomplan", capture, "-o", tmp_path / "taken")
+    assert isinstance(result.exception, OutputError)
+
+
+def test_the_importers_are_listed_and_unknown_ones_refused(tmp_path: Path) -> None:
+    assert "roomplan" in run("--help").output
+    assert run("polycam", "a", "-o", tmp_path).exit_code == 2

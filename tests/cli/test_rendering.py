@@ -1,0 +1,164 @@
+"""The commands ``render`` and ``channels``, in a process of their own where that matters."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from openrooms_usd.channels import CHANNELS, markdown_page
+from openrooms_usd.cli import orusd
+from openrooms_usd.errors import InputError
+from openrooms_usd.render import exr
+
+ROOT = Path(__file__).parents[2]
+
+MAIN = "from openrooms_usd.cli import main; main()"
+
+BALL = """#usda 1.0
+(
+    defaultPrim = "World"
+    upAxis = "Z"
+    metersPerUnit = 1
+)
+def Xform "World"
+{
+    def Sphere "Ball"
+    {
+        double radius = 0.5
+        double3 xformOp:translate = (0, 3, 0.5)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+        color3f[] primvars:displayColor = [(0.8, 0.1, 0.1)]
+    }
+    def Mesh "Floor"
+    {
+        point3f[] points = [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        uniform token subdivisionScheme = "none"
+    }
+    def RectLight "Lamp"
+    {
+        float inputs:intensity = 500
+        float inputs:width = 2
+        float inputs:height = 2
+        double3 xformOp:translate = (0, 3, 3)
+        uniform token[] xformOpOrder = ["xformOp:translate"]
+    }
+    def Scope "Cameras"
+    {
+        def Camera "above"
+        {
+            double3 xformOp:translate = (0, 3, 2.5)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+        }
+        def Camera "front"
+        {
+            float focalLength = 20
+            float horizontalAperture = 20
+            float verticalAperture = 15
+            double3 xformOp:translate = (0, 0, 1)
+            float xformOp:rotateX = 80
+            uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]
+        }
+    }
+}
+"""
+
+
+@pytest.fixture
+def ball(tmp_path: Path) -> Path:
+    path = tmp_path / "ball.usda"
+    path.write_text(BALL)
+    return path
+
+
+def call(*words: object) -> str:
+    result = CliRunner().invoke(orusd, [str(word) for word in words], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_the_table_for_people_and_programs():
+    said = json.loads(call("channels", "--json"))
+    assert [row["name"] for row in said] == list(CHANNELS)
+    assert all(row["meaning"] and row["unit"] for row in said)
+    table = call("channels")
+    assert all(name in table for name in CHANNELS)
+
+
+def test_the_page_is_fresh():
+    assert (ROOT / "docs" / "channels.md").read_text("utf-8") == markdown_page()
+    assert call("channels", "--markdown") == markdown_page()
+
+
+@pytest.mark.parametrize("size", ["640", "640x", "x480", "-3x4", "3.5x2", "axb", "640x480x3"])
+def test_sizes_that_are_none(size, ball, tmp_path):
+    words = ["render", str(ball), "-o", str(tmp_path / "out"), "--resolution", size]
+    result = CliRunner().invoke(orusd, words)
+    assert result.exit_code == 2
+    assert "640x480" in result.output
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--spp", "4", "--error", "0.1"],
+        ["--spp", "0"],
+        ["--time", "nan"],
+        ["--error", "-1"],
+        ["--resolution", "0x10"],
+        ["--resolution", "99999x99999"],
+        ["--bounces", "-1"],
+        ["--seed", "-1"],
+        ["--channels", "radiance,dept"],
+        ["--channels", ","],
+        ["--renderer", "mitzuba"],
+    ],
+    ids=" ".join,
+)
+def test_options_that_are_refused(options, ball, tmp_path):
+    with pytest.raises(InputError):
+        call("render", ball, "-o", tmp_path / "out", *options)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_ball_on_the_floor(ball, tmp_path):
+    pytest.importorskip("mitsuba")
+    out = tmp_path / "out"
+    options = ["--variant", "scalar", "--resolution", "32x24", "--spp", "4", "--json"]
+    options += ["--camera", "front"]
+    said = json.loads(call("render", ball, "-o", out, *options))
+    assert said["manifest"] == json.loads((out / "manifest.json").read_text())
+    assert said["manifest"]["views"].keys() == {"front"}
+    images = exr.read_channels(out / "front" / "channels.exr")
+    assert images.keys() == CHANNELS.keys()
+    middle = images["instance"][12, 16, 0]
+    assert said["manifest"]["legend"]["instance"][str(int(middle))] == "/World/Ball"
+    assert np.isfinite(images["radiance"]).all()
+    assert images["radiance"].mean() > 0
+    # The sphere's front is 2.5 m away along the floor; the camera looks 10 degrees down.
+    assert 2.2 < images["distance"][12, 16, 0] < 2.8
+
+
+def test_ctrl_c_in_a_real_process(ball, tmp_path):
+    pytest.importorskip("mitsuba")
+    out = tmp_path / "out"
+    options = ["--variant", "scalar", "--resolution", "64x48", "--time", "2"]
+    command = [sys.executable, "-c", MAIN, "render", str(ball), "-o", str(out)]
+    process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
+    while not (out / "manifest.json").exists() and process.poll() is None:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    assert "interrupted" in process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    views = json.loads((out / "manifest.json").read_text())["views"]
+    assert list(views) == ["above"]
+    assert {path.name for path in out.iterdir()} == {
+        "above", "contact_sheet.png", "manifest.json", "timing.json",
+    }  # fmt: skip
