@@ -11,7 +11,7 @@ import numpy as np
 
 from openrooms_usd import compose_room, render_stage
 from openrooms_usd.cli.composing import copy_example
-from openrooms_usd.exr import read_exr
+from openrooms_usd.render.exr import read_channels
 
 
 def main(out: Path) -> None:
@@ -24,11 +24,11 @@ def main(out: Path) -> None:
         resolution=(160, 120),
         samples=1,
     )
-    view = json.loads((out / "render" / "manifest.json").read_text())["views"][0]
-    channels = read_exr(out / "render" / view["name"] / "channels.exr")
+    view = json.loads((out / "render" / "manifest.json").read_text())["views"]["sitting"]
+    channels = read_channels(out / "render" / view["files"]["channels"])
 
     # The manifest says: K in pixels, the centre of the top-left pixel at (0.5, 0.5), OpenCV axes.
-    height, width = view["height"], view["width"]
+    width, height = view["resolution"]
     columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
     pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
     rays = pixels @ np.linalg.inv(np.array(view["K"])).T

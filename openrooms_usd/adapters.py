@@ -16,6 +16,22 @@ def available(group: str) -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=group), key=lambda p: p.name)}
 
 
+def find(group: str, name: str) -> EntryPoint:
+    """The adapter ``name`` of a group, not imported yet.
+
+    Raises:
+        InputError: No adapter has that name.
+    """
+    found = available(group)
+    if name not in found:
+        kind = _kind(group)
+        near = difflib.get_close_matches(name, found, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        known = ", ".join(found) or "none: install the package first (pip install -e .)"
+        raise InputError(f"no {kind} is named {name!r}", remedy=f"{hint}installed: {known}")
+    return found[name]
+
+
 def load(group: str, name: str) -> Any:
     """Import the adapter ``name`` of a group and make one.
 
@@ -30,19 +46,17 @@ def load(group: str, name: str) -> Any:
         InputError: No adapter has that name.
         MissingPackageError: The adapter needs a package that is not installed.
     """
-    found = available(group)
-    kind = group.rpartition(".")[2].removesuffix("s")
-    if name not in found:
-        near = difflib.get_close_matches(name, found, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        known = ", ".join(found) or "none: install the package first (pip install -e .)"
-        raise InputError(f"no {kind} is named {name!r}", remedy=f"{hint}installed: {known}")
+    point = find(group, name)
     try:
-        factory = found[name].load()
+        factory = point.load()
     except ImportError as error:
         raise MissingPackageError(
-            f"the {kind} {name!r} needs the package {error.name!r}, which cannot be imported "
-            f"({error})",
+            f"the {_kind(group)} {name!r} needs the package {error.name!r}, which cannot be "
+            f"imported ({error})",
             remedy=f"pip install {error.name or 'the missing package'}",
         ) from error
     return factory()
+
+
+def _kind(group: str) -> str:
+    return group.rpartition(".")[2].removesuffix("s")

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from openrooms_usd.errors import writing
+from openrooms_usd.errors import OutputError, writing
 
 
 @contextmanager
@@ -36,6 +36,17 @@ def making(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
+def naming(target: Path, beside: Path) -> Iterator[None]:
+    """Let errors speak of ``target``, not of what is written in its place for the moment."""
+    try:
+        yield
+    except OutputError as error:
+        error.message = error.message.replace(str(beside), str(target))
+        error.place = error.place and error.place.replace(str(beside), str(target))
+        raise
+
+
+@contextmanager
 def replacing(target: Path) -> Iterator[Path]:
     """Give a path beside ``target`` to write to, and rename it to ``target`` on success.
 
@@ -52,7 +63,7 @@ def replacing(target: Path) -> Iterator[Path]:
         OutputError: The file cannot be written.
     """
     beside = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
-    with writing(target), making(target.parent):
+    with writing(target), making(target.parent), naming(target, beside):
         try:
             yield beside
             beside.replace(target)
@@ -77,7 +88,7 @@ def filling(folder: Path) -> Iterator[Path]:
         OutputError: A file cannot be written.
     """
     beside = folder / f".new.{os.getpid()}"
-    with writing(folder), making(folder):
+    with writing(folder), making(folder), naming(folder, beside):
         try:
             beside.mkdir()
             yield beside

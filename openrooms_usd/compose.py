@@ -148,13 +148,16 @@ def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
 
 def _check(draft: Draft) -> None:
     """Refuse a composition that USD finds errors in, before it takes the old one's place."""
-    from openrooms_usd.usd.layers import composition_errors
+    from openrooms_usd.usd.diagnostics import composition_errors
+    from openrooms_usd.usd.layers import stacked_files
 
-    errors = composition_errors([draft.layer(n) for n in (names.EDITS, *reversed(names.STAGES))])
+    stack = [draft.layer(name) for name in (names.EDITS, *reversed(names.STAGES))]
+    errors = composition_errors(stacked_files(stack))
     if errors:
+        prim, text = errors[0]
         raise StageError(
-            f"the composed stage has {len(errors)} errors, the first: {errors[0]}",
-            place=draft.out / names.SCENE,
+            f"the composed stage has {len(errors)} errors, the first at {prim}: {text}",
+            place=draft.scene,
             remedy=f"look into {names.LAYERS}/{names.EDITS}.usda, the layer that people edit",
         )
 

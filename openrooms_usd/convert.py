@@ -81,4 +81,15 @@ def convert_stage(
     from openrooms_usd.usd.layers import open_stage
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
-    return exporter.convert(open_stage(path), destination, options or {})
+    stage = open_stage(path)
+    report = exporter.convert(stage, destination, options or {})
+    add_missing(report, stage)
+    return report
+
+
+def add_missing(report: Report, stage: "Usd.Stage") -> None:
+    """Report what a stage refers to and USD cannot find: no prim tells of it."""
+    from openrooms_usd.usd.diagnostics import composition_errors
+
+    for prim, reason in composition_errors(stage):
+        report.add(prim, "skipped", reason)

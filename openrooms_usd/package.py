@@ -43,7 +43,17 @@ def flatten(scene: Path, target: Path) -> None:
     """
     stage = layers.open_stage(scene)
     flat = UsdUtils.FlattenLayerStack(stage, layers.relative_assets(target.parent), "")
-    layers.export(flat, target)
+    layers.export(_ordered(flat), target)
+
+
+def _ordered(layer: Sdf.Layer) -> Sdf.Layer:
+    """The same layer with its fields in the order of their names.
+
+    Flattening leaves them in the order of addresses in memory, which a binary file would keep.
+    """
+    ordered = Sdf.Layer.CreateAnonymous(".usda")
+    ordered.ImportFromString(layer.ExportToString())
+    return ordered
 
 
 def package(scene: Path, target: Path) -> None:

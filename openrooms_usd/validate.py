@@ -7,14 +7,14 @@ stage.
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from pxr import Usd, UsdUtils
+from pxr import Usd
 
 from openrooms_usd.usd import layers
+from openrooms_usd.usd.diagnostics import quiet
 from openrooms_usd.validation import layer_rules, prim_rules
 from openrooms_usd.validation.core import core_findings
 from openrooms_usd.validation.model import Finding, Rule, Severity, Subject
@@ -122,14 +122,3 @@ def licences(stage: Usd.Stage) -> list[Licence]:
         if licence:
             counts[str(info.get("name", prim.GetName())), str(licence)] += 1
     return sorted(Licence(asset, licence, prims) for (asset, licence), prims in counts.items())
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Keep USD from printing what the findings say better."""
-    delegate = UsdUtils.CoalescingDiagnosticDelegate()
-    try:
-        yield
-    finally:
-        delegate.TakeUncoalescedDiagnostics()
-        del delegate

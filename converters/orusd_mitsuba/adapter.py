@@ -28,6 +28,7 @@ class MitsubaRenderer:
 
         Raises:
             RenderError: The backend is not available.
+            MissingPackageError: Mitsuba is not installed.
         """
         chosen = variants.choose(variant)
         from orusd_mitsuba.session import MitsubaSession

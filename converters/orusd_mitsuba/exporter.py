@@ -13,6 +13,7 @@ from pxr import Usd
 from openrooms_usd import atomic
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.usd import imagefile
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
 from orusd_mitsuba.descriptions import Description, describe_area, describe_bsdf, describe_sun
 from orusd_mitsuba.light_choice import light_weights
@@ -195,5 +196,4 @@ def _write_exr(target: Path, pixels: NDArray[np.floating[Any]]) -> None:
         spec.attribute("DateTime", "")
         file: Any = OpenImageIO.ImageOutput.create(str(beside))
         done = file.open(str(beside), spec) and file.write_image(np.ascontiguousarray(pixels))
-        if not (file.close() and done):
-            raise OSError(file.geterror() or "the picture could not be written")
+        imagefile.finish(file, done, beside)

@@ -88,7 +88,6 @@ class MitsubaSession:
         progress(1.0)
         return View(
             camera=request.camera,
-            name=self._name(request.camera),
             width=request.width,
             height=request.height,
             K=camera.K,
@@ -110,13 +109,6 @@ class MitsubaSession:
             raise RenderError("there is no such camera", place=request.camera, remedy=known)
         prim = self._stage.GetPrimAtPath(request.camera)
         return read_camera(prim, request.width, request.height)
-
-    def _name(self, camera: str | None) -> str:
-        if camera is None:
-            return "framing"
-        last = camera.rpartition("/")[2]
-        alone = sum(path.rpartition("/")[2] == last for path in self.cameras) == 1
-        return last if alone and last != "framing" else camera.strip("/").replace("/", "_")
 
     def _seen(
         self, camera: PinholeCamera, request: RenderRequest, channels: list[str]

@@ -14,10 +14,11 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
-from openrooms_usd.errors import RenderError
+from openrooms_usd.errors import MissingPackageError, RenderError
 
 LIBRARY: Final = "DRJIT_LIBLLVM_PATH"
 NAMES: Final = {"cuda": "cuda_ad_rgb", "llvm": "llvm_ad_rgb", "scalar": "scalar_rgb"}
@@ -104,7 +105,9 @@ def choose(name: str = "auto") -> Backend:
 
     Raises:
         RenderError: There is no such backend, or it does not work here.
+        MissingPackageError: Mitsuba is not installed.
     """
+    _check_installed()
     if name != "auto" and name not in NAMES:
         known = ", ".join(("auto", *NAMES))
         raise RenderError(f"Mitsuba has no backend {name!r} here", remedy=f"one of: {known}")
@@ -121,7 +124,12 @@ def choose(name: str = "auto") -> Backend:
 
 
 def diagnose() -> dict[str, str]:
-    """What works on this machine, in words, by backend."""
+    """What works on this machine, in words, by backend.
+
+    Raises:
+        MissingPackageError: Mitsuba is not installed.
+    """
+    _check_installed()
     found, fastest = {name: _find(name) for name in NAMES}, _fastest()
     return {
         "cuda": "works" if found["cuda"] else f"not usable: {_cuda().detail}",
@@ -129,6 +137,15 @@ def diagnose() -> dict[str, str]:
         "scalar": "works",
         "auto": f"chooses {fastest.variant}" + (f"; {fastest.advice}" if fastest.advice else ""),
     }
+
+
+def _check_installed() -> None:
+    for package in ("mitsuba", "drjit"):
+        if find_spec(package) is None:
+            raise MissingPackageError(
+                f"the renderer needs the package {package!r}, which is not installed",
+                remedy=f"pip install {package}",
+            )
 
 
 def _llvm_in_words(backend: Backend | None) -> str:

@@ -34,9 +34,13 @@ def compose(
     strongest layer and is never written again.
     """
     from openrooms_usd.compose import compose_room
+    from openrooms_usd.usd.diagnostics import quiet
 
     started = time.perf_counter()
-    summary = compose_room(description, out, only=only, flatten=flatten, usdz=usdz, workers=workers)
+    with quiet():
+        summary = compose_room(
+            description, out, only=only, flatten=flatten, usdz=usdz, workers=workers
+        )
     if as_json:
         print_json(summary.as_dict())
         return
@@ -60,7 +64,7 @@ def compose(
     show_default=True,
     help="Output folder.",
 )
-@click.option("--spp", type=click.IntRange(1, 65536), default=128, show_default=True)
+@click.option("--spp", type=click.IntRange(1, 65536), default=96, show_default=True)
 @click.pass_context
 def demo(ctx: click.Context, out: Path, spp: int) -> None:
     """Compose and render the bundled example, and say where the pictures are."""
@@ -75,9 +79,18 @@ def demo(ctx: click.Context, out: Path, spp: int) -> None:
 
 
 def copy_example(folder: Path) -> Path:
-    """Copy the bundled example into a folder and return its description."""
+    """Copy the bundled example into a folder and return its description.
+
+    One that is there already is kept: somebody may have changed it.
+    """
+    from openrooms_usd.description import schema
+
+    if (folder / "room.yaml").is_file():
+        return folder / "room.yaml"
     bundled = resources.files("openrooms_usd.demo")
     with filling(folder) as beside:
         for name in ("room.yaml", "sky.exr"):
             (beside / name).write_bytes((bundled / name).read_bytes())
+        # The description's first line points editors to it.
+        (beside / schema.FILE).write_text(schema.schema_text(), encoding="utf-8")
     return folder / "room.yaml"

@@ -18,8 +18,10 @@ def convert(stage: Path, out: Path, to: str, as_json: bool) -> None:
     What could not be translated whole is listed with the reason; nothing is lost in silence.
     """
     from openrooms_usd.convert import convert_stage
+    from openrooms_usd.usd.diagnostics import quiet
 
-    report = convert_stage(stage, out, to=to)
+    with quiet():
+        report = convert_stage(stage, out, to=to)
     if as_json:
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from openrooms_usd.adapters import IMPORTERS, available, load
+from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.atomic import filling, write_bytes, write_text
 from openrooms_usd.capture import Capture
 from openrooms_usd.cli.console import json_option, print_json
@@ -66,8 +66,12 @@ class ImporterGroup(click.Group):
         return list(available(IMPORTERS))
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of one importer."""
-        return _command(cmd_name) if cmd_name in available(IMPORTERS) else None
+        """The command of one importer.
+
+        Raises:
+            InputError: None has that name.
+        """
+        return _command(find(IMPORTERS, cmd_name).name)
 
 
 @click.group(name="import", cls=ImporterGroup)

@@ -64,8 +64,9 @@ def render(
     keeps the views that are finished.
     """
     from openrooms_usd.render import render_stage
+    from openrooms_usd.usd.diagnostics import quiet
 
-    with _progress_bar(hidden=as_json) as progress:
+    with quiet(), _progress_bar(hidden=as_json) as progress:
         summary = render_stage(
             stage,
             out,
@@ -127,6 +128,8 @@ def _print_summary(summary: "RenderSummary") -> None:
             f"see the report in {summary.out / 'manifest.json'}"
         )
     click.echo(f"rendered with {summary.manifest['renderer']['backend']}")
+    if summary.advice:
+        click.echo(summary.advice, err=True)
     click.echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")
 
 

@@ -27,8 +27,9 @@ def validate(stage: Path, strict: bool, as_json: bool) -> None:
     Our own rules are warnings for stages that other tools wrote. The licences that the assets of
     the stage name are listed too.
     """
+    from openrooms_usd.usd.diagnostics import quiet
     from openrooms_usd.usd.layers import open_stage
-    from openrooms_usd.validate import check, licences, quiet
+    from openrooms_usd.validate import check, licences
 
     with quiet():
         opened = open_stage(stage)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import __version__
-from openrooms_usd.atomic import making
+from openrooms_usd.atomic import making, naming
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.furniture import part_of
@@ -123,7 +123,7 @@ def publish(folder: Path, asset: Asset) -> str:
 def _appearing(target: Path) -> Iterator[Path]:
     """A folder to write in that becomes ``target`` at the end, unless somebody was faster."""
     beside = target.with_name(f".{target.name}.{os.getpid()}.{threading.get_ident()}")
-    with writing(target), making(target.parent):
+    with writing(target), making(target.parent), naming(target, beside):
         try:
             beside.mkdir()
             yield beside

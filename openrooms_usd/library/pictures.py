@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.errors import OutputError
+from openrooms_usd.usd import imagefile
 
 
 def write_png(path: Path, pixels: NDArray[np.uint8], *, is_color: bool) -> None:
@@ -59,17 +59,6 @@ def _write(path: Path, pixels: NDArray[Any], format_: str, attributes: dict[str,
     for name, value in attributes.items():
         spec.attribute(name, value)
     with atomic.replacing(path) as beside:
-        file = OpenImageIO.ImageOutput.create(str(beside))
-        done = (
-            file is not None
-            and file.open(str(beside), spec)
-            and file.write_image(pixels)
-            and file.close()
-        )
-        if not done:
-            reason = file.geterror() if file is not None else OpenImageIO.geterror()
-            raise OutputError(
-                f"cannot write the picture: {reason.strip()}",
-                place=path,
-                remedy="choose another output folder, or free space and set its permissions",
-            )
+        file: Any = OpenImageIO.ImageOutput.create(str(beside))
+        done = file.open(str(beside), spec) and file.write_image(pixels)
+        imagefile.finish(file, done, beside)

@@ -2,7 +2,7 @@
 
 ``contract`` is what an adapter implements; ``driver`` is the story of a run, ``plan`` what it shall
 render and ``run`` what it has written; the other modules are the files: ``exr``, ``previews`` (with
-``color``) and ``sheet`` (each whole by ``imagefile``), ``manifest`` and the ``folder`` of them all.
+``color``) and ``sheet`` (each whole), ``manifest`` and the ``folder`` of them all.
 """
 
 from openrooms_usd.render.contract import (

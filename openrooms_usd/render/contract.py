@@ -66,7 +66,6 @@ class View:
 
     Attributes:
         camera: The camera's prim path; None for the framing camera.
-        name: A name for files, unique in the stage.
         width: Pixels.
         height: Pixels.
         K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
@@ -76,7 +75,6 @@ class View:
     """
 
     camera: str | None
-    name: str
     width: int
     height: int
     K: NDArray[np.float64]
@@ -109,6 +107,9 @@ class RenderSession(Protocol):
 
     backend: str
     """What computes, for the record: such as ``mitsuba 3.9.1 llvm_ad_rgb``."""
+
+    advice: str
+    """What would make it faster on this machine, for people; empty when nothing would."""
 
     cameras: tuple[str, ...]
     """Prim paths of the stage's cameras, sorted."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from openrooms_usd import adapters
+from openrooms_usd.convert import add_missing
 from openrooms_usd.render import folder, manifest
 from openrooms_usd.render.contract import Renderer
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
@@ -24,11 +25,13 @@ class RenderSummary:
         out: The folder.
         manifest: What stands in ``manifest.json``.
         timing: What stands in ``timing.json``.
+        advice: What would make it faster on this machine; empty when nothing would.
     """
 
     out: Path
     manifest: Mapping[str, Any]
     timing: Mapping[str, Any]
+    advice: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """The summary as plain data."""
@@ -105,6 +108,7 @@ def render_stage(
     stage = open_stage(path)
     began = time.perf_counter()
     session = adapter.open(stage, variant=variant)
+    add_missing(session.report, stage)
     translation = time.perf_counter() - began
     request = sized(request, resolution or session.resolution)
     views = choose_cameras(cameras, session.cameras)
@@ -122,7 +126,7 @@ def render_stage(
             run.add(name, view, request.channels, time.perf_counter() - began)
     finally:
         run.finish()
-    return RenderSummary(out, run.manifest, run.timing)
+    return RenderSummary(out, run.manifest, run.timing, session.advice)
 
 
 def _part(progress: Progress, name: str, index: int, count: int) -> Callable[[float], None]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
-from openrooms_usd.render import imagefile
+from openrooms_usd.usd import imagefile
 
 _ROWS: Final = 256  # written at once: a multiple of the 16 rows that zip compression packs together
 

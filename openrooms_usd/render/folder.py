@@ -6,9 +6,9 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from openrooms_usd.atomic import making
+from openrooms_usd.atomic import making, naming
 from openrooms_usd.errors import OutputError, writing
 
 MANIFEST: Final = "manifest.json"
@@ -43,7 +43,7 @@ def check_space(out: Path, needed: int) -> None:
     free = shutil.disk_usage(there).free
     if free < needed:
         raise OutputError(
-            f"one view may need {needed / 1e6:.0f} MB, and {free / 1e6:.0f} MB are free",
+            f"one view may need {needed / 1e6:.3g} MB, and {free / 1e6:.3g} MB are free",
             place=out,
             remedy="free space, choose another output folder, or ask for fewer channels",
         )
@@ -85,7 +85,7 @@ def replacing_folder(target: Path) -> Iterator[Path]:
         OutputError: It cannot be written.
     """
     beside, old = (target.with_name(f".{target.name}.{word}") for word in ("tmp", "old"))
-    with writing(target), making(target.parent):
+    with writing(target), making(target.parent), naming(target, beside):
         try:
             _remove(beside)
             beside.mkdir()
@@ -100,14 +100,18 @@ def replacing_folder(target: Path) -> Iterator[Path]:
             _remove(old)
 
 
+def listed_views(out: Path) -> dict[str, Any]:
+    """The views in the manifest of a folder, with their entries; empty without a sound one."""
+    try:
+        views = json.loads((out / MANIFEST).read_text("utf-8"))["views"]
+        return {name: entry for name, entry in views.items() if Path(name).name == name}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
 def earlier_views(out: Path) -> frozenset[str]:
     """The views that the manifest of an earlier run lists and that lie there; empty without one."""
-    try:
-        listed = json.loads((out / MANIFEST).read_text("utf-8"))["views"]
-        names = [name for name in listed if Path(name).name == name]
-    except (OSError, ValueError, KeyError, TypeError):
-        return frozenset()
-    return frozenset(name for name in names if _is_view(out / name))
+    return frozenset(name for name in listed_views(out) if _is_view(out / name))
 
 
 def remove_views(out: Path, views: Iterable[str]) -> None:

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.render import color, imagefile
+from openrooms_usd.render import color
+from openrooms_usd.usd import imagefile
 
 Pixels = NDArray[np.float32]
 Bytes = NDArray[np.uint8]

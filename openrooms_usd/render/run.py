@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from openrooms_usd import atomic
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import exr, folder, manifest, sheet
@@ -33,7 +34,7 @@ class Run:
         self.timing: manifest.Plain = {"views": {}}
         self._out = out
         self._earlier = folder.earlier_views(out)
-        self._rows: list[list[sheet.Tile]] = []
+        self._rows: dict[str, list[sheet.Tile]] = {}
 
     def add(self, name: str, view: View, channels: tuple[str, ...], seconds: float) -> None:
         """Write a finished view, and say so in the manifest.
@@ -48,39 +49,52 @@ class Run:
             OutputError: It cannot be written.
             RenderError: The renderer did not give what was asked for.
         """
-        _check(view, channels)
+        _check(name, view, channels)
         began = time.perf_counter()
-        with folder.replacing_folder(self._out / name) as beside:
+        # Where one of them finds no space, neither appears: the view first, then what lists it.
+        with (
+            atomic.filling(self._out) as lists,
+            folder.replacing_folder(self._out / name) as beside,
+        ):
             previews = write_view(beside, view)
-        self.manifest["views"][name] = manifest.view_entry(name, view, previews)
-        self.timing["views"][name] = {
-            # Channels that share rays each count them: their sum may exceed the whole.
-            "channels": {channel: image.seconds for channel, image in view.images.items()},
-            "render": seconds,
-            "output": time.perf_counter() - began,
-        }
-        if len(self._rows) < sheet.MOST_VIEWS:
-            self._rows.append(sheet.tiles(name, previews))
-        self._save()
-
-    def _save(self) -> None:
-        folder.remove_views(self._out, self._earlier - self.manifest["views"].keys())
-        manifest.write_json(self._out / folder.MANIFEST, self.manifest)
-        manifest.write_json(self._out / folder.TIMING, self.timing)
+            entry = manifest.view_entry(name, view, previews)
+            took = {
+                # Channels that share rays each count them: their sum may exceed the whole.
+                "channels": {channel: image.seconds for channel, image in view.images.items()},
+                "render": seconds,
+                "output": time.perf_counter() - began,
+            }
+            listed = _with_view(self.manifest, name, entry)
+            timed = _with_view(self.timing, name, took)
+            manifest.write_json(lists / folder.MANIFEST, listed)
+            manifest.write_json(lists / folder.TIMING, timed)
+            self._rows[name] = sheet.tiles(name, previews)
+            self.manifest, self.timing = listed, timed
+        folder.remove_views(self._out, self._earlier - listed["views"].keys())
 
     def finish(self) -> None:
-        """Write the contact sheet of the views that were finished."""
-        if self._rows:
-            sheet.write_sheet(self._out / folder.SHEET, self._rows)
+        """Write the contact sheet of the views that were finished.
+
+        Those are in the manifest on disk: an interruption may come while a view appears.
+        """
+        there = folder.listed_views(self._out)
+        entries = self.manifest["views"]
+        rows = [row for name, row in self._rows.items() if there.get(name) == entries[name]]
+        if rows:
+            sheet.write_sheet(self._out / folder.SHEET, rows[: sheet.MOST_VIEWS])
 
 
-def _check(view: View, channels: tuple[str, ...]) -> None:
-    for name in channels:
-        shape = (view.height, view.width, len(CHANNELS[name].components))
-        image = view.images.get(name)
+def _with_view(entry: manifest.Plain, name: str, view: manifest.Plain) -> manifest.Plain:
+    return {**entry, "views": {**entry["views"], name: view}}
+
+
+def _check(name: str, view: View, channels: tuple[str, ...]) -> None:
+    for channel in channels:
+        shape = (view.height, view.width, len(CHANNELS[channel].components))
+        image = view.images.get(channel)
         if image is None or image.pixels.shape != shape:
             got = "nothing" if image is None else f"an array of shape {image.pixels.shape}"
-            raise RenderError(f"the renderer gave {got} for the channel {name!r}", place=view.name)
+            raise RenderError(f"the renderer gave {got} for the channel {channel!r}", place=name)
 
 
 def write_view(target: Path, view: View) -> dict[str, Preview]:

@@ -25,11 +25,9 @@ def author_portals(context: StageContext) -> None:
     cache = UsdGeom.XformCache(TIME)
     openings = context.stage.GetPrimAtPath(names.OPENINGS)
     ways = [prim for prim in openings.GetChildren() if _is_way(prim)] if openings else []
-    portals = []
     if ways:
         UsdGeom.Scope.Define(context.stage, names.PORTALS)
-    for prim in ways:
-        portals.append(define_portal(context.stage, _portal(prim, cache)).GetPrim())
+    portals = [define_portal(context.stage, _portal(way, cache)).GetPrim() for way in ways]
     connect_portals(context.stage.OverridePrim(names.ENVIRONMENT), portals)
 
 

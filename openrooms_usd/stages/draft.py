@@ -3,7 +3,7 @@
 import itertools
 import os
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -59,12 +59,14 @@ class Draft:
     def scratch(self, name: str) -> Iterator[Sdf.Layer]:
         """An empty layer in the folder of the layers: relative paths resolve in it."""
         path = self._beside(self._place(name))
-        with writing(path):
-            path.touch()
         try:
-            yield Sdf.Layer.CreateNew(str(path))
+            with writing(self._place(name)):
+                path.touch()
+                layer = usd_layers.create(path)
+            yield layer
         finally:
-            path.unlink(missing_ok=True)
+            with suppress(OSError):
+                path.unlink()
 
     def export(self, layer: Sdf.Layer, name: str, kept: Iterable[str] = ()) -> None:
         """Draft a layer.
@@ -105,8 +107,10 @@ class Draft:
 
     def _draft(self, layer: Sdf.Layer, target: Path) -> None:
         beside = self._beside(target)
-        usd_layers.export(layer, beside)
+        # Known before it is there: an interruption may come in between.
         self._new[target] = beside
+        with atomic.naming(target, beside):
+            usd_layers.export(layer, beside)
 
 
 @contextmanager
@@ -125,7 +129,9 @@ def drafting(out: Path) -> Iterator[Draft]:
             yield draft
             draft.commit()
         except BaseException:
-            draft.discard()
+            # What cannot be removed now could not be written either.
+            with suppress(OSError):
+                draft.discard()
             raise
 
 

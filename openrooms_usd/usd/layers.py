@@ -7,6 +7,7 @@ binary file is named by its content, so that replacing the text layer switches b
 
 import hashlib
 import os
+import zipfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdGeom
 
 from openrooms_usd import atomic, names
 from openrooms_usd.errors import InputError, writing
+from openrooms_usd.usd.diagnostics import reason
 
 # Arrays with more elements than this leave the text layer.
 LONG_ARRAY: Final = 24
@@ -34,12 +36,6 @@ def apply_metadata(layer: Sdf.Layer) -> None:
     layer.customLayerData = custom
 
 
-def reason(error: Tf.ErrorException) -> str:
-    """What USD says is wrong, without where in USD it was said."""
-    # The first of its errors is the cause, the others what followed from it.
-    return " ".join(str(error.args[0].commentary).split())
-
-
 def open_stage(path: Path) -> Usd.Stage:
     """Open a USD stage from disk.
 
@@ -47,7 +43,13 @@ def open_stage(path: Path) -> Usd.Stage:
         InputError: The file is missing, or is not USD.
     """
     if not path.is_file():
-        raise InputError("no such file", place=path, remedy="check the path")
+        message = "this is no file" if path.exists() else "no such file"
+        raise InputError(message, place=path, remedy="check the path")
+    if path.suffix.lower() == ".usdz" and not zipfile.is_zipfile(path):
+        # USD reads the first files of an archive that is cut off, and misses the others.
+        raise InputError(
+            "not a whole USDZ archive", place=path, remedy="copy it again, or export it again"
+        )
     try:
         stage = Usd.Stage.Open(str(path))
         # USD caches layers by name; one that was written again since then is read again.
@@ -121,6 +123,18 @@ def arrays_file(layer: Sdf.Layer, folder: Path) -> Path | None:
     return binary
 
 
+def create(path: Path) -> Sdf.Layer:
+    """A new layer with a file of its own.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    try:
+        return Sdf.Layer.CreateNew(str(path))
+    except Tf.ErrorException as error:
+        raise OSError(reason(error)) from error
+
+
 def export(layer: Sdf.Layer, target: Path) -> None:
     """Export a layer to a file that appears whole or not at all."""
     with atomic.replacing(target) as beside:
@@ -166,34 +180,30 @@ def stacked(
     Yields:
         The composed stage, its edit target set to ``target``.
     """
-    root = Sdf.Layer.CreateAnonymous(".usda")
-    apply_metadata(root)
-    above = [_fresh(path) for path in stronger if path.is_file()]
-    below = [_fresh(path) for path in weaker if path.is_file()]
-    root.subLayerPaths = [*above, target.identifier, *below]
-    stage = Usd.Stage.Open(root)
+    stage = _stage([*_fresh(stronger), target.identifier, *_fresh(weaker)])
     stage.SetEditTarget(target)
     yield stage
 
 
-def composition_errors(stack: Iterable[Path]) -> list[str]:
-    """What USD finds wrong with layer files on top of each other.
+def stacked_files(stack: Iterable[Path]) -> Usd.Stage:
+    """A stage of layer files, strongest first; missing files are left out."""
+    return _stage(_fresh(stack))
 
-    Args:
-        stack: The files, strongest first; missing files are left out.
-    """
+
+def _stage(sublayers: list[str]) -> Usd.Stage:
     root = Sdf.Layer.CreateAnonymous(".usda")
     apply_metadata(root)
-    root.subLayerPaths = [_fresh(path) for path in stack if path.is_file()]
-    return [str(error) for error in Usd.Stage.Open(root).GetCompositionErrors()]
+    root.subLayerPaths = sublayers
+    return Usd.Stage.Open(root)
 
 
-def _fresh(path: Path) -> str:
-    # Layers are cached by path for the whole process: a file that was replaced must be read again.
-    cached = Sdf.Layer.Find(str(path))
-    if cached is not None:
-        cached.Reload()
-    return str(path)
+def _fresh(files: Iterable[Path]) -> list[str]:
+    """The files that are there; USD's copies of them are read again."""
+    there = [str(path) for path in files if path.is_file()]
+    # Layers are cached by path for the whole process: a file may have been replaced since.
+    for layer in filter(None, map(Sdf.Layer.Find, there)):
+        layer.Reload()
+    return there
 
 
 def relative_assets(folder: Path) -> Callable[[Sdf.Layer, str], str]:

@@ -123,4 +123,6 @@ def test_a_file_in_the_place_of_the_folder_is_named(capture: Path, tmp_path: Pat
 
 def test_the_importers_are_listed_and_unknown_ones_refused(tmp_path: Path) -> None:
     assert "roomplan" in run("--help").output
-    assert run("polycam", "a", "-o", tmp_path).exit_code == 2
+    refused = run("polycam", "a", "-o", tmp_path).exception
+    assert isinstance(refused, InputError)
+    assert "roomplan" in str(refused)

@@ -119,7 +119,7 @@ def test_nothing_is_left_of_what_fails(tmp_path: Path) -> None:
     asset = Asset("chair", (), lambda: Model({"seat": part}, surfaces={"seat": missing}))
     with pytest.raises(Exception, match="no such file"):
         publish(tmp_path / "assets", asset)
-    assert list((tmp_path / "assets").iterdir()) == []
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_an_unwritable_folder_is_an_output_error(tmp_path: Path) -> None:

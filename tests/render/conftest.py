@@ -33,6 +33,7 @@ class FakeRenderer:
 
     channels = tuple(CHANNELS)
     backend = "fake 1.0"
+    advice = ""
     cameras: tuple[str, ...] = ("/World/Cameras/left", "/World/Cameras/right")
     resolution = (40, 30)
     legend = Legend(
@@ -69,7 +70,6 @@ class FakeRenderer:
         progress(1.0)
         return View(
             camera=request.camera,
-            name="",
             width=request.width,
             height=request.height,
             K=np.array([[50.0, 0, 20], [0, 50, 15], [0, 0, 1]]),

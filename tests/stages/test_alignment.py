@@ -17,6 +17,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library.furniture import CATEGORIES, STAND_INS
 from openrooms_usd.stages.alignment import AlignmentStage
 from openrooms_usd.stages.captured import SUBSTITUTES
+from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout import LayoutStage
 from openrooms_usd.stages.runner import run
 from openrooms_usd.usd.meshes import read_meshes
@@ -32,8 +33,9 @@ def _compose(
         {"seed": seed, "layout": {"height": HEIGHT}, "alignment": {"objects": objects, **section}}
     )
     layers = folder / "layers"
-    run(LayoutStage(), room, folder, layers, "", workers)
-    notes = run(AlignmentStage(), room, folder, layers, "", workers)
+    with drafting(folder) as draft:
+        run(LayoutStage(), room, folder, draft, "", workers)
+        notes = run(AlignmentStage(), room, folder, draft, "", workers)
     root = Sdf.Layer.CreateAnonymous(".usda")
     root.subLayerPaths = [str(layers / "alignment.usda"), str(layers / "layout.usda")]
     root.pseudoRoot.SetInfo("upAxis", "Z")

@@ -1,0 +1,94 @@
+"""Ctrl-C in real processes: what was finished is whole, and nothing is half there."""
+
+import json
+import shutil
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+INTERRUPTED = 130
+
+
+def interrupt(process: "subprocess.Popen[str]", when: Callable[[], bool], lab: Any) -> None:
+    """Press Ctrl-C as soon as something holds; the process then leaves as it should."""
+    limit = time.monotonic() + 60
+    while not when() and process.poll() is None and time.monotonic() < limit:
+        time.sleep(0.002)
+    assert process.poll() is None, process.communicate()
+    process.send_signal(signal.SIGINT)
+    said = lab.finish(process)
+    assert said.code == INTERRUPTED, said
+    assert "Traceback" not in said.err
+    assert said.err.strip() == "interrupted: what was finished is whole"
+    assert said.out == ""
+
+
+@pytest.fixture
+def slow_room(lab: Any, tmp_path: Path) -> Path:
+    """A room whose textures take their time."""
+    room = tmp_path / "slow.yaml"
+    room.write_text(lab.OTHER_ROOM.replace("resolution: 16}", "resolution: 512}"))
+    return room
+
+
+@pytest.mark.parametrize("reached", ["edits", "layout", "alignment", "materials"])
+def test_a_new_composition(reached: str, slow_room: Path, lab: Any, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    layers = out / "layers"
+    process = lab.start("compose", slow_room, "-o", out)
+    interrupt(process, lambda: any(layers.glob(f".{reached}.*")), lab)
+    assert not out.exists()
+
+
+def test_an_earlier_composition_stays(slow_room: Path, lab: Any, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(lab.composed, out)
+    before = lab.tree(out)
+    textures = out / "layers" / "materials" / "textures"
+    there = set(textures.iterdir())
+    process = lab.start("compose", slow_room, "-o", out, "--usdz", "--flatten")
+    interrupt(process, lambda: bool(set(textures.glob("*.png")) - there), lab)
+    assert lab.tree(out) == before
+    assert lab.finish(lab.start("compose", lab.room, "-o", out)).out.count("unchanged") == 5
+
+
+def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
+    pytest.importorskip("mitsuba")
+    from openrooms_usd.channels import CHANNELS
+    from openrooms_usd.render import exr
+
+    out = tmp_path / "out"
+    process = lab.start("render", lab.scene, "-o", out, "--variant", "scalar", "--time", "1")
+    interrupt(process, lambda: (out / "manifest.json").exists(), lab)
+    views = json.loads((out / "manifest.json").read_text())["views"]
+    assert list(views) == ["left"]
+    there = {path.name for path in out.iterdir()}
+    assert there == {"left", "manifest.json", "timing.json", "contact_sheet.png"}
+    assert exr.read_channels(out / "left" / "channels.exr").keys() == CHANNELS.keys()
+    pictures = {f"{name}.png" for name in CHANNELS}
+    files = {path.name for path in (out / "left").iterdir()}
+    assert files == pictures | {"channels.exr", "radiance.exr"}
+
+
+def test_an_earlier_render_stays_until_a_view_is_finished(lab: Any, tmp_path: Path) -> None:
+    pytest.importorskip("mitsuba")
+    out = tmp_path / "out"
+    shutil.copytree(lab.rendered, out)
+    before = lab.tree(out)
+    began = time.monotonic()
+    process = lab.start("render", lab.scene, "-o", out, "--variant", "scalar", "--time", "60")
+    interrupt(process, lambda: time.monotonic() > began + 2.5, lab)
+    assert lab.tree(out) == before
+
+
+def test_a_conversion(lab: Any, tmp_path: Path) -> None:
+    pytest.importorskip("mitsuba")
+    out = tmp_path / "out"
+    process = lab.start("convert", lab.scene, out)
+    interrupt(process, lambda: any(out.glob(".new.*")), lab)
+    assert not out.exists()

@@ -1,0 +1,50 @@
+"""A real phone capture goes the whole way by the command line."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from pxr import Usd
+
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.cli import orusd
+
+CAPTURE = Path(__file__).parents[3] / "shared/data/roomplan_libroom/Room.json"
+
+
+def call(*words: object) -> str:
+    result = CliRunner().invoke(orusd, [*map(str, words)], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+@pytest.mark.skipif(not CAPTURE.is_file(), reason="the shared captures are not here")
+def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened) -> None:
+    room, out, pictures = (tmp_path / name for name in ("room", "out", "pictures"))
+    call("import", "roomplan", CAPTURE, "-o", room)
+    call("compose", room / "room.yaml", "-o", out)
+    assert "clean" in call("validate", "--strict", out / "scene.usda")
+    said = call("render", out / "scene.usda", "-o", pictures, "--resolution", "32x24", "--spp", 2,
+                "--variant", fastest, "--json")  # fmt: skip
+    manifest = json.loads((pictures / "manifest.json").read_text())
+    assert json.loads(said)["manifest"] == manifest
+    assert set(manifest["channels"]) == set(CHANNELS)
+    assert manifest["report"]["approximated"] == 0
+    captured = json.loads(CAPTURE.read_text())
+    categories = list(manifest["legend"]["category"].values())
+    assert categories.count("wall") == len(captured["floors"][0]["polygonCorners"]) == 7
+    furniture = [name for name in manifest["legend"]["instance"].values() if "Furniture" in name]
+    assert len(furniture) >= len(captured["objects"]) == 3
+
+    shown, stage = opened(pictures), Usd.Stage.Open(str(out / "scene.usda"))
+    for view, entry in manifest["views"].items():
+        image = shown[view]
+        assert set(image) == set(CHANNELS)
+        assert all(np.isfinite(pixels).all() for pixels in image.values())
+        assert np.median(image["radiance"]) > 0
+        seen = cast(stage, entry["camera"], 32, 24)
+        assert np.array_equal(image["valid"][..., 0] == 1, seen.hit)
+        near = np.abs(image["distance"][..., 0] - seen.distance) < 1e-4
+        assert near[seen.hit].mean() > 0.998

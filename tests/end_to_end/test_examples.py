@@ -1,0 +1,37 @@
+"""The numbered examples run as they stand, in a process of their own, and fit on a screen."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
+
+# What each says when it did what it is about.
+SAYS = {
+    "01_compose": r"cameras +written\n0 findings in scene\.usda",
+    "02_read_ground_truth": r"\d{4,} pixels see a surface; .* agree within \d\.\de-0[67] m",
+    "03_edit_in_usd": r"\(2\.00, 3\.85\)\n.*\n.*\(2\.30, 3\.80\)",
+}
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_runs_anywhere(example: Path, tmp_path: Path) -> None:
+    text = example.read_text()
+    assert len(text.splitlines()) <= 60
+    assert f"Run: python examples/{example.name} OUT" in text
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(example), "out"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.search(SAYS[example.stem], done.stdout), done.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+def test_every_example_is_known() -> None:
+    assert [path.stem for path in EXAMPLES] == list(SAYS)

@@ -1,0 +1,45 @@
+"""The folder of layers, the flattened layer and the package give the same pictures."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+from openrooms_usd import compose_room
+from openrooms_usd.channels import CHANNELS
+
+
+def test_layered_flattened_and_packaged_are_one_picture(
+    composed_demo: Path, tmp_path: Path, show, variant: str
+) -> None:
+    room = tmp_path / "room"
+    shutil.copytree(composed_demo.parents[1], room)
+    summary = compose_room(room / "room.yaml", room / "out", flatten=True, usdz=True)
+    assert summary.unchanged, "what is up to date is not made again elsewhere"
+    flat, packed = summary.files
+    assert (flat.suffix, packed.suffix) == (".usdc", ".usdz")
+    # The package stands alone, far from the folder that it was made from.
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    packed = packed.replace(alone / "room.usdz")
+    # And so does the flattened scene without the layers' texts.
+    for text in (summary.scene, *summary.scene.parent.glob("layers/*.usda")):
+        shutil.move(text, alone)
+    how = {"resolution": (48, 36), "variant": variant}
+    flattened = show(flat, "flattened", **how)
+    packaged = show(packed, "packaged", **how)
+    layered = show(composed_demo, "layered", **how)
+
+    assert len(layered.views) == 3
+    for view in layered.views:
+        image = layered[view]
+        assert set(image) == set(CHANNELS)
+        assert image["radiance"].max() > 0 and len(np.unique(image["part"])) > 5
+        assert len(np.unique(image["base_color"])) > 50, "textures are seen"
+        for name in CHANNELS:
+            assert np.array_equal(flattened[view][name], image[name]), (view, name)
+            assert np.array_equal(packaged[view][name], image[name]), (view, name)
+    for other in (flattened, packaged):
+        assert {k: v for k, v in other.manifest.items() if k != "stage"} == {
+            k: v for k, v in layered.manifest.items() if k != "stage"
+        }
