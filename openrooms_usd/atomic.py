@@ -90,6 +90,8 @@ def filling(folder: Path) -> Iterator[Path]:
     beside = folder / f".new.{os.getpid()}"
     with writing(folder), making(folder), naming(folder, beside):
         try:
+            # A run of this number that was killed may have left one.
+            shutil.rmtree(beside, ignore_errors=True)
             beside.mkdir()
             yield beside
             files = [path.relative_to(beside) for path in beside.rglob("*") if path.is_file()]

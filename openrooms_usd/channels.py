@@ -59,7 +59,7 @@ CHANNELS: Final[dict[str, Channel]] = {
         Channel("distance", _ONE, "float", "m", "camera", "geometry",
                 "Euclidean distance from the camera; 0 where there is no surface"),
         Channel("position", _XYZ, "float", "m", "world", "geometry",
-                "first hit; 0 where there is no surface"),
+                "first hit, in steps of 8 mm at 100 km; 0 where there is no surface"),
         Channel("normal", _XYZ, "half", "1", "world", "geometry",
                 "unit shading normal with the normal map, on the camera's side; 0 without surface"),
         Channel("normal_geometric", _XYZ, "half", "1", "world", "geometry",

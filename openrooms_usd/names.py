@@ -24,6 +24,15 @@ RENDER_SETTINGS: Final = "/Render/Settings"
 # Stages from the weakest to the strongest layer.
 STAGES: Final = ("layout", "alignment", "materials", "lights", "cameras")
 
+# What each stage defines, with all that lies below. Layout also defines the world.
+OWNED: Final = {
+    "layout": (ROOM,),
+    "alignment": (FURNITURE,),
+    "materials": (MATERIALS,),
+    "lights": (LIGHTS,),
+    "cameras": (CAMERAS, RENDER),
+}
+
 # Files of a composed room.
 SCENE: Final = "scene.usda"
 LAYERS: Final = "layers"
@@ -54,3 +63,7 @@ OPENING_WIDTH: Final = "openrooms:opening:width"
 OPENING_HEIGHT: Final = "openrooms:opening:height"
 OPENING_WALL: Final = "openrooms:opening:wall"
 ROOM_FLOOR: Final = "openrooms:room:floor"
+SOURCE_API: Final = "OpenRoomsSourceAPI"
+SOURCE_FILE: Final = "openrooms:source:file"
+SOURCE_ID: Final = "openrooms:source:id"
+SOURCE_CONFIDENCE: Final = "openrooms:source:confidence"

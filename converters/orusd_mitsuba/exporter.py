@@ -13,6 +13,7 @@ from pxr import Usd
 from openrooms_usd import atomic
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.usd import imagefile
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
 from orusd_mitsuba.descriptions import Description, describe_area, describe_bsdf, describe_sun
@@ -21,12 +22,10 @@ from orusd_mitsuba.pictures import Picture
 from orusd_mitsuba.ply import ply_bytes
 from orusd_mitsuba.resolution import stage_resolution
 from orusd_mitsuba.scene import Environment, Patch, Scene
-from orusd_mitsuba.sensors import describe_sensor
+from orusd_mitsuba.sensors import clipping_loss, describe_sensor
 from orusd_mitsuba.translate import translate
 from orusd_mitsuba.xml_text import scene_text
 
-_BOUNCES: Final = 7
-_SAMPLES: Final = 64
 # Nearer to the origin than this, single precision still resolves a twentieth of a millimetre.
 _NEAR: Final = 1000.0
 
@@ -60,7 +59,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
 def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
     export = _Export(scene, file.parent)
     # 1. What a scene is rendered with.
-    export.add("integrator", {"type": "path", "max_depth": _BOUNCES + 1})
+    export.add("integrator", {"type": "path", "max_depth": DEFAULT_BOUNCES + 1})
     for name, camera in _cameras(stage, scene.report).items():
         export.add_camera(name, camera, stage_resolution(stage))
     # 2. Light from far away.
@@ -80,7 +79,8 @@ def _cameras(stage: Usd.Stage, report: Report) -> dict[str, PinholeCamera]:
     for prim in list_cameras(stage):
         try:
             cameras[str(prim.GetPath())] = read_camera(prim, width, height)
-            report.add(prim.GetPath(), "translated")
+            loss = clipping_loss(prim)
+            report.add(prim.GetPath(), "approximated" if loss else "translated", loss)
         except StageError as error:
             report.add(prim.GetPath(), "skipped", error.message)
     return cameras or {"/framing": framing_camera(stage, width, height)}
@@ -113,7 +113,7 @@ class _Export:
 
     def add_camera(self, path: str, camera: PinholeCamera, size: tuple[int, int]) -> None:
         sensor = describe_sensor(camera, *size, self._origin)
-        sensor["sampler"] = {"type": "independent", "sample_count": _SAMPLES}
+        sensor["sampler"] = {"type": "independent", "sample_count": DEFAULT_SAMPLES}
         self.add(path, sensor)
 
     def add_environment(self, environment: Environment) -> None:

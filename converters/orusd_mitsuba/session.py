@@ -19,7 +19,7 @@ from orusd_mitsuba.ground_truth import GroundTruth
 from orusd_mitsuba.rays import RayTracer
 from orusd_mitsuba.resolution import stage_resolution
 from orusd_mitsuba.sampling import Halves, Sampler
-from orusd_mitsuba.sensors import describe_sensor
+from orusd_mitsuba.sensors import clipping_loss, describe_sensor
 from orusd_mitsuba.translate import translate
 from orusd_mitsuba.variants import Backend
 
@@ -56,10 +56,14 @@ class MitsubaSession:
         self._tracer = RayTracer(self._scene, self._built)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
         self.advice = backend.advice
-        self.cameras = tuple(str(prim.GetPath()) for prim in list_cameras(stage))
+        cameras = list_cameras(stage)
+        self.cameras = tuple(str(prim.GetPath()) for prim in cameras)
         self.resolution = stage_resolution(stage)
         self.legend = self._scene.legend
         self.report = self._scene.report
+        for prim in cameras:
+            if loss := clipping_loss(prim):
+                self.report.add(prim.GetPath(), "approximated", loss)
 
     def render(self, request: RenderRequest, progress: Progress = lambda fraction: None) -> View:
         """Render one camera.
@@ -135,22 +139,30 @@ class MitsubaSession:
         most = max(1, _WAVEFRONT // (request.width * request.height))
         shape = request.height, request.width
         halves = Sampler(film, request, shape, most, progress).run()
-        self._note(request, halves, film.broken)
+        replaced = int(film.broken.sum())
+        self._note(request, halves, replaced)
         seconds = time.perf_counter() - start
-        return {"radiance": Image(halves.mean, halves.total, seconds, halves.error)}
+        return {"radiance": Image(halves.mean, halves.total, seconds, halves.error, replaced)}
 
-    def _note(self, request: RenderRequest, halves: Halves, broken: int) -> None:
+    def _note(self, request: RenderRequest, halves: Halves, replaced: int) -> None:
         where = request.camera or "framing camera"
         if request.error is not None and (halves.error or 0.0) > request.error:
-            reason = f"error {halves.error:.2g} after {halves.total} samples a pixel: gave up"
+            reason = (
+                f"estimated error {halves.error:.2g} after {halves.total} samples a pixel, "
+                f"not {request.error:g}"
+            )
             self.report.add(where, "approximated", reason)
-        if broken:
-            reason = f"{broken} values of radiance were no numbers, taken as 0"
+        if replaced:
+            reason = f"radiance was no number in {replaced} pixels, taken as 0"
             self.report.add(where, "approximated", reason)
 
 
 class _Film:
-    """Renders passes of a camera, in bands of rows where one pass would take too much memory."""
+    """Renders passes of a camera, in bands of rows where one pass would take too much memory.
+
+    Attributes:
+        broken: (height, width) bool, pixels in which a pass gave no number.
+    """
 
     def __init__(
         self, built: Any, camera: PinholeCamera, request: RenderRequest, origin: NDArray[np.float64]
@@ -171,7 +183,7 @@ class _Film:
             )
             for top in range(0, request.height, rows)
         ]
-        self.broken = 0
+        self.broken = np.zeros((request.height, request.width), dtype=bool)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
         bands = [
@@ -186,7 +198,7 @@ class _Film:
         ]
         pixels = np.concatenate(bands)
         finite = np.isfinite(pixels)
-        self.broken += int(finite.size - finite.sum())
+        self.broken |= ~finite.all(axis=2)
         return np.where(finite, pixels, np.float32(0.0))
 
 

@@ -1,14 +1,20 @@
 """The commands ``compose`` and ``demo``."""
 
+import sys
 import time
+from contextlib import nullcontext, redirect_stdout
 from importlib import resources
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from openrooms_usd import names
 from openrooms_usd.atomic import filling
 from openrooms_usd.cli.console import json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.compose import ComposeSummary
 
 
 @click.command()
@@ -49,10 +55,17 @@ def compose(
         for note in row.notes:
             click.echo(f"           note: {note}")
     seconds = time.perf_counter() - started
-    done = "nothing to do, everything is up to date" if summary.unchanged else "composed"
-    click.echo(f"{done}: {summary.scene} ({seconds:.2f} s)")
+    click.echo(f"{_done(summary)}: {summary.scene} ({seconds:.2f} s)")
     for path in summary.files:
         click.echo(f"wrote {path}")
+
+
+def _done(summary: "ComposeSummary") -> str:
+    if not summary.unchanged:
+        return "composed"
+    if summary.files:
+        return "the layers are up to date"
+    return "nothing to do, everything is up to date"
 
 
 @click.command()
@@ -65,14 +78,21 @@ def compose(
     help="Output folder.",
 )
 @click.option("--spp", type=click.IntRange(1, 65536), default=96, show_default=True)
+@json_option
 @click.pass_context
-def demo(ctx: click.Context, out: Path, spp: int) -> None:
+def demo(ctx: click.Context, out: Path, spp: int, as_json: bool) -> None:
     """Compose and render the bundled example, and say where the pictures are."""
     from openrooms_usd.cli.rendering import render
 
     room = copy_example(out / "source")
-    ctx.invoke(compose, description=room, out=out, usdz=True)
-    ctx.invoke(render, stage=out / names.SCENE, out=out / "render", spp=spp)
+    # With --json the story of the two commands is told beside the document.
+    with redirect_stdout(sys.stderr) if as_json else nullcontext():
+        ctx.invoke(compose, description=room, out=out, usdz=True)
+        ctx.invoke(render, stage=out / names.SCENE, out=out / "render", spp=spp)
+    if as_json:
+        paths = {"description": room, "scene": out / names.SCENE, "render": out / "render"}
+        print_json({name: str(path) for name, path in paths.items()})
+        return
     click.echo(f"\nthe pictures: {out / 'render' / 'contact_sheet.png'}")
     click.echo(f"the scene:    {out / names.SCENE}  (open it in any USD viewer)")
     click.echo(f"to change:    {room}, then: orusd compose {room} -o {out}")

@@ -16,7 +16,8 @@ DESCRIPTION: Final = "room.yaml"
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
-def init(folder: Path) -> None:
+@json_option
+def init(folder: Path, as_json: bool) -> None:
     """Write DIR/room.yaml, a small living room to start from, and its JSON Schema beside it."""
     from openrooms_usd.description import schema
 
@@ -35,6 +36,10 @@ def init(folder: Path) -> None:
     with filling(folder) as beside:
         for name, text in texts.items():
             write_text(beside / name, text)
+    if as_json:
+        paths = {"description": folder / DESCRIPTION, "schema": folder / schema.FILE}
+        print_json({name: str(path) for name, path in paths.items()})
+        return
     click.echo(f"wrote {folder / DESCRIPTION}")
     click.echo(f"next:  orusd compose {folder / DESCRIPTION} -o {folder / 'out'}")
 

@@ -11,7 +11,7 @@ from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.atomic import filling, write_bytes, write_text
 from openrooms_usd.capture import Capture
 from openrooms_usd.cli.console import json_option, print_json
-from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.errors import InputError, OutputError, writing
 
 if TYPE_CHECKING:
     import numpy as np
@@ -119,18 +119,23 @@ def import_capture(kind: str, source: Path, out: Path) -> Capture:
     """
     from openrooms_usd.description import parse_room
 
-    capture: Capture = load(IMPORTERS, kind).read(source)
+    try:
+        capture: Capture = load(IMPORTERS, kind).read(source)
+    except OSError as error:
+        raise _unreadable(source, error) from error
     if capture.floor is None:
         raise InputError(
             "the capture has no floor, and no walls that enclose one",
             place=source,
             remedy="scan the room again, so that its walls close",
         )
-    copy = out / (source.name if source.name.isprintable() else f"{kind}{source.suffix}")
-    _refuse_to_replace(copy, source)
+    data = _bytes(source)
+    keep = source.name.isprintable() and source.name != ROOM
+    copy = out / (source.name if keep else f"{kind}{source.suffix}")
+    with writing(out):
+        _refuse_to_replace(copy, data)
     text = describe(kind, capture, copy.name)
     parse_room(text, str(out / ROOM))
-    data = source.read_bytes()
     with filling(out) as folder:
         if not copy.exists():
             write_bytes(folder / copy.name, data)
@@ -138,12 +143,27 @@ def import_capture(kind: str, source: Path, out: Path) -> Capture:
     return capture
 
 
-def _refuse_to_replace(copy: Path, source: Path) -> None:
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
+def _unreadable(path: Path, error: OSError) -> InputError:
+    return InputError(
+        f"cannot be read: {error.strerror or error}",
+        place=path,
+        remedy="check that it is a file, and that you may read it",
+    )
+
+
+def _refuse_to_replace(copy: Path, data: bytes) -> None:
     remedy = "choose another folder, or move the file away"
     room = copy.with_name(ROOM)
     if room.exists():
         raise OutputError("there is a room already", place=room, remedy=remedy)
-    if copy.exists() and copy.read_bytes() != source.read_bytes():
+    if copy.exists() and _bytes(copy) != data:
         raise OutputError("another capture has that name", place=copy, remedy=remedy)
 
 

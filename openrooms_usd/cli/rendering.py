@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 
 if TYPE_CHECKING:
     from openrooms_usd.render import Progress, RenderSummary
@@ -35,11 +36,11 @@ def _resolution(
 @click.option(
     "--resolution", metavar="WxH", callback=_resolution, help="By default what the stage says."
 )
-@click.option("--spp", type=int, help="Samples a pixel; 64 by default.")
+@click.option("--spp", type=int, help=f"Samples a pixel; {DEFAULT_SAMPLES} by default.")
 @click.option("--error", type=float, help="Stop at this estimated relative error.")
 @click.option("--time", "seconds", type=float, help="Stop each view after these seconds.")
 @click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--bounces", type=int, default=7, show_default=True)
+@click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
 @click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
 @click.option("--renderer", default="mitsuba", show_default=True)
 @json_option
@@ -119,7 +120,7 @@ def _print_summary(summary: "RenderSummary") -> None:
         click.echo(
             f"{name:<16} {width}x{height}  {_quality(view)}{took['render'] + took['output']:.1f} s"
         )
-        for warning in _warnings(view):
+        for warning in _warnings(view, summary.manifest["stop"].get("error")):
             click.echo(f"    warning: {warning}", err=True)
     report = summary.manifest["report"]
     if report["losses"]:
@@ -142,10 +143,17 @@ def _quality(view: Mapping[str, Any]) -> str:
     return f"{radiance['samples']} samples{measured}  "
 
 
-def _warnings(view: Mapping[str, Any]) -> Iterator[str]:
+def _warnings(view: Mapping[str, Any], wanted: float | None) -> Iterator[str]:
+    radiance = view["channels"].get("radiance")
+    if radiance and wanted is not None:
+        reached, samples = radiance["estimated_error"], radiance["samples"]
+        if reached is None:
+            yield f"no estimated error after {samples} samples, so not surely {wanted:g}"
+        elif reached > wanted:
+            yield f"estimated error {reached:.2g} after {samples} samples, not {wanted:g}"
     for name, channel in view["channels"].items():
         if channel["nonfinite_pixels"]:
-            yield f"{channel['nonfinite_pixels']} pixels of {name} are not finite"
+            yield f"{channel['nonfinite_pixels']} pixels of {name} were no finite numbers"
 
 
 @click.command()

@@ -1,6 +1,6 @@
 """The ``alignment`` section: which objects stand where."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from pydantic import Field, Tag
@@ -42,7 +42,7 @@ class Placed(Model):
     """What every object has: a name, a category and a place."""
 
     name: PrimName | None = None
-    """Its prim name; by default its category and a number, such as chair_2."""
+    """Its prim name; by default its category and its position among them, such as chair_2."""
     category: PrimName
     """What it is, such as chair."""
     at: tuple[Length, ...] = Field(min_length=2, max_length=3)
@@ -126,19 +126,20 @@ AnyPlaced = TypeVar("AnyPlaced", bound=Placed)
 
 
 def named_objects(
-    objects: Sequence[AnyPlaced], taken: Collection[str] = ()
+    objects: Sequence[AnyPlaced], captured: Sequence[str] = ()
 ) -> list[tuple[str, AnyPlaced]]:
     """Give every object its name: its own, or its category and a number.
 
     Args:
         objects: The objects of the description, in order.
-        taken: Names that are used already, such as those of captured objects.
+        captured: The categories of captured objects, which are counted first.
 
     Returns:
         The objects in order, each with its prim name.
     """
-    wanted = ((thing.name, thing.category) for thing in objects)
-    return list(zip(unique_names(wanted, taken), objects, strict=True))
+    wanted: list[tuple[str | None, str]] = [(None, category) for category in captured]
+    wanted += [(thing.name, thing.category) for thing in objects]
+    return list(zip(unique_names(wanted)[len(captured) :], objects, strict=True))
 
 
 def object_names(objects: Sequence[Any]) -> list[str] | None:

@@ -1,6 +1,6 @@
 """The ``layout`` section: the room's shell and what is cut into it."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, Tag
@@ -105,19 +105,20 @@ Layout = Annotated[
 
 
 def named_openings(
-    openings: Sequence[Opening], taken: Collection[str] = ()
+    openings: Sequence[Opening], captured: Sequence[str] = ()
 ) -> list[tuple[str, Opening]]:
     """Give every opening its name: its own, or its kind and a number.
 
     Args:
         openings: The openings of the description, in order.
-        taken: Names that are used already, such as those of captured openings.
+        captured: The kinds of captured openings, which are counted first.
 
     Returns:
         The openings in order, each with its prim name.
     """
-    wanted = ((opening.name, opening.kind) for opening in openings)
-    return list(zip(unique_names(wanted, taken), openings, strict=True))
+    wanted: list[tuple[str | None, str]] = [(None, kind) for kind in captured]
+    wanted += [(opening.name, opening.kind) for opening in openings]
+    return list(zip(unique_names(wanted)[len(captured) :], openings, strict=True))
 
 
 def _name_clashes(openings: Sequence[Any]) -> Iterator[Found]:

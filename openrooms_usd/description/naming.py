@@ -1,31 +1,33 @@
 """Default names: ``chair_0``, ``window_1``, stable when other things get names of their own."""
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import count
 
 from openrooms_usd.description.model import Found
 
 
-def unique_names(
-    wanted: Iterable[tuple[str | None, str]], taken: Collection[str] = ()
-) -> list[str]:
-    """Name everything that has no name by its kind and a number.
+def unique_names(wanted: Iterable[tuple[str | None, str]]) -> list[str]:
+    """Name everything that has no name by its kind and its position among all of that kind.
 
-    The numbers of a kind count up in order and skip names that are already used.
+    Things with names of their own are counted too, so that naming one renames no other. A number
+    that a given name uses already is replaced by the next free one, for that thing alone.
 
     Args:
         wanted: For each thing the name that it was given, or None, and its kind.
-        taken: Names that others already have.
 
     Returns:
         One name each, in order. Given names are kept as they are, also where they repeat.
     """
     rows = list(wanted)
-    used = {*taken, *(name for name, _ in rows if name)}
-    numbers = {kind: count() for _, kind in rows}
+    given = {name for name, _ in rows if name}
+    seen, spare = ({kind: count() for _, kind in rows} for _ in range(2))
+    places = [f"{kind}_{next(seen[kind])}" for _, kind in rows]
+    used = given | {place for place, (name, _) in zip(places, rows, strict=True) if not name}
     return [
-        name or next(new for n in numbers[kind] if (new := f"{kind}_{n}") not in used)
-        for name, kind in rows
+        name
+        or (place if place not in given else None)
+        or next(free for n in spare[kind] if (free := f"{kind}_{n}") not in used)
+        for place, (name, kind) in zip(places, rows, strict=True)
     ]
 
 

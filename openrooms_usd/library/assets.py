@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 # Part of every asset's name: raise it when the same key gives another asset without a new version.
 FORMAT: Final = 1
 GEOMETRY: Final = "geometry.usdc"
+# The key of assetInfo that says under which terms an asset may be used.
+LICENCE_KEY: Final = "license"
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +52,7 @@ class Model:
         surfaces: The material of parts that bring their own; texture files are absolute paths.
         notes: What was left out or mended, one sentence each.
         double_sided: Whether its surfaces may be open and seen from behind.
+        licence: The terms that a foreign model states; empty where it states none.
     """
 
     parts: Mapping[str, Mesh]
@@ -57,6 +60,7 @@ class Model:
     surfaces: Mapping[str, "PreviewSurface"] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     double_sided: bool = False
+    licence: str = ""
 
     @property
     def extent(self) -> NDArray[np.float64]:
@@ -241,6 +245,8 @@ def _write_interface(asset: Asset, model: Model, target: Path) -> None:
     api.SetKind(Kind.Tokens.component)
     api.SetAssetName(asset.name)
     api.SetAssetIdentifier(Sdf.AssetPath(f"./{asset.name}.usda"))
+    if model.licence:
+        root.SetAssetInfoByKey(LICENCE_KEY, model.licence)
     extent = [Gf.Vec3f(*row) for row in model.extent.astype(np.float32).tolist()]
     UsdGeom.ModelAPI.Apply(root).SetExtentsHint(Vt.Vec3fArray(extent))
     label(root, asset.category)

@@ -36,7 +36,8 @@ def read_glb(path: Path) -> Reading:
             place=path,
             remedy="pip install 'openrooms-usd[draco]'",
         )
-    return Reading(_pieces(_load(content, "glb", path), path.stem), _picture_notes(header))
+    pieces = _pieces(_load(content, "glb", path), path.stem)
+    return Reading(pieces, _picture_notes(header), licence=_copyright(header))
 
 
 def read_ply(path: Path) -> Reading:
@@ -72,6 +73,11 @@ def _header(content: bytes, path: Path) -> dict[str, Any]:
 def _picture_notes(header: dict[str, Any]) -> list[str]:
     count = len(header.get("images", []))
     return [f"{count} textures in the GLB file are left out"] if count else []
+
+
+def _copyright(header: dict[str, Any]) -> str:
+    asset = header.get("asset")
+    return str(asset.get("copyright") or "") if isinstance(asset, dict) else ""
 
 
 def _load(content: bytes, kind: str, path: Path) -> Any:

@@ -1,6 +1,6 @@
 """The user's own models: OBJ, GLB, PLY and USD files as parts in our object frame."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, Literal
@@ -16,8 +16,8 @@ from openrooms_usd.library.assets import Model
 from openrooms_usd.library.furniture import Size
 from openrooms_usd.library.gltf import read_glb, read_ply
 from openrooms_usd.library.pieces import Piece, Reading, is_textured, mended, prim_names
-from openrooms_usd.library.usdfile import read_usd
-from openrooms_usd.library.wavefront import read_obj
+from openrooms_usd.library.usdfile import layers_of, read_usd
+from openrooms_usd.library.wavefront import libraries_of, read_obj
 
 Up = Literal["Y", "Z"]
 Front = Literal["+X", "-X", "+Y", "-Y"]
@@ -75,8 +75,25 @@ def read_model(
             f"cannot be read: {error.strerror or error}", place=path, remedy="check the file"
         ) from error
     turn = _turn(up or reading.up, front) * (unit or reading.unit)
-    parts = _sound(reading, path)
-    return _fitted(_as_model(parts, turn, reading.notes), size, path)
+    model = replace(_as_model(_sound(reading, path), turn, reading.notes), licence=reading.licence)
+    return _fitted(model, size, path)
+
+
+def dependencies(path: Path) -> list[Path]:
+    """The files that a mesh file refers to: materials, pictures, other USD layers.
+
+    Args:
+        path: The mesh file; one that is missing or broken refers to nothing.
+
+    Returns:
+        Absolute paths of those that exist, sorted, without the file itself.
+    """
+    finder = _FINDERS.get(path.suffix.lower())
+    try:
+        found = set(finder(path)) if finder and path.is_file() else set()
+    except (OSError, ValueError):
+        return []
+    return sorted(found - {path.resolve()})
 
 
 def _turn(up: Up, front: Front) -> NDArray[np.float64]:
@@ -157,4 +174,11 @@ _READERS: Final[dict[str, Callable[[Path], Reading]]] = {
     ".usda": read_usd,
     ".usdc": read_usd,
     ".usdz": read_usd,
+}
+
+_FINDERS: Final[dict[str, Callable[[Path], Iterable[Path]]]] = {
+    ".obj": libraries_of,
+    ".usd": layers_of,
+    ".usda": layers_of,
+    ".usdc": layers_of,
 }

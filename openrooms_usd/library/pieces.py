@@ -39,12 +39,14 @@ class Reading:
         notes: What was left out, one sentence each.
         up: The up axis that the file states, or that its format has.
         unit: Metres for one unit, likewise.
+        licence: The terms that the file states; empty where it states none.
     """
 
     pieces: Sequence[Piece]
     notes: Sequence[str] = ()
     up: Literal["Y", "Z"] = "Y"
     unit: float = 1.0
+    licence: str = ""
 
 
 def is_textured(surface: "PreviewSurface | None") -> bool:

@@ -9,6 +9,8 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.pieces import Piece, Reading
 
 if TYPE_CHECKING:
+    from pxr import Usd
+
     from openrooms_usd.usd.materials import PreviewSurface
     from openrooms_usd.usd.meshes import PlacedMesh
 
@@ -37,7 +39,29 @@ def read_usd(path: Path) -> Reading:
             Piece(placed.prim.GetName(), _mesh(placed).transformed(stage_from_local), surface)
         )
     up: Literal["Y", "Z"] = "Y" if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y else "Z"
-    return Reading(pieces, notes, up, UsdGeom.GetStageMetersPerUnit(stage))
+    return Reading(pieces, notes, up, UsdGeom.GetStageMetersPerUnit(stage), _licence(stage))
+
+
+def layers_of(path: Path) -> list[Path]:
+    """All files that a USD file refers to, directly or through others; absolute paths."""
+    from pxr import Tf, UsdUtils
+
+    try:
+        layers, assets, _ = UsdUtils.ComputeAllDependencies(str(path))
+    except Tf.ErrorException:
+        # What is broken is said when the file is read.
+        return []
+    files = (Path(file) for file in [*(layer.realPath for layer in layers), *assets])
+    return [file.resolve() for file in files if file.is_file()]
+
+
+def _licence(stage: "Usd.Stage") -> str:
+    """The distinct terms that the prims of a stage state."""
+    from pxr import Usd
+
+    infos = (prim.GetAssetInfo() for prim in stage.Traverse(Usd.TraverseInstanceProxies()))
+    stated = (info.get("license") or info.get("licence") for info in infos)
+    return "; ".join(dict.fromkeys(str(terms) for terms in stated if terms))
 
 
 def _mesh(placed: "PlacedMesh") -> Mesh:

@@ -1,5 +1,6 @@
 """Reads OBJ files: groups and materials as pieces, polygons kept, MTL constants and pictures."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -67,6 +68,17 @@ def read_obj(path: Path) -> Reading:
         for (group, material), corners in obj.faces.items()
     ]
     return Reading(pieces, notes)
+
+
+def libraries_of(path: Path) -> Iterator[Path]:
+    """The material libraries of an OBJ file and their pictures, as far as they are read."""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    for line in re.findall(r"^[ \t]*mtllib[ \t]+([^#\n]+)", text, re.MULTILINE):
+        library = beside(path, " ".join(line.split()), [])
+        if library is not None:
+            yield library
+            pictures = (words[-1] for _, words in _lines(library) if words[0] == "map_Kd")
+            yield from filter(None, (beside(library, name, []) for name in pictures))
 
 
 def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,10 @@ from openrooms_usd.convert import Report
 
 if TYPE_CHECKING:
     from pxr import Usd
+
+DEFAULT_BOUNCES: Final = 7
+DEFAULT_SAMPLES: Final = 64
+DEFAULT_RESOLUTION: Final = (640, 480)
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,7 @@ class RenderRequest:
     error: float | None = None
     seconds: float | None = None
     seed: int = 0
-    bounces: int = 7
+    bounces: int = DEFAULT_BOUNCES
 
 
 @dataclass(frozen=True)
@@ -52,12 +56,14 @@ class Image:
         seconds: What it took to render.
         error: Estimated relative mean squared error; 0 where one ray is exact, None where a single
             sample gives no estimate.
+        replaced: Pixels in which the renderer put 0 where it found no number.
     """
 
     pixels: NDArray[np.float32]
     samples: int
     seconds: float
     error: float | None
+    replaced: int = 0
 
 
 @dataclass(frozen=True)
@@ -115,10 +121,11 @@ class RenderSession(Protocol):
     """Prim paths of the stage's cameras, sorted."""
 
     resolution: tuple[int, int]
-    """Width and height that the stage's render settings ask for, or (640, 480)."""
+    """Width and height that the stage's render settings ask for, or `DEFAULT_RESOLUTION`."""
 
     legend: Legend
     report: Report
+    """What became of every prim; rendering may add what became of a camera's picture."""
 
     def render(
         self, request: RenderRequest, progress: Callable[[float], None] = lambda fraction: None

@@ -9,7 +9,7 @@ from typing import Any
 from openrooms_usd import adapters
 from openrooms_usd.convert import add_missing
 from openrooms_usd.render import folder, manifest
-from openrooms_usd.render.contract import Renderer
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, Renderer
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 
@@ -53,7 +53,7 @@ def render_stage(
     error: float | None = None,
     seconds: float | None = None,
     seed: int = 0,
-    bounces: int = 7,
+    bounces: int = DEFAULT_BOUNCES,
     renderer: str = "mitsuba",
     variant: str = "auto",
     progress: Progress = silent,
@@ -72,7 +72,7 @@ def render_stage(
             has none.
         channels: Names from `openrooms_usd.channels.CHANNELS`; None for all the renderer gives.
         resolution: Width and height in pixels; None for what the stage's render settings say.
-        samples: Samples a pixel; 64 where neither ``error`` nor ``seconds`` is given.
+        samples: Samples a pixel; `DEFAULT_SAMPLES` where neither ``error`` nor ``seconds`` is.
         error: Stop a view at this estimated error of its radiance.
         seconds: Stop a view after about this time.
         seed: Fixes every random number.
@@ -116,7 +116,7 @@ def render_stage(
     folder.check_space(out, raw_bytes(request))
 
     # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
-    run = Run(out, manifest.run_entry(path, renderer, session, request))
+    run = Run(out, manifest.run_entry(path, renderer, session, request), session.report)
     run.timing |= {"machine": manifest.machine_entry(session.backend), "translation": translation}
     try:
         for index, (name, camera) in enumerate(views.items()):

@@ -29,9 +29,13 @@ CONVENTIONS: Final = {
     "x right, y down, z forward; metres",
     "K": "3x3 intrinsics in pixels; the centre of the top-left pixel is at (0.5, 0.5)",
     "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
-    "estimated_error": "mean over pixels of ((a - b)^2 / 4) / (m^2 + 0.01 M^2) for two independent "
-    "halves a and b, their mean m, and the channel's mean M; 0 where one ray is exact, null where "
+    "estimated_error": "of each component the mean over pixels of v / (m^2 + 0.01 M^2), and of "
+    "these the mean over components: m is the mean of two independent halves a and b, weighted by "
+    "their samples n_a and n_b; v = (a - b)^2 n_a n_b / (n_a + n_b)^2, which is (a - b)^2 / 4 for "
+    "equal halves; M is the channel's mean of that component; 0 where one ray is exact, null where "
     "there is no estimate",
+    "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
+    "in its place",
     "bounces": "at most this many scatterings on the way from a light to the camera",
 }
 
@@ -59,7 +63,6 @@ def run_entry(stage: Path, renderer: str, session: RenderSession, request: Rende
         "conventions": CONVENTIONS,
         "channels": {name: _definition(name) for name in request.channels},
         "legend": {part.name: dict(getattr(session.legend, part.name)) for part in fields(Legend)},
-        "report": session.report.as_dict(),
     }
 
 
@@ -101,12 +104,12 @@ def view_entry(name: str, view: View, previews: Mapping[str, Preview]) -> Plain:
 
 
 def nonfinite_pixels(channel: str, image: Image) -> int:
-    """How many pixels hold a NaN or an infinity, counted as they are stored."""
+    """How many pixels hold a NaN or an infinity as they are stored, or 0 in its place."""
     stored: NDArray[Any] = image.pixels
     if CHANNELS[channel].storage == "half":
         with np.errstate(over="ignore", invalid="ignore"):
             stored = stored.astype(np.float16)
-    return int((~np.isfinite(stored)).any(axis=-1).sum())
+    return int((~np.isfinite(stored)).any(axis=-1).sum()) + image.replaced
 
 
 def _number(value: float | None) -> float | None:

@@ -7,9 +7,8 @@ from typing import Final
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.contract import RenderRequest
+from openrooms_usd.render.contract import DEFAULT_SAMPLES, RenderRequest
 
-DEFAULT_SAMPLES: Final = 64
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
 _MOST_PIXELS: Final = 2**27
@@ -40,7 +39,7 @@ def plan(
         channels: What `choose_channels` gave.
         resolution: Width and height; None where the stage, not opened yet, will say (`sized`).
         samples: As in `openrooms_usd.render.RenderRequest`, like the rest.
-        error: At most one of samples, error and seconds; none means 64 samples.
+        error: At most one of samples, error and seconds; none means `DEFAULT_SAMPLES`.
         seconds: See there.
         seed: See there.
         bounces: See there.

@@ -8,6 +8,7 @@ import numpy as np
 
 from openrooms_usd import atomic
 from openrooms_usd.channels import CHANNELS
+from openrooms_usd.convert import Report
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import exr, folder, manifest, sheet
 from openrooms_usd.render.contract import RenderRequest, View
@@ -27,12 +28,14 @@ class Run:
     Args:
         out: The folder.
         entry: What all views share, from `manifest.run_entry`.
+        report: What became of every prim; the manifest has what it says when a view is added.
     """
 
-    def __init__(self, out: Path, entry: manifest.Plain) -> None:
+    def __init__(self, out: Path, entry: manifest.Plain, report: Report) -> None:
         self.manifest: manifest.Plain = {**entry, "views": {}}
         self.timing: manifest.Plain = {"views": {}}
         self._out = out
+        self._report = report
         self._earlier = folder.earlier_views(out)
         self._rows: dict[str, list[sheet.Tile]] = {}
 
@@ -64,7 +67,7 @@ class Run:
                 "render": seconds,
                 "output": time.perf_counter() - began,
             }
-            listed = _with_view(self.manifest, name, entry)
+            listed = _with_view(self.manifest, name, entry) | {"report": self._report.as_dict()}
             timed = _with_view(self.timing, name, took)
             manifest.write_json(lists / folder.MANIFEST, listed)
             manifest.write_json(lists / folder.TIMING, timed)

@@ -1,8 +1,10 @@
 """The alignment stage: furniture as references to published assets, each at its place."""
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
@@ -19,6 +21,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.furniture import CATEGORIES, Size, category, part_of
+from openrooms_usd.library.meshfile import dependencies
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captured import Captured, captured_objects
 from openrooms_usd.stages.catalogue import Catalogue
@@ -34,12 +37,21 @@ class AlignmentStage:
     name = "alignment"
     reads: tuple[str, ...] = ("layout",)
 
-    def inputs(self, room: Room) -> Iterable[str]:
-        """The capture and the user's mesh files."""
+    def inputs(self, room: Room, source: Path) -> Iterable[str]:
+        """The capture, the user's mesh files and all files that these refer to."""
         alignment = room.alignment
         files = [item.file for item in alignment.objects if isinstance(item, FileObject)]
         captured = [alignment.file] if isinstance(alignment, RoomPlanAlignment) else []
-        return list(dict.fromkeys([*captured, *files]))
+        return [
+            *dict.fromkeys([*captured, *files]),
+            *sorted(
+                {
+                    os.path.relpath(path, source.resolve())
+                    for file in dict.fromkeys(files)
+                    for path in dependencies(source / file)
+                }
+            ),
+        ]
 
     def author(self, context: StageContext) -> None:
         """Publish what is needed once, and place it.
@@ -72,12 +84,13 @@ def _levels(stage: Usd.Stage) -> tuple[float, float | None]:
 def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
     """Captured objects, then those of the description, each with its asset."""
     alignment, catalogue = context.room.alignment, Catalogue(context)
-    taken: list[str] = []
+    labels: list[str] = []
     if isinstance(alignment, RoomPlanAlignment):
-        for thing in _captured(context, alignment, floor):
-            taken.append(thing.name)
-            yield _placed_capture(catalogue, thing, alignment.file)
-    for name, item in named_objects(alignment.objects, taken):
+        capture = _capture(context, alignment)
+        for thing in captured_objects(capture, floor, alignment.objects, context.notes):
+            labels.append(thing.substitute.label)
+            yield _placed_capture(catalogue, thing, capture.source)
+    for name, item in named_objects(alignment.objects, labels):
         try:
             yield _placed(catalogue, name, item)
         except InputError as error:
@@ -85,13 +98,10 @@ def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
             raise
 
 
-def _captured(
-    context: StageContext, alignment: RoomPlanAlignment, floor: float
-) -> Iterable[Captured]:
+def _capture(context: StageContext, alignment: RoomPlanAlignment) -> Capture:
     path = context.input(alignment.file)
     capture: Capture = adapters.load(adapters.IMPORTERS, "roomplan").read(path)
-    names_given = {item.name for item in alignment.objects if item.name}
-    return captured_objects(capture, floor, names_given, context.notes)
+    return capture
 
 
 def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> Placement:
@@ -167,12 +177,12 @@ def _author_pose(prim: Sdf.PrimSpec, item: Placement, height: float) -> None:
 
 def _author_source(prim: Sdf.PrimSpec, source: Source) -> None:
     schemas = Sdf.TokenListOp()
-    schemas.prependedItems = ["OpenRoomsSourceAPI"]
+    schemas.prependedItems = [names.SOURCE_API]
     prim.SetInfo("apiSchemas", schemas)
-    _set(prim, "openrooms:source:file", _TYPES.String, source.file)
-    _set(prim, "openrooms:source:id", _TYPES.String, source.id)
+    _set(prim, names.SOURCE_FILE, _TYPES.String, source.file)
+    _set(prim, names.SOURCE_ID, _TYPES.String, source.id)
     if source.confidence:
-        _set(prim, "openrooms:source:confidence", _TYPES.Token, source.confidence)
+        _set(prim, names.SOURCE_CONFIDENCE, _TYPES.Token, source.confidence)
 
 
 def _set(prim: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName, value: object) -> None:

@@ -1,8 +1,9 @@
-"""What a stage is, and how one is run: skipped when nothing it depends on has changed."""
+"""What a stage is, what it is given, and what its layer depends on; `runner` runs it."""
 
 import hashlib
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol
@@ -79,7 +80,7 @@ class StageContext:
         """An input file of the description.
 
         Raises:
-            InputError: It does not exist.
+            InputError: It does not exist, or cannot be read.
         """
         return input_file(self.source, relative)
 
@@ -88,10 +89,12 @@ def input_file(source: Path, relative: str) -> Path:
     """A file that a description names, relative to the description's folder.
 
     Raises:
-        InputError: It does not exist.
+        InputError: It does not exist, or cannot be looked at.
     """
     path = source / relative
-    if not path.is_file():
+    with _reading(path):
+        there = path.is_file()
+    if not there:
         raise InputError(
             "no such file",
             place=path,
@@ -109,8 +112,13 @@ class Stage(Protocol):
     reads: tuple[str, ...]
     """The weaker stages whose prims this one looks at."""
 
-    def inputs(self, room: Room) -> Iterable[str]:
-        """The files that the description names for this stage, relative to the description."""
+    def inputs(self, room: Room, source: Path) -> Iterable[str]:
+        """The files that this stage reads, relative to the description.
+
+        Args:
+            room: The description, which names them.
+            source: The description's folder, for what the named files refer to in turn.
+        """
         ...
 
     def author(self, context: StageContext) -> None:
@@ -126,7 +134,7 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
     """A hash of everything that a stage's layer depends on.
 
     That is: this package's version, the stage's section, the room type, the seed, its input files,
-    the layers that it reads, and the human edits.
+    the layers that it reads, and the human edits. The room's name is read by no stage.
 
     Args:
         stage: The stage.
@@ -136,12 +144,17 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
 
     Returns:
         64 hexadecimal digits.
+
+    Raises:
+        InputError: An input file is missing, or cannot be read.
     """
     parts: dict[str, Any] = {
         "format": [__version__, FORMAT, stage.name],
         "section": getattr(room, stage.name).model_dump(mode="json"),
-        "room": [room.name, room.room, room.seed],
-        "inputs": {name: file_digest(input_file(source, name)) for name in stage.inputs(room)},
+        "room": [room.room, room.seed],
+        "inputs": {
+            name: file_digest(input_file(source, name)) for name in stage.inputs(room, source)
+        },
         "reads": {
             name: file_digest(path)
             for name in (*stage.reads, names.EDITS)
@@ -152,6 +165,23 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
 
 
 def file_digest(path: Path) -> str:
-    """SHA-256 of a file, in hexadecimal."""
-    with path.open("rb") as file:
+    """SHA-256 of a file, in hexadecimal.
+
+    Raises:
+        InputError: It cannot be read.
+    """
+    with _reading(path), path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Turn the operating system's refusal to read into an `InputError`."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"cannot read: {error.strerror or error}",
+            place=path,
+            remedy="check that it is a file, and its permissions",
+        ) from error

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -22,9 +23,6 @@ from openrooms_usd.usd.meshes import PlacedMesh, read_meshes, world_triangles
 
 Array = NDArray[np.float64]
 
-# Floor polygon in plan, double2[] on the room's prim.
-FLOOR_ATTRIBUTE: Final = "openrooms:room:floor"
-
 # Above this many triangles furniture is cast as its boxes: views need no more to be chosen.
 MANY_TRIANGLES: Final = 2_000_000
 
@@ -42,7 +40,7 @@ class CamerasStage:
     name = "cameras"
     reads = ("layout", "alignment")
 
-    def inputs(self, room: Room) -> Iterable[str]:
+    def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """No files."""
         return ()
 
@@ -185,7 +183,7 @@ def _points(meshes: list[PlacedMesh], root: str) -> Array:
 def _floor_polygon(stage: Usd.Stage) -> Array | None:
     """(P, 2) as the layout stage left it; None where there is no usable one."""
     room = stage.GetPrimAtPath(names.ROOM)
-    attribute = room.GetAttribute(FLOOR_ATTRIBUTE) if room else None
+    attribute = room.GetAttribute(names.ROOM_FLOOR) if room else None
     corners = np.array(attribute.Get() if attribute and attribute.HasValue() else [])
     usable = corners.ndim == 2 and len(corners) >= 3 and np.isfinite(corners).all()
     return corners.astype(np.float64) if usable else None

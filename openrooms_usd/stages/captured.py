@@ -1,12 +1,13 @@
 """Captured boxes become objects: what the library builds for which label."""
 
-from collections.abc import Collection
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from openrooms_usd.capture import Capture, CapturedBox
+from openrooms_usd.description.alignment import Placed
 from openrooms_usd.description.naming import unique_names
 from openrooms_usd.library.furniture import MAX_SIDE, MIN_SIDE, Size
 
@@ -73,21 +74,22 @@ class Captured:
 
 
 def captured_objects(
-    capture: Capture, floor: float, taken: Collection[str], notes: list[str]
+    capture: Capture, floor: float, described: Sequence[Placed], notes: list[str]
 ) -> list[Captured]:
     """All boxes of a capture as objects, in the capture's order.
 
     Args:
         capture: What was captured; metres, Z up.
         floor: Height of the room's floor, metres.
-        taken: Names that other objects have.
+        described: The objects of the description, whose names are not used again.
         notes: Receives a sentence for each label that has no category of its own.
     """
     substitutes = [_substitute(box, notes) for box in capture.boxes]
-    labels = unique_names(((None, one.label) for one in substitutes), taken)
+    given = ((thing.name, thing.category) for thing in described)
+    numbered = unique_names([*((None, one.label) for one in substitutes), *given])
     return [
         _object(name, box, substitute, floor)
-        for name, box, substitute in zip(labels, capture.boxes, substitutes, strict=True)
+        for name, box, substitute in zip(numbered, capture.boxes, substitutes, strict=False)
     ]
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import Any
 
+import numpy as np
+
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, Model, read_asset
@@ -67,7 +69,7 @@ class Catalogue:
             return known
         model = read_model(path, size=item.size, up=item.up, front=item.front, unit=item.unit)
         self.context.notes.extend(f"{item.file}: {note}" for note in model.notes)
-        key = (file_digest(path), *how[1:], _surfaces_digest(model))
+        key = (file_digest(path), *how[1:], _model_digest(model))
         asset = self._asset(item.category, key, lambda: model)
         self._assets[item.category, *how] = asset
         return asset
@@ -76,9 +78,16 @@ class Catalogue:
         return self._assets.setdefault((label, *key), Asset(label, key, cache(build)))
 
 
-def _surfaces_digest(model: Model) -> str:
-    """A hash of the materials that a model brings, with the content of their textures."""
-    digest = hashlib.sha256()
+def _model_digest(model: Model) -> str:
+    """A hash of all that a model brings: meshes, materials with their textures, and licence.
+
+    The file alone does not determine them, because it may refer to others.
+    """
+    digest = hashlib.sha256(f"{model.licence!r}\n".encode())
+    for part, mesh in model.parts.items():
+        for name, values in vars(mesh).items():
+            digest.update(f"{part} {name} {None if values is None else values.shape}\n".encode())
+            digest.update(b"" if values is None else np.ascontiguousarray(values).tobytes())
     for part, surface in model.surfaces.items():
         for name, value in vars(surface).items():
             file = getattr(value, "file", None)

@@ -24,7 +24,8 @@ def author_portals(context: StageContext) -> None:
     """
     cache = UsdGeom.XformCache(TIME)
     openings = context.stage.GetPrimAtPath(names.OPENINGS)
-    ways = [prim for prim in openings.GetChildren() if _is_way(prim)] if openings else []
+    # All: the wall keeps the hole of an opening that somebody deactivated.
+    ways = [prim for prim in openings.GetAllChildren() if _is_way(prim)] if openings else []
     if ways:
         UsdGeom.Scope.Define(context.stage, names.PORTALS)
     portals = [define_portal(context.stage, _portal(way, cache)).GetPrim() for way in ways]
@@ -33,13 +34,28 @@ def author_portals(context: StageContext) -> None:
 
 def _is_way(opening: Usd.Prim) -> bool:
     """Whether light can pass: it has a size, and no leaf that is shut."""
-    if not opening.GetAttribute(names.OPENING_WIDTH) or not UsdGeom.Imageable(opening):
+    if not UsdGeom.Xformable(opening) or not all(size > 0.0 for size in _size(opening)):
         return False
     leaf = opening.GetChild("Leaf")
-    if not leaf or not leaf.IsActive():
+    if not (_is_shown(leaf) and _is_shown(leaf.GetChild("Panel"))):
         return True
     turn = UsdGeom.Xformable(leaf).GetLocalTransformation(TIME).ExtractRotation()
     return bool(np.radians(abs(turn.GetAngle())) > _SHUT)
+
+
+def _is_shown(prim: Usd.Prim) -> bool:
+    """Whether there is such a prim, active and visible."""
+    imageable = UsdGeom.Imageable(prim)
+    if not imageable or not prim.IsActive():
+        return False
+    return bool(imageable.ComputeVisibility(TIME) != UsdGeom.Tokens.invisible)
+
+
+def _size(opening: Usd.Prim) -> tuple[float, float]:
+    """Width and height, metres; 0 where it has none."""
+    attributes = map(opening.GetAttribute, (names.OPENING_WIDTH, names.OPENING_HEIGHT))
+    width, height = (float(a.Get(TIME) or 0.0) if a else 0.0 for a in attributes)
+    return width, height
 
 
 def _portal(opening: Usd.Prim, cache: UsdGeom.XformCache) -> Portal:
@@ -47,11 +63,7 @@ def _portal(opening: Usd.Prim, cache: UsdGeom.XformCache) -> Portal:
     outer = world.copy()
     outer[:3, 3] += world[:3, 1] * _depth(opening, world, cache)
     outer[:3, :3] = world[:3, :3] @ _PORTAL_AXES.T
-    width, height = (
-        float(opening.GetAttribute(name).Get(TIME))
-        for name in (names.OPENING_WIDTH, names.OPENING_HEIGHT)
-    )
-    return Portal(f"{names.PORTALS}/{opening.GetName()}", outer, width, height)
+    return Portal(f"{names.PORTALS}/{opening.GetName()}", outer, *_size(opening))
 
 
 def _depth(opening: Usd.Prim, world: np.ndarray, cache: UsdGeom.XformCache) -> float:

@@ -77,7 +77,9 @@ class Draft:
             kept: What it refers to in the folder of its stage; the rest will be removed.
         """
         self._draft(layer, self._place(name))
-        self._kept[name] = set(kept)
+        # The folder of any other layer holds what people put into it.
+        if name in names.STAGES:
+            self._kept[name] = set(kept)
 
     def export_scene(self, layer: Sdf.Layer) -> None:
         """Draft the root layer."""

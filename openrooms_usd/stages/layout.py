@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,7 @@ class LayoutStage:
     name = "layout"
     reads: tuple[str, ...] = ()
 
-    def inputs(self, room: Room) -> Iterable[str]:
+    def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The capture, if the room is made from one."""
         return [room.layout.file] if isinstance(room.layout, RoomPlanLayout) else []
 
@@ -113,9 +114,11 @@ def captured_plan(layout: RoomPlanLayout, context: StageContext) -> Plan:
         context.notes.append(f"the capture has no height: {height} m is taken")
     corners, numbers = counter_clockwise(capture.floor)
     walls = walls_of(corners, numbers, layout.wall_thickness)
-    taken = [opening.name for opening in layout.openings if opening.name]
-    cuts = captured_cuts(capture.openings, walls, height, taken=taken, notes=context.notes)
-    cuts += described_cuts(layout.openings, walls, height, before=cuts)
+    kinds = [opening.kind for opening in capture.openings]
+    cuts = captured_cuts(
+        capture.openings, walls, height, described=layout.openings, notes=context.notes
+    )
+    cuts += described_cuts(layout.openings, walls, height, before=cuts, captured=kinds)
     return Plan(corners, walls, height, layout.wall_thickness, tuple(cuts), capture)
 
 
@@ -128,10 +131,10 @@ def _author_room(stage: Usd.Stage, plan: Plan, room_type: str) -> None:
     _set(room, "openrooms:room:type", _TYPES.Token, room_type)
     _set(room, "openrooms:room:height", _TYPES.Double, plan.height)
     floor = Vt.Vec2dArray.FromNumpy(np.ascontiguousarray(plan.corners))
-    _set(room, "openrooms:room:floor", _TYPES.Double2Array, floor)
+    _set(room, names.ROOM_FLOOR, _TYPES.Double2Array, floor)
     if plan.capture:
-        room.AddAppliedSchema("OpenRoomsSourceAPI")
-        _set(room, "openrooms:source:file", _TYPES.String, plan.capture.source)
+        room.AddAppliedSchema(names.SOURCE_API)
+        _set(room, names.SOURCE_FILE, _TYPES.String, plan.capture.source)
         matrix = gf_matrix(plan.capture.source_from_world)
         _set(room, "openrooms:source:fromWorld", _TYPES.Matrix4d, matrix)
 
@@ -182,16 +185,16 @@ def _author_opening(stage: Usd.Stage, plan: Plan, cut: Cut, notes: list[str]) ->
     label(prim, cut.kind)
     prim.AddAppliedSchema("OpenRoomsOpeningAPI")
     _set(prim, "openrooms:opening:kind", _TYPES.Token, cut.kind)
-    _set(prim, "openrooms:opening:width", _TYPES.Double, width)
-    _set(prim, "openrooms:opening:height", _TYPES.Double, height)
+    _set(prim, names.OPENING_WIDTH, _TYPES.Double, width)
+    _set(prim, names.OPENING_HEIGHT, _TYPES.Double, height)
     _set(prim, "openrooms:opening:sill", _TYPES.Double, hole.bottom)
-    wall = prim.CreateRelationship("openrooms:opening:wall", custom=False)
+    wall = prim.CreateRelationship(names.OPENING_WALL, custom=False)
     wall.SetTargets([_wall_path(cut.wall)])
     if cut.source:
-        prim.AddAppliedSchema("OpenRoomsSourceAPI")
-        _set(prim, "openrooms:source:id", _TYPES.String, cut.source.id)
+        prim.AddAppliedSchema(names.SOURCE_API)
+        _set(prim, names.SOURCE_ID, _TYPES.String, cut.source.id)
         if cut.source.confidence:
-            _set(prim, "openrooms:source:confidence", _TYPES.Token, cut.source.confidence)
+            _set(prim, names.SOURCE_CONFIDENCE, _TYPES.Token, cut.source.confidence)
     if cut.kind == "window":
         board = hole.bottom >= _BOARD_FROM
         frame = window_frame(width, height, cut.wall.thickness, board=board)

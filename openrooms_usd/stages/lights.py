@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -21,6 +22,7 @@ from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages.base import FORMAT, StageContext, file_digest
 from openrooms_usd.stages.daylight import author_portals
+from openrooms_usd.usd.layers import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.photometry import luminance, nits_from_lumen, world_area
 from openrooms_usd.usd.semantics import read_label
@@ -52,7 +54,7 @@ class LightsStage:
     name = "lights"
     reads: tuple[str, ...] = ("layout", "alignment")
 
-    def inputs(self, room: Room) -> Iterable[str]:
+    def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The panorama, if there is one."""
         environment = room.lights.environment
         return [environment.file] if isinstance(environment, FileEnvironment) else []
@@ -136,9 +138,13 @@ def _lamps(stage: Usd.Stage) -> dict[str, Found]:
 def _check_names(context: StageContext, lamps: Mapping[str, Found]) -> None:
     """Refuse lamps that are not there, and objects that are no lamps."""
     for name in context.room.lights.lamps:
+        path = f"{names.FURNITURE}/{name}"
         if name in lamps:
             continue
-        is_object = context.stage.GetPrimAtPath(f"{names.FURNITURE}/{name}")
+        if is_deactivated(context.stage, path):
+            context.notes.append(f"{name}: deactivated, so it is not lit")
+            continue
+        is_object = context.stage.GetPrimAtPath(path)
         reason = (
             f"{name} has no part {names.LIGHT_BULB} that could emit"
             if is_object

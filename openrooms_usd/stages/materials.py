@@ -1,6 +1,7 @@
 """The materials stage: the room's surfaces by its section, objects by rules and overrides."""
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Final
 
 from pxr import Sdf, Usd, UsdGeom, UsdShade
@@ -14,6 +15,7 @@ from openrooms_usd.library.finishes import ACROSS, UNKNOWN, finishes_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.looks import Dressed, Part, parts_of, publish_look
 from openrooms_usd.stages.swatches import TEXTURES, Palette, Swatch, from_finish, from_look
+from openrooms_usd.usd.layers import is_deactivated
 from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.semantics import read_label
 
@@ -37,7 +39,7 @@ class MaterialsStage:
     name = "materials"
     reads: tuple[str, ...] = ("layout", "alignment")
 
-    def inputs(self, room: Room) -> Iterable[str]:
+    def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """None: everything is generated."""
         return ()
 
@@ -71,7 +73,12 @@ def _check_names(context: StageContext) -> None:
         for prim in _children(context, path)
     ]
     for name in context.room.materials.overrides:
-        if name not in known:
+        paths = [f"{path}/{name}" for path in (names.FURNITURE, names.OPENINGS)]
+        if name in known:
+            continue
+        if any(is_deactivated(context.stage, path) for path in paths):
+            context.notes.append(f"{name}: deactivated, so its override is left out")
+        else:
             raise DescriptionError(
                 f"there is no object or opening {name!r}{did_you_mean(name, known)}",
                 place=f"materials.overrides.{name}",
@@ -137,7 +144,7 @@ def _dressed(context: StageContext, root: Usd.Prim, parts: list[Part]) -> Dresse
     """Overrides where there are some, the rules of the category elsewhere."""
     category = read_label(root, names.CATEGORY) or ""
     overrides = context.room.materials.overrides.get(root.GetName(), {})
-    _check_parts(root.GetName(), overrides, parts)
+    _check_parts(context, root, overrides, parts)
     free = sorted({part.name for part in parts if not part.bound})
     rng = context.rng("materials", "scheme", category, *free)
     finishes = finishes_of(category, free, rng)
@@ -158,11 +165,18 @@ def _dressed(context: StageContext, root: Usd.Prim, parts: list[Part]) -> Dresse
     return Dressed(asset, category, swatches, forced)
 
 
-def _check_parts(name: str, overrides: Mapping[str, Look], parts: list[Part]) -> None:
+def _check_parts(
+    context: StageContext, root: Usd.Prim, overrides: Mapping[str, Look], parts: list[Part]
+) -> None:
     """Refuse overrides of parts that an object does not have."""
+    name = root.GetName()
     known = sorted({part.name for part in parts} | {ALL})
     for part in overrides:
-        if part not in known:
+        if part in known:
+            continue
+        if is_deactivated(context.stage, str(root.GetPath())):
+            context.notes.append(f"{name}: parts are deactivated, so {part} is left out")
+        else:
             raise DescriptionError(
                 f"{name} has no part {part!r}{did_you_mean(part, known)}",
                 place=f"materials.overrides.{name}.{part}",

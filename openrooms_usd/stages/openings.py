@@ -60,6 +60,7 @@ def described_cuts(
     *,
     clockwise: bool = False,
     before: Sequence[Cut] = (),
+    captured: Sequence[str] = (),
 ) -> list[Cut]:
     """The holes of the description's openings.
 
@@ -69,6 +70,7 @@ def described_cuts(
         height: Floor to ceiling, metres.
         clockwise: Whether the polygon was given clockwise, so that walls start at their left end.
         before: Openings that are there already.
+        captured: The kinds of all captured openings: the numbers of names go on after them.
 
     Returns:
         The openings in order.
@@ -78,7 +80,7 @@ def described_cuts(
     """
     cuts: list[Cut] = []
     mistakes: list[str] = []
-    for index, (name, opening) in enumerate(named_openings(openings, {cut.name for cut in before})):
+    for index, (name, opening) in enumerate(named_openings(openings, captured)):
         field = f"openings[{index}] ({name})"
         if opening.wall >= len(walls):
             last = len(walls) - 1
@@ -147,7 +149,7 @@ def captured_cuts(
     walls: Sequence[Wall],
     height: float,
     *,
-    taken: Sequence[str],
+    described: Sequence[Opening],
     notes: list[str],
 ) -> list[Cut]:
     """The holes of captured openings, made to fit: moved to their wall, clamped, merged.
@@ -156,13 +158,17 @@ def captured_cuts(
         openings: As they were captured.
         walls: By ascending number.
         height: Floor to ceiling, metres.
-        taken: Names that are used already.
+        described: The openings of the description, whose names are not used again.
         notes: Receives a sentence for everything that was changed.
 
     Returns:
         The openings in order.
     """
     found: list[tuple[CapturedOpening, Wall, Hole]] = []
+    # Before anything is dropped or merged: what depends on the walls must rename no opening.
+    given = ((opening.name, opening.kind) for opening in described)
+    numbered = unique_names([*((None, opening.kind) for opening in openings), *given])
+    name_of = {id(opening): name for opening, name in zip(openings, numbered, strict=False)}
     for opening in openings:
         wall = _nearest_wall(opening, walls)
         if wall is None:
@@ -176,11 +182,16 @@ def captured_cuts(
         if max(whole.right - hole.right, hole.left - whole.left, whole.top - hole.top) > 1e-3:
             notes.append(f"made the {opening.kind} {opening.id} smaller, to fit wall {wall.number}")
         found.append((opening, wall, hole))
-    merged = list(_merged(found, notes))
-    names = unique_names(((None, opening.kind) for opening, _, _ in merged), taken)
     return [
-        Cut(name, opening.kind, wall, hole, _AJAR if opening.is_open else 0.0, source=opening)
-        for name, (opening, wall, hole) in zip(names, merged, strict=True)
+        Cut(
+            name_of[id(opening)],
+            opening.kind,
+            wall,
+            hole,
+            _AJAR if opening.is_open else 0.0,
+            source=opening,
+        )
+        for opening, wall, hole in _merged(found, notes)
     ]
 
 

@@ -19,7 +19,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 FLOOR: Final = "floor"
 CEILING: Final = "ceiling"
-# The top of whatever stands below: the highest object whose outline covers the place.
+# The highest top at the place of all that stands on the floor.
 SURFACE: Final = "surface"
 
 
@@ -28,7 +28,7 @@ class Source:
     """Where an object was captured.
 
     Attributes:
-        file: The captured file, as the description names it.
+        file: The name of the captured file, without its folder.
         id: Its identifier there.
         confidence: How sure the source is.
     """
@@ -119,8 +119,7 @@ class Supports:
         if item.on == CEILING:
             return self._ceiling() - item.size[2]
         if item.on == SURFACE:
-            below = self._below(item)
-            return self.floor if below is None else self._top(below, item)
+            return self._surface(item)
         if item.on not in self.placements:
             raise InputError(
                 f"{item.name} stands on {item.on!r}, which is no object",
@@ -138,19 +137,21 @@ class Supports:
             )
         return self.ceiling
 
-    def _below(self, item: Placement) -> Placement | None:
-        """The highest of the objects that stand on the floor and cover the item's middle."""
+    def _surface(self, item: Placement) -> float:
+        """The highest top below the item's middle of what stands on the floor, else the floor."""
         centers, turns, halves, standing = self._outlines
         offset = np.array([item.x, item.y]) - centers
         local = np.abs(np.einsum("nij,nj->ni", turns, offset))
         inside = np.flatnonzero((local <= halves).all(axis=1))
-        found = (standing[i] for i in inside.tolist())
-        return max(found, key=lambda other: other.size[2], default=None)
+        below = (standing[i] for i in inside.tolist())
+        tops = (top_at(other.asset.build(), *other.to_local(item.x, item.y)) for other in below)
+        return self.floor + max((top for top in tops if top is not None), default=0.0)
 
     @cached_property
     def _outlines(self) -> tuple[Array, Array, Array, Sequence[Placement]]:
         """Middle, turn into the own frame and half size of all that stands on the floor."""
-        standing = [item for item in self.placements.values() if item.on == FLOOR]
+        everything = self.placements.values()
+        standing = [item for item in everything if item.on == FLOOR and item.z is None]
         yaw = np.radians([item.yaw for item in standing])
         c, s = np.cos(yaw), np.sin(yaw)
         turns = np.stack([np.stack([c, s], axis=-1), np.stack([-s, c], axis=-1)], axis=1)

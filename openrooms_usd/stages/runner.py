@@ -1,6 +1,7 @@
 """Runs one stage: gives it a layer between the others, then drafts what it wrote, whole."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -9,10 +10,11 @@ from pxr import Sdf, Tf, Usd, UsdMedia, Vt
 
 from openrooms_usd import __version__, names
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import StageError
+from openrooms_usd.errors import StageError, writing
 from openrooms_usd.stages.base import Stage, StageContext
 from openrooms_usd.stages.draft import Draft
 from openrooms_usd.usd import layers as usd_layers
+from openrooms_usd.usd.diagnostics import reason
 
 _CLASSES: Final = {
     "layout": "LayoutStage",
@@ -83,12 +85,11 @@ def run(
     """
     folder = draft.begin(stage.name)
     try:
-        with draft.scratch(stage.name) as layer:
+        with draft.scratch(stage.name) as layer, _edits(stage.name, draft) as edits:
             usd_layers.apply_metadata(layer)
             position = names.STAGES.index(stage.name)
             weaker = [draft.layer(name) for name in reversed(names.STAGES[:position])]
-            stronger = [draft.layer(names.EDITS)]
-            with usd_layers.stacked(layer, stronger, weaker) as composed:
+            with usd_layers.stacked(layer, [edits], weaker) as composed:
                 context = StageContext(room, source, composed, folder, workers)
                 stage.author(context)
                 _write_authorship(composed, stage.name, room, fingerprint)
@@ -98,9 +99,44 @@ def run(
             _write_record(layer, stage.name, room, fingerprint, kept)
             draft.export(layer, stage.name, kept)
     except Tf.ErrorException as error:
-        reason = str(error).strip().splitlines()[-1].strip()
-        raise StageError(f"USD refuses what the stage {stage.name} writes: {reason}") from error
+        message = f"USD refuses what the stage {stage.name} writes: {reason(error)}"
+        raise StageError(message) from error
     return context.notes
+
+
+@contextmanager
+def _edits(stage: str, draft: Draft) -> Iterator[Path]:
+    """The human edits, as a stage sees them: what it defines itself is active.
+
+    USD defines nothing below an inactive prim. What other stages define stays inactive.
+    """
+    path = draft.layer(names.EDITS)
+    edits = _reactivated(path, stage)
+    if edits is None:
+        yield path
+        return
+    with draft.scratch(names.EDITS) as copy:
+        copy.TransferContent(edits)
+        with writing(path):
+            usd_layers.save(copy)
+        yield Path(copy.realPath)
+
+
+def _reactivated(path: Path, stage: str) -> Sdf.Layer | None:
+    """The edits without what deactivates a stage's own prims; None when nothing does."""
+    try:
+        edits = Sdf.Layer.OpenAsAnonymous(str(path)) if path.is_file() else None
+    except Tf.ErrorException:
+        # Said when the stage is composed, with the layer's place.
+        return None
+    if edits is None:
+        return None
+    off = usd_layers.deactivations(edits, names.OWNED[stage])
+    world = edits.GetPrimAtPath(names.WORLD)
+    off += [world] if world and not world.active else []
+    for spec in off:
+        spec.ClearActive()
+    return edits if off else None
 
 
 def _write_record(
@@ -141,6 +177,6 @@ def stack(draft: Draft) -> Sdf.Layer:
 def write_scene(draft: Draft) -> None:
     """Draft the root layer where it is missing or differs."""
     layer = stack(draft)
-    text = layer.ExportToString()
-    if not draft.scene.is_file() or draft.scene.read_text(encoding="utf-8") != text:
+    data = layer.ExportToString().encode()
+    if not draft.scene.is_file() or draft.scene.read_bytes() != data:
         draft.export_scene(layer)

@@ -5,8 +5,16 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Final
 
 from pxr import Tf, Usd, UsdUtils
+
+# Where in memory something lies, and names of rules in USD's own grammar.
+_NOISE: Final = re.compile(
+    r"\s*\([^()]*\b0x[^()]*\)"
+    r"|(?: (?:of|in|from|on) layer )?@anon:[^@]*@"
+    r"| matching pxrInternal\S+"
+)
 
 
 def reason(error: Tf.ErrorException) -> str:
@@ -31,9 +39,7 @@ def composition_errors(stage: Usd.Stage) -> list[tuple[str, str]]:
 
 def _plain(said: object) -> str:
     """One line, without addresses in memory and names of rules in USD's own grammar."""
-    return re.sub(
-        r"\s*\([^()]*\b0x[^()]*\)| matching pxrInternal\S+", "", " ".join(str(said).split())
-    )
+    return _NOISE.sub("", " ".join(str(said).split()))
 
 
 @contextmanager

@@ -108,6 +108,32 @@ def test_nothing_is_written_for_what_cannot_be_read(tmp_path: Path) -> None:
     assert not (tmp_path / "room").exists()
 
 
+def test_a_capture_that_may_not_be_read_is_named(
+    capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path) -> bytes:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_bytes", refuse)
+    result = run("roomplan", capture, "-o", tmp_path / "room")
+    assert isinstance(result.exception, InputError)
+    assert str(capture) in str(result.exception)
+    assert not (tmp_path / "room").exists()
+
+
+def test_nothing_is_left_when_writing_fails(
+    capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(target: Path, text: str) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("openrooms_usd.cli.importing.write_text", full)
+    before = sorted(tmp_path.iterdir())
+    result = run("roomplan", capture, "-o", tmp_path / "room")
+    assert isinstance(result.exception, OutputError)
+    assert sorted(tmp_path.iterdir()) == before
+
+
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_a_read_only_folder_is_named(capture: Path, tmp_path: Path) -> None:
     (tmp_path / "locked").mkdir(mode=0o500)

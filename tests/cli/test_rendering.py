@@ -1,6 +1,7 @@
 """The commands ``render`` and ``channels``, in a process of their own where that matters."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -13,6 +14,9 @@ from click.testing import CliRunner
 
 from openrooms_usd.channels import CHANNELS, markdown_page
 from openrooms_usd.cli import orusd
+from openrooms_usd.cli.composing import _done
+from openrooms_usd.cli.rendering import _warnings
+from openrooms_usd.compose import ComposeSummary, StageSummary
 from openrooms_usd.errors import InputError
 from openrooms_usd.render import exr
 
@@ -162,3 +166,65 @@ def test_ctrl_c_in_a_real_process(ball, tmp_path):
     assert {path.name for path in out.iterdir()} == {
         "above", "contact_sheet.png", "manifest.json", "timing.json",
     }  # fmt: skip
+
+
+def report_of(out: Path) -> dict:
+    return json.loads((out / "manifest.json").read_text())["report"]
+
+
+def test_an_error_that_is_not_reached_is_said(ball, tmp_path, monkeypatch):
+    pytest.importorskip("mitsuba")
+    from orusd_mitsuba import sampling
+
+    monkeypatch.setattr(sampling, "_MOST", 16)
+    options = ["--variant", "scalar", "--resolution", "16x12", "--camera", "front"]
+    for error, warned in (("1e-9", True), ("1e3", False)):
+        said = call("render", ball, "-o", tmp_path / error, *options, "--error", error)
+        found = re.search(r"warning: estimated error \S+ after 16 samples, not 1e-09", said)
+        assert bool(found) == warned
+        reasons = [row["reason"] for row in report_of(tmp_path / error)["losses"]]
+        assert any("after 16 samples a pixel" in reason for reason in reasons) == warned
+
+
+def test_pixels_that_are_no_numbers_are_said():
+    row = {"estimated_error": None, "samples": 1, "nonfinite_pixels": 2}
+    told = list(_warnings({"channels": {"radiance": row}}, None))
+    assert told == ["2 pixels of radiance were no finite numbers"]
+
+
+def test_the_demo_for_programs(tmp_path, monkeypatch):
+    from openrooms_usd import compose, render
+
+    def compose_room(description, out, **how):
+        return compose.ComposeSummary(out / "scene.usda", ())
+
+    def render_stage(stage, out, **how):
+        report = {"losses": [], "approximated": 0, "skipped": 0}
+        said = {"views": {}, "report": report, "renderer": {"backend": "none"}, "stop": {}}
+        return render.RenderSummary(out, said, {})
+
+    monkeypatch.setattr(compose, "compose_room", compose_room)
+    monkeypatch.setattr(render, "render_stage", render_stage)
+    result = CliRunner().invoke(orusd, ["demo", "-o", str(tmp_path), "--json"])
+    assert json.loads(result.stdout) == {
+        "description": str(tmp_path / "source" / "room.yaml"),
+        "scene": str(tmp_path / "scene.usda"),
+        "render": str(tmp_path / "render"),
+    }
+    assert "rendered with none" in result.stderr
+
+
+def test_init_for_programs(tmp_path):
+    said = json.loads(call("init", tmp_path, "--json"))
+    assert said.keys() == {"description", "schema"}
+    assert all(Path(path).is_file() for path in said.values())
+
+
+def test_what_compose_says_it_did(tmp_path):
+    def done(state, *files):
+        stages = (StageSummary("layout", state, 0.0),)
+        return _done(ComposeSummary(tmp_path, stages, files))
+
+    assert done("written") == "composed"
+    assert done("unchanged") == "nothing to do, everything is up to date"
+    assert done("unchanged", tmp_path / "scene.usdc") == "the layers are up to date"

@@ -1,5 +1,6 @@
 """Files appear whole or not at all."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -29,3 +30,12 @@ def test_a_folder_that_is_a_file_is_an_output_error(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
     with pytest.raises(OutputError, match="cannot write"):
         atomic.write_text(tmp_path / "taken" / "c.txt", "x")
+
+
+def test_a_folder_left_by_a_killed_run_is_in_nobody_s_way(tmp_path: Path) -> None:
+    left = tmp_path / f".new.{os.getpid()}"
+    left.mkdir()
+    (left / "half.txt").write_text("half")
+    with atomic.filling(tmp_path) as beside:
+        (beside / "whole.txt").write_text("whole")
+    assert [path.name for path in tmp_path.iterdir()] == ["whole.txt"]

@@ -118,12 +118,12 @@ def thing(category: str, name: str | None = None) -> dict[str, Any]:
     return {"category": category, "at": [0, 0]} | ({"name": name} if name else {})
 
 
-def names_of(*things: dict[str, Any], taken: tuple[str, ...] = ()) -> list[str]:
+def names_of(*things: dict[str, Any], captured: tuple[str, ...] = ()) -> list[str]:
     room = Room.model_validate({"alignment": {"objects": things}})
-    return [name for name, _ in named_objects(room.alignment.objects, taken)]
+    return [name for name, _ in named_objects(room.alignment.objects, captured)]
 
 
-def test_default_names_count_what_has_no_name() -> None:
+def test_default_names_count_within_a_category() -> None:
     assert names_of(thing("chair"), thing("table"), thing("chair"), thing("chair", "throne")) == [
         "chair_0",
         "table_0",
@@ -138,7 +138,22 @@ def test_default_names_skip_names_that_are_used() -> None:
         "chair_0",
         "chair_2",
     ]
-    assert names_of(thing("chair"), taken=("chair_0", "chair_1")) == ["chair_2"]
+    late = [thing("chair"), thing("chair"), thing("table", "chair_0")]
+    assert names_of(*late) == ["chair_2", "chair_1", "chair_0"]
+
+
+def test_a_name_for_one_renames_no_other() -> None:
+    chairs = [thing("chair") for _ in range(4)]
+    before = names_of(*chairs)
+    for index in range(4):
+        after = names_of(*chairs[:index], thing("chair", "throne"), *chairs[index + 1 :])
+        assert after == [*before[:index], "throne", *before[index + 1 :]]
+
+
+def test_numbers_go_on_after_those_of_captured_things() -> None:
+    captured = ("chair", "table", "chair")
+    assert names_of(thing("chair"), thing("chair"), captured=captured) == ["chair_2", "chair_3"]
+    assert names_of(thing("chair", "a"), thing("chair"), captured=captured) == ["a", "chair_3"]
 
 
 @given(
@@ -159,7 +174,7 @@ def test_names_are_unique_and_given_names_are_kept(pairs: list[tuple[str, str | 
 
 def test_openings_are_named_by_their_kind() -> None:
     openings = [Opening(kind=kind, wall=0) for kind in ("window", "door", "window")]
-    names = [name for name, _ in named_openings(openings, taken=("window_0",))]
+    names = [name for name, _ in named_openings(openings, captured=("window",))]
     assert names == ["window_1", "door_0", "window_2"]
 
 

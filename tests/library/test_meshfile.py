@@ -130,6 +130,17 @@ def test_glb_nodes_keep_their_place_and_constants(tmp_path: Path) -> None:
         assert surface.roughness == pytest.approx(0.25)
 
 
+def test_the_copyright_of_a_glb_is_kept(tmp_path: Path) -> None:
+    trimesh.Scene(trimesh.creation.box()).export(tmp_path / "plain.glb")
+    assert read_model(tmp_path / "plain.glb").licence == ""
+
+    def sign(tree: dict) -> None:
+        tree["asset"]["copyright"] = "2026 A. Maker, CC-BY-4.0"
+
+    trimesh.Scene(trimesh.creation.box()).export(tmp_path / "own.glb", tree_postprocessor=sign)
+    assert read_model(tmp_path / "own.glb").licence == "2026 A. Maker, CC-BY-4.0"
+
+
 def test_mtl_colours_and_pictures(tmp_path: Path) -> None:
     _write(tmp_path / "wedge.mtl", "newmtl red\nKd 1 0 0\nNs 6\nnewmtl wood\nmap_Kd w.png\n")
     (tmp_path / "w.png").write_bytes(b"")

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from pxr import Gf, UsdGeom, UsdLux
 
+from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.lights import define_mesh_light
+from orusd_mitsuba import sampling
+from orusd_mitsuba.exporter import export_scene
 from orusd_mitsuba.sampling import relative_error
 
 ALBEDO = 0.6
@@ -280,6 +283,79 @@ def test_relative_error_follows_the_conventions():
     a, b = np.array([[[1.0, 2.0, 0.0]]]), np.array([[[3.0, 2.0, 0.0]]])
     # Red: (1 - 3)^2 / 4 / (2^2 + 0.01 2^2); green and a black blue have none.
     assert relative_error(a, b) == pytest.approx(1 / 4.04 / 3)
+
+
+def as_the_manifest_says(a, b, n_a, n_b):
+    """The manifest's sentence, number by number: each component alone, then their mean."""
+    errors = []
+    for component in range(3):
+        pairs = list(zip(a[..., component].flat, b[..., component].flat, strict=True))
+        means = [(n_a * x + n_b * y) / (n_a + n_b) for x, y in pairs]
+        M = sum(means) / len(means)
+        terms = [
+            (x - y) ** 2 * n_a * n_b / (n_a + n_b) ** 2 / (m**2 + 0.01 * M**2)
+            for (x, y), m in zip(pairs, means, strict=True)
+        ]
+        errors.append(sum(terms) / len(terms))
+    return sum(errors) / 3
+
+
+@pytest.mark.parametrize("samples", [(4, 4), (3, 2)])
+def test_relative_error_is_what_the_manifest_says(samples):
+    random = np.random.default_rng(1)
+    a, b = random.random((2, 3, 5, 3)) * (100.0, 1.0, 0.01)
+    assert relative_error(a, b, *samples) == pytest.approx(as_the_manifest_says(a, b, *samples))
+
+
+def test_pixels_that_are_no_numbers_are_counted_and_reported(build, open_stage, monkeypatch):
+    session = open_stage(lit_patch(build))
+
+    import mitsuba as mi
+
+    real = mi.render
+
+    class Spoiled:
+        def __init__(self, tensor):
+            self.tensor = tensor
+
+        def numpy(self):
+            pixels = self.tensor.numpy()
+            pixels[1, 2, 0], pixels[1, 2, 1], pixels[3, 4, 2] = np.nan, np.inf, -np.inf
+            return pixels
+
+    monkeypatch.setattr(mi, "render", lambda *args, **how: Spoiled(real(*args, **how)))
+    request = RenderRequest("/Camera", ("radiance",), 32, 24, samples=4)
+    image = session.render(request).images["radiance"]
+    assert np.isfinite(image.pixels).all()
+    assert image.replaced == 2
+    rows = [reason for path, _, reason in session.report.losses() if path == "/Camera"]
+    assert rows == ["radiance was no number in 2 pixels, taken as 0"]
+
+
+def test_an_error_that_is_not_reached_is_reported(build, open_stage, monkeypatch):
+    monkeypatch.setattr(sampling, "_MOST", 16)
+    session = open_stage(lit_patch(build))
+    request = RenderRequest("/Camera", ("radiance",), 32, 24, error=1e-9, bounces=1)
+    image = session.render(request).images["radiance"]
+    (row,) = [reason for path, _, reason in session.report.losses() if path == "/Camera"]
+    assert row == f"estimated error {image.error:.2g} after 16 samples a pixel, not 1e-09"
+
+
+@pytest.mark.parametrize(
+    ("metres", "near", "told"),
+    [(1.0, None, False), (1.0, 0.01, False), (1.0, 0.1, False), (1.0, 0.5, True),
+     (0.01, 10.0, False), (0.01, 50.0, True)],
+)  # fmt: skip
+def test_clipping_that_cuts_is_reported(build, open_stage, tmp_path, metres, near, told):
+    made = build(metres=metres)
+    made.quad("/Patch", PATCH)
+    camera = UsdGeom.Camera(made.stage.GetPrimAtPath(made.camera((0, -1.2, 1.0), (0, 0, 0))))
+    if near is not None:
+        camera.CreateClippingRangeAttr(Gf.Vec2f(near, 1000.0))
+    expected = ["clipping is left out: what is nearer than 0.5 m is seen too"] if told else []
+    for report in (open_stage(made.stage).report, export_scene(made.stage, tmp_path, {})):
+        rows = [row[2] for row in report.losses() if row[:2] == ("/Camera", "approximated")]
+        assert rows == expected
 
 
 @pytest.mark.parametrize("ior", [1.5, 2.0])

@@ -1,5 +1,6 @@
 """A run writes what it says, whole, and the same every time."""
 
+import dataclasses
 import errno
 import json
 import re
@@ -248,3 +249,31 @@ def test_an_earlier_manifest_that_is_broken_or_evil(renderer, scene, tmp_path):
         render_stage(scene, out)
     assert (outside / "left" / "channels.exr").is_file()
     assert list(manifest(out)["views"]) == ["left", "right"]
+
+
+def test_the_manifest_has_what_rendering_adds_to_the_report(renderer, scene, tmp_path):
+    def spoil(name, pixels):
+        renderer.report.add("/World/Cameras/left", "approximated", "told while rendering")
+        return pixels
+
+    renderer.spoil = spoil
+    summary = render_stage(scene, tmp_path / "out", cameras=["left"], channels=["depth"])
+    said = manifest(tmp_path / "out")
+    assert said == json.loads(json.dumps(summary.manifest))
+    assert said["report"]["approximated"] == 1
+    assert said["report"]["losses"][-1]["reason"] == "told while rendering"
+
+
+def test_pixels_where_the_renderer_put_0_count_as_nonfinite(renderer, scene, tmp_path):
+    given = renderer.render
+
+    def render(request, progress):
+        view = given(request, progress)
+        image = dataclasses.replace(view.images["radiance"], replaced=3)
+        return dataclasses.replace(view, images={**view.images, "radiance": image})
+
+    renderer.render = render
+    render_stage(scene, tmp_path / "out", channels=["radiance", "depth"])
+    channels = manifest(tmp_path / "out")["views"]["left"]["channels"]
+    counts = {name: row["nonfinite_pixels"] for name, row in channels.items()}
+    assert counts == {"radiance": 3, "depth": 0}

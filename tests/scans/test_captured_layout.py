@@ -84,6 +84,20 @@ def test_openings_that_do_not_fit_are_clamped_merged_or_dropped_with_notes(scann
         assert word in text
 
 
+def test_what_is_dropped_keeps_its_number(scanner) -> None:
+    data = scanner.room(CORNERS, 2.5)
+    data["windows"] = [
+        scanner.surface("window", [3, 2], [4, 2], 0.9, 2.1, identifier="inside"),
+        scanner.surface("window", [1, 0], [2, 0], 0.9, 2.1, identifier="kept"),
+    ]
+    path = scanner.write(data)
+    stage, _ = author(path)
+    assert list(openings(stage)) == ["window_1"]
+    stage, _ = author(path, ", openings: [{kind: window, wall: 1, height: 1}]")
+    assert sorted(openings(stage)) == ["window_1", "window_2"]
+    assert openings(stage)["window_2"][2] == pytest.approx(1.0)
+
+
 def test_further_openings_keep_their_names_and_may_not_overlap(scanner) -> None:
     data = scanner.room(CORNERS, 2.5)
     data["windows"] = [scanner.surface("window", [1, 0], [2, 0], 0.9, 2.1)]

@@ -14,16 +14,29 @@ from openrooms_usd import adapters, names
 from openrooms_usd.capture import Capture, CapturedBox
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.furniture import CATEGORIES, STAND_INS
 from openrooms_usd.stages.alignment import AlignmentStage
 from openrooms_usd.stages.captured import SUBSTITUTES
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout import LayoutStage
 from openrooms_usd.stages.runner import run
-from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.meshes import define_mesh, read_meshes
 from openrooms_usd.usd.semantics import read_label
 
 HEIGHT = 2.4
+# A model that is nothing but a reference.
+WHOLE = """\
+#usda 1.0
+(
+    defaultPrim = "A"
+    metersPerUnit = 1
+    upAxis = "Z"
+)
+def Xform "A" (
+    references = @./part.usda@
+) {}
+"""
 
 
 def _compose(
@@ -278,6 +291,63 @@ def test_names_stay_when_others_join(tmp_path: Path, monkeypatch: pytest.MonkeyP
     stage, _ = _compose(tmp_path, named, **section)
     children = stage.GetPrimAtPath(names.FURNITURE).GetChildren()
     assert [prim.GetName() for prim in children] == ["chair_0", "chair_2", "chair_1"]
+
+
+def test_a_change_in_what_a_model_refers_to_is_noticed(tmp_path: Path) -> None:
+    _mesh_usd(tmp_path / "part.usda", 1.0)
+    (tmp_path / "whole.usda").write_text(WHOLE)
+    (tmp_path / "a.obj").write_text("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n")
+    (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 0 0\nmap_Kd a.png\n")
+    (tmp_path / "a.png").write_bytes(b"")
+    room = Room.model_validate(
+        {"alignment": {"objects": [_own("whole.usda"), _own("a.obj"), _own("missing.usd")]}}
+    )
+    stage = AlignmentStage()
+    found = list(stage.inputs(room, tmp_path))
+    assert found == ["whole.usda", "a.obj", "missing.usd", "a.mtl", "a.png", "part.usda"]
+    # What is missing refers to nothing; it is named when it is read.
+    assert list(stage.inputs(room, tmp_path / "absent")) == found[:3]
+
+
+def test_the_geometry_of_referenced_files_is_part_of_the_key(tmp_path: Path) -> None:
+    assets = set()
+    for depth in (1.0, 2.0):
+        folder = tmp_path / str(depth)
+        _mesh_usd(folder / "part.usda", depth)
+        (folder / "whole.usda").write_text(WHOLE)
+        stage, _ = _compose(folder, [_own("whole.usda")])
+        assert np.ptp(_bound(stage, "stool_0")[:, 1]) == pytest.approx(depth)
+        assets |= {path.name for path in (folder / "layers/alignment/assets").iterdir()}
+    assert len(assets) == 2
+
+
+def test_the_licence_of_a_model_stays_with_it(tmp_path: Path) -> None:
+    assets = set()
+    for terms in ("CC-BY-4.0", "CC0"):
+        folder = tmp_path / terms
+        _mesh_usd(folder / "part.usda", 1.0, {"license": terms})
+        (folder / "whole.usda").write_text(WHOLE)
+        stage, _ = _compose(folder, [_own("whole.usda")])
+        prim = stage.GetPrimAtPath(f"{names.FURNITURE}/stool_0")
+        assert prim.GetAssetInfoByKey("license") == terms
+        assets.add(prim.GetAssetInfoByKey("name"))
+    assert len(assets) == 2
+
+
+def _own(file: str) -> dict[str, Any]:
+    return {"category": "stool", "at": [1, 1], "from": "file", "file": file}
+
+
+def _mesh_usd(path: Path, depth: float, info: dict[str, str] | None = None) -> None:
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageUpAxis(stage, "Z")
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    root = UsdGeom.Xform.Define(stage, "/A").GetPrim()
+    root.SetAssetInfo(info or {})
+    stage.SetDefaultPrim(root)
+    define_mesh(stage, "/A/body", box((1.0, depth, 1.0)))
+    path.parent.mkdir(exist_ok=True)
+    stage.GetRootLayer().Export(str(path))
 
 
 def test_a_real_capture(tmp_path: Path) -> None:

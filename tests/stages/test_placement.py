@@ -42,6 +42,18 @@ def test_a_surface_is_the_highest_thing_below() -> None:
     assert found["elsewhere"] == 0.0
 
 
+def test_a_surface_is_a_top_at_the_place_of_what_stands_on_the_floor() -> None:
+    # The back of the chair is higher than the table, its seat below the lamp is not.
+    seat, back = box((1, 1, 0.4), (0, 0, 0.2)), box((1, 0.1, 1.2), (0, 0.45, 0.6))
+    asset = Asset("chair", ("chair",), lambda: Model({"seat": seat, "back": back}))
+    chair = Placement("chair", asset, (1, 1, 1.2), 0.0, 0.0)
+    found = _heights(
+        _item("lamp", on="surface"), _item("table", size=(1, 1, 0.7)), chair,
+        _item("hangs", z=1.5, size=(1, 1, 3)),
+    )  # fmt: skip
+    assert found["lamp"] == pytest.approx(0.7)
+
+
 def test_outlines_turn_with_their_object() -> None:
     table = _item("table", size=(2.0, 0.4, 0.7), yaw=90.0)
     on, off = _item("on", y=0.9, on="surface"), _item("off", x=0.9, on="surface")

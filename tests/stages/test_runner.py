@@ -9,8 +9,9 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd.compose import ComposeSummary, compose_room
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
-from openrooms_usd.stages import runner
+from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.usd.diagnostics import composition_errors
 
 
 class FakeLayout:
@@ -18,7 +19,7 @@ class FakeLayout:
     reads: tuple[str, ...] = ()
     broken = False
 
-    def inputs(self, room: Room) -> Iterator[str]:
+    def inputs(self, room: Room, source: Path) -> Iterator[str]:
         yield "input.txt"
 
     def author(self, context: StageContext) -> None:
@@ -37,7 +38,7 @@ class FakeAlignment:
     name = "alignment"
     reads = ("layout",)
 
-    def inputs(self, room: Room) -> Iterator[str]:
+    def inputs(self, room: Room, source: Path) -> Iterator[str]:
         yield from ()
 
     def author(self, context: StageContext) -> None:
@@ -170,3 +171,50 @@ def test_output_that_cannot_be_written_is_explained(place: Path) -> None:
     with pytest.raises(Exception, match="cannot write") as caught:
         compose(place)
     assert "remedy" in str(caught.value)
+
+
+def test_a_root_layer_that_is_no_text_is_written_again(place: Path) -> None:
+    compose(place)
+    scene = place / "out" / "scene.usda"
+    wanted = scene.read_bytes()
+    scene.write_bytes(b"\xff\xfe\x00nonsense")
+    compose(place)
+    assert scene.read_bytes() == wanted
+
+
+def test_the_name_of_the_room_runs_nothing_again(place: Path) -> None:
+    compose(place)
+    (place / "room.yaml").write_text("seed: 1\nname: another\n")
+    assert states(compose(place)) == ["unchanged", "unchanged"]
+
+
+def test_an_input_that_cannot_be_read_is_named(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(InputError, match="cannot read"):
+        base.file_digest(place)
+
+    def refuse(path: Path, *rest: object, **more: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "is_file", refuse)
+        with pytest.raises(InputError, match="cannot read: Permission denied"):
+            base.input_file(place, "input.txt")
+    # A superuser may read everything, so the system is made to refuse.
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "open", refuse)
+        with pytest.raises(InputError, match="cannot read: Permission denied") as caught:
+            base.file_digest(place / "input.txt")
+    assert caught.value.place == str(place / "input.txt")
+
+
+def test_what_usd_says_has_no_addresses() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    stage.GetRootLayer().ImportFromString(
+        '#usda 1.0\ndef "A" (\n    references = </Nowhere>\n) {}\n'
+    )
+    [(prim, text)] = composition_errors(stage)
+    assert prim == "/A"
+    assert "/Nowhere" in text
+    assert "@anon" not in text and "0x" not in text
