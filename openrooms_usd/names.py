@@ -62,8 +62,24 @@ LIGHT_BULB: Final = "light_bulb"
 OPENING_WIDTH: Final = "openrooms:opening:width"
 OPENING_HEIGHT: Final = "openrooms:opening:height"
 OPENING_WALL: Final = "openrooms:opening:wall"
+OPENING_STYLE: Final = "openrooms:opening:style"
 ROOM_FLOOR: Final = "openrooms:room:floor"
 SOURCE_API: Final = "OpenRoomsSourceAPI"
 SOURCE_FILE: Final = "openrooms:source:file"
 SOURCE_ID: Final = "openrooms:source:id"
 SOURCE_CONFIDENCE: Final = "openrooms:source:confidence"
+MATERIAL_API: Final = "OpenRoomsMaterialAPI"
+MATERIAL_TRANSMISSION: Final = "openrooms:material:transmission"
+JOINT_API: Final = "OpenRoomsJointAPI"
+JOINT_TYPE: Final = "openrooms:joint:type"
+JOINT_AXIS: Final = "openrooms:joint:axis"
+JOINT_LOWER: Final = "openrooms:joint:lower"
+JOINT_UPPER: Final = "openrooms:joint:upper"
+
+# Styles of doors that let light pass while they are shut.
+SEE_THROUGH: Final = frozenset({"glazed"})
+
+
+def leaf(number: int) -> str:
+    """The name of a door's leaf below its opening."""
+    return f"Leaf_{number}" if number else "Leaf"

@@ -4,7 +4,8 @@
 
     chair_1a2b3c4d/
         chair_1a2b3c4d.usda   default prim Chair: kind, class, assetInfo, extentsHint, label
-        geometry.usdc         its payload: Geometry/<part> and, for foreign models, Materials/<name>
+        geometry.usdc         its payload: Geometry/<part>, Geometry/<joint>/<part> for what
+                              moves and, for foreign models, Materials/<name>
         textures/             the pictures of foreign models
 """
 
@@ -27,7 +28,7 @@ from openrooms_usd import __version__
 from openrooms_usd.atomic import making, naming
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.furniture import part_of
+from openrooms_usd.library.furniture import Joint, part_of
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface
 
 # Part of every asset's name: raise it when the same key gives another asset without a new version.
-FORMAT: Final = 1
+FORMAT: Final = 2
 GEOMETRY: Final = "geometry.usdc"
 # The key of assetInfo that says under which terms an asset may be used.
 LICENCE_KEY: Final = "license"
@@ -53,6 +54,9 @@ class Model:
         notes: What was left out or mended, one sentence each.
         double_sided: Whether its surfaces may be open and seen from behind.
         licence: The terms that a foreign model states; empty where it states none.
+        joints: How some of the parts move.
+        file_from_object: (4, 4) takes points of the object frame to the coordinates of the file
+            that a foreign model is from.
     """
 
     parts: Mapping[str, Mesh]
@@ -61,6 +65,8 @@ class Model:
     notes: tuple[str, ...] = ()
     double_sided: bool = False
     licence: str = ""
+    joints: tuple[Joint, ...] = ()
+    file_from_object: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
 
     @property
     def extent(self) -> NDArray[np.float64]:
@@ -194,19 +200,47 @@ def _write_geometry(asset: Asset, model: Model, target: Path) -> None:
 
     stage, root = _new_stage(asset)
     geometry = UsdGeom.Scope.Define(stage, root.GetPath().AppendChild("Geometry")).GetPath()
+    groups = _define_joints(stage, geometry, model)
+    paths = {}
     for name, mesh in model.parts.items():
-        prim = define_mesh(
-            stage, geometry.AppendChild(name), mesh, double_sided=model.double_sided
-        ).GetPrim()
+        parent, origin = groups.get(name, (geometry, (0.0, 0.0, 0.0)))
+        paths[name] = parent.AppendChild(name)
+        local = mesh.moved(-np.array(origin)) if any(origin) else mesh
+        prim = define_mesh(stage, paths[name], local, double_sided=model.double_sided).GetPrim()
         label_part(prim, part_of(name))
         if name in model.titles:
             prim.SetDisplayName(model.titles[name])
-    _bind_surfaces(stage, root, geometry, model)
+    _bind_surfaces(stage, root, paths, model)
     export(stage.GetRootLayer(), target)
 
 
+def _define_joints(
+    stage: "Usd.Stage", geometry: "Sdf.Path", model: Model
+) -> "dict[str, tuple[Sdf.Path, tuple[float, float, float]]]":
+    """Define an Xform for each joint, its pivot in its origin.
+
+    Returns:
+        The Xform and its origin, by the name of each mesh that belongs below it.
+    """
+    from pxr import Gf, UsdGeom
+
+    from openrooms_usd.usd.joints import author_joint
+    from openrooms_usd.usd.semantics import label_part
+    from openrooms_usd.usd.transforms import author_placement
+
+    groups: dict[str, tuple[Sdf.Path, tuple[float, float, float]]] = {}
+    for joint in model.joints:
+        path = geometry.AppendChild(f"{joint.name}_{joint.kind}")
+        prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+        author_placement(prim, Gf.Vec3d(*joint.origin), 0.0)
+        author_joint(prim, joint.kind, joint.axis, joint.limits)
+        label_part(prim, part_of(joint.name))
+        groups |= dict.fromkeys(joint.meshes, (path, joint.origin))
+    return groups
+
+
 def _bind_surfaces(
-    stage: "Usd.Stage", root: "Usd.Prim", geometry: "Sdf.Path", model: Model
+    stage: "Usd.Stage", root: "Usd.Prim", paths: "Mapping[str, Sdf.Path]", model: Model
 ) -> None:
     """Define each distinct surface once and bind it to its parts."""
     from pxr import UsdGeom, UsdShade
@@ -224,7 +258,7 @@ def _bind_surfaces(
         )
         if known is None:
             defined.append((surface, material))
-        prim = stage.GetPrimAtPath(geometry.AppendChild(part))
+        prim = stage.GetPrimAtPath(paths[part])
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
 
 

@@ -1,20 +1,17 @@
 """What furniture is usually made of: finishes, and which finish each part of a category has."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from openrooms_usd.library.schemes import ANY, METAL, METALS, SCHEMES
+
 Color = tuple[float, float, float]
 
-# The part that stands for all that a scheme does not name.
-ANY: Final = "*"
 # What a part gets of which nothing is known.
 UNKNOWN: Final = "lacquer"
-# Schemes say "metal"; one of these is drawn for the whole object.
-METAL: Final = "metal"
-METALS: Final = ("steel", "brass", "black")
 
 
 @dataclass(frozen=True)
@@ -28,6 +25,9 @@ class Finish:
         roughness: Range of the mean perceptual roughness; None: the family's.
         metallic: 0 or 1.
         choices: How many different ones a room has; more objects share them.
+        transmission: Part of the light that passes diffusely through a face. Base colour R and
+            it, T, are together at most 1; cloth of two faces passes T^2 / (1 - R^2).
+        each: Whether every instance of a part draws its own, as books do.
     """
 
     family: str
@@ -36,6 +36,8 @@ class Finish:
     roughness: tuple[float, float] | None = None
     metallic: float = 0.0
     choices: int = 1
+    transmission: float = 0.0
+    each: bool = False
 
 
 FINISHES: Final[dict[str, Finish]] = {
@@ -52,6 +54,14 @@ FINISHES: Final[dict[str, Finish]] = {
         "fabric", ("plain",),
         colors=((0.58, 0.56, 0.52), (0.5, 0.47, 0.41), (0.36, 0.42, 0.46)), choices=2,
     ),
+    "drape": Finish(
+        "fabric", ("plain", "twill"),
+        colors=((0.43, 0.41, 0.37), (0.38, 0.35, 0.32), (0.29, 0.33, 0.36)), choices=2,
+        transmission=0.1,
+    ),
+    "sheer": Finish(
+        "fabric", colors=((0.28, 0.277, 0.27),), roughness=(0.8, 0.9), transmission=0.66,
+    ),
     "shade": Finish(
         "fabric", ("plain",), colors=((0.6, 0.58, 0.53), (0.57, 0.5, 0.4)), choices=2,
     ),
@@ -64,6 +74,111 @@ FINISHES: Final[dict[str, Finish]] = {
     ),
     "sanitary": Finish("ceramic", colors=((0.8, 0.8, 0.79),), roughness=(0.06, 0.1)),
     "screen": Finish("glass", colors=((0.022, 0.022, 0.025),), roughness=(0.06, 0.12)),
+    "carpet": Finish(
+        "fabric", ("basket", "twill"),
+        colors=((0.46, 0.41, 0.34), (0.28, 0.29, 0.3), (0.36, 0.16, 0.12), (0.16, 0.2, 0.28)),
+        choices=3,
+    ),
+    "carpet_border": Finish(
+        "fabric", ("twill",), colors=((0.12, 0.11, 0.1), (0.5, 0.47, 0.41), (0.2, 0.1, 0.07)),
+        choices=2,
+    ),
+    "stone": Finish(
+        "stone", colors=((0.52, 0.5, 0.46), (0.24, 0.235, 0.23), (0.66, 0.64, 0.6)),
+        roughness=(0.35, 0.6), choices=2,
+    ),
+    "soot": Finish("stone", colors=((0.035, 0.033, 0.031),), roughness=(0.8, 0.95)),
+    "chrome": Finish("metal", colors=((0.6, 0.61, 0.62),), roughness=(0.08, 0.14), metallic=1.0),
+    "mirror": Finish("metal", colors=((0.88, 0.89, 0.88),), roughness=(0.02, 0.03), metallic=1.0),
+    "grey": Finish(
+        "paint", ("powder",), colors=((0.36, 0.365, 0.36), (0.2, 0.205, 0.21)),
+        roughness=(0.4, 0.55),
+    ),
+    "enamel": Finish("enamel", colors=((0.79, 0.79, 0.78),), roughness=(0.14, 0.24)),
+    "cavity": Finish("enamel", colors=((0.05, 0.052, 0.058),), roughness=(0.3, 0.45)),
+    "plastic": Finish("plastic", colors=((0.74, 0.75, 0.75),), roughness=(0.28, 0.4)),
+    "dark_plastic": Finish("plastic", colors=((0.06, 0.062, 0.065),), roughness=(0.35, 0.5)),
+    "cast_iron": Finish("metal", colors=((0.025, 0.025, 0.026),), roughness=(0.55, 0.7)),
+    "print": Finish("enamel", colors=((0.34, 0.34, 0.34),), roughness=(0.3, 0.4)),
+    "paper": Finish("paper", colors=((0.7, 0.67, 0.58),), roughness=(0.8, 0.9)),
+    "binding": Finish(
+        "cloth",
+        colors=((0.24, 0.045, 0.04), (0.04, 0.075, 0.15), (0.055, 0.12, 0.075), (0.5, 0.44, 0.33),
+                (0.05, 0.048, 0.046), (0.62, 0.6, 0.55), (0.26, 0.12, 0.045), (0.16, 0.2, 0.23),
+                (0.12, 0.07, 0.045), (0.34, 0.33, 0.3), (0.2, 0.3, 0.34), (0.4, 0.3, 0.12)),
+        roughness=(0.5, 0.75), choices=16, each=True,
+    ),
+    "tinted_plastic": Finish(
+        "plastic", colors=((0.72, 0.715, 0.7), (0.18, 0.18, 0.185), (0.24, 0.3, 0.33)),
+        roughness=(0.32, 0.48), choices=2,
+    ),
+    "pale_plastic": Finish(
+        "plastic", colors=((0.7, 0.69, 0.66), (0.62, 0.58, 0.5)), roughness=(0.35, 0.5), choices=2,
+    ),
+    "black_plastic": Finish("plastic", colors=((0.022, 0.022, 0.024),), roughness=(0.3, 0.45)),
+    "membrane": Finish("plastic", colors=((0.05, 0.05, 0.053),), roughness=(0.55, 0.7)),
+    "aluminium": Finish(
+        "metal", colors=((0.68, 0.68, 0.69), (0.45, 0.45, 0.46)), roughness=(0.32, 0.42),
+        metallic=1.0,
+    ),
+    "white_paper": Finish("paper", colors=((0.8, 0.8, 0.785),), roughness=(0.8, 0.95)),
+    "bottle_label": Finish(
+        "paper", colors=((0.74, 0.71, 0.63), (0.12, 0.12, 0.13), (0.35, 0.09, 0.07)),
+        roughness=(0.5, 0.7), choices=2,
+    ),
+    "bottle_glass": Finish(
+        "glass", colors=((0.02, 0.05, 0.025), (0.075, 0.032, 0.01)), roughness=(0.04, 0.08),
+        choices=2,
+    ),
+    "felt_pen": Finish(
+        "plastic", colors=((0.45, 0.03, 0.03), (0.03, 0.08, 0.35), (0.03, 0.25, 0.08),
+                           (0.03, 0.03, 0.03)),
+        roughness=(0.3, 0.4), choices=4, each=True,
+    ),
+    "print_ground": Finish(
+        "paint", colors=((0.7, 0.66, 0.57), (0.62, 0.64, 0.62), (0.55, 0.3, 0.18),
+                         (0.1, 0.16, 0.22), (0.3, 0.36, 0.3)),
+        roughness=(0.6, 0.8), choices=4,
+    ),
+    "print_field": Finish(
+        "paint", colors=((0.05, 0.1, 0.16), (0.45, 0.13, 0.07), (0.13, 0.2, 0.14),
+                         (0.06, 0.055, 0.06), (0.35, 0.27, 0.16)),
+        roughness=(0.6, 0.8), choices=5, each=True,
+    ),
+    "print_accent": Finish(
+        "paint", colors=((0.72, 0.42, 0.08), (0.6, 0.1, 0.06), (0.78, 0.74, 0.66),
+                         (0.1, 0.3, 0.38)),
+        roughness=(0.6, 0.8), choices=4, each=True,
+    ),
+    "leaf": Finish(
+        "leaf", colors=((0.045, 0.12, 0.035), (0.06, 0.15, 0.05), (0.09, 0.17, 0.06)),
+        roughness=(0.32, 0.5), choices=3,
+    ),
+    "stem": Finish("leaf", colors=((0.1, 0.12, 0.045),), roughness=(0.5, 0.7)),
+    "soil": Finish("soil", colors=((0.05, 0.036, 0.026),), roughness=(0.9, 1.0)),
+    "terracotta": Finish("ceramic", colors=((0.42, 0.19, 0.11),), roughness=(0.7, 0.85)),
+    "glaze": Finish(
+        "ceramic", colors=((0.78, 0.77, 0.73), (0.06, 0.13, 0.24), (0.2, 0.32, 0.27),
+                           (0.5, 0.27, 0.14)),
+        roughness=(0.08, 0.22), choices=3,
+    ),
+    "fruit": Finish(
+        "fruit", colors=((0.5, 0.05, 0.035), (0.62, 0.26, 0.03), (0.32, 0.42, 0.07)),
+        roughness=(0.25, 0.4), choices=6, each=True,
+    ),
+    "felt": Finish(
+        "fabric", ("plain",), colors=((0.03, 0.16, 0.075), (0.04, 0.11, 0.2), (0.26, 0.035, 0.04)),
+        choices=2,
+    ),
+    "billiard": Finish(
+        "resin", colors=((0.62, 0.36, 0.02), (0.02, 0.06, 0.3), (0.5, 0.03, 0.02),
+                         (0.12, 0.03, 0.2), (0.6, 0.16, 0.02), (0.02, 0.2, 0.07),
+                         (0.22, 0.03, 0.04), (0.02, 0.02, 0.02)),
+        roughness=(0.04, 0.08), choices=16, each=True,
+    ),
+    "rope": Finish(
+        "fabric", ("basket",), colors=((0.5, 0.38, 0.23), (0.42, 0.4, 0.36)), choices=2,
+    ),
     "bulb": Finish("glass", colors=((0.8, 0.8, 0.79),), roughness=(0.2, 0.3)),
 }  # fmt: skip
 
@@ -75,69 +190,47 @@ PARTS: Final = {
     "pillow": "linen",
     "mattress": "linen",
     "blanket": "upholstery",
+    "sheet": "linen",
     "lamp_shade": "shade",
     "lamp_pole": METAL,
     "light_bulb": "bulb",
     "handle": METAL,
+    "bracket": METAL,
+    "switch": "black",
+    "wheel": "black",
+    "firebox": "soot",
+    "log": "wood",
     "tube": METAL,
     "glass": "screen",
     "screen": "screen",
+    "accent": "print_accent",
+    "agitator": "plastic",
+    "book": "binding",
+    "burner": "cast_iron",
+    "button": "dark_plastic",
+    "canvas": "print_ground",
+    "drain": "chrome",
+    "drum": "steel",
+    "driver": "black_plastic",
+    "field": "print_field",
+    "fruit": "fruit",
+    "grate": "cast_iron",
+    "label": "paper",
+    "leaf": "leaf",
+    "lever": "chrome",
+    "lock": "chrome",
+    "mark": "print",
+    "mirror": "mirror",
+    "pages": "paper",
+    "plant": "leaf",
+    "rack": "chrome",
+    "roller": "plastic",
+    "soil": "soil",
+    "spout": "chrome",
+    "stem": "stem",
 }
 # Wide parts whose grain runs along their width, as people saw them.
-ACROSS: Final = frozenset({"tabletop", "shelf", "drawer_front", "rail", "step"})
-
-
-@dataclass(frozen=True)
-class Scheme:
-    """Which finish the parts of some categories have.
-
-    Attributes:
-        categories: For which.
-        finishes: By part; `ANY` for all others that are not in `PARTS`.
-        needs: A part that the object must have, by which its build is recognised.
-        weight: How often it is chosen among those that fit.
-    """
-
-    categories: tuple[str, ...]
-    finishes: Mapping[str, str] = field(default_factory=dict)
-    needs: str | None = None
-    weight: float = 1.0
-
-
-_CHAIRS: Final = ("chair", "armchair", "stool", "bench")
-_TABLES: Final = ("table", "desk", "coffee_table", "side_table")
-_STORAGE: Final = ("cabinet", "dresser", "bookshelf", "shelf", "wardrobe", "kitchen_cabinet")
-_LAMPS: Final = ("floor_lamp", "table_lamp", "ceiling_lamp", "wall_lamp", "lamp")
-_APPLIANCES: Final = ("refrigerator", "dishwasher", "washing_machine", "stove", "microwave")
-_SANITARY: Final = ("bathtub", "sink", "toilet")
-
-SCHEMES: Final = (
-    Scheme(_CHAIRS, {ANY: "wood"}, weight=3.0),
-    Scheme(_CHAIRS, {ANY: "lacquer", "leg": "wood", "frame": "wood"}),
-    Scheme(_CHAIRS, {ANY: "lacquer"}),
-    Scheme(_CHAIRS, {ANY: "upholstery", "leg": "wood"}, needs="arm", weight=100.0),
-    Scheme(_TABLES, {ANY: "wood"}, weight=3.0),
-    Scheme(_TABLES, {ANY: METAL, "tabletop": "wood", "shelf": "wood"}),
-    Scheme(_TABLES, {ANY: "white", "tabletop": "wood", "shelf": "wood"}),
-    Scheme(_STORAGE, {ANY: "wood"}, weight=2.0),
-    Scheme(_STORAGE, {ANY: "white", "leg": "wood", "base": "white"}),
-    Scheme(_STORAGE, {ANY: "wood", "door": "lacquer", "drawer_front": "lacquer"}, needs="handle"),
-    Scheme(("sofa",), {ANY: "upholstery", "leg": "wood"}, weight=2.0),
-    Scheme(("sofa",), {ANY: "upholstery", "leg": METAL}),
-    Scheme(("sofa",), {ANY: "wood"}, needs="rail", weight=100.0),
-    Scheme(_LAMPS, {ANY: METAL}, weight=2.0),
-    Scheme(_LAMPS, {ANY: METAL, "base": "ceramic"}),
-    Scheme(("ceiling_lamp",), {ANY: "white"}, weight=2.0),
-    Scheme(("bed", "stairs", "piano"), {ANY: "wood"}),
-    Scheme(_APPLIANCES, {ANY: "white"}, weight=2.0),
-    Scheme(_APPLIANCES, {ANY: "steel"}),
-    Scheme(("television", "monitor", "laptop", "speaker"), {ANY: "black"}),
-    Scheme(_SANITARY, {ANY: "sanitary"}),
-    Scheme(("curtain", "pillow"), {ANY: "linen"}),
-    Scheme(("door",), {ANY: "white"}, weight=2.0),
-    Scheme(("door",), {ANY: "white", "panel": "wood"}),
-    Scheme(("window", "opening"), {ANY: "white"}),
-)
+ACROSS: Final = frozenset({"countertop", "tabletop", "shelf", "drawer_front", "rail", "step"})
 
 
 def finishes_of(category: str, parts: Iterable[str], rng: np.random.Generator) -> dict[str, str]:

@@ -76,7 +76,7 @@ def read_model(
         ) from error
     turn = _turn(up or reading.up, front) * (unit or reading.unit)
     model = replace(_as_model(_sound(reading, path), turn, reading.notes), licence=reading.licence)
-    return _fitted(model, size, path)
+    return _fitted(model, size, turn, path)
 
 
 def dependencies(path: Path) -> list[Path]:
@@ -135,8 +135,8 @@ def _as_model(pieces: Sequence[Piece], turn: NDArray[np.float64], notes: Sequenc
     )
 
 
-def _fitted(model: Model, size: Size | None, path: Path) -> Model:
-    """The model on the origin, stretched to a size if one is asked for."""
+def _fitted(model: Model, size: Size | None, turn: NDArray[np.float64], path: Path) -> Model:
+    """The turned model on the origin, stretched to a size if one is asked for."""
     low, high = model.extent
     own = high - low
     longest = float(own.max())
@@ -151,12 +151,15 @@ def _fitted(model: Model, size: Size | None, path: Path) -> Model:
     fit = np.eye(4)
     fit[:3, :3] = np.diag(scale)
     fit[:3, 3] = -scale * [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]]
+    turned = np.eye(4)
+    turned[:3, :3] = turn
     fitted = {name: mesh.transformed(fit) for name, mesh in model.parts.items()}
     return replace(
         model,
         parts={name: _mapped(model, name, mesh) for name, mesh in fitted.items()},
         # Sheets without thickness are seen from behind too.
         double_sided=not all(is_closed(mesh) for mesh in fitted.values()),
+        file_from_object=np.asarray(np.linalg.inv(fit @ turned), dtype=np.float64),
     )
 
 

@@ -169,10 +169,14 @@ def _read_libraries(obj: _Obj, notes: list[str]) -> "dict[str, PreviewSurface]":
 
 
 def beside(model: Path, name: str, notes: list[str]) -> Path | None:
-    """A file that a model names, if it lies in or below the model's folder."""
+    """A file that a model names, if it lies in or below the model's folder.
+
+    ShapeNet keeps the pictures of ``models/model_normalized.obj`` in the folder ``images`` beside.
+    """
     folder = model.parent.resolve()
     path = (folder / name.replace("\\", "/")).resolve()
-    if not path.is_relative_to(folder):
+    images = folder.with_name("images") if folder.name == "models" else folder
+    if not path.is_relative_to(folder) and not path.is_relative_to(images):
         notes.append(f"{name!r} lies outside the model's folder and is ignored")
         return None
     if not path.is_file():

@@ -11,7 +11,7 @@ import numpy as np
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, Model, read_asset
-from openrooms_usd.library.furniture import Size, category, make, styles
+from openrooms_usd.library.furniture import Furniture, Size, category, make, styles
 from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.stages.base import StageContext, file_digest
 
@@ -49,7 +49,7 @@ class Catalogue:
             raise InputError(f"no {name} has the style {style!r}", remedy=f"known: {known}")
         key = (name, *size, style, self.context.room.seed)
         rng = partial(self.context.rng, "alignment", "details", name, repr(size), style)
-        return self._asset(label or name, key, lambda: Model(make(name, size, style, rng())))
+        return self._asset(label or name, key, lambda: _model(make(name, size, style, rng())))
 
     def _draw(self, name: str, size: Size) -> str:
         choices = styles(name, size)
@@ -76,6 +76,10 @@ class Catalogue:
 
     def _asset(self, label: str, key: tuple[Any, ...], build: Callable[[], Model]) -> Asset:
         return self._assets.setdefault((label, *key), Asset(label, key, cache(build)))
+
+
+def _model(furniture: Furniture) -> Model:
+    return Model(furniture.parts, joints=furniture.joints)
 
 
 def _model_digest(model: Model) -> str:

@@ -11,7 +11,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 import orusd_schemas
-from openrooms_usd.description.layout import Opening
+from openrooms_usd.description.layout import STYLES, Opening
 from openrooms_usd.description.room import RoomType
 
 # Every property of every schema: its type, and the value that the stages might author.
@@ -26,7 +26,14 @@ PROPERTIES = {
         "openrooms:opening:width": ("double", 1.2),
         "openrooms:opening:height": ("double", 1.3),
         "openrooms:opening:sill": ("double", 0.9),
+        "openrooms:opening:style": ("token", "glazed"),
         "openrooms:opening:wall": ("rel", "/World/Room/Walls/wall_0"),
+    },
+    "OpenRoomsJointAPI": {
+        "openrooms:joint:type": ("token", "rail"),
+        "openrooms:joint:axis": ("float3", Gf.Vec3f(0, -1, 0)),
+        "openrooms:joint:lower": ("float", 0.0),
+        "openrooms:joint:upper": ("float", 0.5),
     },
     "OpenRoomsSourceAPI": {
         "openrooms:source:file": ("string", "room.json"),
@@ -37,6 +44,7 @@ PROPERTIES = {
     "OpenRoomsMaterialAPI": {
         "openrooms:material:category": ("token", "wood"),
         "openrooms:material:size": ("float2", Gf.Vec2f(1, 2)),
+        "openrooms:material:transmission": ("float", 0.5),
     },
 }
 
@@ -101,6 +109,8 @@ def test_fallbacks_and_allowed_values_are_those_of_the_description() -> None:
     assert opening.GetAttributeFallbackValue("openrooms:opening:kind") == "opening"
     types = room.GetSchemaAttributeSpec("openrooms:room:type").allowedTokens
     assert tuple(types) == get_args(RoomType)
+    styles = opening.GetSchemaAttributeSpec("openrooms:opening:style").allowedTokens
+    assert tuple(styles) == ("", *(name for known in STYLES.values() for name in known))
     kinds = opening.GetSchemaAttributeSpec("openrooms:opening:kind").allowedTokens
     assert tuple(kinds) == get_args(Opening.model_fields["kind"].annotation)
     for name in ("width", "height", "sill"):

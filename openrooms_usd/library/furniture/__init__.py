@@ -7,16 +7,72 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.furniture import cabinet, chair, lamp, sofa, table
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, fitted
-from openrooms_usd.library.furniture.stand_in import STAND_INS
+from openrooms_usd.library.furniture import (
+    armchair,
+    basket,
+    bathtub,
+    bed,
+    bench,
+    bookshelf,
+    box,
+    cabinet,
+    ceiling_lamp,
+    chair,
+    clock,
+    computing,
+    cooker,
+    curtain,
+    desk,
+    door,
+    dresser,
+    faucet,
+    file_cabinet,
+    fireplace,
+    floor_lamp,
+    kitchen,
+    laundry,
+    microwave,
+    office_chair,
+    pillow,
+    plant,
+    pool_table,
+    printer,
+    refrigerator,
+    rug,
+    screen,
+    sink,
+    small_table,
+    sofa,
+    speaker,
+    stairs,
+    stool,
+    table,
+    table_lamp,
+    telephone,
+    toilet,
+    trash_bin,
+    vessel,
+    wall_board,
+    wall_lamp,
+    wardrobe,
+    window,
+)
+from openrooms_usd.library.furniture.joinery import (
+    CategorySpec,
+    Furniture,
+    Joint,
+    Parts,
+    Size,
+    fitted,
+)
 
 __all__ = [
     "CATEGORIES",
     "MAX_SIDE",
     "MIN_SIDE",
-    "STAND_INS",
     "CategorySpec",
+    "Furniture",
+    "Joint",
     "Parts",
     "Size",
     "category",
@@ -26,54 +82,75 @@ __all__ = [
 ]
 
 # Sides of boxes that can be built, metres.
-MIN_SIDE: Final = 0.02
+MIN_SIDE: Final = 0.005
 MAX_SIDE: Final = 20.0
 
 
+_MODULES: Final = (
+    armchair,
+    basket,
+    bathtub,
+    bed,
+    bench,
+    bookshelf,
+    box,
+    cabinet,
+    ceiling_lamp,
+    chair,
+    clock,
+    computing,
+    cooker,
+    curtain,
+    desk,
+    door,
+    dresser,
+    faucet,
+    file_cabinet,
+    fireplace,
+    floor_lamp,
+    kitchen,
+    laundry,
+    microwave,
+    office_chair,
+    pillow,
+    plant,
+    pool_table,
+    printer,
+    refrigerator,
+    rug,
+    screen,
+    sink,
+    small_table,
+    sofa,
+    speaker,
+    stairs,
+    stool,
+    table,
+    table_lamp,
+    telephone,
+    toilet,
+    trash_bin,
+    vessel,
+    wall_board,
+    wall_lamp,
+    wardrobe,
+    window,
+)
+
 CATEGORIES: Final[dict[str, CategorySpec]] = {
-    "chair": CategorySpec(
-        (0.46, 0.53, 0.84), (0.34, 0.36, 0.55), (1.1, 1.1, 1.4),
-        chair.STYLES, "a seat for one, with a back",
-    ),
-    "table": CategorySpec(
-        (1.4, 0.8, 0.74), (0.3, 0.3, 0.3), (5.0, 2.5, 1.2),
-        table.STYLES, "a top on legs, dining or low",
-    ),
-    "sofa": CategorySpec(
-        (2.0, 0.92, 0.82), (0.6, 0.6, 0.55), (4.5, 2.6, 1.3),
-        sofa.STYLES, "a padded seat for several",
-    ),
-    "cabinet": CategorySpec(
-        (0.9, 0.42, 0.9), (0.25, 0.2, 0.25), (6.0, 1.2, 3.2),
-        cabinet.STYLES, "doors, drawers or open shelves",
-    ),
-    "floor_lamp": CategorySpec(
-        (0.42, 0.42, 1.55), (0.16, 0.16, 0.8), (0.9, 0.9, 2.4),
-        lamp.FLOOR_STYLES, "a lamp that stands on the floor", emits=True, lumen=1500.0,
-    ),
-    "table_lamp": CategorySpec(
-        (0.3, 0.3, 0.48), (0.12, 0.12, 0.2), (0.6, 0.6, 0.9),
-        lamp.TABLE_STYLES, "a lamp that stands on a table", "surface", emits=True, lumen=600.0,
-    ),
-    "ceiling_lamp": CategorySpec(
-        (0.45, 0.45, 0.35), (0.1, 0.1, 0.05), (1.6, 1.6, 2.5),
-        lamp.CEILING_STYLES, "a lamp at the ceiling", "ceiling", emits=True, lumen=3000.0,
-    ),
-}  # fmt: skip
-
-
-_SPECS: Final = {**STAND_INS, **CATEGORIES}
+    name: spec for module in _MODULES for name, spec in module.SPECS.items()
+}
 
 
 def category(name: str) -> CategorySpec:
-    """Look up a category or a stand-in.
+    """Look up a category.
 
     Raises:
         InputError: The library cannot make it.
     """
-    if name not in _SPECS:
+    if name not in CATEGORIES:
         raise _unknown("category", name, tuple(CATEGORIES))
-    return _SPECS[name]
+    return CATEGORIES[name]
 
 
 def styles(name: str, size: Size | None = None) -> tuple[str, ...]:
@@ -87,18 +164,18 @@ def styles(name: str, size: Size | None = None) -> tuple[str, ...]:
     return suited or tuple(spec.styles)
 
 
-def make(name: str, size: Size, style: str, rng: np.random.Generator) -> Parts:
+def make(name: str, size: Size, style: str, rng: np.random.Generator) -> Furniture:
     """Build an object.
 
     Args:
-        name: Its category, or one of `STAND_INS`.
+        name: Its category.
         size: Width, depth and height of its bounding box, metres; the result has exactly these.
         style: One of the category's styles.
         rng: Draws the details.
 
     Returns:
-        Closed meshes by part; instances of one part are numbered (``leg_0``, ``leg_1``). Metres,
-        Z up, origin in the middle of the base, front towards -Y.
+        Closed meshes by part, and the joints of those that move. Metres, Z up, origin in the middle
+        of the base, front towards -Y.
 
     Raises:
         InputError: The category, the style or the size is none that can be built.

@@ -11,6 +11,7 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
 from openrooms_usd.library.furniture.joinery import (
+    CategorySpec,
     Parts,
     Size,
     Style,
@@ -273,3 +274,10 @@ STYLES: Final = {
     "sled": Style(sled, _slim),
     "armchair": Style(_armchair, lambda size: not _slim(size)),
 }
+
+SPECS: Final = {
+    "chair": CategorySpec(
+        (0.46, 0.53, 0.84), (0.34, 0.36, 0.55), (1.1, 1.1, 1.4),
+        STYLES, "a seat for one, with a back",
+    ),
+}  # fmt: skip

@@ -4,7 +4,7 @@ The object frame: metres, Z up, origin in the middle of the base, width along X,
 front towards -Y.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
@@ -19,7 +19,43 @@ from openrooms_usd.geometry.sweeps import extrude
 
 Size: TypeAlias = tuple[float, float, float]
 Parts: TypeAlias = dict[str, Mesh]
-Build: TypeAlias = Callable[[Size, np.random.Generator], Parts]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """How some parts move together against the rest: a door on its hinge, a drawer on its rails.
+
+    Attributes:
+        name: Of the moving group, such as ``door_0``; its semantic part is the name without number.
+        kind: ``hinge`` turns about the axis, ``rail`` slides along it.
+        meshes: The parts that move.
+        origin: A point of the axis in the object frame, metres.
+        axis: Unit vector; hinges turn counter-clockwise about it.
+        limits: The range of the movement from how it is built, degrees or metres.
+    """
+
+    name: str
+    kind: Literal["hinge", "rail"]
+    meshes: tuple[str, ...]
+    origin: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    limits: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Furniture:
+    """An object: its parts, and how some of them move.
+
+    Attributes:
+        parts: Meshes by part; instances of one part are numbered (``leg_0``, ``leg_1``).
+        joints: No mesh is in two of them.
+    """
+
+    parts: Parts
+    joints: tuple[Joint, ...] = ()
+
+
+Build: TypeAlias = Callable[[Size, np.random.Generator], Parts | Furniture]
 
 
 @dataclass(frozen=True)
@@ -37,7 +73,7 @@ class Style:
     size: Size | None = None
 
 
-Support = Literal["floor", "ceiling", "surface"]
+Support = Literal["floor", "ceiling", "surface", "wall"]
 
 
 @dataclass(frozen=True)
@@ -50,7 +86,8 @@ class CategorySpec:
         most: Above these sides it is not built but stretched, metres.
         styles: The ways to build it.
         description: One sentence for people.
-        support: What carries it: the floor, the ceiling, or the top of another object.
+        support: What carries it: the floor, the ceiling, a wall, or the top of another object.
+        level: Height of its base above the floor where it hangs on a wall, metres.
         emits: Whether its part ``light_bulb`` is a lamp.
         lumen: The luminous flux of such a lamp by default; 0 for what does not emit.
     """
@@ -61,6 +98,7 @@ class CategorySpec:
     styles: dict[str, Style]
     description: str
     support: Support = "floor"
+    level: float = 0.0
     emits: bool = False
     lumen: float = 0.0
 
@@ -140,15 +178,30 @@ def corners(x: float, y: float) -> tuple[tuple[float, float], ...]:
     return (-x, -y), (x, -y), (x, y), (-x, y)
 
 
-def fitted(parts: Mapping[str, Mesh], size: Size) -> Parts:
+def fitted(made: Parts | Furniture, size: Size) -> Furniture:
     """Stretch an object so that its bounding box is exactly the one asked for.
 
     The builders plan for the size, so this takes up what a curve or a slant left over.
     """
-    extents = np.stack([mesh.extent for mesh in parts.values()])
+    furniture = made if isinstance(made, Furniture) else Furniture(made)
+    extents = np.stack([mesh.extent for mesh in furniture.parts.values()])
     low, high = extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)
     scale = np.asarray(size) / (high - low)
+    offset = -scale * [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]]
     fit = np.eye(4)
-    fit[:3, :3] = np.diag(scale)
-    fit[:3, 3] = -scale * [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]]
-    return {name: mesh.transformed(fit) for name, mesh in parts.items()}
+    fit[:3, :3], fit[:3, 3] = np.diag(scale), offset
+    return Furniture(
+        {name: mesh.transformed(fit) for name, mesh in furniture.parts.items()},
+        tuple(_stretched(joint, scale, offset) for joint in furniture.joints),
+    )
+
+
+def _stretched(joint: Joint, scale: NDArray[np.float64], offset: NDArray[np.float64]) -> Joint:
+    x, y, z = (scale * joint.origin + offset).tolist()
+    axis = np.asarray(joint.axis) * scale
+    length = float(np.linalg.norm(axis))
+    a, b, c = (axis / length).tolist()
+    # A slanted axis is nobody's; along the frame's axes a slide stretches with the object.
+    travel = length if joint.kind == "rail" else 1.0
+    limits = (joint.limits[0] * travel, joint.limits[1] * travel)
+    return replace(joint, origin=(x, y, z), axis=(a, b, c), limits=limits)

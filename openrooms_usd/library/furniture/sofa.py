@@ -9,6 +9,7 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, rounded_box
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
+    CategorySpec,
     Parts,
     Size,
     Style,
@@ -230,3 +231,10 @@ STYLES: Final = {
     "wooden": Style(wooden, _straight),
     "chaise": Style(chaise, lambda size: not _straight(size)),
 }
+
+SPECS: Final = {
+    "sofa": CategorySpec(
+        (2.0, 0.92, 0.82), (0.6, 0.6, 0.55), (4.5, 2.6, 1.3),
+        STYLES, "a padded seat for several",
+    ),
+}  # fmt: skip

@@ -11,6 +11,7 @@ from openrooms_usd.geometry.sweeps import extrude
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
     SIDE,
+    CategorySpec,
     Parts,
     Size,
     Style,
@@ -173,3 +174,10 @@ STYLES: Final = {
     "trestle": Style(trestle, lambda size: size[0] > 1.3 and size[1] > 0.6 and not _low(size)),
     "disc": Style(tulip_side, lambda size: _small(size) and _nearly_square(size)),
 }
+
+SPECS: Final = {
+    "table": CategorySpec(
+        (1.4, 0.8, 0.74), (0.3, 0.3, 0.3), (5.0, 2.5, 1.2),
+        STYLES, "a top on legs, dining or low",
+    ),
+}  # fmt: skip

@@ -1,0 +1,109 @@
+"""The commands of ``orusd library``: what furniture there is, as a list and as a picture."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from openrooms_usd.cli.console import json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.showroom.sheet import Progress
+
+
+@click.group()
+def library() -> None:
+    """The parametric furniture: a list, or a picture of it."""
+
+
+@library.command("list")
+@json_option
+def list_(as_json: bool) -> None:
+    """Print every category with its styles, usual size and support."""
+    from openrooms_usd.library.furniture import CATEGORIES
+
+    rows = {
+        name: {
+            "description": spec.description,
+            "styles": list(spec.styles),
+            "size": list(spec.size),
+            "least": list(spec.least),
+            "most": list(spec.most),
+            "support": spec.support,
+            "level": spec.level,
+            "lumen": spec.lumen,
+        }
+        for name, spec in sorted(CATEGORIES.items())
+    }
+    if as_json:
+        print_json(rows)
+        return
+    for name, spec in sorted(CATEGORIES.items()):
+        width, depth, height = spec.size
+        size = f"{width:g} x {depth:g} x {height:g} m"
+        click.echo(f"{name:<16} {size:<22} {spec.support:<8} {', '.join(spec.styles)}")
+
+
+@library.command()
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path), required=True, metavar="FILE.png",
+    help="The picture to write.",
+)  # fmt: skip
+@click.option("--category", "categories", multiple=True, metavar="NAME", help="Repeatable.")
+@click.option("--all", "every_style", is_flag=True, help="Every style, not one a category.")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--size", type=click.IntRange(16, 2048), default=160, show_default=True,
+    help="Pixels along each side of a picture.",
+)  # fmt: skip
+@click.option(
+    "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
+)
+@click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
+@click.option("--renderer", default="mitsuba", show_default=True)
+@json_option
+def sheet(
+    out: Path,
+    categories: tuple[str, ...],
+    every_style: bool,
+    seed: int,
+    size: int,
+    spp: int,
+    variant: str,
+    renderer: str,
+    as_json: bool,
+) -> None:
+    """Draw the catalogue: every object in a studio, with its name, style and size."""
+    from openrooms_usd.showroom import draw_sheet, exhibits
+    from openrooms_usd.usd.diagnostics import quiet
+
+    started = time.perf_counter()
+    shown = exhibits(categories, every_style=every_style)
+    with quiet(), _progress(hidden=as_json) as progress:
+        draw_sheet(
+            out, shown, seed=seed, size=size, samples=spp, renderer=renderer, variant=variant,
+            progress=progress,
+        )  # fmt: skip
+    if as_json:
+        print_json({"file": str(out), "shown": [[item.category, item.style] for item in shown]})
+        return
+    click.echo(f"wrote {out}: {len(shown)} objects ({time.perf_counter() - started:.1f} s)")
+
+
+@contextmanager
+def _progress(*, hidden: bool) -> Iterator["Progress"]:
+    """A bar on standard error where that is a terminal, else nothing."""
+    if hidden or not sys.stderr.isatty():
+        yield lambda text, fraction: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
+
+    columns = ("[progress.description]{task.description}", BarColumn(), TaskProgressColumn())
+    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
+        task = bar.add_task("composing", total=1.0)
+        yield lambda text, fraction: bar.update(task, description=text, completed=fraction)

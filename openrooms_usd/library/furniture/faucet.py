@@ -1,0 +1,128 @@
+"""Faucets: a mixer with one lever, a high arc, a bridge with two cross handles."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.geometry.curves import filleted
+from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.solids import lathe
+from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style
+
+Point = tuple[float, float, float]
+_UP: Final = (0.0, 0.0, 1.0)
+
+
+def _pillar(radius: float, height: float) -> Mesh:
+    """A body that widens to its foot, on the origin."""
+    r = radius
+    return lathe([(0.0, 0.0), (r, 0.0), (r, 0.004), (0.88 * r, 0.008), (0.8 * r, 0.03),
+                  (0.8 * r, height - 0.004), (0.74 * r, height), (0.0, height)],
+                 segments=24)  # fmt: skip
+
+
+def mixer(made: Assembly, size: Size, at: Point) -> None:
+    """One body, a short spout, and a lever on top; ``at`` is the middle of the base of its box."""
+    width, depth, height = size
+    r = 0.5 * width
+    tall = 0.72 * height
+    y = at[1] + 0.5 * depth - r
+    made.add("body", _pillar(r, tall).moved((at[0], y, at[2])))
+    tip = at[1] - 0.5 * depth + 0.012
+    z = at[2] + 0.62 * tall
+    spout = [(at[0], y, z - 0.01), (at[0], tip + 0.004, z + 0.015), (at[0], tip, z - 0.016)]
+    made.add("spout", tube(filleted(spout, 0.014), 0.012, segments=14))
+    top = at[2] + tall + 0.001
+    cap = lathe([(0.0, 0.0), (0.8 * r, 0.0), (0.72 * r, 0.014), (0.0, 0.018)], segments=24)
+    grip = tube([(0.0, 0.0, 0.008), (0.0, -0.72 * (y - tip), height - tall - 0.011)],
+                [0.008, 0.005], segments=10)  # fmt: skip
+    names = made.add("switch", joined([cap, grip]).moved((at[0], y, top)))
+    made.turn("switch", names, (at[0], y, top), _UP, (-40.0, 40.0))
+
+
+def arc(made: Assembly, size: Size, at: Point) -> None:
+    """A thin tube in a high arc, a small lever on its right side."""
+    width, depth, height = size
+    r, pipe = min(0.025, 0.3 * width), 0.011
+    y, tip = at[1] + 0.5 * depth - r, at[1] - 0.5 * depth + pipe
+    x = at[0] - 0.5 * width + r
+    stem = min(0.09, 0.35 * height)
+    made.add("body", _pillar(r, stem).moved((x, y, at[2])))
+    bend = min(0.5 * (y - tip), 0.42 * height)
+    top = at[2] + height - pipe - bend
+    angle = np.linspace(0.0, 0.5 * np.pi, 8)
+    rise = [(x, y - bend * (1.0 - float(np.cos(a))), top + bend * float(np.sin(a))) for a in angle]
+    fall = [(x, tip + bend * (1.0 - float(np.sin(a))), top + bend * float(np.cos(a)))
+            for a in angle[1 if y - tip < 2.001 * bend else 0:]]  # fmt: skip
+    path = [
+        (x, y, at[2] + stem - 0.001),
+        *rise,
+        *fall,
+        (x, tip, max(top - 0.05, at[2] + 0.45 * height)),
+    ]
+    names = made.add("spout", tube(path, pipe, segments=14))
+    made.turn("spout", names, (x, y, at[2] + stem), _UP, (-70.0, 70.0))
+    z = at[2] + 0.6 * stem
+    reach = at[0] + 0.5 * width - x
+    lever = joined([
+        tube([(0.78 * r, 0.0, 0.0), (0.62 * reach, 0.0, 0.0)], 0.55 * r, segments=14),
+        tube([(0.5 * reach, 0.0, 0.0), (reach - 0.005, 0.0, 0.05)], 0.005, segments=8),
+    ])  # fmt: skip
+    names = made.add("switch", lever.moved((x, y, z)))
+    made.turn("switch", names, (x, y, z), (1.0, 0.0, 0.0), (0.0, 60.0))
+
+
+def _cross(radius: float) -> Mesh:
+    """A cross of four short arms around a hub, on the origin."""
+    hub = lathe([(0.0, 0.0), (0.011, 0.0), (0.013, 0.012), (0.008, 0.022), (0.0, 0.024)],
+                segments=16)  # fmt: skip
+    arms = [tube([(-radius * a, -radius * b, 0.012), (radius * a, radius * b, 0.012)], 0.005,
+                 segments=8) for a, b in ((1.0, 0.0), (0.0, 1.0))]  # fmt: skip
+    return joined([hub, *arms])
+
+
+def bridge(made: Assembly, size: Size, at: Point) -> None:
+    """Two taps joined by a bridge from whose middle a spout rises."""
+    width, depth, height = size
+    arm = min(0.03, 0.16 * width)
+    x, y, pipe = 0.5 * width - arm, at[1] + 0.5 * depth - arm, 0.010
+    tall = min(0.075, 0.4 * height)
+    for side in (-x, x):
+        made.add("body", _pillar(0.02, tall).moved((at[0] + side, y, at[2])))
+        top = (at[0] + side, y, at[2] + tall + 0.001)
+        names = made.add("switch", _cross(arm).moved(top))
+        made.turn("switch", names, top, _UP, (0.0, 180.0))
+    level = at[2] + 0.55 * tall
+    made.add("body", tube([(at[0] - x, y, level), (at[0] + x, y, level)], pipe, segments=12))
+    tip, high = at[1] - 0.5 * depth + pipe, at[2] + height - pipe
+    path = [(at[0], y, level), (at[0], y, high), (at[0], tip, high),
+            (at[0], tip, high - 0.3 * height)]  # fmt: skip
+    bend = 0.45 * (y - tip)
+    made.add("spout", tube(filleted(path, bend, segments=8), pipe, segments=14))
+
+
+KINDS: Final = {"mixer": mixer, "arc": arc, "bridge": bridge}
+
+
+def _alone(kind: str, size: Size) -> Furniture:
+    made = Assembly()
+    KINDS[kind](made, size, (0.0, 0.0, 0.0))
+    return made.furniture()
+
+
+SPECS: Final = {
+    "faucet": CategorySpec(
+        (0.09, 0.2, 0.3), (0.03, 0.08, 0.08), (0.4, 0.4, 0.6),
+        {
+            "arc": Style(lambda size, rng: _alone("arc", size),
+                         lambda size: 0.06 <= size[0] < 0.16 and size[2] > 0.14),
+            "mixer": Style(lambda size, rng: _alone("mixer", size),
+                           lambda size: size[0] < 0.08, (0.05, 0.15, 0.17)),
+            "bridge": Style(lambda size, rng: _alone("bridge", size),
+                            lambda size: size[0] >= 0.14, (0.24, 0.2, 0.26)),
+        },
+        "a tap for a sink", "surface",
+    ),
+}  # fmt: skip

@@ -1,0 +1,226 @@
+"""Plants in pots: broad leaves, swords, a palm, a cactus. Leaves are thin closed sheets."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.normals import with_normals
+from openrooms_usd.geometry.solids import cylinder, lathe
+from openrooms_usd.geometry.sweeps import sheet, tube
+from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.posing import turned
+
+Array = NDArray[np.float64]
+
+_THICK: Final = 0.0014
+
+
+def _pot(radius: float, height: float, rng: np.random.Generator, lift: float = 0.0) -> Parts:
+    """A tapered pot with a rim, filled with soil almost to its edge."""
+    low = float(rng.uniform(0.68, 0.86)) * radius
+    wall = float(np.clip(0.06 * radius, 0.003, 0.012))
+    edge = float(rng.choice([0.0, 0.16])) * height
+    outer = [(low, 0.0), (low + 0.004, 0.006)]
+    if edge:
+        shoulder = 0.92 * radius
+        outer += [(shoulder, height - edge), (radius, height - edge), (radius, height)]
+    else:
+        outer += [(radius, height)]
+    soil = height - max(0.1 * height, 0.012)
+    inside = [(radius - 1.2 * wall - 0.08 * radius * bool(edge), soil - 0.01), (0.0, soil - 0.01)]
+    pot = lathe([(0.0, 0.0), *outer, (radius - wall, height), *inside], segments=40, crease=50.0)
+    mound = 0.97 * inside[0][0]
+    earth = lathe([(0.0, soil - 0.014), (mound, soil - 0.014), (mound, soil - 0.002),
+                   (0.5 * mound, soil + 0.003), (0.0, soil + 0.005)], segments=28)  # fmt: skip
+    move = (0.0, 0.0, lift)
+    return {"pot": pot.moved(move), "soil": earth.moved(move)}
+
+
+def _leaf(
+    long: float, wide: float, *, droop: float, fold: float, widest: float = 0.4, rows: int = 7
+) -> Mesh:
+    """A pointed leaf along +X from the origin, its upper side up.
+
+    Args:
+        long: Its length, metres.
+        wide: Its greatest width, metres.
+        droop: Degrees by which its tip hangs below its foot.
+        fold: How far its sides rise above its midrib, in parts of their width.
+        widest: Where along it that is, 0 to 1.
+        rows: Points along it.
+    """
+    t = np.linspace(0.0, 1.0, rows)
+    power = np.log(0.5) / np.log(widest)
+    half = 0.5 * wide * np.sin(np.pi * np.clip(t, 0.012, 0.988) ** power)
+    bend = np.radians(droop) * t
+    step = long / (rows - 1)
+    x = np.concatenate([[0.0], np.cumsum(step * np.cos(bend[:-1]))])
+    z = -np.concatenate([[0.0], np.cumsum(step * np.sin(bend[:-1]))])
+    u = np.array([-1.0, 0.0, 1.0])
+    grid = np.stack([np.broadcast_to(x[:, None], (rows, 3)), -half[:, None] * u,
+                     z[:, None] + fold * half[:, None] * np.abs(u)], axis=-1)  # fmt: skip
+    return sheet(grid[:, ::-1].transpose(1, 0, 2), _THICK)
+
+
+def _posed(leaf: Mesh, pitch: float, heading: float, at: Array) -> Mesh:
+    """A leaf raised by ``pitch`` and turned to ``heading`` (degrees), its foot at a point."""
+    return turned(turned(leaf, "y", -pitch), "z", heading).moved(at)
+
+
+def _filled(parts: Parts, plant: dict[str, list[Mesh]], size: Size, pot: float) -> Parts:
+    """Fit what grows into the box above the pot's rim, without touching the pot."""
+    grown = joined([mesh for meshes in plant.values() for mesh in meshes])
+    low, high = grown.extent
+    middle = 0.5 * (low + high)
+    scale = np.array([size[0], size[1], size[2] - pot]) / [*(high - low)[:2], high[2] - pot]
+    offset = np.array([-middle[0] * scale[0], -middle[1] * scale[1], pot * (1.0 - scale[2])])
+    fit = np.column_stack([np.diag(scale), offset])
+    # Stems are thin enough to keep their place in the soil.
+    return {**parts, **{name: joined(meshes).transformed(fit) for name, meshes in plant.items()}}
+
+
+def leafy(size: Size, rng: np.random.Generator) -> Parts:
+    """A rubber plant: a few woody stems with broad leaves in a spiral."""
+    width, depth, height = size
+    radius = 0.5 * min(width, depth)
+    rim = min(0.28 * height, 1.3 * radius)
+    pot = _pot(min(0.62 * radius, rim), rim, rng)
+    tall = 0.9 * (height - rim)
+    plant: dict[str, list[Mesh]] = {"stem": [], "leaf": []}
+    for k in range(int(rng.integers(2, 4))):
+        heading, lean = float(rng.uniform(0, 2 * np.pi)), float(rng.uniform(0.02, 0.22)) * radius
+        reach = tall * float(rng.uniform(0.75, 1.0)) if k else tall
+        t = np.linspace(0.0, 1.0, 6)[:, None]
+        foot = 0.18 * radius * np.array([np.cos(heading), np.sin(heading)])
+        way = foot * (1.0 - t) + (foot + lean * np.array([np.cos(heading), np.sin(heading)])) * t**2
+        stem = np.column_stack([way, rim - 0.03 * height + (reach + 0.03 * height) * t])
+        plant["stem"].append(tube(stem, np.linspace(0.008, 0.004, 6).tolist(), segments=8))
+        count = int(np.clip(round(reach / 0.042), 9, 20))
+        for i in range(count):
+            share = 0.16 + 0.84 * (i + 0.5) / count
+            at = np.array([np.interp(share, t[:, 0], stem[:, j]) for j in range(3)])
+            long = radius * float(rng.uniform(0.62, 0.9)) * (1.1 - 0.45 * share)
+            leaf = _leaf(long, 0.5 * long, droop=float(rng.uniform(20, 60)), fold=0.18)
+            plant["leaf"].append(
+                _posed(
+                    leaf,
+                    18.0 + 45.0 * share,
+                    137.5 * i + 40.0 * k + float(rng.uniform(-15, 15)),
+                    at,
+                )
+            )
+    return _filled(pot, plant, size, rim)
+
+
+def swords(size: Size, rng: np.random.Generator) -> Parts:
+    """A snake plant: stiff upright blades."""
+    width, depth, height = size
+    radius = 0.5 * min(width, depth)
+    rim = min(0.34 * height, 1.5 * radius)
+    base = min(0.95 * radius, rim)
+    pot = _pot(base, rim, rng)
+    blades = []
+    for i in range(int(rng.integers(11, 17))):
+        away = 0.62 * base * np.sqrt((i + 0.5) / 16.0)
+        heading = np.radians(137.5 * i)
+        long = (height - rim) * float(rng.uniform(0.62, 1.0)) * (1.05 - 0.4 * away / base)
+        blade = _leaf(long, float(rng.uniform(0.1, 0.14)) * (height - rim), droop=-4.0, fold=0.35,
+                      widest=0.45, rows=8)  # fmt: skip
+        at = np.array([away * np.cos(heading), away * np.sin(heading), rim - 0.02])
+        tilt = 86.0 - 16.0 * away / base
+        spun = turned(blade, "x", float(rng.uniform(-80, 80)))
+        blades.append(_posed(spun, tilt, float(np.degrees(heading)), at))
+    # Blades widen the box only above the pot.
+    return _filled(pot, {"leaf": blades}, size, rim)
+
+
+def palm(size: Size, rng: np.random.Generator) -> Parts:
+    """A palm: arching fronds with leaflets on both sides."""
+    width, depth, height = size
+    radius = 0.5 * min(width, depth)
+    rim = min(0.24 * height, 0.9 * radius)
+    pot = _pot(min(0.5 * radius, rim), rim, rng)
+    plant: dict[str, list[Mesh]] = {"stem": [], "leaf": []}
+    count = int(rng.integers(9, 12))
+    for i in range(count):
+        heading = 137.5 * i + float(rng.uniform(-12, 12))
+        rise = float(rng.uniform(0.7, 1.0)) * (height - rim) * (1.0 - 0.35 * i / count)
+        out = radius * (0.45 + 0.55 * i / count)
+        t = np.linspace(0.0, 1.0, 9)
+        arch = np.stack([0.03 * radius + out * t**1.8, np.zeros(9),
+                         rim - 0.02 + rise * (1.55 * t - 0.55 * t**2.6)], axis=1)  # fmt: skip
+        frond = [tube(arch, np.linspace(0.006, 0.0018, 9).tolist(), segments=6)]
+        plant["stem"] += [turned(mesh, "z", heading) for mesh in frond]
+        for s in np.linspace(0.42, 0.97, 8).tolist():
+            at = np.array([np.interp(s, t, arch[:, j]) for j in range(3)])
+            long = radius * (0.5 - 1.2 * (s - 0.6) ** 2)
+            for side in (-1.0, 1.0):
+                leaf = _leaf(max(long, 0.1 * radius), 0.06 * radius + 0.006, droop=38.0, fold=0.3,
+                             rows=4)  # fmt: skip
+                spread = side * (62.0 - 30.0 * s) + float(rng.uniform(-6, 6))
+                posed = _posed(leaf, 22.0, spread, at)
+                plant["leaf"].append(turned(posed, "z", heading))
+    return _filled(pot, plant, size, rim)
+
+
+def cactus(size: Size, rng: np.random.Generator) -> Parts:
+    """A ribbed column with an arm, on pebbles."""
+    width, depth, height = size
+    radius = 0.5 * min(width, depth)
+    rim = min(0.36 * height, 1.1 * radius)
+    pot = _pot(radius, rim, rng)
+    ribs = int(rng.integers(8, 12))
+    thick = 0.42 * radius
+    column = _ribbed(thick, height - rim + 0.03, ribs).moved((0.0, 0.0, rim - 0.03))
+    arms = []
+    for side in (1.0, -1.0)[: int(rng.integers(1, 3))]:
+        z = rim + float(rng.uniform(0.2, 0.36)) * (height - rim)
+        arm = 0.55 * thick
+        path = [(0.5 * thick * side, 0.0, z), (side * (thick + 0.55 * arm), 0.0, z + 0.2 * arm),
+                (side * (thick + arm), 0.0, z + 1.3 * arm)]  # fmt: skip
+        tall = float(rng.uniform(0.2, 0.3)) * (height - rim)
+        arms.append(tube(path, 0.62 * arm, segments=12))
+        tip = _ribbed(0.72 * arm, tall, 8).moved((side * (thick + arm), 0.0, z + 0.9 * arm))
+        arms.append(tip)
+    pebbles = [
+        cylinder(
+            0.05 * radius,
+            0.04 * radius,
+            bevel=0.018 * radius,
+            segments=7,
+            base=(0.72 * radius * np.cos(a), 0.72 * radius * np.sin(a), rim - 0.1 * rim - 0.012),
+        )
+        for a in rng.uniform(0.0, 2.0 * np.pi, 14).tolist()
+    ]
+    return {**pot, "plant": joined([column, *arms]), **numbered("stone", [joined(pebbles)])}
+
+
+def _ribbed(radius: float, height: float, ribs: int) -> Mesh:
+    """A round-headed column whose radius follows its ribs."""
+    t = np.linspace(0.0, 0.5 * np.pi, 7)
+    shape = [(0.9 * radius, 0.0), (radius, 0.5 * height)]
+    head = np.stack([radius * np.cos(t), height - radius + radius * np.sin(t)], axis=1)
+    head[-1, 0] = 0.0
+    plain = lathe([(0.0, 0.0), *shape, *head], segments=4 * ribs, crease=60.0)
+    around = np.arctan2(plain.points[:, 1], plain.points[:, 0])
+    scale = 0.9 + 0.1 * np.cos(ribs * around)
+    points = plain.points * np.column_stack([scale, scale, np.ones(len(scale))])
+    return with_normals(replace(plain, points=points), crease=50.0)
+
+
+STYLES: Final = {
+    "leafy": Style(leafy),
+    "swords": Style(swords, size=(0.34, 0.34, 0.72)),
+    "palm": Style(palm, lambda size: size[2] > 0.6, (0.9, 0.9, 1.4)),
+    "cactus": Style(cactus, lambda size: size[2] < 0.7, (0.15, 0.15, 0.28)),
+}
+
+SPECS: Final = {
+    "plant_pot": CategorySpec(
+        (0.5, 0.5, 0.9), (0.08, 0.08, 0.12), (1.6, 1.6, 2.6),
+        STYLES, "a plant in a pot",
+    ),
+}  # fmt: skip

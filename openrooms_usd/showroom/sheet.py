@@ -1,0 +1,96 @@
+"""The catalogue as one picture."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Final
+
+from openrooms_usd import adapters
+from openrooms_usd.render.contract import Renderer, RenderRequest
+from openrooms_usd.render.folder import check_writable
+from openrooms_usd.render.previews import preview
+from openrooms_usd.render.sheet import Tile, write_sheet
+from openrooms_usd.showroom.exhibits import Exhibit
+
+DEFAULT_SIZE: Final = 160
+DEFAULT_SAMPLES: Final = 64
+_BOUNCES: Final = 4
+# Many lights share the samples of the lamps' studio.
+_LAMP_SAMPLES: Final = 3
+_COLUMNS: Final = 10
+
+Progress = Callable[[str, float], None]
+"""Called with the exhibit that is finished and the finished fraction."""
+
+
+def draw_sheet(
+    path: Path,
+    exhibits: Sequence[Exhibit],
+    *,
+    seed: int = 0,
+    size: int = DEFAULT_SIZE,
+    samples: int = DEFAULT_SAMPLES,
+    renderer: str = "mitsuba",
+    variant: str = "auto",
+    progress: Progress = lambda text, fraction: None,
+) -> None:
+    """Render every exhibit in the studio and tile the pictures, in the order given.
+
+    Equal arguments give equal bytes on the same backend.
+
+    Args:
+        path: The PNG file; it appears whole or not at all.
+        exhibits: What is shown.
+        seed: Draws details, looks and noise.
+        size: Pixels along each side of a picture.
+        samples: Samples a pixel.
+        renderer: A registered renderer.
+        variant: ``auto``, or a backend of the renderer.
+        progress: Called with each finished exhibit's name and the finished fraction.
+
+    Raises:
+        OutputError: The file cannot be written.
+        RenderError: The renderer cannot do it.
+    """
+    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
+    check_writable(path.parent)
+    tiles: dict[str, Tile] = {}
+    # Lamps have a studio of their own: each light that is not seen costs samples of those that are.
+    for lamps in (False, True):
+        for item, tile in _hall(
+            adapter, [i for i in exhibits if i.emits == lamps], seed, size, samples, variant
+        ):
+            tiles[item.name] = tile
+            progress(item.name, len(tiles) / len(exhibits))
+    ordered = [tiles[item.name] for item in exhibits]
+    write_sheet(
+        path, [ordered[i : i + _COLUMNS] for i in range(0, len(ordered), _COLUMNS)], below=True
+    )
+
+
+def _hall(
+    adapter: Renderer, exhibits: Sequence[Exhibit], seed: int, size: int, samples: int, variant: str
+) -> Iterator[tuple[Exhibit, Tile]]:
+    """Captions and pictures of some exhibits that stand in one studio."""
+    from openrooms_usd.showroom.studio import build, camera_of, triangles_of
+
+    if not exhibits:
+        return
+    with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
+        stage = build(exhibits, seed, Path(folder))
+        session = adapter.open(stage, variant=variant)
+        for item in exhibits:
+            request = RenderRequest(
+                camera_of(item), ("radiance",), size, size,
+                samples=samples * (_LAMP_SAMPLES if item.emits else 1), seed=seed,
+                bounces=_BOUNCES,
+            )  # fmt: skip
+            view = session.render(request)
+            picture = preview("radiance", view.images["radiance"].pixels, view.exposure)
+            yield item, (_caption(item, triangles_of(stage, item)), picture.pixels)
+
+
+def _caption(item: Exhibit, triangles: int) -> str:
+    sides = " x ".join(f"{100.0 * side:.0f}" for side in item.size)
+    title = item.category.replace("_", " ")
+    return f"{title}\n{item.style}\n{sides} cm, {triangles:,} tri."

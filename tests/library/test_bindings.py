@@ -1,0 +1,36 @@
+"""Every part of what the library makes has a finish that exists; a few draw one for each."""
+
+import numpy as np
+import pytest
+
+from openrooms_usd.library.finishes import ACROSS, FINISHES, METALS, PARTS, SCHEMES, finishes_of
+from openrooms_usd.library.furniture import CATEGORIES, make, part_of
+
+
+@pytest.mark.parametrize("name", sorted(CATEGORIES))
+def test_every_part_of_every_style_has_a_finish(name: str) -> None:
+    spec = CATEGORIES[name]
+    for style, built in spec.styles.items():
+        rng = np.random.default_rng(0)
+        parts = {part_of(part) for part in make(name, built.size or spec.size, style, rng).parts}
+        for seed in range(6):
+            finishes = finishes_of(name, parts, np.random.default_rng(seed))
+            assert set(finishes) == parts
+            assert set(finishes.values()) <= set(FINISHES)
+
+
+def test_schemes_name_categories_and_finishes_that_exist() -> None:
+    known = {*FINISHES, "metal"}
+    for scheme in SCHEMES:
+        assert set(scheme.finishes.values()) <= known
+    assert set(PARTS.values()) <= known
+    assert set(METALS) <= set(FINISHES)
+    assert "countertop" in ACROSS
+
+
+def test_what_is_drawn_for_each_differs() -> None:
+    assert FINISHES[PARTS["book"]].each
+    for finish in FINISHES.values():
+        if finish.each:
+            assert len(finish.colors) > 1
+            assert finish.choices > 1
