@@ -5,6 +5,11 @@ the reference in that colour, and the mean of the three; beside it stands what t
 estimates. The reference has another seed and many more samples; its own error, which the measured
 one includes, stands in its row. Every backend runs in a process of its own, whose peak memory is
 the last column. The share is what translation and output take beside 64 samples with all channels.
+
+With --denoise each picture is denoised too: its error then stands beside the raw one, and the
+seconds that it took. Its bias is what denoising does to the reference itself: the distance of the
+denoised reference from a second one of another seed, beside that of the raw one, and the mean of
+the signed difference over the mean. Two references that are good enough leave only the bias.
 """
 
 import json
@@ -25,11 +30,15 @@ from benchmarks.report import publish, table
 from benchmarks.scenes import demo_stage
 from openrooms_usd import adapters
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render import RenderRequest, render_stage
+from openrooms_usd.render import RenderRequest, View, render_stage
+from openrooms_usd.render.denoise import GUIDES, load_denoiser
 from openrooms_usd.usd.layers import open_stage
 
 VARIANTS: Final = ("cuda", "llvm", "scalar")
 SAMPLES: Final = (4, 16, 64, 256, 1024)
+# Of the second reference.
+OTHER_SEED: Final = 77_777
+DENOISED: Final = ("denoised, relative MSE", "seconds with it")
 
 
 @click.command(help=__doc__)
@@ -38,6 +47,7 @@ SAMPLES: Final = (4, 16, 64, 256, 1024)
 @click.option("--variant", "variants", multiple=True, type=click.Choice(VARIANTS))
 @click.option("--samples", type=int, multiple=True, default=SAMPLES, show_default=True)
 @click.option("--reference", type=int, default=4096, show_default=True, help="Its samples.")
+@click.option("--denoise", is_flag=True, help="Also denoised (needs the extra 'denoise').")
 @click.option("--quick", is_flag=True, help="64x48, few samples, the scalar backend only.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
 def main(
@@ -46,6 +56,7 @@ def main(
     variants: tuple[str, ...],
     samples: tuple[int, ...],
     reference: int,
+    denoise: bool,
     quick: bool,
     target: Path | None,
 ) -> None:
@@ -59,22 +70,33 @@ def main(
             "camera": camera,
             "resolution": [64, 48] if quick else [640, 480],
             "folder": folder,
+            "denoise": denoise,
         }
         # The first backend is the fastest: it alone renders the reference.
         backends = [
-            in_process({**job, "variant": variant, "samples": [*counts, *([many] * first)]})
+            in_process(
+                {
+                    **job,
+                    "variant": variant,
+                    "samples": [*counts, *([many] * first)],
+                    "second": many * first * denoise,
+                }
+            )
             for variant, first in zip(chosen, [1] + [0] * len(chosen), strict=False)
         ]
         rows = compared(backends, place, many)
-    titles = ("backend", "samples", "seconds", "relative MSE", "estimated")
+        bias = denoiser_bias(place, backends[0]["variant"], many) if denoise else None
+    titles = ("backend", "samples", "seconds", "relative MSE", "estimated", *(DENOISED * denoise))
     summary = [[b["variant"], b["share"], b["memory_MB"]] for b in backends]
     markdown = "\n\n".join(
         [
             table(titles, [list(row.values()) for row in rows]),
             table(("backend", "translation + output / tracing", "peak MB"), summary),
+            *([table(tuple(bias), [list(bias.values())])] if bias else []),
         ]
     )
-    publish("radiance", {"rows": rows, "backends": backends}, markdown, target)
+    data = {"rows": rows, "backends": backends} | ({"denoiser": bias} if bias else {})
+    publish("radiance", data, markdown, target)
 
 
 def usable(stage: Path) -> tuple[str, ...]:
@@ -98,16 +120,33 @@ def compared(backends: Sequence[dict[str, Any]], folder: Path, many: int) -> lis
         for picture in backend.pop("pictures"):
             itself = picture["samples"] == many
             pixels = np.load(picture_file(folder, backend["variant"], picture["samples"]))
-            rows.append(
-                {
-                    "backend": backend["variant"] + " (reference)" * itself,
-                    "samples": picture["samples"],
-                    "seconds": picture["seconds"],
-                    "relative_mse": None if itself else relative_mse(pixels, reference),
-                    "estimated": picture["estimated"],
-                }
-            )
+            row = {
+                "backend": backend["variant"] + " (reference)" * itself,
+                "samples": picture["samples"],
+                "seconds": picture["seconds"],
+                "relative_mse": None if itself else relative_mse(pixels, reference),
+                "estimated": picture["estimated"],
+            }
+            if "denoising" in picture:
+                cleaned = np.load(picture_file(folder, backend["variant"], picture["samples"], "d"))
+                row["denoised_mse"] = None if itself else relative_mse(cleaned, reference)
+                row["seconds_with_denoising"] = picture["seconds"] + picture["denoising"]
+            rows.append(row)
     return sorted(rows, key=lambda row: row["relative_mse"] is None)
+
+
+def denoiser_bias(folder: Path, variant: str, many: int) -> dict[str, float]:
+    """What denoising does to the reference, measured against a second, independent one."""
+    second = np.load(picture_file(folder, variant, many, "second"))
+    raw, cleaned = (np.load(picture_file(folder, variant, many, kind)) for kind in ("", "d"))
+    difference = cleaned.astype(np.float64) - second
+    return {
+        "raw reference, relative MSE": relative_mse(raw, second),
+        "denoised reference, relative MSE": relative_mse(cleaned, second),
+        "raw, mean signed difference": float((raw.astype(np.float64) - second).mean())
+        / float(second.mean()),
+        "denoised, mean signed difference": float(difference.mean()) / float(second.mean()),
+    }
 
 
 def relative_mse(pixels: NDArray[np.float32], reference: NDArray[np.float32]) -> float:
@@ -140,6 +179,13 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
     )
     camera = job["camera"] or next(iter(session.cameras), None)
     pictures = []
+    cleaned = _Cleaner(session, camera, width, height) if job["denoise"] else None
+    if job["second"]:
+        request = RenderRequest(
+            camera, ("radiance",), width, height, samples=job["second"], seed=OTHER_SEED
+        )
+        pixels = session.render(request).images["radiance"].pixels
+        np.save(picture_file(folder, job["variant"], job["second"], "second"), pixels)
     for samples in (1, *job["samples"]):  # the first compiles the kernels
         # Another seed for every picture: a shared one would make their errors alike.
         request = RenderRequest(camera, ("radiance",), width, height, samples=samples, seed=samples)
@@ -148,6 +194,11 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
         seconds = time.perf_counter() - began
         np.save(picture_file(folder, job["variant"], samples), image.pixels)
         pictures.append({"samples": samples, "seconds": seconds, "estimated": image.error})
+        if cleaned:
+            began = time.perf_counter()
+            pixels = cleaned(image.pixels)
+            pictures[-1]["denoising"] = time.perf_counter() - began
+            np.save(picture_file(folder, job["variant"], samples, "d"), pixels)
     timing = render_stage(
         stage,
         folder / f"{job['variant']}_all",
@@ -169,9 +220,22 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def picture_file(folder: Path, variant: str, samples: int) -> Path:
-    """Where a rendered picture is kept for the comparison."""
-    return folder / f"{variant}_{samples}.npy"
+class _Cleaner:
+    """Denoises pictures of one camera, whose guides are rendered once."""
+
+    def __init__(self, session: Any, camera: str | None, width: int, height: int) -> None:
+        self._denoiser = load_denoiser(tuple(GUIDES))
+        request = RenderRequest(camera, tuple(GUIDES), width, height, samples=1)
+        view: View = session.render(request)
+        self._guides = {name: image.pixels for name, image in view.images.items()}
+
+    def __call__(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
+        return self._denoiser.denoise(radiance, self._guides)
+
+
+def picture_file(folder: Path, variant: str, samples: int, kind: str = "") -> Path:
+    """Where a picture is kept for the comparison: raw, ``d`` denoised, ``second`` reference."""
+    return folder / f"{variant}_{samples}{kind and '_' + kind}.npy"
 
 
 def peak_memory() -> int:

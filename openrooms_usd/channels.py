@@ -7,7 +7,7 @@ read this one table.
 from dataclasses import asdict, dataclass
 from typing import Final, Literal
 
-Kind = Literal["light", "geometry", "material", "label"]
+Kind = Literal["light", "geometry", "material", "label", "derived"]
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Channel:
         storage: The sample type in the EXR file.
         unit: What one is; ``1`` for a ratio or a unit vector, ``id`` for a label.
         frame: The frame of positions and directions; empty where there is none.
-        kind: Groups channels that are sampled and stored alike.
+        kind: Groups channels that are sampled and stored alike; ``derived`` ones no renderer gives.
         meaning: The definition, one sentence.
     """
 
@@ -79,8 +79,13 @@ CHANNELS: Final[dict[str, Channel]] = {
         _ids("material", "material number, names in the manifest; 0 without surface or material"),
         Channel("valid", _ONE, "half", "1", "", "geometry",
                 "1 where the pixel's centre sees a surface, else 0"),
+        Channel("denoised", _RGB, "float", "nit", "", "derived",
+                "radiance after denoising, only with --denoise: for people, no measurement"),
     )
 }  # fmt: skip
+
+RENDERED: Final = tuple(name for name, row in CHANNELS.items() if row.kind != "derived")
+"""The channels that a renderer may give, in the order of the table."""
 
 
 def markdown_page() -> str:

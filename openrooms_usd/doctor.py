@@ -26,6 +26,7 @@ class Diagnosis:
     Attributes:
         system: Versions of this package and of Python, the platform, the processor's cores.
         packages: Version of each required package; None where it is not installed.
+        extras: What the package of each extra is: its version, or how to install it.
         ray_caster: What casts the core's rays; None where nothing can.
         adapters: Names of the installed adapters by kind: importers, renderers, exporters.
         renderers: By renderer: what each of its backends says about this machine.
@@ -34,6 +35,7 @@ class Diagnosis:
 
     system: dict[str, str]
     packages: dict[str, str | None]
+    extras: dict[str, str]
     ray_caster: str | None
     adapters: dict[str, list[str]]
     renderers: dict[str, dict[str, str]]
@@ -55,6 +57,7 @@ def diagnose() -> Diagnosis:
     return Diagnosis(
         system=_system(),
         packages=_packages(remedies),
+        extras=_extras(),
         ray_caster=_ray_caster(remedies),
         adapters={
             group.rpartition(".")[2]: list(adapters.available(group))
@@ -82,17 +85,35 @@ def _version(package: str) -> str | None:
         return None
 
 
+def _requirements() -> list[str]:
+    """What the distribution requires, as its metadata say it."""
+    try:
+        return metadata.requires(_DISTRIBUTION) or []
+    except metadata.PackageNotFoundError:
+        return []
+
+
+def _name(requirement: str) -> str:
+    return re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0]
+
+
+def _extras() -> dict[str, str]:
+    """The packages that only an extra brings; nothing is missing without them."""
+    found = {}
+    for line in _requirements():
+        if extra := re.search(r"extra == ['\"]([\w-]+)['\"]", line):
+            name = _name(line)
+            missing = f"not installed: pip install {_DISTRIBUTION}[{extra[1]}]"
+            found[f"{extra[1]} ({name})"] = _version(name) or missing
+    return found
+
+
 def _packages(remedies: list[str]) -> dict[str, str | None]:
     """Versions of what the distribution requires everywhere."""
-    try:
-        required = metadata.requires(_DISTRIBUTION) or []
-    except metadata.PackageNotFoundError:
+    required = _requirements()
+    if not required:
         remedies.append("install the package itself: pip install -e . in its folder")
-        return {}
-    names = sorted(
-        {re.split(r"[^A-Za-z0-9._-]", line, maxsplit=1)[0] for line in required if ";" not in line},
-        key=str.lower,
-    )
+    names = sorted({_name(line) for line in required if ";" not in line}, key=str.lower)
     versions = {name: _version(name) for name in names}
     remedies += [f"pip install {name}" for name, version in versions.items() if version is None]
     return versions

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import RENDERED
 from openrooms_usd.convert import Report
 from orusd_mitsuba import variants
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class MitsubaRenderer:
     """Renders USD stages with Mitsuba 3: on an NVIDIA GPU, on the CPU by LLVM, or plainly."""
 
-    channels: Final = tuple(CHANNELS)
+    channels: Final = RENDERED
 
     def open(self, stage: "Usd.Stage", *, variant: str = "auto") -> "MitsubaSession":
         """Translate a stage, once.

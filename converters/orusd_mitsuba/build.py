@@ -13,7 +13,7 @@ from orusd_mitsuba.descriptions import (
     describe_color,
     describe_sun,
 )
-from orusd_mitsuba.light_choice import LightWeights, light_weights
+from orusd_mitsuba.light_choice import LightWeights, brightest_beam, light_weights
 from orusd_mitsuba.pictures import Array, Picture
 from orusd_mitsuba.scene import Environment, Patch, Scene
 from orusd_mitsuba.surfaces import Surface
@@ -45,7 +45,12 @@ class Builder:
             objects["environment"] = sky
             if portals.worthwhile(scene.portals):
                 objects["environment"] = portals.through_portals(
-                    sky, scene.portals, scene.origin, scene.radius, weights.sky
+                    sky,
+                    scene.portals,
+                    scene.origin,
+                    scene.radius,
+                    weights.sky,
+                    brightest_beam(scene.environment),
                 )
         # Without optimisation: it would merge shapes, and their numbers are looked up.
         built = mi.load_dict(objects, optimize=False)

@@ -7,7 +7,7 @@ import numpy as np
 
 from orusd_mitsuba.pictures import Picture, Value
 from orusd_mitsuba.scene import Sun
-from orusd_mitsuba.surfaces import Surface
+from orusd_mitsuba.surfaces import Surface, mean_luminance
 
 Description = dict[str, Any]
 
@@ -18,13 +18,42 @@ def describe_bsdf(surface: Surface) -> Description:
     UsdPreviewSurface's base and specular lobes are those of ``principled``: a GGX lobe with
     alpha = R^2 over a diffuse one. Without any specular lobe it is exactly Lambertian.
     """
-    bsdf = _lobes(surface)
-    if surface.normal is not None:
-        bsdf = {"type": "normalmap", "normalmap": _stored(surface.normal), "bsdf": bsdf}
-    bsdf = {"type": "twosided", "bsdf": bsdf}
+    bsdf = _cloth(surface) if surface.transmission > 0.0 else _opaque(surface)
     if surface.opacity == 1.0:
         return bsdf
     return {"type": "mask", "opacity": surface.opacity, "bsdf": bsdf}
+
+
+def _opaque(surface: Surface) -> Description:
+    bsdf = _lobes(surface)
+    if surface.normal is not None:
+        bsdf = {"type": "normalmap", "normalmap": _stored(surface.normal), "bsdf": bsdf}
+    return {"type": "twosided", "bsdf": bsdf}
+
+
+def _cloth(surface: Surface) -> Description:
+    """A sheet that reflects its base colour and transmits a part in the same hue.
+
+    A mixture of both in proportion to their luminance: each side then has the colour of the sum,
+    and the diffuse parts are exactly Lambertian.
+    """
+    reflected = mean_luminance(surface.base_color)
+    both = (reflected + surface.transmission) / reflected
+    mixed = replace(surface, base_color=_times(surface.base_color, both), transmission=0.0)
+    through = {
+        "type": "principledthin",
+        "base_color": describe_color(mixed.base_color),
+        "diff_trans": 2.0,
+    }
+    share = surface.transmission / (reflected + surface.transmission)
+    return {"type": "blendbsdf", "weight": share, "a": _opaque(mixed), "b": through}
+
+
+def _times(color: Value, factor: float) -> Value:
+    if isinstance(color, Picture):
+        return replace(color, pixels=(color.pixels * factor).astype(color.pixels.dtype))
+    red, green, blue = (np.array(color) * factor).tolist()
+    return red, green, blue
 
 
 def describe_color(value: Value) -> Any:

@@ -16,6 +16,8 @@ from orusd_mitsuba.scene import Environment, Scene
 
 # The part of the samples that is spread evenly over all lights.
 _EVEN: Final = 0.25
+# How far around the brightest pixel light counts as one beam, radians.
+_BEAM: Final = np.radians(1.0)
 
 
 @dataclass(frozen=True)
@@ -31,6 +33,39 @@ class LightWeights:
     sky: float
     patches: dict[str, float]
     suns: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Beam:
+    """The brightest place of the surroundings, such as the sun.
+
+    Attributes:
+        direction: (3,) unit vector to it, in the world.
+        share: The part of all light around that comes from there.
+    """
+
+    direction: Array
+    share: float
+
+
+def brightest_beam(environment: Environment) -> Beam:
+    """Find the brightest pixel and what comes from around it.
+
+    Its rows go from pole to pole; directions are as in Mitsuba's ``envmap``, whose pole is Y and
+    whose middle column looks along +Z.
+    """
+    light = luminance(environment.pixels)
+    height, width = light.shape
+    theta = np.linspace(0.0, np.pi, height)[:, None]
+    phi = 2.0 * np.pi * (np.arange(width) + 0.5) / width
+    row, column = np.unravel_index(int(light.argmax()), light.shape)
+    y = np.cos(theta) * np.ones_like(phi)
+    x, z = np.sin(theta) * np.sin(phi), -np.sin(theta) * np.cos(phi)
+    way = np.stack([x, y, z], axis=-1)
+    near = way @ way[row, column] > np.cos(_BEAM)
+    flux = light * np.sin(theta)
+    share = float(flux[near].sum() / flux.sum()) if flux.sum() > 0.0 else 0.0
+    return Beam(environment.world_from_light @ way[row, column], share)
 
 
 def light_weights(scene: Scene) -> LightWeights:

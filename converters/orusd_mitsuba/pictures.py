@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 _HALF_MAX: Final = 6e4
 # The longest side of a picture that is kept as it is; longer ones are halved until they fit.
 _MAX_SIDE: Final = 4096
-_REC709: Final = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,12 +88,6 @@ def evaluate(value: Value, st: Array, channels: int) -> Array:
     if isinstance(value, Picture):
         return np.broadcast_to(value.lookup(st), (*st.shape[:-1], channels))
     return np.broadcast_to(np.asarray(value, dtype=np.float64), (*st.shape[:-1], channels))
-
-
-def luminance(value: Value) -> float:
-    """The mean luminance of a constant or a picture, by Rec.709 weights."""
-    mean = value.pixels.mean(axis=(0, 1), dtype=np.float64) if isinstance(value, Picture) else value
-    return float(np.broadcast_to(np.asarray(mean, dtype=np.float64), 3) @ _REC709)
 
 
 def load(texture: Texture, channels: int, limits: tuple[float, float], uv: Array) -> Picture:

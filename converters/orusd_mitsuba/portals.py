@@ -15,10 +15,14 @@ import drjit as dr
 import mitsuba as mi
 
 from openrooms_usd.usd.portals import Portal
+from orusd_mitsuba.light_choice import Beam
 from orusd_mitsuba.pictures import Array
 
 # How many of the samples go through the portals.
 _SHARE: Final = 0.9
+# Where the sun comes in through one of them, it comes whole, and of the rest of the sky a part of
+# about this size: samples that follow the picture, which find the sun, are worth more there.
+_SEEN: Final = 0.125
 # Beyond these the choice among portals costs more than it saves.
 _MOST: Final = 16
 
@@ -29,7 +33,12 @@ def worthwhile(portals: tuple[Portal, ...]) -> bool:
 
 
 def through_portals(
-    inner: Any, portals: tuple[Portal, ...], origin: Array, radius: float, weight: float
+    inner: Any,
+    portals: tuple[Portal, ...],
+    origin: Array,
+    radius: float,
+    weight: float,
+    beam: Beam | None = None,
 ) -> Any:
     """The surroundings ``inner``, sampled through portals.
 
@@ -39,12 +48,13 @@ def through_portals(
         origin: (3,) the point of the world that is Mitsuba's origin.
         radius: Metres; of a sphere about Mitsuba's origin that holds the scene.
         weight: How often it is sampled, relative to the other lights.
+        beam: Its brightest place; None where it is even.
 
     Returns:
         An emitter of the active variant. Call ``inner.set_scene`` once the scene is built.
     """
     rectangles = [_Rectangle(portal, origin) for portal in portals]
-    return _emitter_class(str(mi.variant()))(inner, rectangles, radius, weight)
+    return _emitter_class(str(mi.variant()))(inner, rectangles, radius, weight, beam)
 
 
 class _Rectangle:
@@ -88,13 +98,32 @@ class _Rectangle:
         return dr.select(forwards & inside, t * t / (cosine * self.area), 0.0)
 
 
+def _share(rectangles: list[_Rectangle], p: Any, total: Any, sunward: Any, rest: float) -> Any:
+    """The part of the samples from ``p`` that goes through portals, ``rest`` where the sun does."""
+    entering = [rectangle.density(p, sunward) for rectangle in rectangles]
+    sunny = sum(entering[1:], entering[0]) > 0.0
+    share = dr.select(sunny, mi.Float(rest), mi.Float(_SHARE))
+    return dr.select(total > 0.0, share, 0.0)
+
+
+def _rest(beam: Beam | None) -> float:
+    """The part of the samples that goes through portals where the sun comes in through one."""
+    sun = beam.share if beam else 0.0
+    return _SHARE * (1.0 - sun) * _SEEN / ((1.0 - sun) * _SEEN + sun)
+
+
 @cache
 def _emitter_class(variant: str) -> Any:
     """The emitter's class for a variant: each has a base class of its own."""
 
     class PortalEnvironment(mi.Emitter):
         def __init__(
-            self, inner: Any, rectangles: list[_Rectangle], radius: float, weight: float
+            self,
+            inner: Any,
+            rectangles: list[_Rectangle],
+            radius: float,
+            weight: float,
+            beam: Beam | None,
         ) -> None:
             properties = mi.Properties()
             properties["sampling_weight"] = weight
@@ -102,6 +131,8 @@ def _emitter_class(variant: str) -> Any:
             self.inner = inner
             self.rectangles = rectangles
             self.radius = radius
+            self.rest = _rest(beam)
+            self.sunward = mi.Vector3f(beam.direction.tolist()) if beam else mi.Vector3f(0, 0, 1)
             self.m_flags = mi.EmitterFlags.Infinite | mi.EmitterFlags.SpatiallyVarying
 
         def eval(self, si: Any, active: Any = True) -> Any:
@@ -110,7 +141,7 @@ def _emitter_class(variant: str) -> Any:
         def sample_direction(self, it: Any, sample: Any, active: Any = True) -> Any:
             weights = [rectangle.weight(it.p) for rectangle in self.rectangles]
             total = sum(weights[1:], weights[0])
-            share = dr.select(total > 0.0, mi.Float(_SHARE), 0.0)
+            share = _share(self.rectangles, it.p, total, self.sunward, self.rest)
             portal = sample.x < share
             fresh = dr.select(portal, sample.x / share, (sample.x - share) / (1.0 - share))
             outside, _ = self.inner.sample_direction(it, mi.Point2f(fresh, sample.y), active)
@@ -143,7 +174,7 @@ def _emitter_class(variant: str) -> Any:
         def pdf_direction(self, it: Any, ds: Any, active: Any = True) -> Any:
             weights = [rectangle.weight(it.p) for rectangle in self.rectangles]
             total = sum(weights[1:], weights[0])
-            share = dr.select(total > 0.0, mi.Float(_SHARE), 0.0)
+            share = _share(self.rectangles, it.p, total, self.sunward, self.rest)
             through = mi.Float(0.0)
             for rectangle, weight in zip(self.rectangles, weights, strict=True):
                 through = through + weight * rectangle.density(it.p, ds.d)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import Image, RenderRequest, View
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
@@ -203,10 +203,10 @@ class _Film:
 
 
 def _check(request: RenderRequest) -> None:
-    unknown = sorted(set(request.channels) - set(CHANNELS))
+    unknown = sorted(set(request.channels) - set(RENDERED))
     if unknown:
         raise RenderError(
-            f"Mitsuba gives no channel {', '.join(unknown)}", remedy=f"one of {', '.join(CHANNELS)}"
+            f"Mitsuba gives no channel {', '.join(unknown)}", remedy=f"one of {', '.join(RENDERED)}"
         )
     if request.width < 1 or request.height < 1 or request.bounces < 0:
         raise RenderError(

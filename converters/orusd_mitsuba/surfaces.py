@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd import names
+from openrooms_usd.usd.photometry import luminance
 from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture
 from orusd_mitsuba.pictures import Array, Picture, Value, load
 
@@ -37,6 +38,8 @@ class Surface:
         emission: Radiance in nits; None where it is dark.
         primvar: Name of the texture coordinates.
         uv: (3, 3) from the primvar to the mesh's texture coordinates, common to all pictures.
+        transmission: Luminous part of the light that leaves the other side like Lambert's, in the
+            hue of the base colour; with the base colour at most 1.
         losses: What could not be kept, in words.
     """
 
@@ -51,6 +54,7 @@ class Surface:
     emission: Value | None = None
     primvar: str = names.ST
     uv: Array = field(default_factory=lambda: np.eye(3))
+    transmission: float = 0.0
     losses: tuple[str, ...] = ()
 
     @property
@@ -93,6 +97,8 @@ class SurfaceReader:
         if preview.specular is not None:
             values["metallic"] = 0.0
         losses += [text for found, text in _LOST if found(preview)]
+        values["transmission"], lost = _transmission(preview.transmission, values["base_color"])
+        losses += lost
         losses += [loss for v in values.values() if isinstance(v, Picture) for loss in v.losses]
         return Surface(
             **values,
@@ -162,6 +168,26 @@ def _ior(preview: PreviewSurface) -> tuple[float, list[str]]:
     reflectance = float(np.clip(np.mean(preview.specular), 0.0, 0.9))
     root = math.sqrt(reflectance)
     return (1 + root) / (1 - root), ["the specular colour is taken as a colourless ior"]
+
+
+def _transmission(wanted: float, base_color: Value) -> tuple[float, list[str]]:
+    """As much as energy conservation leaves beside the reflected part, and what was lost."""
+    if wanted <= 0.0:
+        return 0.0, []
+    pixels = base_color.pixels if isinstance(base_color, Picture) else np.array(base_color)
+    brightest, mean = float(pixels.max()), mean_luminance(base_color)
+    if mean <= 0.0:
+        return 0.0, ["a black surface transmits nothing"]
+    most = mean * max(0.0, 1.0 / brightest - 1.0)
+    if wanted <= most:
+        return wanted, []
+    return most, [f"transmission {wanted:g} beside its base colour is taken as {most:.3g}"]
+
+
+def mean_luminance(color: Value) -> float:
+    """Of a colour, or of a picture's pixels in the mean."""
+    pixels = color.pixels if isinstance(color, Picture) else np.array(color)
+    return float(luminance(pixels.reshape(-1, pixels.shape[-1]).astype(np.float64).mean(axis=0)))
 
 
 def _constant(value: float | Texture, default: float) -> float:

@@ -23,6 +23,8 @@ _TAGS: Final = {
     "normalmap": "bsdf",
     "twosided": "bsdf",
     "mask": "bsdf",
+    "blendbsdf": "bsdf",
+    "principledthin": "bsdf",
     "bitmap": "texture",
 }
 _VERSION: Final = "3.0.0"

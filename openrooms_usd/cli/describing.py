@@ -67,6 +67,7 @@ def doctor(as_json: bool) -> None:
     else:
         _print_table("system", found.system)
         _print_table("packages", {k: v or "not installed" for k, v in found.packages.items()})
+        _print_table("extras", found.extras)
         _print_table("ray casting", {"caster": found.ray_caster or "none"})
         _print_table("adapters", {k: ", ".join(v) or "none" for k, v in found.adapters.items()})
         for name, states in found.renderers.items():

@@ -43,6 +43,7 @@ def _resolution(
 @click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
 @click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
 @click.option("--renderer", default="mitsuba", show_default=True)
+@click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @json_option
 def render(
     stage: Path,
@@ -57,6 +58,7 @@ def render(
     bounces: int,
     variant: str,
     renderer: str,
+    denoise: bool,
     as_json: bool,
 ) -> None:
     """Render the cameras of a USD stage with their ground truth.
@@ -81,6 +83,7 @@ def render(
             bounces=bounces,
             renderer=renderer,
             variant=variant,
+            denoise=denoise,
             progress=progress,
         )
     if as_json:

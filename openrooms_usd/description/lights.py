@@ -1,6 +1,7 @@
 """The ``lights`` section: the world outside and the lamps inside."""
 
 from collections.abc import Iterator
+from datetime import datetime
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, Tag
@@ -14,10 +15,12 @@ from openrooms_usd.description.model import (
     by_source,
     peek,
 )
+from openrooms_usd.description.moments import ClockTime, Day, UtcOffset, zone
 from openrooms_usd.description.units import Angle
 
 Positive = Annotated[Number, Field(gt=0, le=1e9)]
 Radiance = Annotated[Number, Field(ge=0, le=1e9)]
+Reflectance = Annotated[Number, Field(ge=0, le=1)]
 
 
 class ConstantEnvironment(Model):
@@ -52,9 +55,44 @@ class FileEnvironment(CheckedModel):
             )
 
 
+class SkyEnvironment(Model):
+    """Sun and sky of a place at a moment."""
+
+    source: Literal["sky"] = Field(default="sky", alias="from")
+    latitude: Number = Field(ge=-90, le=90)
+    """Degrees, positive northwards."""
+    longitude: Number = Field(ge=-180, le=180)
+    """Degrees, positive eastwards."""
+    date: Day
+    """Year, month and day on that place's calendar, such as 2026-06-21."""
+    time: ClockTime
+    """What clocks show, such as 14:30."""
+    utc_offset: UtcOffset | None = None
+    """Hours that clocks are ahead of UTC, or a time zone such as Europe/Berlin, which knows about
+    summer time; by default the whole hours nearest to the sun's own time."""
+    turbidity: Number = Field(default=3.0, ge=1, le=10)
+    """Haze: 2 very clear, 3 clear, 6 hazy, 10 thick haze."""
+    overcast: Switch = False
+    """Clouds over the whole sky and no sun."""
+    ground: tuple[Reflectance, Reflectance, Reflectance] = (0.2, 0.2, 0.2)
+    """How much the land outside reflects, scene-linear Rec.709."""
+    north: Angle = 0.0
+    """Where north lies: 0 along +Y, counter-clockwise from above."""
+    illuminance: Positive | None = None
+    """Horizontal illuminance to scale it to, lux; by default what the moment gives."""
+
+    @property
+    def moment(self) -> datetime:
+        """The moment, with its offset from UTC."""
+        local = datetime.fromisoformat(f"{self.date}T{self.time}")
+        return local.replace(tzinfo=zone(self.utc_offset, self.longitude))
+
+
 Environment = Annotated[
-    Annotated[ConstantEnvironment, Tag("constant")] | Annotated[FileEnvironment, Tag("file")],
-    by_source("constant", file="file"),
+    Annotated[ConstantEnvironment, Tag("constant")]
+    | Annotated[FileEnvironment, Tag("file")]
+    | Annotated[SkyEnvironment, Tag("sky")],
+    by_source("constant", file="file", latitude="sky"),
 ]
 
 

@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.library.sunlight import RGB_FROM_XYZ
+from openrooms_usd.usd.photometry import luminance
 
 Array = NDArray[np.float64]
 
@@ -43,11 +45,6 @@ _ZENITH: Final = np.array(
          [0.15346, -0.26756, 0.06670, 0.26688]],
     ]
 )  # fmt: skip
-# IEC 61966-2-1: linear Rec.709 from CIE XYZ.
-_RGB_FROM_XYZ: Final = np.array(
-    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]
-)
-_WEIGHTS: Final = np.array([0.2126, 0.7152, 0.0722])
 
 # Scene-linear base colours of what stands and lies outside, and of sunlight.
 _LAWN: Final = np.array([0.092, 0.112, 0.055])
@@ -79,8 +76,7 @@ def horizontal_illuminance(pixels: NDArray[Any]) -> float:
     height, width = pixels.shape[:2]
     edges = np.clip(math.pi * (0.5 - np.arange(height + 1) / height), 0.0, None)
     rows = 0.5 * np.abs(np.diff(np.sin(edges) ** 2)) * (2.0 * math.pi / width)
-    luminance = pixels.astype(np.float64) @ _WEIGHTS
-    return float(rows @ luminance.sum(axis=1))
+    return float(rows @ luminance(pixels).sum(axis=1))
 
 
 def make_sky(
@@ -137,7 +133,7 @@ def _sky(way: Array, sun: Array, turbidity: float) -> Array:
     Y = 1000.0 * brightness * shape[0]
     x, y = white[0] * shape[1], white[1] * shape[2]
     xyz = np.stack([x / y * Y, Y, (1.0 - x - y) / y * Y], axis=-1)
-    return np.asarray(np.maximum(xyz @ _RGB_FROM_XYZ.T, 0.0))
+    return np.asarray(np.maximum(xyz @ RGB_FROM_XYZ.T, 0.0))
 
 
 def _perez(c: Array, up: Array, gamma: Array) -> Array:
@@ -150,7 +146,7 @@ def _sun(way: Array, sun: Array, illuminance: float, spread: float) -> Array:
     """(H, W, 3) nits of a Gaussian disk that gives ``illuminance`` on what faces it."""
     gamma = np.arccos(np.clip(way @ sun, -1.0, 1.0))
     disk = np.exp(-0.5 * (gamma / spread) ** 2) / (2.0 * math.pi * spread**2)
-    color = _SUNLIGHT / float(_SUNLIGHT @ _WEIGHTS)
+    color = _SUNLIGHT / float(luminance(_SUNLIGHT))
     return np.asarray(illuminance * disk[..., None] * color)
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.environments import horizontal_illuminance
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.textures import color_space, read_texture
 
 _LARGEST: Final = float(np.finfo(np.float32).max)
 
@@ -22,8 +22,15 @@ def read_panorama(path: str) -> NDArray[np.float32]:
         (H, 2 H, 3) finite, not negative.
 
     Raises:
-        InputError: It cannot be read, has another shape, or a pixel is no radiance.
+        InputError: It cannot be read, is encoded for a display, has another shape, or a pixel is no
+            radiance.
     """
+    if color_space(path) == "sRGB":
+        raise InputError(
+            "8 bits a colour are made for displays and hold no radiance",
+            place=path,
+            remedy="give an HDR or EXR picture, with linear pixels",
+        )
     pixels = read_texture(path)
     height, width, channels = pixels.shape
     if width != 2 * height:

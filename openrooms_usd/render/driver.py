@@ -10,6 +10,7 @@ from openrooms_usd import adapters
 from openrooms_usd.convert import add_missing
 from openrooms_usd.render import folder, manifest
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, Renderer
+from openrooms_usd.render.denoise import DENOISED, load_denoiser
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 
@@ -56,6 +57,7 @@ def render_stage(
     bounces: int = DEFAULT_BOUNCES,
     renderer: str = "mitsuba",
     variant: str = "auto",
+    denoise: bool = False,
     progress: Progress = silent,
 ) -> RenderSummary:
     """Render cameras of a USD stage with their ground truth.
@@ -79,6 +81,7 @@ def render_stage(
         bounces: At most this many scatterings on the way from a light to the camera.
         renderer: A registered renderer.
         variant: ``auto``, or a backend of the renderer.
+        denoise: Whether to write the denoised radiance beside the raw one.
         progress: Called with the view's name and the finished fraction of the whole run.
 
     Returns:
@@ -86,9 +89,11 @@ def render_stage(
 
     Raises:
         InputError: The stage is unreadable, a name is unknown or a number is absurd.
+        MissingPackageError: The denoiser is asked for and not installed.
         OutputError: The folder cannot be written.
         RenderError: The renderer cannot do it.
     """
+    from openrooms_usd.usd.cameras import photograph
     from openrooms_usd.usd.layers import open_stage
 
     # 1. Refuse what cannot work before anything slow begins.
@@ -102,6 +107,11 @@ def render_stage(
         seed=seed,
         bounces=bounces,
     )
+    denoiser = load_denoiser(adapter.channels) if denoise else None
+    asked = written = request.channels
+    if denoiser:
+        request = replace(request, channels=denoiser.needs(asked))
+        written = (*asked, DENOISED)
     folder.check_writable(out)
 
     # 2. Translate the stage.
@@ -113,17 +123,25 @@ def render_stage(
     request = sized(request, resolution or session.resolution)
     views = choose_cameras(cameras, session.cameras)
     folder.check_replaceable(out, views)
-    folder.check_space(out, raw_bytes(request))
+    listed = replace(request, channels=written)
+    folder.check_space(out, raw_bytes(listed))
 
     # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
-    run = Run(out, manifest.run_entry(path, renderer, session, request), session.report)
+    entry = manifest.run_entry(path, renderer, session, listed)
+    if denoiser:
+        entry["denoiser"] = denoiser.entry()
+    run = Run(out, entry, session.report)
     run.timing |= {"machine": manifest.machine_entry(session.backend), "translation": translation}
     try:
         for index, (name, camera) in enumerate(views.items()):
             part = _part(progress, name, index, len(views))
             began = time.perf_counter()
             view = session.render(replace(request, camera=camera), part)
-            run.add(name, view, request.channels, time.perf_counter() - began)
+            took = time.perf_counter() - began
+            if denoiser:
+                view = denoiser.complete(view, asked)
+            shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
+            run.add(name, view, written, took, shown)
     finally:
         run.finish()
     return RenderSummary(out, run.manifest, run.timing, session.advice)

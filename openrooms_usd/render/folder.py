@@ -15,7 +15,8 @@ MANIFEST: Final = "manifest.json"
 TIMING: Final = "timing.json"
 SHEET: Final = "contact_sheet.png"
 CHANNELS_FILE: Final = "channels.exr"
-RADIANCE_FILE: Final = "radiance.exr"
+# Channels that are also written as plain pictures, for any viewer.
+PLAIN_FILES: Final = {"radiance": "radiance.exr", "denoised": "denoised.exr"}
 
 
 def check_writable(out: Path) -> None:

@@ -19,7 +19,7 @@ from openrooms_usd import __version__, atomic, names
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.render.contract import Image, Legend, RenderRequest, RenderSession, View
 from openrooms_usd.render.exr import exr_channels
-from openrooms_usd.render.folder import CHANNELS_FILE, RADIANCE_FILE
+from openrooms_usd.render.folder import CHANNELS_FILE, PLAIN_FILES
 from openrooms_usd.render.previews import Preview
 
 FORMAT: Final = 1
@@ -72,18 +72,24 @@ def _definition(name: str) -> Plain:
     return row
 
 
-def view_entry(name: str, view: View, previews: Mapping[str, Preview]) -> Plain:
+def view_entry(
+    name: str,
+    view: View,
+    previews: Mapping[str, Preview],
+    photograph: Mapping[str, str] | None = None,
+) -> Plain:
     """A finished view: its camera, its files and how good each channel is.
 
     Args:
         name: The view's name, which is its folder.
         view: What was rendered.
         previews: By channel name.
+        photograph: What the view stands for in a capture: its ``file`` and ``id``.
     """
     files = {"channels": f"{name}/{CHANNELS_FILE}"}
-    if "radiance" in view.images:
-        files["radiance"] = f"{name}/{RADIANCE_FILE}"
+    files |= {c: f"{name}/{file}" for c, file in PLAIN_FILES.items() if c in view.images}
     return {
+        **({"photograph": dict(photograph)} if photograph else {}),
         "camera": view.camera,
         "resolution": [view.width, view.height],
         "K": view.K.tolist(),

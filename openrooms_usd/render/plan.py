@@ -110,6 +110,12 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
             raise InputError(
                 f"no channel is named {name!r}", place="channels", remedy=_nearest(name, CHANNELS)
             )
+        if CHANNELS[name].kind == "derived":
+            raise InputError(
+                f"the channel {name!r} is made from others",
+                place="channels",
+                remedy="add --denoise instead",
+            )
         if name not in given:
             raise InputError(
                 f"this renderer does not give the channel {name!r}",

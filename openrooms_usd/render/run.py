@@ -1,6 +1,7 @@
 """One run on disk: views are added one by one, and what is there is whole at any moment."""
 
 import time
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -39,7 +40,14 @@ class Run:
         self._earlier = folder.earlier_views(out)
         self._rows: dict[str, list[sheet.Tile]] = {}
 
-    def add(self, name: str, view: View, channels: tuple[str, ...], seconds: float) -> None:
+    def add(
+        self,
+        name: str,
+        view: View,
+        channels: tuple[str, ...],
+        seconds: float,
+        photograph: Mapping[str, str] | None = None,
+    ) -> None:
         """Write a finished view, and say so in the manifest.
 
         Args:
@@ -47,6 +55,7 @@ class Run:
             view: What was rendered.
             channels: What was asked for.
             seconds: What it took to render.
+            photograph: What it stands for in a capture, if anything.
 
         Raises:
             OutputError: It cannot be written.
@@ -60,7 +69,7 @@ class Run:
             folder.replacing_folder(self._out / name) as beside,
         ):
             previews = write_view(beside, view)
-            entry = manifest.view_entry(name, view, previews)
+            entry = manifest.view_entry(name, view, previews, photograph)
             took = {
                 # Channels that share rays each count them: their sum may exceed the whole.
                 "channels": {channel: image.seconds for channel, image in view.images.items()},
@@ -123,9 +132,9 @@ def write_view(target: Path, view: View) -> dict[str, Preview]:
     # Encoding leaves the interpreter's lock: the longest goes first, the rest beside it.
     with ThreadPoolExecutor(max_workers=4) as pool:
         exact = [pool.submit(exr.write_channels, target / folder.CHANNELS_FILE, pixels)]
-        if "radiance" in pixels:
-            plain = target / folder.RADIANCE_FILE
-            exact.append(pool.submit(exr.write_rgb, plain, pixels["radiance"]))
+        for name, file in folder.PLAIN_FILES.items():
+            if name in pixels:
+                exact.append(pool.submit(exr.write_rgb, target / file, pixels[name]))
         previews = dict(zip(pixels, pool.map(picture, pixels), strict=True))
     for written in exact:
         written.result()

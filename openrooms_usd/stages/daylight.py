@@ -1,19 +1,53 @@
-"""Portals of the lights stage: where the surroundings come in, told to renderers that ask."""
+"""Daylight of the lights stage: the sky of a moment, and the portals through which it comes in."""
 
+import hashlib
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-from openrooms_usd import names
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd import __version__, names
+from openrooms_usd.description.lights import SkyEnvironment
+from openrooms_usd.library.environments import horizontal_illuminance
+from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.library.sky import Air, daylight
+from openrooms_usd.library.solar import sun_position
+from openrooms_usd.stages.base import FORMAT, StageContext
 from openrooms_usd.usd.frames import TIME, local_to_world
+from openrooms_usd.usd.lights import define_dome
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 
 # A leaf that is turned less than this is shut, and its door no way for light.
 _SHUT: Final = np.radians(0.5)
 # An opening's frame (x along the wall, y outwards, z up) in the portal's (x, y up, z outwards).
 _PORTAL_AXES: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+
+
+def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
+    """Write a dome with sun and sky in nits, named by what it hangs on.
+
+    Raises:
+        OutputError: The panorama cannot be written.
+    """
+    key = f"{__version__} {FORMAT} {environment.model_dump_json()}"
+    file = f"sky_{hashlib.sha256(key.encode()).hexdigest()[:8]}.exr"
+    target = context.keep(file)
+    if not target.is_file():
+        # 32 bits: the sun is too bright for 16.
+        write_exr(target, _sky(environment))
+    define_dome(context.stage, names.ENVIRONMENT, texture=context.asset(file))
+
+
+def _sky(environment: SkyEnvironment) -> NDArray[np.float32]:
+    position = sun_position(environment.moment, environment.latitude, environment.longitude)
+    air = Air(environment.turbidity, environment.ground, environment.overcast)
+    nits = daylight(position, air, north=environment.north)
+    if environment.illuminance is None:
+        return nits
+    return np.asarray(
+        nits * (environment.illuminance / horizontal_illuminance(nits)), dtype=np.float32
+    )
 
 
 def author_portals(context: StageContext) -> None:
@@ -36,11 +70,20 @@ def _is_way(opening: Usd.Prim) -> bool:
     """Whether light can pass: it has a size, and no leaf that is shut."""
     if not UsdGeom.Xformable(opening) or not all(size > 0.0 for size in _size(opening)):
         return False
-    leaf = opening.GetChild("Leaf")
-    if not (_is_shown(leaf) and _is_shown(leaf.GetChild("Panel"))):
+    style = opening.GetAttribute(names.OPENING_STYLE)
+    if style and style.Get(TIME) in names.SEE_THROUGH:
         return True
+    leaves = [opening.GetChild(names.leaf(number)) for number in range(2)]
+    # The first leaf belongs to every door, the second to wide ones.
+    return not _is_shut(leaves[0]) or bool(leaves[1] and not _is_shut(leaves[1]))
+
+
+def _is_shut(leaf: Usd.Prim) -> bool:
+    """Whether a leaf is there and closed."""
+    if not (_is_shown(leaf) and _is_shown(leaf.GetChild("Panel"))):
+        return False
     turn = UsdGeom.Xformable(leaf).GetLocalTransformation(TIME).ExtractRotation()
-    return bool(np.radians(abs(turn.GetAngle())) > _SHUT)
+    return bool(np.radians(abs(turn.GetAngle())) <= _SHUT)
 
 
 def _is_shown(prim: Usd.Prim) -> bool:

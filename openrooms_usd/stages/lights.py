@@ -13,7 +13,12 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import __version__, names
-from openrooms_usd.description.lights import ConstantEnvironment, FileEnvironment, Lamp
+from openrooms_usd.description.lights import (
+    ConstantEnvironment,
+    FileEnvironment,
+    Lamp,
+    SkyEnvironment,
+)
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, StageError
@@ -21,8 +26,8 @@ from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages.base import FORMAT, StageContext, file_digest
-from openrooms_usd.stages.daylight import author_portals
-from openrooms_usd.usd.layers import is_deactivated
+from openrooms_usd.stages.daylight import author_portals, author_sky
+from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.photometry import luminance, nits_from_lumen, world_area
 from openrooms_usd.usd.semantics import read_label
@@ -74,6 +79,8 @@ class LightsStage:
         environment = context.room.lights.environment
         if isinstance(environment, FileEnvironment):
             _author_panorama(context, environment)
+        elif isinstance(environment, SkyEnvironment):
+            author_sky(context, environment)
         else:
             _author_constant(context, environment)
         author_portals(context)

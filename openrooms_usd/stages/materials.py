@@ -11,11 +11,11 @@ from openrooms_usd.description.materials import Look
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.library.finishes import ACROSS, UNKNOWN, finishes_of
+from openrooms_usd.library.finishes import ACROSS, FINISHES, UNKNOWN, finishes_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.looks import Dressed, Part, parts_of, publish_look
 from openrooms_usd.stages.swatches import TEXTURES, Palette, Swatch, from_finish, from_look
-from openrooms_usd.usd.layers import is_deactivated
+from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.semantics import read_label
 
@@ -158,7 +158,9 @@ def _dressed(context: StageContext, root: Usd.Prim, parts: list[Part]) -> Dresse
         elif part.bound:
             continue
         else:
-            swatch = from_finish(context, finishes[part.name], category)
+            finish = finishes[part.name]
+            own = (part.path.rpartition("/")[2],) if FINISHES[finish].each else ()
+            swatch = from_finish(context, finish, category, *own)
         swatches[part.path] = swatch.turned if part.name in ACROSS else swatch
     asset = str(root.GetAssetInfo().get("name", "")) or root.GetName()
     forced = frozenset(part.path for part in parts if part.bound)

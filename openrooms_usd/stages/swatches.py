@@ -32,6 +32,7 @@ class Swatch:
         metallic: 0 or 1.
         draw: What the textures' generator is keyed by.
         across: Whether its grain runs along s rather than t.
+        transmission: Part of the light that passes diffusely.
     """
 
     family: str
@@ -41,6 +42,7 @@ class Swatch:
     metallic: float = 0.0
     draw: tuple[str, ...] = ()
     across: bool = False
+    transmission: float = 0.0
 
     @property
     def turned(self) -> "Swatch":
@@ -64,7 +66,10 @@ def from_finish(context: StageContext, name: str, *key: str) -> Swatch:
     roughness = round(float(rng.uniform(*finish.roughness)), 3) if finish.roughness else None
     variants = finish.variants
     variant = variants[int(rng.integers(len(variants)))] if variants else None
-    return Swatch(finish.family, variant, color, roughness, finish.metallic, draw)
+    return Swatch(
+        finish.family, variant, color, roughness, finish.metallic, draw,
+        transmission=finish.transmission,
+    )  # fmt: skip
 
 
 def from_look(context: StageContext, look: Look, variants: dict[str, str], *key: str) -> Swatch:
@@ -166,6 +171,7 @@ class Palette:
             base_color=albedo,
             roughness=replace(raw, file=f"{stem}_roughness.png", channel="r"),
             normal=replace(raw, file=f"{stem}_normal.png", scale=NORMAL_SCALE, bias=NORMAL_BIAS),
+            transmission=swatch.transmission,
         )
 
     def _size(self, swatch: Swatch) -> float:
@@ -178,6 +184,7 @@ def _constant(swatch: Swatch) -> PreviewSurface:
         base_color=swatch.color or PreviewSurface.base_color,
         roughness=swatch.roughness or PreviewSurface.roughness,
         metallic=swatch.metallic,
+        transmission=swatch.transmission,
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
+from openrooms_usd import names
 from openrooms_usd.usd.networks import Network
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture, UvTransform
 from openrooms_usd.usd.uvtextures import mended_normal_map, read_texture_node
@@ -58,7 +59,11 @@ def define_preview_surface(
     output = shader.CreateOutput("surface", _Types.Token)
     material.CreateSurfaceOutput().ConnectToSource(output)
     coordinates = _define_coordinates(material, surface)
+    if surface.transmission > 0.0:
+        surface = _with_stand_in(material, surface)
     for item in fields(surface):
+        if item.name not in _INPUTS:
+            continue
         value = getattr(surface, item.name)
         socket = _INPUTS[item.name]
         if isinstance(value, Texture):
@@ -69,6 +74,15 @@ def define_preview_surface(
     if surface.specular is not None:
         shader.CreateInput("useSpecularWorkflow", _Types.Int).Set(1)
     return material
+
+
+def _with_stand_in(material: UsdShade.Material, surface: PreviewSurface) -> PreviewSurface:
+    """Author the transmission, and show it as opacity to those who do not know it."""
+    prim = material.GetPrim()
+    prim.AddAppliedSchema(names.MATERIAL_API)
+    kind, value = _Types.Float, surface.transmission
+    prim.CreateAttribute(names.MATERIAL_TRANSMISSION, kind, custom=False).Set(value)
+    return replace(surface, opacity=1.0 - value)
 
 
 def _define_node(material: UsdShade.Material, name: str, kind: str) -> UsdShade.Shader:
@@ -144,9 +158,25 @@ def read_preview_surface(
     values = {
         item.name: _read_input(network, shader, _INPUTS[item.name][0], item.default)
         for item in fields(PreviewSurface)
-        if item.name not in _UNIFORM
+        if item.name in _INPUTS and item.name not in _UNIFORM
     }
-    return _completed(network, shader, values), tuple(network.losses)
+    transmission = _transmission(network, material)
+    if transmission > 0.0:
+        values["opacity"] = 1.0
+    completed = replace(_completed(network, shader, values), transmission=transmission)
+    return completed, tuple(network.losses)
+
+
+def _transmission(network: Network, material: UsdShade.Material) -> float:
+    """What `names.MATERIAL_TRANSMISSION` says, within 0 and 1; 0 where there is none."""
+    attribute = material.GetPrim().GetAttribute(names.MATERIAL_TRANSMISSION)
+    value = attribute.Get() if attribute else None
+    if value is None:
+        return 0.0
+    if not (isinstance(value, float) and 0.0 <= value <= 1.0):
+        network.losses.append(f"{attribute.GetPath()}: {value} is no part of the light; left out")
+        return 0.0
+    return value
 
 
 def _surface_shader(network: Network, material: UsdShade.Material) -> UsdShade.Shader | None:

@@ -101,6 +101,9 @@ class PreviewSurface:
         clearcoat: Weight of a second, white specular lobe.
         clearcoat_roughness: Its perceptual roughness.
         occlusion: Baked ambient occlusion; a path tracer has no use for it.
+        transmission: Part of the light that leaves the other side diffusely, in the hue of the
+            base colour; ours (`names.MATERIAL_TRANSMISSION`). Above 0, ``opacity`` is 1, and what
+            is authored as opacity stands in for it elsewhere.
     """
 
     base_color: Color | Texture = (0.18, 0.18, 0.18)
@@ -116,3 +119,4 @@ class PreviewSurface:
     clearcoat: float | Texture = 0.0
     clearcoat_roughness: float | Texture = 0.01
     occlusion: float | Texture = 1.0
+    transmission: float = 0.0

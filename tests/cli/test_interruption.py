@@ -59,7 +59,7 @@ def test_an_earlier_composition_stays(slow_room: Path, lab: Any, tmp_path: Path)
 
 def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
     pytest.importorskip("mitsuba")
-    from openrooms_usd.channels import CHANNELS
+    from openrooms_usd.channels import RENDERED
     from openrooms_usd.render import exr
 
     out = tmp_path / "out"
@@ -69,8 +69,8 @@ def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
     assert list(views) == ["left"]
     there = {path.name for path in out.iterdir()}
     assert there == {"left", "manifest.json", "timing.json", "contact_sheet.png"}
-    assert exr.read_channels(out / "left" / "channels.exr").keys() == CHANNELS.keys()
-    pictures = {f"{name}.png" for name in CHANNELS}
+    assert exr.read_channels(out / "left" / "channels.exr").keys() == set(RENDERED)
+    pictures = {f"{name}.png" for name in RENDERED}
     files = {path.name for path in (out / "left").iterdir()}
     assert files == pictures | {"channels.exr", "radiance.exr"}
 

@@ -8,7 +8,7 @@ import pytest
 from pxr import Usd
 
 from openrooms_usd import adapters
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.convert import Report
 from openrooms_usd.render import Image, Legend, RenderRequest, View
 
@@ -31,7 +31,7 @@ def numbers(name: str, height: int, width: int, seed: int) -> np.ndarray:
 class FakeRenderer:
     """Satisfies the contract; a test may set what it gives."""
 
-    channels = tuple(CHANNELS)
+    channels = RENDERED
     backend = "fake 1.0"
     advice = ""
     cameras: tuple[str, ...] = ("/World/Cameras/left", "/World/Cameras/right")

@@ -14,6 +14,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError, StageError
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.render.previews import write_png
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.alignment import AlignmentStage
 from openrooms_usd.stages.draft import drafting
@@ -140,6 +141,9 @@ def test_bad_panoramas_are_refused_with_their_place(tmp_path: Path) -> None:
     (tmp_path / "sky.exr").write_bytes(b"")
     with pytest.raises(InputError, match="picture"):
         compose(tmp_path, room(environment=sky))
+    write_png(tmp_path / "sky.png", np.full((4, 8, 3), 128, np.uint8))
+    with pytest.raises(InputError, match="for displays"):
+        compose(tmp_path, room(environment=sky | {"file": "sky.png"}))
     assert not (tmp_path / "layers/lights.usda").exists()
     assert not list((tmp_path / "layers").glob("lights/*"))
 

@@ -1,0 +1,139 @@
+"""Denoised radiance: a picture for people beside the raw one, by Intel's Open Image Denoise.
+
+The network was trained on pictures and is biased: it is no measurement. It sees the radiance with
+base colour and shading normal as guides, and runs on the processor, where it gives the same bytes
+whatever the number of threads.
+"""
+
+import importlib
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError, MissingPackageError, RenderError
+from openrooms_usd.render.contract import Image, View
+
+DENOISED: Final = "denoised"
+SOURCE: Final = "radiance"
+# The filter's name of each guide.
+GUIDES: Final = {"base_color": "albedo", "normal": "normal"}
+# Pixels that are added around: at its edges the network makes a pattern of its own.
+_BORDER: Final = 16
+
+Pixels = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Denoiser:
+    """Open Image Denoise, loaded.
+
+    Attributes:
+        package: The Python package that brings it.
+        guides: Channels that it is given beside the radiance, as far as the renderer has them.
+    """
+
+    package: ModuleType
+    guides: tuple[str, ...] = tuple(GUIDES)
+
+    def needs(self, channels: tuple[str, ...]) -> tuple[str, ...]:
+        """The channels to render: what was asked for, and the guides.
+
+        Raises:
+            InputError: The radiance is not asked for.
+        """
+        if SOURCE not in channels:
+            raise InputError(
+                f"only the channel {SOURCE!r} can be denoised, and it is not asked for",
+                place="channels",
+                remedy=f"add {SOURCE}, or leave --denoise away",
+            )
+        return (*channels, *(guide for guide in self.guides if guide not in channels))
+
+    def complete(self, view: View, channels: tuple[str, ...]) -> View:
+        """The view with its denoised radiance, and without the guides that nobody asked for."""
+        began = time.perf_counter()
+        pixels = self.denoise(
+            view.images[SOURCE].pixels, {name: view.images[name].pixels for name in self.guides}
+        )
+        seconds = time.perf_counter() - began
+        source = view.images[SOURCE]
+        images = {name: view.images[name] for name in channels}
+        images[DENOISED] = Image(pixels, source.samples, seconds, None)
+        return replace(view, images=images)
+
+    def denoise(self, radiance: Pixels, guides: Mapping[str, Pixels]) -> Pixels:
+        """Denoise a picture.
+
+        Args:
+            radiance: (H, W, 3) scene-linear; what is no number counts as 0.
+            guides: (H, W, 3) by channel; noise-free, but not antialiased.
+
+        Returns:
+            (H, W, 3) finite and not negative.
+
+        Raises:
+            RenderError: The denoiser failed, such as for lack of memory.
+        """
+        color: Pixels = np.maximum(np.nan_to_num(radiance, posinf=0.0, neginf=0.0), 0.0)
+        mean = float(color.mean(dtype=np.float64))
+        if mean <= 0.0:
+            return np.zeros_like(radiance)
+        # By a power of two, which is exact: nights are then as bright to the network as days.
+        scale = np.float32(2.0 ** round(math.log2(mean)))
+        named = {GUIDES[name]: _mirrored(pixels) for name, pixels in guides.items()}
+        try:
+            found: Any = self.package.denoise(_mirrored(color / scale), **named, hdr=True)
+        except (RuntimeError, MemoryError) as error:
+            raise RenderError(
+                f"Open Image Denoise failed: {error or 'out of memory'}",
+                remedy="leave --denoise away, or ask for fewer pixels",
+            ) from error
+        inner = np.nan_to_num(found[_BORDER:-_BORDER, _BORDER:-_BORDER])
+        return np.asarray(np.maximum(inner, 0.0) * scale, dtype=np.float32)
+
+    def entry(self) -> dict[str, Any]:
+        """What the manifest says about it."""
+        return {
+            "package": self.package.__name__,
+            "version": _version(self.package.__name__),
+            "filter": "RT, HDR, high quality",
+            "source": SOURCE,
+            "guides": list(self.guides),
+        }
+
+
+def load_denoiser(available: tuple[str, ...]) -> Denoiser:
+    """Load Open Image Denoise.
+
+    Args:
+        available: The channels that the renderer gives.
+
+    Raises:
+        MissingPackageError: It is not installed, or cannot run here.
+    """
+    try:
+        package = importlib.import_module("pyoidn")
+    except (ImportError, OSError) as error:
+        raise MissingPackageError(
+            f"denoising needs the package 'pyoidn', which cannot be imported ({error})",
+            remedy="pip install openrooms-usd[denoise], or leave --denoise away",
+        ) from error
+    return Denoiser(package, tuple(guide for guide in GUIDES if guide in available))
+
+
+def _mirrored(pixels: Pixels) -> Pixels:
+    """The picture with a border that mirrors it."""
+    around = ((_BORDER, _BORDER), (_BORDER, _BORDER), (0, 0))
+    return np.pad(pixels, around, mode="symmetric").astype(np.float32)
+
+
+def _version(package: str) -> str:
+    from importlib.metadata import version
+
+    return version(package)
