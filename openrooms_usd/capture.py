@@ -7,12 +7,19 @@ something. ``source_from_world`` is the way back to the frame of the original fi
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, Protocol
+from types import MappingProxyType
+from typing import Final, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import adapters
+from openrooms_usd.errors import InputError
+
 Confidence = Literal["low", "medium", "high"]
+
+NO_OPTIONS: Final[Mapping[str, str]] = MappingProxyType({})
+"""What an importer is given when nothing is asked of it."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +72,55 @@ class CapturedBox:
 
 
 @dataclass(frozen=True)
+class CapturedModel:
+    """A CAD model that was aligned to the capture with nine degrees of freedom.
+
+    Attributes:
+        id: The identifier in the source.
+        label: Its category's name in words: one of the library's where there is one.
+        file: The CAD's mesh file; None when it is not there, and then only its box is known.
+        world_from_model: (4, 4) takes points of the CAD's own frame to the world, metres: a
+            translation, a rotation and a positive scale along each axis of the CAD.
+        half: (3,) half extents of the CAD's bounding box, in its own frame.
+        center: (3,) the middle of that box, in its own frame.
+        symmetry: How it looks when it is turned about its own vertical: ``2`` and ``4`` times
+            the same in a whole turn, or always (``inf``).
+        up: The CAD's vertical axis.
+        front: Where its front looks once that axis is turned to Z.
+    """
+
+    id: str
+    label: str
+    file: Path | None
+    world_from_model: NDArray[np.float64]
+    half: NDArray[np.float64]
+    center: NDArray[np.float64]
+    symmetry: Literal["none", "2", "4", "inf"] = "none"
+    up: Literal["Y", "Z"] = "Y"
+    front: Literal["+X", "-X", "+Y", "-Y"] = "+Y"
+
+
+@dataclass(frozen=True)
+class CapturedFrame:
+    """A photograph of the capture: where its camera stood.
+
+    Attributes:
+        id: Its identifier in the source, such as the frame's number.
+        world_from_camera: (4, 4) rigid, from the OpenCV frame (x right, y down, z forward) to the
+            world, metres.
+        K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
+        resolution: Width and height of the picture, pixels.
+        picture: The picture's file name in the source; None where it has none.
+    """
+
+    id: str
+    world_from_camera: NDArray[np.float64]
+    K: NDArray[np.float64]
+    resolution: tuple[int, int]
+    picture: str | None = None
+
+
+@dataclass(frozen=True)
 class Capture:
     """What an importer read.
 
@@ -76,7 +132,10 @@ class Capture:
         height: Floor to ceiling, metres; None when the source does not know.
         openings: Windows, doors and openings.
         boxes: Objects known by their boxes.
+        models: CAD models that were aligned to the capture.
+        frames: The photographs whose cameras are known, in the order they were taken.
         notes: What was dropped or guessed, one sentence each.
+        remedy: What to do where the floor is missing.
     """
 
     source: str
@@ -85,16 +144,92 @@ class Capture:
     height: float | None = None
     openings: tuple[CapturedOpening, ...] = ()
     boxes: tuple[CapturedBox, ...] = ()
+    models: tuple[CapturedModel, ...] = ()
+    frames: tuple[CapturedFrame, ...] = ()
     notes: tuple[str, ...] = ()
+    remedy: str = "scan the room again, so that its walls close"
+
+
+@dataclass(frozen=True)
+class Packed:
+    """The part of a capture that one room needs, as files that can lie beside its description.
+
+    Attributes:
+        file: The captured file's name among them.
+        contents: Every file by its path in that folder, with forward slashes: its bytes, or where
+            they stand.
+        options: What to ask of the importer when it reads them; paths are relative to the folder.
+    """
+
+    file: str
+    contents: Mapping[str, bytes | Path]
+    options: Mapping[str, str] = field(default_factory=dict)
 
 
 class Importer(Protocol):
-    """Reads foreign files; registered as an entry point ``openrooms_usd.importers``."""
+    """Reads foreign files; registered as an entry point ``openrooms_usd.importers``.
 
-    def read(self, source: Path) -> Capture:
+    It may also have ``paths``, the set of those options that name files or folders: they reach it
+    as paths that can be opened from anywhere. And it may have a method ``pack`` with the arguments
+    of ``read`` that returns a `Packed`, where a room needs more, or less, than the one file.
+    """
+
+    options: Mapping[str, str]
+    """What may be asked of it beside the file: names, and a sentence of help for each."""
+
+    def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
         """Read a foreign file or folder.
+
+        Args:
+            source: The file or folder.
+            options: Values by the names that `options` declares.
 
         Raises:
             InputError: It is missing, unreadable or not of this kind.
         """
         ...
+
+
+def read_capture(
+    kind: str, source: Path, options: Mapping[str, str] = NO_OPTIONS, base: Path | None = None
+) -> Capture:
+    """Read a capture by the importer of that name.
+
+    Args:
+        kind: The importer's name.
+        source: The file or folder.
+        options: What is asked of it.
+        base: The folder in which options that name files begin; by default the current one.
+
+    Raises:
+        InputError: There is no such importer or option, or the source is not of its kind.
+        MissingPackageError: The importer needs a package that is not installed.
+    """
+    importer: Importer = adapters.load(adapters.IMPORTERS, kind)
+    return importer.read(source, checked_options(kind, importer, options, base))
+
+
+def checked_options(
+    kind: str, importer: Importer, options: Mapping[str, str], base: Path | None = None
+) -> dict[str, str]:
+    """The options that an importer knows, with paths that can be opened from anywhere.
+
+    Raises:
+        InputError: It knows no such option.
+    """
+    for name in options:
+        if name not in importer.options:
+            known = ", ".join(sorted(importer.options)) or "none"
+            raise InputError(
+                f"the importer {kind!r} has no option {name!r}",
+                place="options",
+                remedy=f"it has: {known}",
+            )
+    paths = option_paths(importer)
+    folder = base or Path()
+    return {name: str(folder / v) if name in paths else v for name, v in options.items()}
+
+
+def option_paths(importer: Importer) -> frozenset[str]:
+    """Those options of an importer that name files or folders."""
+    return frozenset(getattr(importer, "paths", ()))

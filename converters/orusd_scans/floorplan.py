@@ -1,5 +1,7 @@
 """The floor of a capture: from its own polygon, or from the bases of its walls."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -81,30 +83,34 @@ def chained(segments: Array, notes: list[str]) -> Array | None:
 def _without_twins(segments: Array) -> Array:
     """Walls by descending length, those left out that a longer one repeats."""
     order = np.argsort(-np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1), kind="stable")
-    kept: list[Array] = []
+    kept = np.empty_like(segments)
+    count = 0
     for wall in segments[order]:
-        if not any(_apart(wall, other) < TWIN for other in kept):
-            kept.append(wall)
-    return np.array(kept).reshape(-1, 2, 2)
+        if not (_apart(wall, kept[:count]) < TWIN).any():
+            kept[count] = wall
+            count += 1
+    return kept[:count]
 
 
-def _apart(a: Array, b: Array) -> float:
-    """The greater distance between the ends of two segments, whichever way round they fit."""
-    return min(float(np.linalg.norm(a - c, axis=1).max()) for c in (b, b[::-1]))
+def _apart(wall: Array, others: Array) -> Array:
+    """(N,) the greater distance between the ends of segments, whichever way round they fit."""
+    ways = [np.linalg.norm(others - way, axis=2).max(axis=1) for way in (wall, wall[::-1])]
+    return np.asarray(np.minimum(*ways))
 
 
 def _linked(walls: Array) -> Array:
     """Walls in a round: each followed by the one with the nearest free end, until it closes."""
-    chain, rest = [walls[0]], list(walls[1:])
-    while rest:
+    chain, free = [walls[0]], np.ones(len(walls), dtype=bool)
+    free[0] = False
+    while free.any():
         end = chain[-1][1]
-        ends = np.array([[np.linalg.norm(p - end) for p in wall] for wall in rest])
+        ends = np.where(free[:, None], np.linalg.norm(walls - end, axis=2), np.inf)
         best, which = np.unravel_index(int(np.argmin(ends)), ends.shape)
         home = float(np.linalg.norm(chain[0][0] - end))
         if len(chain) > 2 and home <= min(float(ends.min()), GAP):
             break  # closed: what remains stands inside the room
-        wall = rest.pop(int(best))
-        chain.append(wall if which == 0 else wall[::-1])
+        free[best] = False
+        chain.append(walls[best] if which == 0 else walls[best][::-1])
     return np.array(chain)
 
 
@@ -120,6 +126,50 @@ def _corner(a: Array, b: Array) -> Array:
         if np.linalg.norm(crossing - middle) < GAP:
             return np.asarray(crossing)
     return np.asarray(middle)
+
+
+def bent(corners: Array, arcs: Sequence[Array]) -> Array:
+    """A floor whose straight edges follow the arcs of curved walls.
+
+    Args:
+        corners: (N, 2) corners in order, metres; a corner on an arc is taken for a part of it.
+        arcs: Each (M, 2) from one end of a curved wall to the other.
+
+    Returns:
+        (K, 2) corners in the same order; an arc that joins no two neighbours is left out.
+    """
+    for arc in arcs:
+        corners = _bent(corners, arc)
+    return corners
+
+
+def _bent(corners: Array, arc: Array) -> Array:
+    import shapely
+
+    ends = [np.linalg.norm(corners - end, axis=1) for end in (arc[0], arc[-1])]
+    nearest = [int(np.argmin(distance)) for distance in ends]
+    if max(float(distance.min()) for distance in ends) > GAP or nearest[0] == nearest[1]:
+        return corners
+    off = np.asarray(shapely.distance(shapely.LineString(arc), shapely.points(corners)))
+    keep: NDArray[np.bool_] = off > TWIN
+    keep[nearest] = True
+    rest = corners[keep]
+    first, last = (int(keep[:i].sum()) for i in nearest)
+    if (first + 1) % len(rest) == last:
+        return np.insert(rest, first + 1, arc[1:-1], axis=0)
+    if (last + 1) % len(rest) == first:
+        return np.insert(rest, last + 1, arc[-2:0:-1], axis=0)
+    return corners
+
+
+def begun(corners: Array) -> Array:
+    """A floor that begins at the corner nearest to the lower left, whatever its source began with.
+
+    So the walls have the same numbers in every export of a room.
+    """
+    rounded = np.round(corners, 3)
+    first = np.lexsort((rounded[:, 0], np.round(rounded.sum(axis=1), 2)))[0]
+    return np.roll(corners, -int(first), axis=0)
 
 
 def heading(corners: Array) -> float:

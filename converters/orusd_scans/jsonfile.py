@@ -69,7 +69,7 @@ class Node:
         return [Node(value, self.file, f"{found.path}[{i}]") for i, value in enumerate(found.value)]
 
     def numbers(self, count: int, largest: float) -> NDArray[np.float64]:
-        """This list of finite numbers; lists in it are joined.
+        """This list of finite numbers; lists in it are joined, and ``{"x": 1, "y": 2}`` is one.
 
         Args:
             count: How many there must be.
@@ -78,8 +78,7 @@ class Node:
         Raises:
             InputError: They are not numbers, not that many, or absurd.
         """
-        flat = self.value if isinstance(self.value, list) else [self.value]
-        flat = [x for row in flat for x in (row if isinstance(row, list) else [row])]
+        flat = [x for row in _listed(self.value) for x in _listed(row)]
         if len(flat) != count:
             raise self.error(f"{count} numbers expected, found {len(flat)}")
         for number in flat:
@@ -90,22 +89,33 @@ class Node:
         return np.array(flat, dtype=np.float64)
 
 
+def _listed(value: Any) -> list[Any]:
+    """A list as it is, a vector with named coordinates as one, anything else in one."""
+    if isinstance(value, dict) and value and set(value) <= set("xyzw"):
+        return [value[axis] for axis in "xyzw" if axis in value]
+    return value if isinstance(value, list) else [value]
+
+
 def _kind(value: Any) -> str:
     kinds = {dict: "an object", list: "a list", str: "a text", bool: "true or false"}
     return kinds.get(type(value), "a number" if value is not None else "nothing")
 
 
-def read_json(path: Path) -> Node:
+def read_json(path: Path, largest: int = LARGEST) -> Node:
     """Read a JSON file.
+
+    Args:
+        path: The file.
+        largest: Bytes beyond which it is refused.
 
     Raises:
         InputError: It is missing, too large, not UTF-8, not JSON, or nested without end.
     """
     try:
         size = path.stat().st_size
-        if size > LARGEST:
+        if size > largest:
             raise InputError(
-                f"{size / 2**20:.0f} MB are too much for a capture (at most {LARGEST >> 20} MB)",
+                f"{size / 2**20:.0f} MB are too much for a capture (at most {largest >> 20} MB)",
                 place=path,
             )
         text = path.read_bytes().decode("utf-8-sig")

@@ -1,25 +1,28 @@
-"""Apple RoomPlan: a CapturedRoom, exported as JSON, becomes a Capture.
+"""Apple RoomPlan: its exports become Captures.
 
 The world frame is Z up with the floor at 0. Its X axis runs along the longest wall, the way that
 needs the least rotation, and the room lies at positive x and y: numbers that people can write
 down, however far from the origin the source is.
 """
 
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.capture import Capture, CapturedBox, CapturedOpening
-from orusd_scans.capturedroom import CapturedRoom, Record, read_captured_room
-from orusd_scans.floorplan import chained, heading, tidied
+from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedOpening
+from openrooms_usd.errors import InputError
+from orusd_scans.capturedroom import CapturedRoom, Record, read_captured_rooms
+from orusd_scans.floorplan import begun, heading, tidied
+from orusd_scans.roomplan_spaces import Z_UP, chosen_space, placed, rectangle
 
 Array = NDArray[np.float64]
 
-# Y up to Z up: (x, y, z) -> (x, -z, y).
-_Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 # Columns: our right, back and up in RoomPlan's object axes, which are right, up and front.
 _BOX_AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # Openings nearer than this part of their width are one, seen twice.
@@ -46,23 +49,35 @@ class _Frame:
 
 
 class RoomPlanImporter:
-    """Reads the JSON export of Apple RoomPlan (iOS 16 and later)."""
+    """Reads the exports of Apple RoomPlan (iOS 16 and later): JSON, or parametric USDZ."""
 
-    def read(self, source: Path) -> Capture:
-        """Read a CapturedRoom.
+    options: Mapping[str, str] = {
+        "room": "which room: its label, such as livingRoom, or its number; by default the largest",
+    }
+
+    def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
+        """Read a CapturedRoom or a CapturedStructure.
 
         Args:
-            source: The JSON file.
+            source: The JSON or USDZ file.
+            options: ``room``: which room of several is meant.
 
         Raises:
-            InputError: It is missing, is no such file, or holds nonsense; names the place.
+            InputError: It is missing, is no such file, holds nonsense, or has no such room; names
+                the place.
         """
-        room, notes = read_captured_room(source), list[str]()
-        outline = _outline(room, notes)
-        frame = _frame(room, outline)
+        notes: list[str] = []
+        try:
+            space = chosen_space(_rooms(source, notes), options.get("room"), notes)
+        except InputError as error:
+            error.place = error.place or str(source)
+            raise
+        room, frame = space.records, _frame(space.records, space.outline)
         # Nanometres are noise of the rotation.
+        outline = space.outline
         corners = None if outline is None else np.round(frame.points(outline)[:, :2], 9) + 0.0
         floor = None if corners is None else tidied(corners, notes)
+        floor = None if floor is None else begun(floor)
         notes += _approximations(room)
         openings = [
             *(_opening(record, "door", frame) for record in room.doors),
@@ -80,48 +95,23 @@ class RoomPlanImporter:
         )
 
 
-def _placed(record: Record, local: Array) -> Array:
-    """Local points (N, 3) of a record in the source's frame."""
-    return local @ record.source_from_local[:3, :3].T + record.center
+def _rooms(source: Path, notes: list[str]) -> list[CapturedRoom]:
+    if source.suffix.lower() != ".usdz":
+        return read_captured_rooms(source, notes)
+    # USD takes a third of a second to import, and most captures are JSON.
+    from orusd_scans.roomplan_usdz import read_usdz
 
-
-def _rectangle(record: Record) -> Array:
-    x, y = 0.5 * record.size[0], 0.5 * record.size[1]
-    return np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
-
-
-def _outline(room: CapturedRoom, notes: list[str]) -> Array | None:
-    """(N, 3) the corners of the floor in the source's frame."""
-    floors = [_placed(f, f.corners if len(f.corners) else _rectangle(f)) for f in room.floors]
-    if floors:
-        if len(floors) > 1:
-            notes.append(f"the capture has {len(floors)} floors: the largest was taken")
-        return max(floors, key=_plan_area)
-    if not room.walls:
-        return None
-    # Relative to one point, so that sums and differences far from the origin stay exact.
-    base = room.walls[0].center
-    ends = np.array([_placed(wall, _rectangle(wall)[:2]) - base for wall in room.walls])
-    corners = chained((ends @ _Z_UP.T)[:, :, :2], notes)
-    if corners is None:
-        return None
-    level = np.full(len(corners), float(np.median(ends[:, :, 1])))
-    return np.column_stack([corners[:, 0], level, -corners[:, 1]]) + base
-
-
-def _plan_area(corners: Array) -> float:
-    x, z = (corners - corners[0])[:, [0, 2]].T
-    return abs(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
+    return [read_usdz(source, notes)]
 
 
 def _frame(room: CapturedRoom, outline: Array | None) -> _Frame:
     if outline is None:
         centers = [record.center for record in (*room.walls, *room.objects)]
-        return _Frame(_Z_UP, np.mean(centers, axis=0) if centers else np.zeros(3))
-    plan = (outline - outline[0]) @ _Z_UP.T
+        return _Frame(Z_UP, np.mean(centers, axis=0) if centers else np.zeros(3))
+    plan = (outline - outline[0]) @ Z_UP.T
     angle = heading(plan[:, :2])
     c, s = np.cos(angle), np.sin(angle)
-    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ _Z_UP
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ Z_UP
     turned = (outline - outline[0]) @ rotation.T
     corner = np.array([*turned[:, :2].min(axis=0), np.median(turned[:, 2])])
     return _Frame(rotation, outline[0] + corner @ rotation)
@@ -132,7 +122,7 @@ def _height(room: CapturedRoom, frame: _Frame) -> float | None:
     walls = [wall for wall in room.walls if wall.size[0] > 0.0 and wall.size[1] > 0.0]
     if not walls:
         return None
-    tops = np.array([frame.points(_placed(w, _rectangle(w)))[:, 2].max() for w in walls])
+    tops = np.array([frame.points(placed(w, rectangle(w)))[:, 2].max() for w in walls])
     order = np.argsort(tops)
     weight = np.cumsum(np.array([wall.size[0] for wall in walls])[order])
     return float(tops[order][np.searchsorted(weight, 0.5 * weight[-1])])
@@ -159,15 +149,27 @@ def _opening(
 def _distinct(openings: list[CapturedOpening], notes: list[str]) -> list[CapturedOpening]:
     """The openings without those that another one repeats; the surer one stays."""
     kept: list[CapturedOpening] = []
+    cells: defaultdict[tuple[int, ...], list[int]] = defaultdict(list)
+    side = _SAME * max((opening.width for opening in openings), default=1.0) + 1e-9
     for opening in openings:
-        twin = next((other for other in kept if _is_same(opening, other)), None)
+        cell = np.floor(opening.center / side).astype(int)
+        near = (index for place in _around(cell) for index in cells[place])
+        twin = next((index for index in near if _is_same(opening, kept[index])), None)
         if twin is None:
+            cells[tuple(cell.tolist())].append(len(kept))
             kept.append(opening)
             continue
-        notes.append(f"{twin.kind} {twin.id} and {opening.kind} {opening.id} are one, seen twice")
-        if _CONFIDENCE[opening.confidence] > _CONFIDENCE[twin.confidence]:
-            kept[kept.index(twin)] = opening
+        other = kept[twin]
+        notes.append(f"{other.kind} {other.id} and {opening.kind} {opening.id} are one, seen twice")
+        if _CONFIDENCE[opening.confidence] > _CONFIDENCE[other.confidence]:
+            kept[twin] = opening
+            cells[tuple(cell.tolist())].append(twin)
     return kept
+
+
+def _around(cell: NDArray[np.int_]) -> Iterator[tuple[int, ...]]:
+    """A cell of a grid and those that touch it."""
+    yield from product(*((i - 1, i, i + 1) for i in cell.tolist()))
 
 
 def _is_same(a: CapturedOpening, b: CapturedOpening) -> bool:
@@ -191,11 +193,6 @@ def _box(record: Record, frame: _Frame) -> CapturedBox:
 
 
 def _approximations(room: CapturedRoom) -> list[str]:
-    curved = sum(record.curved for record in room.walls)
     sloped = sum(len(record.corners) not in (0, 4) for record in room.walls)
-    notes = []
-    if curved:
-        notes.append(f"{curved} curved walls are built as straight ones")
-    if sloped:
-        notes.append(f"{sloped} walls that are no rectangles are built up to the full height")
-    return notes
+    walls = "wall that is no rectangle is" if sloped == 1 else "walls that are no rectangles are"
+    return [f"{sloped} {walls} built up to the full height"] if sloped else []

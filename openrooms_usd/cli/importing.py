@@ -2,15 +2,24 @@
 
 import json
 import re
-from pathlib import Path
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.atomic import filling, write_bytes, write_text
-from openrooms_usd.capture import Capture
+from openrooms_usd.capture import (
+    NO_OPTIONS,
+    Capture,
+    Importer,
+    Packed,
+    checked_options,
+    option_paths,
+)
 from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.description.captured import CAPTURES
 from openrooms_usd.errors import InputError, OutputError, writing
 
 if TYPE_CHECKING:
@@ -18,6 +27,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ROOM: Final = "room.yaml"
+# About how many cameras a capture with photographs begins with.
+_CAMERAS: Final = 5
 # What a lamp in the middle of the room needs around it, metres.
 _CLEAR: Final = 0.3
 
@@ -29,12 +40,10 @@ room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
 seed: 0
 
 layout:
-  from: {kind}
-  file: {file}
+{source}
 {openings}
 alignment:
-  from: {kind}
-  file: {file}
+{source}
   objects:
     # The scan knows no lamps: one hangs in the middle of the room.
     - {{name: ceiling_lamp, category: ceiling_lamp, at: [{x:.2f}, {y:.2f}]}}
@@ -46,10 +55,18 @@ lights:
     ceiling_lamp: {{lumen: 3000, kelvin: 4000}}
 
 cameras:
+{cameras}
+"""
+_SELECTED: Final = """\
   resolution: [640, 480]
   views:
     # The best of many views along the walls.
-    - {{from: select, count: 3}}
+    - {from: select, count: 3}
+"""
+_FRAMES: Final = """\
+  # The cameras of the photographs: one in {every} of {count}.
+  from: capture
+  every: {every}
 """
 _OPENINGS: Final = """\
   # Captured: {captured}. Further ones, by the number of their wall (0 to {last}):
@@ -80,35 +97,50 @@ def import_() -> None:
 
 
 def _command(kind: str) -> click.Command:
+    importer: Importer = load(IMPORTERS, kind)
+
     @click.command(name=kind, short_help=f"Import a {kind} capture.")
     @click.argument("source", type=click.Path(path_type=Path))
     @click.option(
         "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder to write to."
     )
     @json_option
-    def command(source: Path, out: Path, as_json: bool) -> None:
+    def command(source: Path, out: Path, as_json: bool, **options: str | None) -> None:
         """Check that SOURCE reads, copy it into a folder and describe the room in room.yaml."""
-        capture = import_capture(kind, source, out)
+        given = {name: options[_field(name)] for name in importer.options}
+        capture = import_capture(kind, source, out, {n: v for n, v in given.items() if v})
         report = summary(capture, out)
         if as_json:
             print_json(report)
             return
-        for key in ("walls", "openings", "objects"):
+        for key in ("walls", "openings", "objects", "models", "frames"):
             click.echo(f"{key:<9} {report[key]}")
         for note in report["notes"]:
             click.echo(f"note: {note}")
         click.echo(f"wrote {report['room']}; next: orusd compose {report['room']} -o OUT")
 
+    for name, text in importer.options.items():
+        metavar = "PATH" if name in option_paths(importer) else "TEXT"
+        flag = click.Option([f"--{name}", _field(name)], metavar=metavar, help=text)
+        command.params.append(flag)
     return command
 
 
-def import_capture(kind: str, source: Path, out: Path) -> Capture:
-    """Read a capture, copy it into a folder as it is, and write a room.yaml beside it.
+def _field(name: str) -> str:
+    """An option as a parameter, which no parameter of the command itself can be."""
+    return f"option_{name}"
+
+
+def import_capture(
+    kind: str, source: Path, out: Path, options: Mapping[str, str] = NO_OPTIONS
+) -> Capture:
+    """Read a capture, copy what a room needs of it into a folder, and describe the room there.
 
     Args:
         kind: The name of the importer.
         source: What it reads.
         out: The folder; made when it is missing.
+        options: What is asked of the importer; paths begin in the current folder.
 
     Returns:
         The capture.
@@ -119,28 +151,57 @@ def import_capture(kind: str, source: Path, out: Path) -> Capture:
     """
     from openrooms_usd.description import parse_room
 
+    importer: Importer = load(IMPORTERS, kind)
     try:
-        capture: Capture = load(IMPORTERS, kind).read(source)
+        asked = checked_options(kind, importer, options)
+        capture = importer.read(source, asked)
+        if capture.floor is None:
+            raise InputError(
+                "the capture has no floor, and no walls that enclose one",
+                place=source,
+                remedy=capture.remedy,
+            )
+        packed = _packed(kind, importer, source, asked)
+        _check_names(packed)
     except OSError as error:
         raise _unreadable(source, error) from error
-    if capture.floor is None:
-        raise InputError(
-            "the capture has no floor, and no walls that enclose one",
-            place=source,
-            remedy="scan the room again, so that its walls close",
-        )
-    data = _bytes(source)
-    keep = source.name.isprintable() and source.name != ROOM
-    copy = out / (source.name if keep else f"{kind}{source.suffix}")
     with writing(out):
-        _refuse_to_replace(copy, data)
-    text = describe(kind, capture, copy.name)
+        _refuse_to_replace(out, packed.contents)
+    text = describe(kind, capture, packed.file, packed.options)
     parse_room(text, str(out / ROOM))
     with filling(out) as folder:
-        if not copy.exists():
-            write_bytes(folder / copy.name, data)
+        for name, content in packed.contents.items():
+            if not (out / name).exists():
+                data = _bytes(content) if isinstance(content, Path) else content
+                write_bytes(folder / name, data)
         write_text(folder / ROOM, text)
     return capture
+
+
+def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Packed:
+    """What of a capture is copied: what its importer says, or else the file as it is."""
+    pack = getattr(importer, "pack", None)
+    if pack is not None:
+        packed: Packed = pack(source, options)
+    else:
+        packed = Packed(source.name, {source.name: source}, options)
+    if packed.file.isprintable() and packed.file != ROOM:
+        return packed
+    name = f"{kind}{Path(packed.file).suffix}"
+    contents = {name if key == packed.file else key: v for key, v in packed.contents.items()}
+    return Packed(name, contents, packed.options)
+
+
+def _check_names(packed: Packed) -> None:
+    """Refuse files that would lie elsewhere, or where the description comes."""
+    for name, content in packed.contents.items():
+        path = PurePosixPath(name)
+        if path.is_absolute() or ".." in path.parts or path == PurePosixPath(ROOM):
+            raise InputError(
+                f"a file of the capture cannot be copied as {name!r}",
+                place=content if isinstance(content, Path) else None,
+                remedy="give it another name",
+            )
 
 
 def _bytes(path: Path) -> bytes:
@@ -158,22 +219,26 @@ def _unreadable(path: Path, error: OSError) -> InputError:
     )
 
 
-def _refuse_to_replace(copy: Path, data: bytes) -> None:
+def _refuse_to_replace(out: Path, contents: Mapping[str, bytes | Path]) -> None:
     remedy = "choose another folder, or move the file away"
-    room = copy.with_name(ROOM)
-    if room.exists():
-        raise OutputError("there is a room already", place=room, remedy=remedy)
-    if copy.exists() and _bytes(copy) != data:
-        raise OutputError("another capture has that name", place=copy, remedy=remedy)
+    if (out / ROOM).exists():
+        raise OutputError("there is a room already", place=out / ROOM, remedy=remedy)
+    for name, content in contents.items():
+        data = _bytes(content) if isinstance(content, Path) else content
+        if (out / name).exists() and _bytes(out / name) != data:
+            raise OutputError("another capture has that name", place=out / name, remedy=remedy)
 
 
-def describe(kind: str, capture: Capture, file: str) -> str:
+def describe(
+    kind: str, capture: Capture, file: str, options: Mapping[str, str] = NO_OPTIONS
+) -> str:
     """The text of a room.yaml for a capture.
 
     Args:
         kind: The name of the importer.
         capture: What it read, with a floor.
         file: The captured file, relative to the description.
+        options: What the importer is asked; paths are relative to the description.
     """
     assert capture.floor is not None
     x, y = _middle(capture.floor)
@@ -182,11 +247,36 @@ def describe(kind: str, capture: Capture, file: str) -> str:
     return _TEMPLATE.format(
         kind=kind,
         name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
-        file=json.dumps(file, ensure_ascii=False),  # a JSON string is a YAML string
+        file=_quoted(file),
+        source=_section(kind, file, options),
         openings=_OPENINGS.format(captured=captured, last=len(capture.floor) - 1),
         x=x,
         y=y,
+        cameras=_cameras(capture),
     )
+
+
+def _section(kind: str, file: str, options: Mapping[str, str]) -> str:
+    """The first lines of a section that comes from the capture."""
+    known = kind in CAPTURES
+    lines = [f"from: {kind}"] if known else ["from: capture", f"importer: {_quoted(kind)}"]
+    lines.append(f"file: {_quoted(file)}")
+    if options:
+        pairs = (f"{_quoted(name)}: {_quoted(value)}" for name, value in options.items())
+        lines.append(f"options: {{{', '.join(pairs)}}}")
+    return "\n".join(f"  {line}" for line in lines)
+
+
+def _quoted(text: str) -> str:
+    """A JSON string, which is a YAML string."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _cameras(capture: Capture) -> str:
+    count = len(capture.frames)
+    if not count:
+        return _SELECTED.rstrip("\n")
+    return _FRAMES.format(count=count, every=max(1, count // _CAMERAS)).rstrip("\n")
 
 
 def _middle(floor: "NDArray[np.float64]") -> tuple[float, float]:
@@ -208,7 +298,9 @@ def summary(capture: Capture, out: Path) -> dict[str, Any]:
         "room": str(out / ROOM),
         "walls": 0 if capture.floor is None else len(capture.floor),
         "openings": len(capture.openings),
-        "objects": len(capture.boxes),
+        "objects": len(capture.boxes) + len(capture.models),
+        "models": sum(model.file is not None for model in capture.models),
+        "frames": len(capture.frames),
         "height": capture.height,
         "notes": list(capture.notes),
     }

@@ -50,13 +50,18 @@ def _ordered(bounds: tuple[float, float]) -> tuple[float, float]:
 Range = Annotated[tuple[PositiveLength, PositiveLength], AfterValidator(_ordered)]
 
 
-class Viewed(Model):
+class Exposed(Model):
     """What every camera has."""
+
+    exposure_value: Number | None = Field(default=None, ge=-10, le=30)
+    """EV100 of the previews (data is never exposed); by default fitted to each picture."""
+
+
+class Viewed(Exposed):
+    """A camera whose lens is described."""
 
     fov: FieldOfView = 60.0
     """Horizontal field of view."""
-    exposure_value: Number | None = Field(default=None, ge=-10, le=30)
-    """EV100 of the previews (data is never exposed); by default fitted to each picture."""
 
 
 class LookAtCamera(Viewed, CheckedModel):
@@ -103,10 +108,21 @@ class SelectedCameras(Viewed):
     """Range of distances from the wall."""
 
 
+class FrameCameras(Exposed):
+    """The cameras of the capture's photographs, so that each view stands for one of them."""
+
+    source: Literal["capture"] = Field(alias="from")
+    name: PrimName = "frame"
+    """Prefix of the cameras' names; the frame's identifier follows."""
+    every: Whole = Field(default=1, ge=1)
+    """Take the first frame, and then each one so many further."""
+
+
 View = Annotated[
     Annotated[LookAtCamera, Tag("look_at")]
     | Annotated[PoseCamera, Tag("pose")]
-    | Annotated[SelectedCameras, Tag("select")],
+    | Annotated[SelectedCameras, Tag("select")]
+    | Annotated[FrameCameras, Tag("capture")],
     by_source("look_at", world_from_camera="pose"),
 ]
 
@@ -116,6 +132,7 @@ Pixels = Annotated[Whole, Field(ge=1, le=16_384)]
 class Cameras(CheckedModel):
     """The cameras and the size of their pictures."""
 
+    source: Literal["views"] = Field(default="views", alias="from")
     resolution: tuple[Pixels, Pixels] = (640, 480)
     """Width and height in pixels."""
     views: tuple[View, ...] = (SelectedCameras.model_validate({"from": "select"}),)
@@ -126,3 +143,21 @@ class Cameras(CheckedModel):
         """Names that repeat."""
         names = [peek_text(view, "name") for view in peek_list(given, "views")]
         yield from repeated_names(names, "views", "camera")
+
+
+class CapturedCameras(FrameCameras):
+    """The cameras of the capture's photographs and nothing else."""
+
+    resolution: tuple[Pixels, Pixels] | None = None
+    """Width and height in pixels; by default those of the photographs."""
+
+    @property
+    def views(self) -> tuple[View, ...]:
+        """This as the only view."""
+        return (self,)
+
+
+AnyCameras = Annotated[
+    Annotated[Cameras, Tag("views")] | Annotated[CapturedCameras, Tag("capture")],
+    by_source("views"),
+]

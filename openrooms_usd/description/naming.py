@@ -1,9 +1,22 @@
-"""Default names: ``chair_0``, ``window_1``, stable when other things get names of their own."""
+"""Names of what has none: ``chair_0`` where it is described, ``chair_3fa9c1`` where captured.
 
-from collections.abc import Iterable, Iterator, Sequence
+Both are stable: a name for one renames no other, and what was captured keeps its name in every
+import that has it, in whatever order and with whatever else.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from hashlib import sha256
 from itertools import count
+from typing import Final
 
 from openrooms_usd.description.model import Found
+
+# Identifiers that are names themselves. Bare numbers are those of described things.
+_SHORT: Final = re.compile(r"(?=.*[A-Za-z])[A-Za-z0-9]{1,8}")
+# Hexadecimal digits that stand for a longer identifier, and one that another has already.
+_DIGITS: Final = (6, 8, 16, 64)
 
 
 def unique_names(wanted: Iterable[tuple[str | None, str]]) -> list[str]:
@@ -29,6 +42,53 @@ def unique_names(wanted: Iterable[tuple[str | None, str]]) -> list[str]:
         or next(free for n in spare[kind] if (free := f"{kind}_{n}") not in used)
         for place, (name, kind) in zip(places, rows, strict=True)
     ]
+
+
+def captured_names(captured: Sequence[tuple[str, str]], taken: Collection[str] = ()) -> list[str]:
+    """Name captured things by what they are and by their identifiers in the source.
+
+    Args:
+        captured: For each thing a label and its identifier.
+        taken: The names of described things, which captured ones make way for.
+
+    Returns:
+        One name each, in order, each another: the label with the identifier where that is a short
+        word, with the first digits of its SHA-256 otherwise. Only things that are alike in both
+        are told apart by their order.
+    """
+    names = [_captured_name(label, identifier, 0) for label, identifier in captured]
+    for step in range(1, len(_DIGITS)):
+        # What is alike in label and identifier stays so whatever the number of digits.
+        used = Counter(name for name, _ in set(zip(names, captured, strict=True)))
+        clash = [used[name] > 1 or name in taken for name in names]
+        names = [
+            _captured_name(*thing, step) if again else name
+            for thing, name, again in zip(captured, names, clash, strict=True)
+        ]
+    return _told_apart(names, taken)
+
+
+def _captured_name(label: str, identifier: str, step: int) -> str:
+    if step == 0 and _SHORT.fullmatch(identifier):
+        return f"{label}_{identifier}"
+    digest = sha256(identifier.encode("utf-8", "surrogatepass")).hexdigest()
+    return f"{label}_{digest[: _DIGITS[step]]}"
+
+
+def _told_apart(names: Sequence[str], taken: Collection[str]) -> list[str]:
+    """Names without repetitions: what comes later gets a number behind it."""
+    used = {*names, *taken}
+    seen: set[str] = set()
+    last: Counter[str] = Counter()
+    apart = []
+    for name in names:
+        other = name
+        while other in seen or (other != name and other in used):
+            last[name] += 1
+            other = f"{name}_{last[name]}"
+        seen.add(other)
+        apart.append(other)
+    return apart
 
 
 def repeated_names(names: Sequence[str | None], list_key: str, what: str) -> Iterator[Found]:

@@ -1,7 +1,7 @@
 """The cameras stage: given views, and the best of many along the walls; and the render settings."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -10,14 +10,28 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd import names
-from openrooms_usd.description.cameras import LookAtCamera, SelectedCameras, View
+from openrooms_usd.capture import Capture, CapturedFrame
+from openrooms_usd.description.cameras import (
+    FrameCameras,
+    LookAtCamera,
+    SelectedCameras,
+    View,
+    Viewed,
+)
 from openrooms_usd.description.room import Room
 from openrooms_usd.geometry.framing import framing_view
-from openrooms_usd.geometry.pinhole import look_at, nearest_rotation, pose
+from openrooms_usd.geometry.pinhole import intrinsics, look_at, nearest_rotation, pose
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.views import sample_views, select_views
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.captures import capture_inputs, captured_section
+from openrooms_usd.stages.photographs import (
+    frame_name,
+    intrinsics_for,
+    name_photograph,
+    photographs,
+)
 from openrooms_usd.usd.cameras import define_camera, exposure_of_ev100
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes, world_triangles
 
@@ -41,30 +55,69 @@ class CamerasStage:
     reads = ("layout", "alignment")
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
-        """No files."""
-        return ()
+        """The capture, where cameras are those of its photographs."""
+        section = captured_section(room)
+        framed = any(isinstance(view, FrameCameras) for view in room.cameras.views)
+        return capture_inputs(section, source) if framed and section else ()
 
     def author(self, context: StageContext) -> None:
         """Write one Camera for each view, and the render settings.
 
         Raises:
-            InputError: A camera looks at the very point where it stands.
+            InputError: A camera looks at the very point where it stands, or the capture cannot be
+                read or has no photographs.
         """
-        stage, cameras = context.stage, context.room.cameras
+        stage, capture = context.stage, photographs(context)
         UsdGeom.Scope.Define(stage, names.CAMERAS)
+        resolution = _resolution(context, capture)
         paths = []
-        for name, view, matrix in _named(context):
-            path = f"{names.CAMERAS}/{name}"
-            define_camera(
+        for shot in _named(context, capture):
+            path = f"{names.CAMERAS}/{shot.name}"
+            camera = define_camera(
                 stage,
                 path,
-                world_from_camera=matrix,
-                fov_degrees=view.fov,
-                resolution=cameras.resolution,
-                exposure=_exposure(view),
+                world_from_camera=shot.pose,
+                resolution=resolution,
+                K=_intrinsics(shot, resolution),
+                exposure=_exposure(shot.view),
             )
+            if shot.frame and capture:
+                name_photograph(camera.GetPrim(), shot.frame, capture)
             paths.append(path)
-        _define_settings(stage, cameras.resolution, paths)
+        _define_settings(stage, resolution, paths)
+
+
+@dataclass(frozen=True, eq=False)
+class _Shot:
+    """One camera.
+
+    Attributes:
+        view: What asks for it.
+        pose: (4, 4) from the camera to the world.
+        frame: The photograph that it stands for, if any.
+        name: Its prim name.
+    """
+
+    view: View
+    pose: Array
+    frame: CapturedFrame | None = None
+    name: str = ""
+
+
+def _resolution(context: StageContext, capture: Capture | None) -> tuple[int, int]:
+    """As described, or else that of the first photograph."""
+    described = context.room.cameras.resolution
+    if described is None:
+        assert capture is not None
+        return capture.frames[0].resolution
+    return described
+
+
+def _intrinsics(shot: _Shot, resolution: tuple[int, int]) -> Array:
+    if shot.frame is not None:
+        return intrinsics_for(shot.frame, resolution)
+    assert isinstance(shot.view, Viewed)
+    return intrinsics(shot.view.fov, *resolution)
 
 
 def _exposure(view: View) -> float | None:
@@ -82,31 +135,38 @@ def _define_settings(stage: Usd.Stage, resolution: tuple[int, int], cameras: lis
         settings.CreateCameraRel().SetTargets([Sdf.Path(cameras[0])])
 
 
-def _posed(context: StageContext) -> Iterator[tuple[View, Array]]:
-    """Every camera with the view that asks for it; a selection gives several."""
+def _shots(context: StageContext, capture: Capture | None) -> Iterator[_Shot]:
+    """Every camera with the view that asks for it; selections and captures give several."""
     selection: _Selection | None = None
     for number, view in enumerate(context.room.cameras.views):
         if isinstance(view, SelectedCameras):
             selection = selection or _Selection.of(context.stage)
-            yield from ((view, matrix) for matrix in selection.choose(context, number, view))
+            yield from (_Shot(view, matrix) for matrix in selection.choose(context, number, view))
+        elif isinstance(view, FrameCameras):
+            frames = capture.frames if capture else ()
+            yield from (_Shot(view, f.world_from_camera, f) for f in frames[:: view.every])
         elif isinstance(view, LookAtCamera):
-            yield view, look_at(view.eye, view.target)
+            yield _Shot(view, look_at(view.eye, view.target))
         else:
             matrix = np.array(view.world_from_camera)
-            yield view, pose(nearest_rotation(matrix[:, :3]), matrix[:, 3])
+            yield _Shot(view, pose(nearest_rotation(matrix[:, :3]), matrix[:, 3]))
 
 
-def _named(context: StageContext) -> Iterator[tuple[str, View, Array]]:
-    """Prim names: as given, else numbered and free."""
-    given = [None if isinstance(v, SelectedCameras) else v.name for v in context.room.cameras.views]
+def _named(context: StageContext, capture: Capture | None) -> Iterator[_Shot]:
+    """The cameras with prim names: as given, by their photograph, else numbered and free."""
+    several = (SelectedCameras, FrameCameras)
+    given = [None if isinstance(v, several) else v.name for v in context.room.cameras.views]
     taken = {name for name in given if name is not None}
-    for view, matrix in _posed(context):
-        if isinstance(view, SelectedCameras):
+    for shot in _shots(context, capture):
+        view = shot.view
+        if isinstance(view, FrameCameras) and shot.frame:
+            name = frame_name(view.name, shot.frame, taken)
+        elif isinstance(view, SelectedCameras):
             name = _free(view.name, taken)
         else:
             name = view.name or _free("view", taken)
         taken.add(name)
-        yield name, view, matrix
+        yield replace(shot, name=name)
 
 
 def _free(prefix: str, taken: set[str]) -> str:
@@ -151,7 +211,7 @@ class _Selection:
 
     def choose(self, context: StageContext, number: int, view: SelectedCameras) -> Array:
         """(C, 4, 4) poses of the best views."""
-        width, height = context.room.cameras.resolution
+        width, height = context.room.cameras.resolution or (1, 1)
         highest = min(view.height[1], max(self.headroom, 0.1))
         candidates = sample_views(
             self.polygon,

@@ -1,4 +1,4 @@
-"""Captured boxes become objects: what the library builds for which label."""
+"""Captured boxes become objects: what the library builds, where, and under which name."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,9 +7,10 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.capture import Capture, CapturedBox
-from openrooms_usd.description.alignment import Placed
-from openrooms_usd.description.naming import unique_names
+from openrooms_usd.description.alignment import Placed, named_objects
+from openrooms_usd.description.naming import captured_names
 from openrooms_usd.library.furniture import MAX_SIDE, MIN_SIDE, Size
+from openrooms_usd.stages.substitutes import UNKNOWN, plain, substitute
 
 # Captured heights are uncertain by some centimetres: what begins that near to the floor stands on
 # it.
@@ -17,47 +18,14 @@ FLOOR_TOLERANCE: Final = 0.1
 
 
 @dataclass(frozen=True)
-class Substitute:
-    """What the library makes for a captured label.
-
-    Attributes:
-        label: Our own name of what was captured.
-        category: What is built: a category of the library or one of its stand-ins.
-    """
-
-    label: str
-    category: str
-
-
-# RoomPlan's categories (CapturedRoom.Object.Category).
-SUBSTITUTES: Final = {
-    "bathtub": Substitute("bathtub", "basin"),
-    "bed": Substitute("bed", "bed"),
-    "chair": Substitute("chair", "chair"),
-    "dishwasher": Substitute("dishwasher", "fridge"),
-    "fireplace": Substitute("fireplace", "fireplace"),
-    "oven": Substitute("stove", "oven"),
-    "refrigerator": Substitute("refrigerator", "fridge"),
-    "sink": Substitute("sink", "basin"),
-    "sofa": Substitute("sofa", "sofa"),
-    "stairs": Substitute("stairs", "stairs"),
-    "storage": Substitute("cabinet", "cabinet"),
-    "stove": Substitute("stove", "oven"),
-    "table": Substitute("table", "table"),
-    "television": Substitute("television", "screen"),
-    "toilet": Substitute("toilet", "toilet"),
-    "washerDryer": Substitute("washing_machine", "washer"),
-}
-
-
-@dataclass(frozen=True)
 class Captured:
     """A captured box as an object.
 
     Attributes:
-        name: Its prim name: the label and its number in the capture.
+        name: Its prim name: the label and what identifies it in the capture.
         box: Where it came from.
-        substitute: What is built for it.
+        category: What the library builds for it.
+        label: What it is: the category, or the source's own word where there is none for it.
         size: Width, depth and height, metres.
         base: (3,) middle of its base, metres.
         yaw: Degrees, counter-clockwise from above.
@@ -66,7 +34,8 @@ class Captured:
 
     name: str
     box: CapturedBox
-    substitute: Substitute
+    category: str
+    label: str
     size: Size
     base: tuple[float, float, float]
     yaw: float
@@ -81,29 +50,34 @@ def captured_objects(
     Args:
         capture: What was captured; metres, Z up.
         floor: Height of the room's floor, metres.
-        described: The objects of the description, whose names are not used again.
-        notes: Receives a sentence for each label that has no category of its own.
+        described: The objects of the description, whose names stay theirs.
+        notes: Receives a sentence for each label that the library has nothing for.
     """
-    substitutes = [_substitute(box, notes) for box in capture.boxes]
-    given = ((thing.name, thing.category) for thing in described)
-    numbered = unique_names([*((None, one.label) for one in substitutes), *given])
+    kinds = [_kind(box, floor) for box in capture.boxes]
+    modelled = {model.id for model in capture.models if model.file}
+    unknown = [
+        box.label
+        for box, (made, _) in zip(capture.boxes, kinds, strict=True)
+        if not made and box.id not in modelled
+    ]
+    notes += [f"captured {word!r} is unknown: a box stands for it" for word in sorted({*unknown})]
+    taken = {name for name, _ in named_objects(described)}
+    labels = [(label, box.id) for box, (_, label) in zip(capture.boxes, kinds, strict=True)]
     return [
-        _object(name, box, substitute, floor)
-        for name, box, substitute in zip(numbered, capture.boxes, substitutes, strict=False)
+        _object(name, box, made or UNKNOWN, label, floor)
+        for name, box, (made, label) in zip(
+            captured_names(labels, taken), capture.boxes, kinds, strict=True
+        )
     ]
 
 
-def _substitute(box: CapturedBox, notes: list[str]) -> Substitute:
-    found = SUBSTITUTES.get(box.label)
-    if found is None:
-        notes.append(f"captured {box.label!r} is unknown: a cabinet fills its box")
-        return Substitute("cabinet", "cabinet")
-    if found.label != found.category:
-        notes.append(f"captured {box.label!r}: a plain {found.category} fills its box")
-    return found
+def _kind(box: CapturedBox, floor: float) -> tuple[str | None, str]:
+    """What the library builds for a box, if it knows it, and what it is called."""
+    found = substitute(box.label, box.attributes, float(box.center[2] - 0.5 * box.size[2]) - floor)
+    return found, found or plain(box.label)
 
 
-def _object(name: str, box: CapturedBox, substitute: Substitute, floor: float) -> Captured:
+def _object(name: str, box: CapturedBox, category: str, label: str, floor: float) -> Captured:
     # Millimetres: repeats of one thing become equal, and then share an asset.
     width, depth, height = np.clip(np.round(box.size, 3), MIN_SIDE, MAX_SIDE).tolist()
     right = box.rotation[:, 0]
@@ -112,4 +86,4 @@ def _object(name: str, box: CapturedBox, substitute: Substitute, floor: float) -
     on_floor = abs(z - floor) < FLOOR_TOLERANCE
     yaw = float(np.degrees(np.arctan2(right[1], right[0])))
     base = (x, y, floor if on_floor else z)
-    return Captured(name, box, substitute, (width, depth, height), base, yaw, on_floor)
+    return Captured(name, box, category, label, (width, depth, height), base, yaw, on_floor)

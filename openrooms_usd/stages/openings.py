@@ -8,7 +8,7 @@ import numpy as np
 
 from openrooms_usd.capture import CapturedOpening
 from openrooms_usd.description.layout import Opening, named_openings
-from openrooms_usd.description.naming import unique_names
+from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.geometry.openings import around, clamped, free_span, misfit, too_close
 from openrooms_usd.geometry.shell import Hole
@@ -24,6 +24,8 @@ DEFAULTS: Final = {
 }
 # How far a captured door stands open when all that is known is that it does, degrees.
 _AJAR: Final = 60.0
+# Captured doors and passages that begin at most that high reach the floor, metres.
+_THRESHOLD: Final = 0.1
 # A captured opening belongs to the nearest wall within this distance (metres) and direction.
 _REACH, _PARALLEL = 0.5, 0.8
 
@@ -40,6 +42,7 @@ class Cut:
         open: How far a door's leaf shall stand open, degrees.
         hinge: The hinge side of a door, seen from inside.
         swing: Where a door's leaf swings to.
+        style: How it is built; the usual way where None.
         source: The captured opening that it is made from.
     """
 
@@ -50,6 +53,7 @@ class Cut:
     open: float = 0.0
     hinge: Literal["left", "right"] = "left"
     swing: Literal["in", "out"] = "in"
+    style: str | None = None
     source: CapturedOpening | None = None
 
 
@@ -60,7 +64,6 @@ def described_cuts(
     *,
     clockwise: bool = False,
     before: Sequence[Cut] = (),
-    captured: Sequence[str] = (),
 ) -> list[Cut]:
     """The holes of the description's openings.
 
@@ -70,7 +73,6 @@ def described_cuts(
         height: Floor to ceiling, metres.
         clockwise: Whether the polygon was given clockwise, so that walls start at their left end.
         before: Openings that are there already.
-        captured: The kinds of all captured openings: the numbers of names go on after them.
 
     Returns:
         The openings in order.
@@ -80,7 +82,7 @@ def described_cuts(
     """
     cuts: list[Cut] = []
     mistakes: list[str] = []
-    for index, (name, opening) in enumerate(named_openings(openings, captured)):
+    for index, (name, opening) in enumerate(named_openings(openings)):
         field = f"openings[{index}] ({name})"
         if opening.wall >= len(walls):
             last = len(walls) - 1
@@ -91,7 +93,8 @@ def described_cuts(
         if reason := misfit(wall, height, hole):
             mistakes.append(f"{field} in wall {opening.wall} {reason}; {_free(wall, clockwise)}")
             continue
-        cuts.append(Cut(name, opening.kind, wall, hole, opening.open, opening.hinge, opening.swing))
+        how = (opening.open, opening.hinge, opening.swing, opening.style)
+        cuts.append(Cut(name, opening.kind, wall, hole, *how))
     mistakes += _clashes([*before, *cuts], clockwise)
     if mistakes:
         raise DescriptionError(
@@ -158,7 +161,7 @@ def captured_cuts(
         openings: As they were captured.
         walls: By ascending number.
         height: Floor to ceiling, metres.
-        described: The openings of the description, whose names are not used again.
+        described: The openings of the description, whose names stay theirs.
         notes: Receives a sentence for everything that was changed.
 
     Returns:
@@ -166,9 +169,9 @@ def captured_cuts(
     """
     found: list[tuple[CapturedOpening, Wall, Hole]] = []
     # Before anything is dropped or merged: what depends on the walls must rename no opening.
-    given = ((opening.name, opening.kind) for opening in described)
-    numbered = unique_names([*((None, opening.kind) for opening in openings), *given])
-    name_of = {id(opening): name for opening, name in zip(openings, numbered, strict=False)}
+    taken = {name for name, _ in named_openings(described)}
+    given = captured_names([(opening.kind, opening.id) for opening in openings], taken)
+    name_of = {id(opening): name for opening, name in zip(openings, given, strict=True)}
     for opening in openings:
         wall = _nearest_wall(opening, walls)
         if wall is None:
@@ -210,7 +213,10 @@ def _nearest_wall(opening: CapturedOpening, walls: Sequence[Wall]) -> Wall | Non
 def _captured_hole(opening: CapturedOpening, wall: Wall) -> Hole:
     x = float(wall.from_plan(opening.center[:2])[0])
     z, half = float(opening.center[2]), 0.5 * opening.width
-    return Hole(x - half, x + half, z - 0.5 * opening.height, z + 0.5 * opening.height)
+    bottom, top = z - 0.5 * opening.height, z + 0.5 * opening.height
+    if opening.kind != "window" and bottom < _THRESHOLD:
+        bottom = 0.0
+    return Hole(x - half, x + half, bottom, top)
 
 
 def _merged(

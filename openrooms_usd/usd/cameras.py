@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom
 
+from openrooms_usd import names
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.framing import FOV, framing_view
 from openrooms_usd.geometry.pinhole import intrinsics, nearest_rotation, pose
@@ -62,8 +63,9 @@ def define_camera(
     path: str | Sdf.Path,
     *,
     world_from_camera: Array,
-    fov_degrees: float,
     resolution: tuple[int, int],
+    fov_degrees: float = FOV,
+    K: Array | None = None,
     exposure: float | None = None,
 ) -> UsdGeom.Camera:
     """Define a camera on a Z-up stage in metres, below prims without transforms.
@@ -72,8 +74,9 @@ def define_camera(
         stage: Where to define it; the edit target receives everything.
         path: The prim's path.
         world_from_camera: (4, 4) from the OpenCV frame (x right, y down, z forward), metres.
-        fov_degrees: Horizontal field of view.
         resolution: Width and height in pixels; their ratio fixes the vertical aperture.
+        fov_degrees: Horizontal field of view, centred.
+        K: (3, 3) intrinsics for this resolution in its place; pixels count as square.
         exposure: What previews multiply luminance in nits by.
     """
     width, height = resolution
@@ -82,7 +85,12 @@ def define_camera(
     camera.CreateProjectionAttr(UsdGeom.Tokens.perspective)
     camera.CreateHorizontalApertureAttr(_FILM)
     camera.CreateVerticalApertureAttr(_FILM * height / width)
-    camera.CreateFocalLengthAttr(_FILM / 2.0 / math.tan(math.radians(fov_degrees) / 2.0))
+    K = intrinsics(fov_degrees, width, height) if K is None else K
+    right, up = width / 2.0 - K[0, 2], K[1, 2] - height / 2.0
+    if right or up:
+        camera.CreateHorizontalApertureOffsetAttr(_FILM * right / width)
+        camera.CreateVerticalApertureOffsetAttr(_FILM * up / width)
+    camera.CreateFocalLengthAttr(_FILM * K[0, 0] / width)
     camera.CreateClippingRangeAttr(Gf.Vec2f(*_CLIPPING))
     if exposure is not None:
         camera.CreateExposureAttr(math.log2(exposure))
@@ -143,6 +151,18 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
         lens_radius=focal / (2.0 * f_stop) if f_stop > 0 else 0.0,
         clipping=(near * metres, far * metres),
     )
+
+
+def photograph(prim: Usd.Prim) -> dict[str, str] | None:
+    """The photograph that a camera stands for: its ``file`` and its ``id`` in the capture.
+
+    Args:
+        prim: Any camera; None comes back for one that stands for none.
+    """
+    if not prim or not prim.GetAttribute(names.SOURCE_ID).HasAuthoredValue():
+        return None
+    found = {"file": names.SOURCE_FILE, "id": names.SOURCE_ID}
+    return {key: str(prim.GetAttribute(name).Get() or "") for key, name in found.items()}
 
 
 def framing_camera(

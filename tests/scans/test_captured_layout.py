@@ -38,17 +38,17 @@ def test_openings_are_cut_where_they_were_captured(scanner) -> None:
     ajar = {"category": {"door": {"isOpen": True}}, "identifier": "the door"}
     data["doors"] = [scanner.surface("door", [5, 1], [5, 1.9], 0.003, 2.1, **ajar)]
     # Twelve centimetres before its wall.
-    data["windows"] = [scanner.surface("window", [1, 0.12], [2.5, 0.12], 0.9, 2.1)]
+    data["windows"] = [scanner.surface("window", [1, 0.12], [2.5, 0.12], 0.9, 2.1, identifier="w1")]
     stage, notes = author(scanner.write(data))
     assert notes == []
     assert openings(stage) == {
-        "door_0": ("door", pytest.approx(0.9), pytest.approx(2.1), 0.0),
-        "window_0": ("window", pytest.approx(1.5), pytest.approx(1.2), pytest.approx(0.9)),
+        "door_3a55d6": ("door", pytest.approx(0.9), pytest.approx(2.1), 0.0),
+        "window_w1": ("window", pytest.approx(1.5), pytest.approx(1.2), pytest.approx(0.9)),
     }
-    door = stage.GetPrimAtPath("/World/Room/Openings/door_0")
+    door = stage.GetPrimAtPath("/World/Room/Openings/door_3a55d6")
     assert door.GetAttribute("openrooms:source:id").Get() == "the door"
     assert door.GetAttribute("openrooms:source:confidence").Get() == "high"
-    assert stage.GetPrimAtPath("/World/Room/Openings/door_0/Leaf").GetAttribute(
+    assert stage.GetPrimAtPath("/World/Room/Openings/door_3a55d6/Leaf").GetAttribute(
         "xformOp:rotateZ"
     ).Get() == pytest.approx(-60)
     room = stage.GetPrimAtPath("/World/Room")
@@ -69,22 +69,22 @@ def test_openings_that_do_not_fit_are_clamped_merged_or_dropped_with_notes(scann
     ]
     data["doors"] = [scanner.surface("door", [1.8, 0], [2.7, 0], 0.0, 2.0, identifier="d1")]
     data["openings"] = [
-        scanner.surface("opening", [0, 4], [0, 0], 0.0, 2.5, identifier="whole wall"),
+        scanner.surface("opening", [0, 4], [0, 0], 0.0, 2.5, identifier="whole"),
         scanner.surface("opening", [4.99, 0], [5.5, 0], 0.0, 2.0, identifier="outside"),
     ]
     stage, notes = author(scanner.write(data))
     found = openings(stage)
     assert found == {
-        "door_0": ("door", pytest.approx(2.2), pytest.approx(2.1), 0.0),
-        "opening_0": ("opening", pytest.approx(3.96), pytest.approx(2.48), 0.0),
+        "door_d1": ("door", pytest.approx(2.2), pytest.approx(2.1), 0.0),
+        "opening_whole": ("opening", pytest.approx(3.96), pytest.approx(2.48), 0.0),
     }
     text = "\n".join(notes)
     assert "merged" in text
-    for word in ("w1", "d1", "inside", "outside", "whole wall"):
+    for word in ("w1", "d1", "inside", "outside", "whole"):
         assert word in text
 
 
-def test_what_is_dropped_keeps_its_number(scanner) -> None:
+def test_what_is_dropped_or_shuffled_renames_no_other(scanner) -> None:
     data = scanner.room(CORNERS, 2.5)
     data["windows"] = [
         scanner.surface("window", [3, 2], [4, 2], 0.9, 2.1, identifier="inside"),
@@ -92,19 +92,23 @@ def test_what_is_dropped_keeps_its_number(scanner) -> None:
     ]
     path = scanner.write(data)
     stage, _ = author(path)
-    assert list(openings(stage)) == ["window_1"]
+    assert list(openings(stage)) == ["window_kept"]
+    # Described openings count among themselves.
     stage, _ = author(path, ", openings: [{kind: window, wall: 1, height: 1}]")
-    assert sorted(openings(stage)) == ["window_1", "window_2"]
-    assert openings(stage)["window_2"][2] == pytest.approx(1.0)
+    assert sorted(openings(stage)) == ["window_0", "window_kept"]
+    data["windows"] = data["windows"][::-1]
+    stage, _ = author(scanner.write(data))
+    assert list(openings(stage)) == ["window_kept"]
 
 
 def test_further_openings_keep_their_names_and_may_not_overlap(scanner) -> None:
     data = scanner.room(CORNERS, 2.5)
-    data["windows"] = [scanner.surface("window", [1, 0], [2, 0], 0.9, 2.1)]
+    data["windows"] = [scanner.surface("window", [1, 0], [2, 0], 0.9, 2.1, identifier="a1")]
     path = scanner.write(data)
-    stage, _ = author(path, ", openings: [{kind: window, wall: 1, name: window_0, height: 1}]")
-    assert openings(stage)["window_0"][2] == pytest.approx(1.0)
-    assert openings(stage)["window_1"][2] == pytest.approx(1.2)
+    stage, _ = author(path, ", openings: [{kind: window, wall: 1, name: window_a1, height: 1}]")
+    assert openings(stage)["window_a1"][2] == pytest.approx(1.0)
+    # What was captured makes way for what is described.
+    assert openings(stage)["window_f55ff16f"][2] == pytest.approx(1.2)
     walls = [p for p in range(4) if _overlaps(path, p)]
     assert len(walls) == 1
     with pytest.raises(DescriptionError, match="there is no wall 7"):
@@ -132,3 +136,15 @@ def test_the_height_may_be_given_or_is_guessed_with_a_note(scanner) -> None:
 def test_a_capture_without_a_floor_is_refused(scanner) -> None:
     with pytest.raises(InputError, match="no floor"):
         author(scanner.write({"walls": []}))
+
+
+def test_doors_and_passages_reach_the_floor(scanner) -> None:
+    data = scanner.room(CORNERS, 2.5)
+    data["openings"] = [scanner.surface("opening", [1, 0], [2, 0], 0.07, 2.1, identifier="o")]
+    data["doors"] = [scanner.surface("door", [5, 1], [5, 2], -0.04, 2.1, identifier="d")]
+    data["windows"] = [scanner.surface("window", [0, 3], [0, 2], 0.07, 2.1, identifier="w")]
+    stage, _ = author(scanner.write(data))
+    sills = {name: sill for name, (_, _, _, sill) in openings(stage).items()}
+    assert sills == {"opening_o": 0.0, "door_d": 0.0, "window_w": pytest.approx(0.07)}
+    # A passage has neither frame nor leaf.
+    assert not stage.GetPrimAtPath("/World/Room/Openings/opening_o").GetChildren()

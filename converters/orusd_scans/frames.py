@@ -1,0 +1,115 @@
+"""The photographs of a capture: a plain JSON list of camera poses and intrinsics.
+
+::
+
+    [{"id": "12", "picture": "color/12.jpg", "resolution": [1296, 968],
+      "K": [[1170, 0, 648], [0, 1170, 484], [0, 0, 1]],
+      "world_from_camera": [[1, 0, 0, 2.5], [0, 0, 1, 1.0], [0, -1, 0, 1.4], [0, 0, 0, 1]]}]
+
+Cameras look along +z with x to the right and y down (OpenCV). ``world_from_camera`` is row by row,
+in the frame and the unit of the capture; K is in pixels, and the centre of the top-left pixel is
+(0.5, 0.5).
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.capture import CapturedFrame
+from orusd_scans.fields import identifiers, text
+from orusd_scans.jsonfile import Node, read_json
+from orusd_scans.worldframe import WorldFrame, rigid
+
+Array = NDArray[np.float64]
+
+# Focal lengths, principal points and sides of pictures, pixels.
+_LARGEST: Final = 1e6
+_REMEDY: Final = "write [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], in pixels"
+# Beyond this, pixels are not square any more: USD's cameras and ours have square ones.
+_SQUARE: Final = 5e-3
+
+
+def read_frames(path: Path) -> tuple[CapturedFrame, ...]:
+    """Read the frames of a JSON file, still in the frame and the unit of the capture.
+
+    Raises:
+        InputError: It is missing, or holds nonsense; names the place.
+    """
+    root = read_json(path)
+    if isinstance(root.value, list):
+        root = Node({"": root.value}, path)
+        return frames_of(root.items(""))
+    return frames_of(root.items("frames"))
+
+
+def frames_of(nodes: Sequence[Node]) -> tuple[CapturedFrame, ...]:
+    """The frames of a list of records, still in the frame and the unit of the capture.
+
+    Raises:
+        InputError: A field is missing or absurd, or an identifier repeats.
+    """
+    ids = identifiers(nodes, "")
+    return tuple(_frame(node, id_) for node, id_ in zip(nodes, ids, strict=True))
+
+
+def _frame(node: Node, identifier: str) -> CapturedFrame:
+    picture, size = node.get("picture"), node.need("resolution")
+    width, height = size.numbers(2, _LARGEST)
+    if min(width, height) < 1 or width % 1 or height % 1:
+        raise size.error("width and height in whole pixels expected", "such as [1296, 968]")
+    return CapturedFrame(
+        id=identifier,
+        world_from_camera=rigid(node.need("world_from_camera")),
+        K=intrinsics(node.need("K")),
+        resolution=(int(width), int(height)),
+        picture=text(picture) if picture else None,
+    )
+
+
+def intrinsics(node: Node) -> Array:
+    """A node's (3, 3) intrinsics in pixels, row by row.
+
+    Raises:
+        InputError: They are none, or stand column by column.
+    """
+    K = node.numbers(9, _LARGEST).reshape(3, 3)
+    if np.abs(K[2] - [0.0, 0.0, 1.0]).max() > 1e-9:
+        raise node.error("the last row of intrinsics is 0 0 1", _REMEDY)
+    if K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
+        raise node.error("a focal length is not above zero", _REMEDY)
+    return np.asarray(K)
+
+
+def in_world(
+    frames: Iterable[CapturedFrame], frame: WorldFrame, notes: list[str]
+) -> tuple[CapturedFrame, ...]:
+    """Frames with their cameras in the world, metres.
+
+    Args:
+        frames: As they were read.
+        frame: The way to the world.
+        notes: Receives a sentence when pixels are not square.
+    """
+    found = tuple(replace(f, world_from_camera=frame.pose(f.world_from_camera)) for f in frames)
+    oblong = sum(abs(f.K[1, 1] / f.K[0, 0] - 1.0) > _SQUARE or f.K[0, 1] != 0.0 for f in found)
+    if oblong:
+        notes.append(f"{oblong} frames have skew or pixels that are not square: fx counts for both")
+    return found
+
+
+def as_plain(frames: Iterable[CapturedFrame]) -> list[dict[str, Any]]:
+    """Frames as data that `read_frames` reads back as the same frames."""
+    return [
+        {
+            "id": frame.id,
+            "picture": frame.picture,
+            "resolution": list(frame.resolution),
+            "K": frame.K.tolist(),
+            "world_from_camera": frame.world_from_camera.tolist(),
+        }
+        for frame in frames
+    ]

@@ -1,0 +1,101 @@
+"""CAD models that a capture aligned with nine degrees of freedom: as objects, and as boxes."""
+
+import os
+from dataclasses import replace
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Sdf, UsdGeom, Vt
+
+from openrooms_usd.capture import Capture, CapturedBox, CapturedModel
+from openrooms_usd.description.alignment import FileObject
+from openrooms_usd.library.furniture import Size
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.captured import Captured
+from openrooms_usd.stages.catalogue import Catalogue
+from openrooms_usd.stages.placement import Placement, Source
+from openrooms_usd.stages.poses import author_pose
+
+Array: TypeAlias = NDArray[np.float64]
+
+_TYPES: Final = Sdf.ValueTypeNames
+_SCALE: Final = "xformOp:scale"
+# Columns: our right, back and up in the axes of a CAD with Y up, by where its front looks.
+_Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+_FRONTS: Final = {"-Y": 0, "+X": 1, "+Y": 2, "-X": 3}  # quarter turns from -Y
+
+
+def with_boxes(capture: Capture) -> Capture:
+    """A capture in which each CAD model has an upright box, too: what it is without its file."""
+    return replace(capture, boxes=(*capture.boxes, *map(_box, capture.models)))
+
+
+def _box(model: CapturedModel) -> CapturedBox:
+    axes = _axes(model)
+    M = model.world_from_model
+    linear = M[:3, :3] @ axes
+    size = 2.0 * np.linalg.norm(linear, axis=0) * (np.abs(axes.T) @ model.half)
+    return CapturedBox(
+        id=model.id,
+        label=model.label,
+        center=M[:3, :3] @ model.center + M[:3, 3],
+        rotation=linear / np.linalg.norm(linear, axis=0),
+        size=size,
+    )
+
+
+def _axes(model: CapturedModel) -> Array:
+    """(3, 3) our right, back and up in the CAD's frame, as columns."""
+    turn = np.linalg.matrix_power(
+        np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), _FRONTS[model.front]
+    )
+    upright = _Z_UP if model.up == "Y" else np.eye(3)
+    return np.asarray(upright.T @ turn)
+
+
+def placed_model(
+    context: StageContext, catalogue: Catalogue, model: CapturedModel, thing: Captured, source: str
+) -> Placement:
+    """A CAD as an asset at its own size, at the pose that was captured: tilt and scales are kept.
+
+    Args:
+        context: The stage's.
+        catalogue: Makes the asset, one for all that share it.
+        model: The CAD; its file is there.
+        thing: The same as a box, with its name and its label.
+        source: The captured file.
+
+    Raises:
+        InputError: The CAD cannot be read.
+    """
+    assert model.file is not None
+    file = os.path.relpath(model.file.resolve(), context.source.resolve())
+    item = FileObject(
+        **{"from": "file"}, category=thing.label, at=(0.0, 0.0), file=file,
+        up=model.up, front=model.front, unit=1.0,
+    )  # fmt: skip
+    asset = catalogue.file(item)
+    built = asset.build()
+    pose = model.world_from_model @ built.file_from_object
+    x, y, z = pose[:3, 3].tolist()
+    scale = np.linalg.norm(pose[:3, :3], axis=0)
+    width, depth, height = (scale * np.ptp(built.extent, axis=0)).tolist()
+    size: Size = (width, depth, height)
+    return Placement(
+        thing.name, asset, size, x, y, z, thing.yaw, source=Source(source, model.id), pose=pose
+    )
+
+
+def author_aligned(prim: Sdf.PrimSpec, pose: Array) -> None:
+    """Place an object by a (4, 4) rotation and translation after a scale along its own axes.
+
+    The operations are those of `UsdGeom.XformCommonAPI`, which most editors write.
+    """
+    scale = np.linalg.norm(pose[:3, :3], axis=0)
+    author_pose(prim, pose @ np.diag([*(1.0 / scale), 1.0]))
+    Sdf.AttributeSpec(prim, _SCALE, _TYPES.Float3, declaresCustom=False).default = Gf.Vec3f(
+        *scale.tolist()
+    )
+    order = prim.attributes[UsdGeom.Tokens.xformOpOrder]
+    order.default = Vt.TokenArray([*order.default, _SCALE])

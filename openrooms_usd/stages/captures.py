@@ -1,0 +1,52 @@
+"""The capture of a section: read by its importer, and all files that this reads."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from openrooms_usd import adapters
+from openrooms_usd.capture import Capture, option_paths, read_capture
+from openrooms_usd.description.captured import CapturedSection
+from openrooms_usd.description.room import Room
+from openrooms_usd.library.meshfile import dependencies
+from openrooms_usd.stages.base import StageContext
+
+
+def captured_section(room: Room) -> CapturedSection | None:
+    """The section that names the room's capture: the layout before the alignment."""
+    sections = (room.layout, room.alignment)
+    return next((section for section in sections if isinstance(section, CapturedSection)), None)
+
+
+def capture_of(context: StageContext, section: CapturedSection) -> Capture:
+    """Read the capture of a section.
+
+    Raises:
+        InputError: It cannot be read, or there is no such importer or option.
+    """
+    path = context.input(section.file)
+    return read_capture(section.reader, path, section.options, context.source)
+
+
+def capture_inputs(section: CapturedSection, source: Path) -> list[str]:
+    """The files that the capture of a section is read from, relative to the description.
+
+    Args:
+        section: The section.
+        source: The description's folder.
+    """
+    return list(dict.fromkeys([section.file, *_named(section, source)]))
+
+
+def _named(section: CapturedSection, source: Path) -> Iterator[str]:
+    """What the options name: files, and of folders the models that the capture finds in them."""
+    if not section.options:
+        return
+    paths = option_paths(adapters.load(adapters.IMPORTERS, section.reader))
+    named = [value for name, value in section.options.items() if name in paths]
+    yield from (value for value in named if not (source / value).is_dir())
+    if any((source / value).is_dir() for value in named):
+        capture = read_capture(section.reader, source / section.file, section.options, source)
+        for file in sorted({model.file for model in capture.models if model.file}):
+            for path in (file.resolve(), *dependencies(file)):
+                yield Path(os.path.relpath(path, source.resolve())).as_posix()

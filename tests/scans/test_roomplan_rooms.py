@@ -1,0 +1,167 @@
+"""Several rooms in one export, and what each version of iOS writes of them."""
+
+import json
+from pathlib import Path
+
+import pytest
+import shapely
+from click.testing import CliRunner
+
+from openrooms_usd.adapters import IMPORTERS, load
+from openrooms_usd.capture import Capture
+from openrooms_usd.cli import orusd
+from openrooms_usd.errors import InputError
+
+HEIGHT = 2.5
+SMALL = [[0, 0], [3, 0], [3, 3], [0, 3]]
+LARGE = [[3.2, 0], [8.2, 0], [8.2, 3], [3.2, 3]]
+
+
+def read(path: Path, room: str | None = None) -> Capture:
+    options = {} if room is None else {"room": room}
+    capture: Capture = load(IMPORTERS, "roomplan").read(path, options)
+    return capture
+
+
+def section(scanner, label: str, center: list[float], story: int = 0) -> dict:
+    return {"label": label, "center": scanner.source(center).tolist(), "story": story}
+
+
+def flat(scanner) -> dict:
+    """One CapturedRoom with two floors: a bedroom and a larger kitchen that share a passage."""
+    small, large = scanner.room(SMALL, HEIGHT), scanner.room(LARGE, HEIGHT)
+    data = {key: [*small[key], *large[key]] for key in ("walls", "floors", "doors")}
+    data["floors"] = [floor | {"story": 0} for floor in data["floors"]]
+    data["openings"] = [scanner.surface("opening", [3.1, 1], [3.1, 2], 0, 2, identifier="passage")]
+    data["windows"] = [scanner.surface("window", [5, 0], [6, 0], 0.9, 2, identifier="far")]
+    data["objects"] = [
+        scanner.box("bed", [1, 1.2, 0.3], [1.6, 2, 0.6], 0, identifier="bed"),
+        scanner.box("table", [5, 1.5, 0.35], [1, 1, 0.7], 0, identifier="table"),
+        scanner.box("stove", [7.9, 1.5, 0.45], [0.6, 0.6, 0.9], 90, identifier="upstairs", story=1),
+    ]
+    data["sections"] = [
+        section(scanner, "bedroom", [1.5, 1.5, 1]), section(scanner, "kitchen", [5, 1, 1])
+    ]  # fmt: skip
+    return data
+
+
+def ids(capture: Capture) -> tuple[list[str], list[str]]:
+    return [o.id for o in capture.openings], [b.id for b in capture.boxes]
+
+
+def area(capture: Capture) -> float:
+    return float(shapely.Polygon(capture.floor).area)
+
+
+def test_the_largest_floor_is_taken_and_the_others_are_named(scanner) -> None:
+    capture = read(scanner.write(flat(scanner)))
+    assert area(capture) == pytest.approx(15.0)
+    assert ids(capture) == (["far", "passage"], ["table"])
+    assert capture.height == pytest.approx(HEIGHT)
+    (note,) = capture.notes
+    for words in ("2 rooms", "0 bedroom (9.0 m2)", "1 kitchen (15.0 m2)", "1 was taken"):
+        assert words in note
+
+
+@pytest.mark.parametrize("wanted", ["bedroom", "Bedroom", "0", "bed_room"])
+def test_a_room_is_taken_by_its_label_or_number(scanner, wanted: str) -> None:
+    capture = read(scanner.write(flat(scanner)), wanted)
+    assert area(capture) == pytest.approx(9.0)
+    assert ids(capture) == (["passage"], ["bed"])
+
+
+def test_of_several_rooms_with_a_label_the_largest_is_taken(scanner) -> None:
+    data = flat(scanner)
+    for row in data["sections"]:
+        row["label"] = "bedroom"
+    assert area(read(scanner.write(data), "bedroom")) == pytest.approx(15.0)
+    assert area(read(scanner.write(data), "0")) == pytest.approx(9.0)
+
+
+def test_a_room_that_is_not_there_is_refused_with_those_that_are(scanner) -> None:
+    path = scanner.write(flat(scanner))
+    with pytest.raises(InputError, match="no room 'attic'") as error:
+        read(path, "attic")
+    assert "bedroom" in str(error.value.remedy)
+    assert str(path) in str(error.value.place)
+    with pytest.raises(InputError, match="no room '7'"):
+        read(path, "7")
+
+
+def test_stories_are_told_apart(scanner) -> None:
+    data = flat(scanner)
+    above = scanner.room(LARGE, HEIGHT)
+    for key in ("walls", "floors"):
+        for row in above[key]:
+            row["story"] = 1
+            row["transform"][13] += 2.8
+        data[key] += above[key]
+    data["sections"].append(section(scanner, "study", [5, 1, 3.8], story=1))
+    data["objects"][2]["transform"][13] += 2.8
+    assert ids(read(scanner.write(data), "study"))[1] == ["upstairs"]
+    assert ids(read(scanner.write(data), "kitchen"))[1] == ["table"]
+    for row in [row for rows in data.values() for row in rows]:
+        row.pop("story", None)
+    assert ids(read(scanner.write(data), "2"))[1] == ["upstairs"]
+
+
+def structure(scanner) -> dict:
+    """A CapturedStructure: the rooms with all that they have, and everything once more."""
+    data = flat(scanner)
+    rooms = []
+    for corners, label, thing in ((SMALL, "bedroom", 0), (LARGE, "kitchen", 1)):
+        center = [corners[0][0] + 1, 1, 1]
+        rooms.append(
+            scanner.room(corners, HEIGHT, objects=[data["objects"][thing]])
+            | {"sections": [section(scanner, label, center)], "identifier": label}
+        )
+    return {**data, "rooms": rooms, "version": 2, "identifier": "structure"}
+
+
+def test_rooms_of_a_structure_have_their_own_records(scanner) -> None:
+    path = scanner.write(structure(scanner))
+    assert ids(read(path)) == ([], ["table"])
+    assert ids(read(path, "bedroom")) == ([], ["bed"])
+    assert "2 rooms" in read(path).notes[0]
+
+
+def test_what_ios_16_writes_of_several_rooms_is_told_apart_by_their_walls(scanner) -> None:
+    data = structure(scanner)
+    for room in data["rooms"]:
+        for key in ("floors", "sections", "story", "coreModel", "version"):
+            del room[key]
+        for row in [row for rows in room.values() if isinstance(rows, list) for row in rows]:
+            for key in ("polygonCorners", "parentIdentifier", "story", "completedEdges"):
+                row.pop(key, None)
+    path = scanner.write({"rooms": data["rooms"]})
+    assert area(read(path)) == pytest.approx(15.0)
+    assert area(read(path, "0")) == pytest.approx(9.0)
+    with pytest.raises(InputError, match="no room 'bedroom'"):
+        read(path, "bedroom")
+
+
+def test_vectors_with_named_coordinates_are_read(scanner) -> None:
+    """As apps write them that encode RoomPlan's values themselves."""
+    data = scanner.room(SMALL, HEIGHT)
+    plain = read(scanner.write(data))
+    for row in [*data["walls"], *data["floors"]]:
+        row["dimensions"] = dict(zip("xyz", row["dimensions"], strict=True))
+        row["polygonCorners"] = [dict(zip("xyz", c, strict=True)) for c in row["polygonCorners"]]
+        columns = [row["transform"][i : i + 4] for i in range(0, 16, 4)]
+        row["transform"] = columns
+        row["category"] = next(iter(row["category"]))
+        row["confidence"] = "high"
+    again = read(scanner.write(data))
+    assert again.floor == pytest.approx(plain.floor)
+    assert again.height == plain.height
+
+
+def test_the_command_takes_a_room(scanner, tmp_path: Path) -> None:
+    path = scanner.write(structure(scanner))
+    out = tmp_path / "out"
+    done = CliRunner().invoke(
+        orusd, ["import", "roomplan", str(path), "-o", str(out), "--room", "bedroom", "--json"]
+    )
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.output)["objects"] == 1
+    assert "bedroom" in (out / "room.yaml").read_text()
