@@ -54,11 +54,18 @@ def compose(
         click.echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
         for note in row.notes:
             click.echo(f"           note: {note}")
+    for orphan in summary.orphans[:_SHOWN]:
+        click.echo(f"edits: {orphan}")
+    if len(summary.orphans) > _SHOWN:
+        click.echo(f"edits: {len(summary.orphans) - _SHOWN} more; orusd edits orphans {out}")
     seconds = time.perf_counter() - started
     click.echo(f"{_done(summary)}: {summary.scene} ({seconds:.2f} s)")
     for path in summary.files:
         click.echo(f"wrote {path}")
 
+
+# Orphans beyond these are counted.
+_SHOWN: Final = 5
 
 # A view of the example, so that both are there within three minutes, however slow the backend.
 _DEMO_SECONDS: Final = 60.0

@@ -1,31 +1,37 @@
 """The alignment stage: furniture as references to published assets, each at its place."""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Final
 
-from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
+from pxr import Kind, Sdf
 
-from openrooms_usd import adapters, names
-from openrooms_usd.capture import Capture
+from openrooms_usd import names
 from openrooms_usd.description.alignment import (
+    CapturedAlignment,
     FileObject,
     LibraryObject,
-    RoomPlanAlignment,
+    ObjectList,
     named_objects,
 )
+from openrooms_usd.description.generate import GeneratedAlignment
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.furniture import CATEGORIES, Size, category, part_of
 from openrooms_usd.library.meshfile import dependencies
+from openrooms_usd.stages.aligned import author_aligned, placed_model, with_boxes
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captured import Captured, captured_objects
+from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.stages.catalogue import Catalogue
-from openrooms_usd.stages.placement import FLOOR, Placement, Source, Supports
+from openrooms_usd.stages.following import Following
+from openrooms_usd.stages.placement import FLOOR, Placement, Source, Stand, Supports
+from openrooms_usd.stages.poses import author_upright, moved_by_hand
+from openrooms_usd.stages.surroundings import surroundings
 
 ASSETS: Final = "assets"
 _TYPES: Final = Sdf.ValueTypeNames
@@ -39,9 +45,11 @@ class AlignmentStage:
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The capture, the user's mesh files and all files that these refer to."""
-        alignment = room.alignment
+        alignment = _explicit(room)
         files = [item.file for item in alignment.objects if isinstance(item, FileObject)]
-        captured = [alignment.file] if isinstance(alignment, RoomPlanAlignment) else []
+        captured = []
+        if isinstance(alignment, CapturedAlignment):
+            captured = capture_inputs(alignment, source)
         return [
             *dict.fromkeys([*captured, *files]),
             *sorted(
@@ -59,38 +67,34 @@ class AlignmentStage:
         Raises:
             InputError: A file cannot be read, a style is unknown, or objects carry each other.
             OutputError: An asset cannot be written.
-            StageError: Something hangs from a ceiling that the stage does not have.
+            StageError: Something hangs from a ceiling or a wall that the stage does not have.
         """
-        floor, ceiling = _levels(context.stage)
-        placements = list(_placements(context, floor))
-        supports = Supports({item.name: item for item in placements}, floor, ceiling, context.notes)
-        heights = [supports.height(item.name) for item in placements]
-        _publish(context, [item.asset for item in placements])
-        _author_furniture(context, placements, heights)
+        room = surroundings(context.stage)
+        placements = {item.name: item for item in _placements(context, room.floor)}
+        stands = Supports(placements, room, context.notes).stands()
+        _publish(context, [item.asset for item in placements.values()])
+        by_hand = moved_by_hand(context.stage)
+        _author_furniture(context, placements, stands)
+        Following(context.stage, room, placements, stands, context.notes).author(by_hand)
 
 
-def _levels(stage: Usd.Stage) -> tuple[float, float | None]:
-    """Height of the floor and of the ceiling, metres; no ceiling in a room without one."""
-    boxes = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
-    floor, ceiling = (stage.GetPrimAtPath(path) for path in (names.FLOOR, names.CEILING))
-    lower = boxes.ComputeWorldBound(floor).ComputeAlignedRange() if floor else Gf.Range3d()
-    upper = boxes.ComputeWorldBound(ceiling).ComputeAlignedRange() if ceiling else Gf.Range3d()
-    return (
-        0.0 if lower.IsEmpty() else lower.GetMax()[2],
-        None if upper.IsEmpty() else upper.GetMin()[2],
-    )
+def _explicit(room: Room) -> ObjectList | CapturedAlignment:
+    assert not isinstance(room.alignment, GeneratedAlignment), "it is expanded before"
+    return room.alignment
 
 
 def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
     """Captured objects, then those of the description, each with its asset."""
-    alignment, catalogue = context.room.alignment, Catalogue(context)
-    labels: list[str] = []
-    if isinstance(alignment, RoomPlanAlignment):
-        capture = _capture(context, alignment)
+    alignment, catalogue = _explicit(context.room), Catalogue(context)
+    if isinstance(alignment, CapturedAlignment):
+        capture = with_boxes(capture_of(context, alignment))
+        models = {model.id: model for model in capture.models if model.file}
         for thing in captured_objects(capture, floor, alignment.objects, context.notes):
-            labels.append(thing.substitute.label)
-            yield _placed_capture(catalogue, thing, capture.source)
-    for name, item in named_objects(alignment.objects, labels):
+            if (model := models.get(thing.box.id)) is not None:
+                yield placed_model(context, catalogue, model, thing, capture.source)
+            else:
+                yield _placed_capture(catalogue, thing, capture.source)
+    for name, item in named_objects(alignment.objects):
         try:
             yield _placed(catalogue, name, item)
         except InputError as error:
@@ -98,18 +102,14 @@ def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
             raise
 
 
-def _capture(context: StageContext, alignment: RoomPlanAlignment) -> Capture:
-    path = context.input(alignment.file)
-    capture: Capture = adapters.load(adapters.IMPORTERS, "roomplan").read(path)
-    return capture
-
-
 def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> Placement:
-    substitute, (x, y, z) = thing.substitute, thing.base
-    asset = catalogue.furniture(substitute.category, thing.size, label=substitute.label)
+    (x, y, z), emits = thing.base, category(thing.category).emits
+    asset = catalogue.furniture(thing.category, thing.size, label=thing.label)
     source = Source(file, thing.box.id, thing.box.confidence)
     height = None if thing.on_floor else z
-    return Placement(thing.name, asset, thing.size, x, y, height, thing.yaw, source=source)
+    return Placement(
+        thing.name, asset, thing.size, x, y, height, thing.yaw, emits=emits, source=source
+    )
 
 
 def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -> Placement:
@@ -128,7 +128,19 @@ def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -
         emits = spec.emits
     x, y, *z = item.at
     on = item.on or (spec.support if spec else FLOOR)
-    return Placement(name, asset, size, x, y, z[0] if z else None, item.yaw, on, emits)
+    return Placement(
+        name,
+        asset,
+        size,
+        x,
+        y,
+        z[0] if z else None,
+        item.yaw,
+        on,
+        emits,
+        relative_to=item.relative_to,
+        level=spec.level if spec else 0.0,
+    )
 
 
 def _publish(context: StageContext, assets: Iterable[Asset]) -> None:
@@ -143,7 +155,7 @@ def _publish(context: StageContext, assets: Iterable[Asset]) -> None:
 
 
 def _author_furniture(
-    context: StageContext, placements: Sequence[Placement], heights: Sequence[float]
+    context: StageContext, placements: Mapping[str, Placement], stands: Mapping[str, Stand]
 ) -> None:
     """Define the prims, on the layer itself: thousands of them in one change."""
     layer = context.stage.GetEditTarget().GetLayer()
@@ -151,28 +163,20 @@ def _author_furniture(
         group = Sdf.CreatePrimInLayer(layer, names.FURNITURE)
         group.specifier, group.typeName = Sdf.SpecifierDef, "Xform"
         group.SetInfo("kind", Kind.Tokens.group)
-        for item, height in zip(placements, heights, strict=True):
+        for name, item in placements.items():
             prim = Sdf.PrimSpec(group, item.name, Sdf.SpecifierDef, "Xform")
             prim.SetInfo("kind", Kind.Tokens.component)
             path = context.asset(f"{ASSETS}/{item.asset.file}")
             prim.referenceList.Prepend(Sdf.Reference(path))
             # The lights stage writes over the bulb, which it could not inside an instance.
             prim.instanceable = not item.emits
-            _author_pose(prim, item, height)
+            stand = stands[name]
+            if item.pose is None:
+                author_upright(prim, stand.x, stand.y, stand.z, stand.yaw)
+            else:
+                author_aligned(prim, item.pose)
             if item.source:
                 _author_source(prim, item.source)
-
-
-def _author_pose(prim: Sdf.PrimSpec, item: Placement, height: float) -> None:
-    operations = ["xformOp:translate"]
-    _set(prim, operations[0], _TYPES.Double3, Gf.Vec3d(item.x, item.y, height))
-    if item.yaw:
-        operations.append("xformOp:rotateZ")
-        _set(prim, operations[1], _TYPES.Double, item.yaw)
-    order = Sdf.AttributeSpec(
-        prim, "xformOpOrder", _TYPES.TokenArray, Sdf.VariabilityUniform, declaresCustom=False
-    )
-    order.default = Vt.TokenArray(operations)
 
 
 def _author_source(prim: Sdf.PrimSpec, source: Source) -> None:

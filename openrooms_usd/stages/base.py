@@ -12,6 +12,7 @@ import numpy as np
 
 from openrooms_usd import __version__, names
 from openrooms_usd.description.room import Room
+from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
 
 if TYPE_CHECKING:
@@ -49,9 +50,7 @@ class StageContext:
 
         Key it by the stage and the object's name, so that adding one object changes no other.
         """
-        text = json.dumps([self.room.seed, *key]).encode()
-        words = np.frombuffer(hashlib.sha256(text).digest(), dtype=np.uint32)
-        return np.random.Generator(np.random.PCG64(np.random.SeedSequence(words.tolist())))
+        return generator(self.room.seed, *key)
 
     def keep(self, relative: str) -> Path:
         """Name a file (or a folder of files) that the layer refers to.

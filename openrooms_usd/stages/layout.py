@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
 
-from openrooms_usd import adapters, names
+from openrooms_usd import names
 from openrooms_usd.capture import Capture
-from openrooms_usd.description.layout import PolygonLayout, RoomPlanLayout
+from openrooms_usd.description.layout import CapturedLayout, PolygonLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.curves import signed_area
@@ -19,10 +19,12 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from openrooms_usd.geometry.shell import cut_apart, slab, wall_solid
 from openrooms_usd.geometry.walls import Wall, walls_of
-from openrooms_usd.geometry.windows import window_frame
+from openrooms_usd.geometry.windows import Window, window
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.stages.openings import Cut, captured_cuts, described_cuts
 from openrooms_usd.usd.frames import gf_matrix
+from openrooms_usd.usd.joints import author_joint
 from openrooms_usd.usd.meshes import define_mesh
 from openrooms_usd.usd.semantics import label, label_part
 from openrooms_usd.usd.transforms import author_placement
@@ -31,6 +33,8 @@ from openrooms_usd.usd.transforms import author_placement
 _USUAL_HEIGHT = 2.6
 # Windows that begin lower than this have no sill board, metres.
 _BOARD_FROM = 0.3
+# How far a door's leaf turns where nothing stops it, degrees.
+_WIDE_OPEN = 170.0
 
 _TYPES = Sdf.ValueTypeNames
 
@@ -64,7 +68,8 @@ class LayoutStage:
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The capture, if the room is made from one."""
-        return [room.layout.file] if isinstance(room.layout, RoomPlanLayout) else []
+        layout = room.layout
+        return capture_inputs(layout, source) if isinstance(layout, CapturedLayout) else []
 
     def author(self, context: StageContext) -> None:
         """Write the room's shell.
@@ -74,9 +79,10 @@ class LayoutStage:
             InputError: The capture cannot be read, or has no usable floor.
         """
         layout, stage = context.room.layout, context.stage
-        if isinstance(layout, RoomPlanLayout):
+        if isinstance(layout, CapturedLayout):
             plan = captured_plan(layout, context)
         else:
+            assert isinstance(layout, PolygonLayout), "generated sections are expanded before"
             plan = described_plan(layout)
         _author_room(stage, plan, context.room.room)
         _author_shell(stage, plan)
@@ -99,26 +105,27 @@ def described_plan(layout: PolygonLayout) -> Plan:
     return Plan(corners, walls, layout.height, layout.wall_thickness, tuple(cuts))
 
 
-def captured_plan(layout: RoomPlanLayout, context: StageContext) -> Plan:
+def captured_plan(layout: CapturedLayout, context: StageContext) -> Plan:
     """The plan of a captured room."""
-    path = context.input(layout.file)
-    capture: Capture = adapters.load(adapters.IMPORTERS, "roomplan").read(path)
+    capture = capture_of(context, layout)
     context.notes.extend(capture.notes)
+    place = context.source / layout.file
     if capture.floor is None:
-        raise InputError("the capture has no floor and no walls that close", place=path)
+        raise InputError(
+            "the capture has no floor and no walls that close", place=place, remedy=capture.remedy
+        )
     if reason := defect(capture.floor):
-        raise InputError(f"the captured floor {reason}", place=path, remedy="scan the room again")
+        raise InputError(f"the captured floor {reason}", place=place, remedy="scan the room again")
     height = layout.height or capture.height
     if height is None:
         height = _USUAL_HEIGHT
         context.notes.append(f"the capture has no height: {height} m is taken")
     corners, numbers = counter_clockwise(capture.floor)
     walls = walls_of(corners, numbers, layout.wall_thickness)
-    kinds = [opening.kind for opening in capture.openings]
     cuts = captured_cuts(
         capture.openings, walls, height, described=layout.openings, notes=context.notes
     )
-    cuts += described_cuts(layout.openings, walls, height, before=cuts, captured=kinds)
+    cuts += described_cuts(layout.openings, walls, height, before=cuts)
     return Plan(corners, walls, height, layout.wall_thickness, tuple(cuts), capture)
 
 
@@ -185,6 +192,8 @@ def _author_opening(stage: Usd.Stage, plan: Plan, cut: Cut, notes: list[str]) ->
     label(prim, cut.kind)
     prim.AddAppliedSchema("OpenRoomsOpeningAPI")
     _set(prim, "openrooms:opening:kind", _TYPES.Token, cut.kind)
+    if cut.style:
+        _set(prim, names.OPENING_STYLE, _TYPES.Token, cut.style)
     _set(prim, names.OPENING_WIDTH, _TYPES.Double, width)
     _set(prim, names.OPENING_HEIGHT, _TYPES.Double, height)
     _set(prim, "openrooms:opening:sill", _TYPES.Double, hole.bottom)
@@ -197,8 +206,9 @@ def _author_opening(stage: Usd.Stage, plan: Plan, cut: Cut, notes: list[str]) ->
             _set(prim, names.SOURCE_CONFIDENCE, _TYPES.Token, cut.source.confidence)
     if cut.kind == "window":
         board = hole.bottom >= _BOARD_FROM
-        frame = window_frame(width, height, cut.wall.thickness, board=board)
-        _author_mesh(stage, f"{path}/Frame", frame, part="frame")
+        made = window(width, height, cut.wall.thickness, board=board, style=cut.style or "casement")
+        _author_mesh(stage, f"{path}/Frame", made.frame, part="frame")
+        _author_sashes(stage, made, path)
     elif cut.kind == "door":
         _author_door(stage, plan, cut, path, notes)
 
@@ -211,15 +221,29 @@ def _author_door(stage: Usd.Stage, plan: Plan, cut: Cut, path: str, notes: list[
         cut.wall.thickness,
         hinge=cut.hinge,
         swing=cut.swing,
+        style=cut.style or "panelled",
     )
-    angle = free_angle(made, cut.open, _around(plan, cut)) if cut.open else 0.0
-    if angle < cut.open:
-        notes.append(f"{cut.name} opens {angle:g} degrees, not {cut.open:g}: it meets a wall")
     _author_mesh(stage, f"{path}/Frame", made.frame, part="frame")
-    leaf = UsdGeom.Xform.Define(stage, f"{path}/Leaf")
-    author_placement(leaf.GetPrim(), Gf.Vec3d(*made.hinge, 0.0), made.sense * angle)
-    _author_mesh(stage, f"{path}/Leaf/Panel", made.panel, part="panel")
-    _author_mesh(stage, f"{path}/Leaf/Handle", made.handle, part="handle")
+    around = _around(plan, cut)
+    for number, leaf in enumerate(made.leaves):
+        prim = UsdGeom.Xform.Define(stage, f"{path}/{names.leaf(number)}").GetPrim()
+        # Where it can go at most, and where it stands.
+        most = free_angle(leaf, max(cut.open, _WIDE_OPEN), around)
+        angle = min(cut.open, most)
+        if angle < cut.open:
+            notes.append(f"{cut.name} opens {angle:g} degrees, not {cut.open:g}: it meets a wall")
+        author_placement(prim, Gf.Vec3d(*leaf.hinge, 0.0), leaf.sense * angle)
+        author_joint(prim, "hinge", (0.0, 0.0, leaf.sense), (0.0, most))
+        _author_mesh(stage, f"{prim.GetPath()}/Panel", leaf.panel, part="panel")
+        _author_mesh(stage, f"{prim.GetPath()}/Handle", leaf.handle, part="handle")
+
+
+def _author_sashes(stage: Usd.Stage, made: Window, path: str) -> None:
+    for number, sash in enumerate(made.sashes):
+        prim = UsdGeom.Xform.Define(stage, f"{path}/Sash_{number}").GetPrim()
+        author_placement(prim, Gf.Vec3d(*sash.origin), 0.0)
+        author_joint(prim, sash.kind, sash.axis, (0.0, sash.upper))
+        _author_mesh(stage, f"{prim.GetPath()}/Bars", sash.mesh, part="sash")
 
 
 def _around(plan: Plan, cut: Cut) -> list[NDArray[np.float64]]:

@@ -1,7 +1,7 @@
-"""Where objects stand: their heights follow from what carries them."""
+"""Where objects stand as they are described: in the plan, and on what carries them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final, TypeAlias
 
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from openrooms_usd import names
 from openrooms_usd.capture import Confidence
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.assets import Asset, Model
+from openrooms_usd.library.assets import Asset
 from openrooms_usd.library.furniture import Size
+from openrooms_usd.stages.surroundings import Surroundings
+from openrooms_usd.stages.tops import top_at
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -21,6 +22,10 @@ FLOOR: Final = "floor"
 CEILING: Final = "ceiling"
 # The highest top at the place of all that stands on the floor.
 SURFACE: Final = "surface"
+WALL: Final = "wall"
+
+# What hangs before openings on purpose.
+_COVERS: Final = ("curtain",)
 
 
 @dataclass(frozen=True)
@@ -50,9 +55,13 @@ class Placement:
         y: Middle of its base, metres.
         z: Its base, metres; None when it follows from the support.
         yaw: Degrees, counter-clockwise from above.
-        on: `FLOOR`, `CEILING`, `SURFACE` or the name of another object.
+        on: `FLOOR`, `CEILING`, `SURFACE`, `WALL` or the name of another object.
         emits: Whether it is a lamp.
         source: Where it was captured, when it was.
+        relative_to: The object in whose frame x, y and yaw are given.
+        level: Height of its base above the floor where it hangs on a wall, metres.
+        pose: (4, 4) from the asset's frame to the room where that is more than upright: with a
+            tilt, and a scale along each axis of the asset.
     """
 
     name: str
@@ -65,6 +74,22 @@ class Placement:
     on: str = FLOOR
     emits: bool = False
     source: Source | None = None
+    relative_to: str | None = None
+    level: float = 0.0
+    pose: Array | None = field(default=None, compare=False)
+
+    @property
+    def carrier(self) -> str | None:
+        """The object that it is said to stand on; None for what is the room's own."""
+        return None if self.on in (FLOOR, CEILING, SURFACE, WALL) else self.on
+
+    def top(self, x: float, y: float) -> float | None:
+        """Height of its upper side above its base at a place of the room; None beside it."""
+        model = self.asset.build()
+        if self.pose is None:
+            return top_at(model, *self.to_local(x, y))
+        parts = {name: mesh.transformed(self.pose[:3, :3]) for name, mesh in model.parts.items()}
+        return top_at(replace(model, parts=parts), x - self.x, y - self.y)
 
     def to_local(self, x: float, y: float) -> tuple[float, float]:
         """A place of the room in the object's own frame, metres."""
@@ -72,86 +97,158 @@ class Placement:
         dx, dy = x - self.x, y - self.y
         return float(c * dx + s * dy), float(c * dy - s * dx)
 
+    def to_room(self, x: float, y: float) -> tuple[float, float]:
+        """A place in the object's own frame in the room, metres."""
+        c, s = np.cos(np.radians(self.yaw)), np.sin(np.radians(self.yaw))
+        return float(self.x + c * x - s * y), float(self.y + s * x + c * y)
+
+
+@dataclass(frozen=True)
+class Stand:
+    """How an object stands in the room.
+
+    Attributes:
+        x: Middle of its base, metres.
+        y: Middle of its base, metres.
+        z: Its base, metres.
+        yaw: Degrees, counter-clockwise from above.
+        carrier: The object that carries it; None for the room itself.
+    """
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+    carrier: str | None = None
+
 
 @dataclass
 class Supports:
-    """Finds the height of every object's base.
+    """Finds where every object stands.
 
     Attributes:
         placements: All objects by name.
-        floor: Height of the floor, metres.
-        ceiling: Height of the ceiling, metres; None in a room without one.
+        room: What they stand in.
         notes: Receives a sentence for what had to be guessed.
     """
 
     placements: Mapping[str, Placement]
-    floor: float
-    ceiling: float | None
+    room: Surroundings
     notes: list[str]
-    _heights: dict[str, float] = field(default_factory=dict)
-    _pending: list[str] = field(default_factory=list)
+    _stands: dict[str, Stand] = field(default_factory=dict)
 
-    def height(self, name: str) -> float:
-        """Height of an object's base, metres.
+    def stands(self) -> dict[str, Stand]:
+        """Every object's stand by name, in the order of the objects.
 
         Raises:
-            InputError: Its support does not exist, or it stands on itself by way of others.
-            StageError: It hangs from a ceiling that is not there.
+            InputError: An object names another one that does not exist, or they go in a circle.
+            StageError: Something hangs from a ceiling or a wall that is not there.
         """
-        if name not in self._heights:
-            if name in self._pending:
-                circle = " on ".join([*self._pending[self._pending.index(name) :], name])
-                raise InputError(
-                    f"objects carry each other in a circle: {circle}",
-                    place="alignment.objects",
-                    remedy="let one of them stand on the floor",
-                )
-            self._pending.append(name)
-            self._heights[name] = self._resolve(self.placements[name])
-            self._pending.pop()
-        return self._heights[name]
+        carriers = {name: item.carrier for name, item in self.placements.items()}
+        self._check(carriers, "stands on")
+        for name in parents_first(carriers):
+            item = self._plan[name]
+            z, carrier = self._base(item)
+            self._stands[name] = Stand(item.x, item.y, z, item.yaw, carrier)
+        for item in self._plan.values():
+            if item.on == WALL:
+                self._note_openings(item)
+        return {name: self._stands[name] for name in self.placements}
 
-    def _resolve(self, item: Placement) -> float:
+    def _check(self, others: Mapping[str, str | None], link: str) -> None:
+        for name, other in others.items():
+            if other is not None and other not in self.placements:
+                raise InputError(
+                    f"{name} {link} {other!r}, which is no object",
+                    place="alignment.objects",
+                    remedy="choose the room's own floor, ceiling or wall, or one of: "
+                    f"{', '.join(sorted(self.placements)[:9])}",
+                )
+
+    @cached_property
+    def _plan(self) -> dict[str, Placement]:
+        """All objects with x, y and yaw in the room's own frame."""
+        parents = {name: item.relative_to for name, item in self.placements.items()}
+        self._check(parents, "is relative to")
+        found: dict[str, Placement] = {}
+        for name in parents_first(parents):
+            item = self.placements[name]
+            if item.relative_to is not None:
+                frame = found[item.relative_to]
+                x, y = frame.to_room(item.x, item.y)
+                item = replace(item, x=x, y=y, yaw=item.yaw + frame.yaw)
+            found[name] = self._hung(item) if item.on == WALL else item
+        return {name: found[name] for name in self.placements}
+
+    def _hung(self, item: Placement) -> Placement:
+        """The object with its back flush to the nearest wall."""
+        if not len(self.room.walls):
+            raise StageError(
+                "the room has no walls to hang something on",
+                place=names.ROOM,
+                remedy="compose the layout first, or give the object another support",
+            )
+        width, depth, _ = item.size
+        hung = self.room.hang(item.x, item.y, width, depth)
+        if width > self.room.length(hung.wall) + 1e-6:
+            self.notes.append(
+                f"{item.name} is {width:g} m wide, its wall only {self.room.length(hung.wall):g} m"
+            )
+        return replace(item, x=hung.x, y=hung.y, yaw=hung.yaw)
+
+    def _note_openings(self, item: Placement) -> None:
+        width, depth, height = item.size
+        base = self._stands[item.name].z
+        hung = self.room.hang(item.x, item.y, width, depth)
+        covered = self.room.covered(hung, width, base, base + height)
+        if covered and item.asset.category not in _COVERS:
+            self.notes.append(f"{item.name} hangs before {', '.join(covered)}")
+
+    def _base(self, item: Placement) -> tuple[float, str | None]:
+        """Height of an object's base, and the object that carries it."""
         if item.z is not None:
-            return item.z
-        if item.on == FLOOR:
-            return self.floor
-        if item.on == CEILING:
-            return self._ceiling() - item.size[2]
+            return item.z, item.carrier
+        if item.carrier is not None:
+            below = self._stands[item.carrier].z
+            return below + self._top(self._plan[item.carrier], item), item.carrier
         if item.on == SURFACE:
             return self._surface(item)
-        if item.on not in self.placements:
-            raise InputError(
-                f"{item.name} stands on {item.on!r}, which is no object",
-                place="alignment.objects",
-                remedy=f"choose floor, ceiling or one of: {', '.join(sorted(self.placements)[:9])}",
-            )
-        return self._top(self.placements[item.on], item)
+        if item.on == CEILING:
+            return self._ceiling() - item.size[2], None
+        return self.room.floor + (item.level if item.on == WALL else 0.0), None
 
     def _ceiling(self) -> float:
-        if self.ceiling is None:
+        if self.room.ceiling is None:
             raise StageError(
                 "the room has no ceiling to hang something from",
                 place=names.CEILING,
                 remedy="compose the layout first, or give the lamps a z",
             )
-        return self.ceiling
+        return self.room.ceiling
 
-    def _surface(self, item: Placement) -> float:
+    def _surface(self, item: Placement) -> tuple[float, str | None]:
         """The highest top below the item's middle of what stands on the floor, else the floor."""
         centers, turns, halves, standing = self._outlines
         offset = np.array([item.x, item.y]) - centers
         local = np.abs(np.einsum("nij,nj->ni", turns, offset))
         inside = np.flatnonzero((local <= halves).all(axis=1))
-        below = (standing[i] for i in inside.tolist())
-        tops = (top_at(other.asset.build(), *other.to_local(item.x, item.y)) for other in below)
-        return self.floor + max((top for top in tops if top is not None), default=0.0)
+        tops = [
+            (top + (0.0 if other.z is None else other.z - self.room.floor), other.name)
+            for other in (standing[i] for i in inside.tolist())
+            if (top := other.top(item.x, item.y)) is not None
+        ]
+        top, carrier = max(tops, default=(0.0, None), key=lambda found: found[0])
+        return self.room.floor + top, carrier
 
     @cached_property
     def _outlines(self) -> tuple[Array, Array, Array, Sequence[Placement]]:
         """Middle, turn into the own frame and half size of all that stands on the floor."""
-        everything = self.placements.values()
-        standing = [item for item in everything if item.on == FLOOR and item.z is None]
+        everything = self._plan.values()
+        standing = [
+            item
+            for item in everything
+            if item.on == FLOOR and (item.z is None or item.pose is not None)
+        ]
         yaw = np.radians([item.yaw for item in standing])
         c, s = np.cos(yaw), np.sin(yaw)
         turns = np.stack([np.stack([c, s], axis=-1), np.stack([-s, c], axis=-1)], axis=1)
@@ -160,41 +257,36 @@ class Supports:
         return centers, turns.reshape(-1, 2, 2), halves, standing
 
     def _top(self, support: Placement, item: Placement) -> float:
-        """Height of the support's upper side at the item's place."""
-        x, y = support.to_local(item.x, item.y)
-        base = self.height(support.name)
-        top = top_at(support.asset.build(), x, y)
+        """Height of the support's upper side at the item's place, above the support's base."""
+        top = support.top(item.x, item.y)
         if top is None:
             self.notes.append(
                 f"{item.name} stands beside {support.name} that shall carry it: it is placed at "
                 "the height of its top"
             )
             top = support.size[2]
-        return base + top
+        return top
 
 
-def top_at(model: Model, x: float, y: float) -> float | None:
-    """Where a vertical line through (x, y) meets a model last, metres; None where it misses."""
-    heights = [_top_of(mesh, x, y) for mesh in model.parts.values()]
-    found = [height for height in heights if height is not None]
-    return max(found, default=None)
+def parents_first(parents: Mapping[str, str | None]) -> list[str]:
+    """The names in an order in which each comes after its parent.
 
-
-def _top_of(mesh: Mesh, x: float, y: float) -> float | None:
-    corners, _ = mesh.triangles()
-    a, b, c = np.moveaxis(mesh.points[mesh.indices[corners]], 1, 0)
-    area = _cross(b - a, c - a)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        v = _cross(np.array([x, y]) - a[:, :2], c - a) / area
-        w = _cross(b - a, np.array([x, y]) - a[:, :2]) / area
-        # A line through an edge must not slip between its two faces.
-        hit = (area != 0.0) & (v >= -1e-9) & (w >= -1e-9) & (v + w <= 1.0 + 1e-9)
-    if not hit.any():
-        return None
-    z = a[hit, 2] + v[hit] * (b - a)[hit, 2] + w[hit] * (c - a)[hit, 2]
-    return float(z.max())
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Cross product of the horizontal parts."""
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    Raises:
+        InputError: Some are their own ancestors.
+    """
+    order: dict[str, None] = {}
+    for start in parents:
+        chain: dict[str, None] = {}
+        name: str | None = start
+        while name is not None and name not in order:
+            if name in chain:
+                members = [*list(chain)[list(chain).index(name) :], name]
+                raise InputError(
+                    f"objects depend on each other in a circle: {', '.join(members)}",
+                    place="alignment.objects",
+                    remedy="let one of them stand on the floor, in the room's own frame",
+                )
+            chain[name] = None
+            name = parents[name]
+        order.update(dict.fromkeys(reversed(chain)))
+    return list(order)

@@ -13,8 +13,9 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import StageError, writing
 from openrooms_usd.stages.base import Stage, StageContext
 from openrooms_usd.stages.draft import Draft
+from openrooms_usd.usd import activation
 from openrooms_usd.usd import layers as usd_layers
-from openrooms_usd.usd.diagnostics import reason
+from openrooms_usd.usd.diagnostics import composition_errors, reason
 
 _CLASSES: Final = {
     "layout": "LayoutStage",
@@ -131,11 +132,10 @@ def _reactivated(path: Path, stage: str) -> Sdf.Layer | None:
         return None
     if edits is None:
         return None
-    off = usd_layers.deactivations(edits, names.OWNED[stage])
+    off = activation.deactivations(edits, names.OWNED[stage])
     world = edits.GetPrimAtPath(names.WORLD)
     off += [world] if world and not world.active else []
-    for spec in off:
-        spec.ClearActive()
+    activation.reactivate(off)
     return edits if off else None
 
 
@@ -180,3 +180,20 @@ def write_scene(draft: Draft) -> None:
     data = layer.ExportToString().encode()
     if not draft.scene.is_file() or draft.scene.read_bytes() != data:
         draft.export_scene(layer)
+
+
+def check(draft: Draft) -> None:
+    """Refuse a composition that USD finds errors in, before it takes the old one's place.
+
+    Raises:
+        StageError: Something refers to what is not there.
+    """
+    stack = [draft.layer(name) for name in (names.EDITS, *reversed(names.STAGES))]
+    errors = composition_errors(usd_layers.stacked_files(stack))
+    if errors:
+        prim, text = errors[0]
+        raise StageError(
+            f"the composed stage has {len(errors)} errors, the first at {prim}: {text}",
+            place=draft.scene,
+            remedy=f"look into {names.LAYERS}/{names.EDITS}.usda, the layer that people edit",
+        )

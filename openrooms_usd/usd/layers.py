@@ -71,34 +71,6 @@ def attribute_specs(layer: Sdf.Layer) -> list[Sdf.AttributeSpec]:
     return [spec for spec in specs if spec is not None]
 
 
-def deactivations(layer: Sdf.Layer, roots: Iterable[str]) -> list[Sdf.PrimSpec]:
-    """The prim specs of a layer, also those in variants, that deactivate a prim.
-
-    Args:
-        layer: Where to look.
-        roots: Only specs at these prim paths and below them.
-    """
-    paths: list[Sdf.Path] = []
-    layer.Traverse(Sdf.Path.absoluteRootPath, lambda path: paths.append(path))
-    prefixes = [Sdf.Path(root) for root in roots]
-    below = (
-        path
-        for path in sorted(paths)
-        if any(path.StripAllVariantSelections().HasPrefix(prefix) for prefix in prefixes)
-    )
-    specs = (layer.GetPrimAtPath(path) for path in below if not path.IsPropertyPath())
-    return [spec for spec in specs if spec is not None and not spec.active]
-
-
-def is_deactivated(stage: Usd.Stage, path: str) -> bool:
-    """Whether a prim, one above it or one below it is inactive."""
-    prim = stage.GetPrimAtPath(path)
-    if prim:
-        return any(not part.IsActive() for part in Usd.PrimRange.AllPrims(prim))
-    above = filter(None, map(stage.GetPrimAtPath, Sdf.Path(path).GetPrefixes()))
-    return any(not prim.IsActive() for prim in above)
-
-
 def split_arrays(layer: Sdf.Layer) -> Sdf.Layer | None:
     """Move the long arrays of a layer into a new one that shall be its sublayer.
 

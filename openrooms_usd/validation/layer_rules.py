@@ -6,6 +6,7 @@ from typing import Final
 
 from pxr import Sdf, UsdGeom
 
+from openrooms_usd.edits.orphans import find_orphans
 from openrooms_usd.validation.model import Complaint, Subject
 
 # USD takes these from the root layer alone, so a layer that differs shows something else by itself.
@@ -74,26 +75,9 @@ def nothing_below_instances(subject: Subject) -> Iterator[Complaint]:
 
 
 def no_orphans(subject: Subject) -> Iterator[Complaint]:
-    """Every ``over`` finds the prim that it writes over."""
+    """Every opinion finds what it speaks about; `nothing_below_instances` sees to instances."""
     for layer in subject.stack:
-        waiting = list(layer.rootPrims)
-        while waiting:
-            spec = waiting.pop()
-            prim = subject.stage.GetPrimAtPath(spec.path)
-            if prim and prim.IsDefined():
-                # Below an instance it is lost for another reason; below an inactive prim by intent.
-                if prim.IsActive() and not prim.IsInstance():
-                    waiting.extend(spec.nameChildren)
-            elif _holds_opinions(spec):
-                yield str(spec.path), f"{subject.name(layer)} writes over a prim that is not there"
-
-
-def _holds_opinions(spec: Sdf.PrimSpec) -> bool:
-    """Whether an over says anything; an empty one, left behind by a tool, does no harm."""
-    return bool(
-        spec.properties
-        or spec.specifier != Sdf.SpecifierOver
-        or spec.hasReferences
-        or any(_holds_opinions(child) for child in spec.nameChildren)
-        or set(spec.ListInfoKeys()) - {"specifier"}
-    )
+        for orphan in find_orphans(subject.stage, [layer]):
+            if orphan.reason != "instance":
+                near = f"; near: {orphan.hint}" if orphan.hint else ""
+                yield orphan.path, f"{subject.name(layer)} {orphan.message}{near}"

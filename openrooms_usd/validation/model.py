@@ -9,9 +9,12 @@ from typing import Final, Literal
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from openrooms_usd import names
+from openrooms_usd.edits.orphans import edit_layers
 from openrooms_usd.usd.semantics import read_label
 
 Severity = Literal["error", "warning"]
+
+_EDITS: Final = f"{names.LAYERS}/{names.EDITS}.usda"
 
 _PRIMS: Final = Usd.TraverseInstanceProxies(
     Usd.PrimIsActive & Usd.PrimIsDefined & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract
@@ -106,6 +109,28 @@ class Subject:
         with suppress(Tf.ErrorException):
             UsdUtils.ComputeAllDependencies(self.root.identifier, note)
         return tuple(found)
+
+    @cached_property
+    def by_hand(self) -> frozenset[Sdf.Path]:
+        """The topmost prims that people made themselves, in the layer of the edits."""
+        edits = next((layer for layer in self.stack if self.name(layer) == _EDITS), None)
+        own = set(edit_layers(edits)) if edits else set()
+        found: set[Sdf.Path] = set()
+        for spec in (spec for layer in own for spec in self.specs(layer)):
+            if spec.specifier == Sdf.SpecifierDef and not found.intersection(
+                spec.path.GetPrefixes()
+            ):
+                prim = self.stage.GetPrimAtPath(spec.path)
+                definers = [s for s in prim.GetPrimStack() if s.specifier == Sdf.SpecifierDef]
+                if all(definer.layer in own for definer in definers):
+                    found.add(spec.path)
+        return frozenset(found)
+
+    def is_by_hand(self, place: str) -> bool:
+        """Whether a place is a prim that people made themselves, or lies below one."""
+        if not Sdf.Path.IsValidPathString(place):
+            return False
+        return not self.by_hand.isdisjoint(Sdf.Path(place).GetPrimPath().GetPrefixes())
 
     def specs(self, layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
         """The prim specs of a layer outside variants, parents before children."""

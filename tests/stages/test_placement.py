@@ -6,7 +6,9 @@ import pytest
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.solids import box, sphere
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.placement import Placement, Supports, top_at
+from openrooms_usd.stages.placement import Placement, Stand, Supports
+from openrooms_usd.stages.surroundings import Surroundings
+from openrooms_usd.stages.tops import top_at
 
 
 def _item(name: str, x: float = 0.0, y: float = 0.0, **more: object) -> Placement:
@@ -17,8 +19,15 @@ def _item(name: str, x: float = 0.0, y: float = 0.0, **more: object) -> Placemen
 
 
 def _heights(*items: Placement, ceiling: float | None = 2.5) -> dict[str, float]:
-    supports = Supports({item.name: item for item in items}, 0.0, ceiling, [])
-    return {item.name: supports.height(item.name) for item in items}
+    return {name: stand.z for name, stand in _stands(*items, ceiling=ceiling).items()}
+
+
+def _stands(
+    *items: Placement, ceiling: float | None = 2.5, notes: list[str] | None = None
+) -> dict[str, Stand]:
+    kept = [] if notes is None else notes
+    room = Surroundings(0.0, ceiling)
+    return Supports({item.name: item for item in items}, room, kept).stands()
 
 
 def test_floor_ceiling_and_given_heights() -> None:
@@ -69,13 +78,12 @@ def test_places_are_found_in_the_objects_own_frame() -> None:
 def test_what_stands_beside_its_support_is_noted() -> None:
     notes: list[str] = []
     items = [_item("table"), _item("lamp", x=5.0, on="table")]
-    supports = Supports({item.name: item for item in items}, 0.0, 2.5, notes)
-    assert supports.height("lamp") == 0.5
+    assert _stands(*items, notes=notes)["lamp"].z == 0.5
     assert "lamp stands beside table" in notes[0]
 
 
 def test_circles_and_unknown_supports_are_refused() -> None:
-    with pytest.raises(InputError, match="a on b on a"):
+    with pytest.raises(InputError, match="circle: a, b, a"):
         _heights(_item("a", on="b"), _item("b", on="a"))
     with pytest.raises(InputError, match="'c', which is no object"):
         _heights(_item("a", on="c"))

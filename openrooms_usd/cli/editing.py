@@ -1,0 +1,88 @@
+"""The commands ``edits adopt`` and ``edits orphans``."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from openrooms_usd import names
+from openrooms_usd.cli.console import json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.edits.adopting import Adoption
+
+# Rows beyond these are counted; --json lists all.
+_ROWS: Final = 20
+# How many names of one row.
+_NAMES: Final = 4
+
+
+@click.group()
+def edits() -> None:
+    """Keep what people changed in a composed room: OUT/layers/edits.usda."""
+
+
+@edits.command()
+@click.argument("scene", type=click.Path(path_type=Path), metavar="OUT/SCENE.USDA")
+@click.option(
+    "--from",
+    "saved",
+    type=click.Path(path_type=Path),
+    help="What the other program saved, where it is not SCENE itself.",
+)
+@click.option("--dry-run", is_flag=True, help="Say what would be moved, and write nothing.")
+@json_option
+def adopt(scene: Path, saved: Path | None, dry_run: bool, as_json: bool) -> None:
+    """Move what another program saved over scene.usda into layers/edits.usda.
+
+    scene.usda is then as compose writes it. Of a file that was flattened, what differs is moved.
+    """
+    from openrooms_usd.edits.adopting import adopt as move
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        adoption = move(scene, saved, dry_run=dry_run)
+    if as_json:
+        print_json(adoption.as_dict())
+        return
+    _print(adoption, dry_run)
+
+
+def _print(adoption: "Adoption", dry_run: bool) -> None:
+    for change in adoption.changes[:_ROWS]:
+        more = len(change.fields) - _NAMES
+        said = ", ".join(change.fields[:_NAMES]) + (f" and {more} more" if more > 0 else "")
+        click.echo(f"{'new' if change.new else 'changed':<8} {change.path}: {said}")
+    if len(adoption.changes) > _ROWS:
+        click.echo(f"{len(adoption.changes) - _ROWS} more; --json lists all")
+    for sentence in adoption.left[:_ROWS]:
+        click.echo(f"note: {sentence}")
+    if adoption.compared:
+        click.echo(f"compared {adoption.compared} values of a flattened file")
+    count = f"{len(adoption.changes)} prims"
+    if adoption.written:
+        click.echo(f"moved what is said about {count} to {adoption.edits}")
+    elif dry_run and adoption.changes:
+        click.echo(f"would move what is said about {count} to {adoption.edits}")
+    else:
+        click.echo("nothing to adopt")
+
+
+@edits.command()
+@click.argument("out", type=click.Path(path_type=Path), metavar="OUT")
+@json_option
+def orphans(out: Path, as_json: bool) -> None:
+    """List the opinions of OUT/layers/edits.usda that do nothing."""
+    from openrooms_usd.edits.orphans import orphans_of
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        found = orphans_of(out)
+    if as_json:
+        print_json({"orphans": [{**asdict(row), "remedy": row.remedy} for row in found]})
+        return
+    for row in found:
+        click.echo(f"{row}\n  remedy: {row.remedy}")
+    count = len(found)
+    click.echo(f"{out / names.LAYERS / names.EDITS}.usda: {count or 'no'} orphans")

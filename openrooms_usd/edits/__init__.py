@@ -1,0 +1,1 @@
+"""What people change in a composed room: what is lost, and how it is kept."""

@@ -1,0 +1,89 @@
+"""Poses on furniture prims: what the stage writes, and what the edits make of it."""
+
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+
+from openrooms_usd import names
+from openrooms_usd.usd.frames import TIME, matrix
+
+Array: TypeAlias = NDArray[np.float64]
+
+_TYPES: Final = Sdf.ValueTypeNames
+# These two, and a scale after them, are what `UsdGeom.XformCommonAPI` and most editors write.
+_TRANSLATE: Final = "xformOp:translate"
+_ROTATE: Final = "xformOp:rotateXYZ"
+# Billionths of a metre are noise of multiplying.
+_DIGITS: Final = 9
+
+
+def matrix_of(x: float, y: float, z: float, yaw: float) -> Array:
+    """(4, 4) from the frame of an upright object as it is authored; degrees and metres."""
+    angle = np.radians(float(np.float32(yaw)))
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]])
+
+
+def author_upright(prim: Sdf.PrimSpec, x: float, y: float, z: float, yaw: float) -> None:
+    """Place an upright object; degrees and metres.
+
+    Both operations are written also where they do nothing: an edit of one of them alone must find
+    it in their order, whatever the description says later.
+    """
+    _author(prim, (x, y, z), (0.0, 0.0, yaw))
+
+
+def author_pose(prim: Sdf.PrimSpec, pose: Array) -> None:
+    """Place an object by a (4, 4) rigid motion."""
+    R = pose[:3, :3]
+    # R = Rz Ry Rx: about X first, as the name of the operation has it.
+    angles = (
+        np.arctan2(R[2, 1], R[2, 2]),
+        np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0])),
+        np.arctan2(R[1, 0], R[0, 0]),
+    )
+    roll, pitch, yaw = (round(float(np.degrees(angle)), _DIGITS) + 0.0 for angle in angles)
+    x, y, z = (round(value, _DIGITS) + 0.0 for value in pose[:3, 3].tolist())
+    _author(prim, (x, y, z), (roll, pitch, yaw))
+
+
+Triple: TypeAlias = tuple[float, float, float]
+
+
+def _author(prim: Sdf.PrimSpec, position: Triple, turns: Triple) -> None:
+    _set(prim, _TRANSLATE, _TYPES.Double3, Gf.Vec3d(*position))
+    _set(prim, _ROTATE, _TYPES.Float3, Gf.Vec3f(*turns))
+    order = Vt.TokenArray([_TRANSLATE, _ROTATE])
+    _set(prim, UsdGeom.Tokens.xformOpOrder, _TYPES.TokenArray, order, Sdf.VariabilityUniform)
+
+
+def _set(
+    prim: Sdf.PrimSpec,
+    name: str,
+    kind: Sdf.ValueTypeName,
+    value: object,
+    variability: Sdf.Variability = Sdf.VariabilityVarying,
+) -> None:
+    known = prim.attributes.get(name)
+    spec = known or Sdf.AttributeSpec(prim, name, kind, variability, declaresCustom=False)
+    spec.default = value
+
+
+def moved_by_hand(stage: Usd.Stage) -> frozenset[str]:
+    """The names of objects that a composed layer transforms before the stage has placed them."""
+    furniture = stage.GetPrimAtPath(names.FURNITURE)
+    children = furniture.GetAllChildren() if furniture else ()
+    return frozenset(
+        prim.GetName()
+        for prim in children
+        if any(name.startswith("xformOp") for name in prim.GetAuthoredPropertyNames())
+    )
+
+
+def composed_pose(prim: Usd.Prim) -> Array:
+    """(4, 4) from an object's frame to that of all furniture, however it was written."""
+    cache = UsdGeom.XformCache(TIME)
+    parent = cache.GetLocalToWorldTransform(prim.GetParent())
+    return matrix(cache.GetLocalToWorldTransform(prim) * parent.GetInverse())

@@ -1,0 +1,176 @@
+"""The room as its furniture meets it: floor, ceiling, and the walls that things hang on.
+
+Everything is read from the composed stage, in the frame of ``/World``: a room that somebody moved
+in the edits layer carries and holds its furniture where it is now.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.usd.frames import TIME, matrix
+
+Array: TypeAlias = NDArray[np.float64]
+
+# An opening belongs to the wall whose inner edge its middle lies on, metres.
+_ON_THE_EDGE: Final = 0.02
+
+
+class Hung(NamedTuple):
+    """Where something hangs.
+
+    Attributes:
+        wall: The number of the wall in `Surroundings.walls`.
+        along: Its middle along the wall, metres from the wall's start.
+        x: Middle of its base, metres.
+        y: Middle of its base, metres.
+        yaw: Degrees: its front looks away from the wall.
+    """
+
+    wall: int
+    along: float
+    x: float
+    y: float
+    yaw: float
+
+
+class Gap(NamedTuple):
+    """An opening in a wall.
+
+    Attributes:
+        name: Its prim name.
+        wall: The number of its wall.
+        along: Its middle along the wall, metres from the wall's start.
+        width: Metres.
+        bottom: Its lower edge, metres.
+        top: Its upper edge, metres.
+    """
+
+    name: str
+    wall: int
+    along: float
+    width: float
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """The room without its furniture, in the frame of ``/World``.
+
+    Attributes:
+        floor: Height of the floor, metres.
+        ceiling: Height of the ceiling, metres; None in a room without one.
+        walls: (N, 2, 2) start and end of the walls' inner edges, metres, counter-clockwise; empty
+            where the room has no polygon.
+        gaps: The openings in these walls.
+    """
+
+    floor: float = 0.0
+    ceiling: float | None = None
+    walls: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    gaps: tuple[Gap, ...] = ()
+
+    def hang(self, x: float, y: float, width: float, depth: float) -> Hung:
+        """Bring a box with its back flush to the wall that is nearest to a place.
+
+        It stays within the wall's length where it fits, else it hangs in its middle.
+
+        Args:
+            x: The place, metres.
+            y: The place, metres.
+            width: Of the box along the wall, metres.
+            depth: Of the box off the wall, metres.
+        """
+        starts, steps = self.walls[:, 0], self.walls[:, 1] - self.walls[:, 0]
+        lengths = np.linalg.norm(steps, axis=1)
+        offsets = np.array([x, y]) - starts
+        along = np.clip((offsets * steps).sum(axis=1) / lengths, 0.0, lengths)
+        feet = starts + steps * (along / lengths)[:, None]
+        wall = int(np.argmin(np.linalg.norm(np.array([x, y]) - feet, axis=1)))
+        ahead, length = steps[wall] / lengths[wall], float(lengths[wall])
+        half = min(0.5 * width, 0.5 * length)
+        place = float(np.clip(along[wall], half, length - half))
+        # The room lies on the left of its walls, and the back of an object is its +Y side.
+        inward = np.array([-ahead[1], ahead[0]])
+        at = starts[wall] + place * ahead + 0.5 * depth * inward
+        yaw = float(np.degrees(np.arctan2(-ahead[1], -ahead[0])))
+        return Hung(wall, place, float(at[0]), float(at[1]), yaw)
+
+    def length(self, wall: int) -> float:
+        """Length of a wall, metres."""
+        return float(np.linalg.norm(self.walls[wall, 1] - self.walls[wall, 0]))
+
+    def covered(self, hung: Hung, width: float, bottom: float, top: float) -> list[str]:
+        """The openings that something on a wall would cover, by name."""
+        return [
+            gap.name
+            for gap in self.gaps
+            if gap.wall == hung.wall
+            and abs(gap.along - hung.along) < 0.5 * (gap.width + width)
+            and gap.bottom < top
+            and bottom < gap.top
+        ]
+
+
+def surroundings(stage: Usd.Stage) -> Surroundings:
+    """Read the room of a composed stage; what it does not have is left out."""
+    world = stage.GetPrimAtPath(names.WORLD)
+    boxes = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
+
+    def extent(path: str) -> Gf.Range3d:
+        prim = stage.GetPrimAtPath(path)
+        bound = boxes.ComputeRelativeBound(prim, world) if prim else Gf.BBox3d()
+        return bound.ComputeAlignedRange()
+
+    below, above = extent(names.FLOOR), extent(names.CEILING)
+    cache = UsdGeom.XformCache(TIME)
+    walls = _walls(stage, cache)
+    return Surroundings(
+        0.0 if below.IsEmpty() else below.GetMax()[2],
+        None if above.IsEmpty() else above.GetMin()[2],
+        walls,
+        tuple(_gaps(stage, walls, cache)),
+    )
+
+
+def _in_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> Array:
+    """(4, 4) from a prim's frame to that of ``/World``."""
+    world = cache.GetLocalToWorldTransform(prim.GetStage().GetPrimAtPath(names.WORLD))
+    return matrix(cache.GetLocalToWorldTransform(prim) * world.GetInverse())
+
+
+def _walls(stage: Usd.Stage, cache: UsdGeom.XformCache) -> Array:
+    room = stage.GetPrimAtPath(names.ROOM)
+    attribute = room.GetAttribute(names.ROOM_FLOOR) if room else None
+    corners = np.array(attribute.Get(TIME) if attribute and attribute.HasValue() else [])
+    if corners.ndim != 2 or len(corners) < 3 or not np.isfinite(corners).all():
+        return np.zeros((0, 2, 2))
+    frame = _in_world(room, cache)
+    placed = corners.astype(np.float64) @ frame[:2, :2].T + frame[:2, 3]
+    edges = np.stack([placed, np.roll(placed, -1, axis=0)], axis=1)
+    return np.asarray(edges[np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) > 0.0])
+
+
+def _gaps(stage: Usd.Stage, walls: Array, cache: UsdGeom.XformCache) -> Iterator[Gap]:
+    openings = stage.GetPrimAtPath(names.OPENINGS)
+    lengths = np.linalg.norm(walls[:, 1] - walls[:, 0], axis=1)
+    ahead = (walls[:, 1] - walls[:, 0]) / lengths[:, None]
+    for prim in openings.GetAllChildren() if openings and len(walls) else ():
+        sizes = [prim.GetAttribute(key) for key in (names.OPENING_WIDTH, names.OPENING_HEIGHT)]
+        if not UsdGeom.Xformable(prim) or not all(size and size.HasValue() for size in sizes):
+            continue
+        width, height = (float(size.Get(TIME)) for size in sizes)
+        x, y, z = _in_world(prim, cache)[:3, 3].tolist()
+        offsets = np.array([x, y]) - walls[:, 0]
+        along = (offsets * ahead).sum(axis=1)
+        off = np.abs(ahead[:, 0] * offsets[:, 1] - ahead[:, 1] * offsets[:, 0])
+        on = np.flatnonzero((off < _ON_THE_EDGE) & (along > 0.0) & (along < lengths))
+        for wall in on[:1].tolist():
+            low, high = z - 0.5 * height, z + 0.5 * height
+            yield Gap(prim.GetName(), wall, float(along[wall]), width, low, high)
