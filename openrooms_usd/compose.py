@@ -9,7 +9,10 @@ from typing import Any, Literal
 
 from openrooms_usd import names
 from openrooms_usd.description import load_room
+from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
 from openrooms_usd.description.room import Room
+from openrooms_usd.edits.foreign import refuse_foreign
+from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.draft import Draft, drafting
@@ -35,11 +38,13 @@ class ComposeSummary:
         scene: The root layer.
         stages: From the weakest to the strongest layer.
         files: The flattened and packaged files that were asked for.
+        orphans: Opinions of the edits that do nothing.
     """
 
     scene: Path
     stages: tuple[StageSummary, ...]
     files: tuple[Path, ...] = ()
+    orphans: tuple[Orphan, ...] = ()
 
     @property
     def unchanged(self) -> bool:
@@ -52,6 +57,7 @@ class ComposeSummary:
             "scene": str(self.scene),
             "stages": [asdict(summary) for summary in self.stages],
             "files": [str(path) for path in self.files],
+            "orphans": [asdict(orphan) for orphan in self.orphans],
         }
 
 
@@ -84,11 +90,12 @@ def compose_room(
     Raises:
         DescriptionError: The description has mistakes.
         InputError: A file that the description names cannot be read.
-        StageError: The composed stage has errors.
+        StageError: The composed stage has errors, or another program has saved over the scene.
         OutputError: ``out`` cannot be written.
     """
-    room = load_room(description)
+    room = _explicit(load_room(description))
     chosen = _chosen(only)
+    refuse_foreign(out / names.SCENE)
     with drafting(out) as draft:
         _check_complete(draft, chosen)
         runner.create_edits(draft)
@@ -97,9 +104,20 @@ def compose_room(
         ]
         runner.write_scene(draft)
         if any(summary.state == "written" for summary in summaries):
-            _check(draft)
+            runner.check(draft)
     files = _extras(out / names.SCENE, flatten, usdz)
-    return ComposeSummary(out / names.SCENE, tuple(summaries), files)
+    return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans_of(out))
+
+
+def _explicit(room: Room) -> Room:
+    """The room with what is to be generated spelled out; the generator is imported only then."""
+    if not isinstance(room.layout, GeneratedLayout) and not isinstance(
+        room.alignment, GeneratedAlignment
+    ):
+        return room
+    from openrooms_usd.generate import expanded
+
+    return expanded(room)
 
 
 def _run(
@@ -144,22 +162,6 @@ def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
                 place=draft.layer(missing[0]),
                 remedy="compose the whole room once, without naming one stage",
             )
-
-
-def _check(draft: Draft) -> None:
-    """Refuse a composition that USD finds errors in, before it takes the old one's place."""
-    from openrooms_usd.usd.diagnostics import composition_errors
-    from openrooms_usd.usd.layers import stacked_files
-
-    stack = [draft.layer(name) for name in (names.EDITS, *reversed(names.STAGES))]
-    errors = composition_errors(stacked_files(stack))
-    if errors:
-        prim, text = errors[0]
-        raise StageError(
-            f"the composed stage has {len(errors)} errors, the first at {prim}: {text}",
-            place=draft.scene,
-            remedy=f"look into {names.LAYERS}/{names.EDITS}.usda, the layer that people edit",
-        )
 
 
 def _extras(scene: Path, flatten: bool, usdz: bool) -> tuple[Path, ...]:

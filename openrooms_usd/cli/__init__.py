@@ -18,9 +18,12 @@ _COMMANDS: Final = {
     "schema": ("describing", "schema", "Print the JSON Schema of room.yaml."),
     "channels": ("rendering", "channels", "Print the table of ground-truth channels."),
     "import": ("importing", "import_", "Turn a capture into a room.yaml."),
+    "generate": ("generating", "generate", "Write the room.yaml of a room from nothing."),
     "compose": ("composing", "compose", "Run the stages and stack their layers."),
+    "edits": ("editing", "edits", "Keep what people changed in a composed room."),
     "validate": ("validating", "validate", "Check a USD stage."),
     "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
+    "library": ("libraries", "library", "Furniture: a list of it, or a picture."),
     "convert": ("converting", "convert", "Write a USD stage in a foreign form."),
 }
 

@@ -1,10 +1,14 @@
 """The ``alignment`` section: which objects stand where."""
 
-from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Final, Literal, TypeVar
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from typing import Annotated, Any, Final, Literal, NamedTuple, TypeVar
 
 from pydantic import Field, Tag
 
+from openrooms_usd.description.captured import CapturedSection, ImportedSection
+from openrooms_usd.description.categories import LibraryCategory
+from openrooms_usd.description.generate import GeneratedAlignment
 from openrooms_usd.description.model import (
     CheckedModel,
     Found,
@@ -23,19 +27,40 @@ Size = Annotated[
     Field(description="width, depth and height, metres"),
 ]
 
-LibraryCategory = Literal[
-    "cabinet", "ceiling_lamp", "chair", "floor_lamp", "sofa", "table", "table_lamp"
-]
-"""What the parametric library can make."""
-
 # A guess for each of ten thousand unknown names would take minutes, and nobody would read them.
 _MOST_HINTS: Final = 50
 
-_ALLOWED: Final = "; allowed: floor, ceiling or the name of another object"
 _CIRCLE: Final = "goes round in a circle; something must stand on the floor"
 
+
 # What carries an object, beside another object.
-SURFACES: Final = ("floor", "ceiling")
+SURFACES: Final = ("floor", "ceiling", "wall")
+
+
+class _Link(NamedTuple):
+    """A key that names another object.
+
+    Attributes:
+        refusal: What an object cannot do with itself.
+        between: What stands between two names in messages.
+        surfaces: What else the key may name.
+    """
+
+    refusal: str
+    between: str
+    surfaces: tuple[str, ...]
+
+    @property
+    def allowed(self) -> str:
+        """All that the key may name, in words."""
+        others = f"{', '.join(self.surfaces)} or " if self.surfaces else ""
+        return f"{others}the name of another object"
+
+
+_LINKS: Final = {
+    "on": _Link("cannot stand on itself", "on", SURFACES),
+    "relative_to": _Link("cannot be relative to itself", "relative to", ()),
+}
 
 
 class Placed(Model):
@@ -46,11 +71,15 @@ class Placed(Model):
     category: PrimName
     """What it is, such as chair."""
     at: tuple[Length, ...] = Field(min_length=2, max_length=3)
-    """x, y and, where it does not follow from the support, z of the middle of its base."""
+    """x, y and, where it does not follow from the support, z of the middle of its base; x and y
+    start at the object that it is relative to, where there is one."""
     yaw: Angle = 0.0
     """Rotation about the vertical, counter-clockwise from above; at 0 the front looks along -Y."""
     on: str | None = None
-    """What carries it: floor, ceiling or another object's name; by default as its category does."""
+    """What carries it: floor, ceiling, wall (the nearest one, with its back to it) or another
+    object's name; by default as its category does."""
+    relative_to: str | None = None
+    """Another object's name: x, y and yaw are in its frame, x to its right and y to its back."""
 
 
 class LibraryObject(Placed):
@@ -102,12 +131,9 @@ class ObjectList(CheckedModel):
         yield from _unsupported(objects)
 
 
-class RoomPlanAlignment(CheckedModel):
-    """The boxes of an Apple RoomPlan scan, filled from the library."""
+class CapturedAlignment(CapturedSection):
+    """The objects of a captured room: its CAD models, and its boxes filled from the library."""
 
-    source: Literal["roomplan"] = Field(alias="from")
-    file: str = Field(min_length=1)
-    """The exported CapturedRoom JSON, relative to this description."""
     objects: tuple[AlignedObject, ...] = ()
     """Further objects beside the captured ones."""
 
@@ -117,29 +143,52 @@ class RoomPlanAlignment(CheckedModel):
         yield from _name_clashes(peek_list(given, "objects"))
 
 
+class RoomPlanAlignment(CapturedAlignment):
+    """The boxes of an Apple RoomPlan scan, filled from the library."""
+
+    source: Literal["roomplan"] = Field(alias="from")
+
+
+class Scan2CadAlignment(CapturedAlignment):
+    """The CAD models of a Scan2CAD annotation."""
+
+    source: Literal["scan2cad"] = Field(alias="from")
+
+
+class BoxesAlignment(CapturedAlignment):
+    """A plain list of boxes, filled from the library."""
+
+    source: Literal["boxes"] = Field(alias="from")
+
+
+class ImportedAlignment(ImportedSection, CapturedAlignment):
+    """The objects that an installed importer reads."""
+
+
 Alignment = Annotated[
-    Annotated[ObjectList, Tag("objects")] | Annotated[RoomPlanAlignment, Tag("roomplan")],
+    Annotated[ObjectList, Tag("objects")]
+    | Annotated[GeneratedAlignment, Tag("generate")]
+    | Annotated[RoomPlanAlignment, Tag("roomplan")]
+    | Annotated[Scan2CadAlignment, Tag("scan2cad")]
+    | Annotated[BoxesAlignment, Tag("boxes")]
+    | Annotated[ImportedAlignment, Tag("capture")],
     by_source("objects"),
 ]
 
 AnyPlaced = TypeVar("AnyPlaced", bound=Placed)
 
 
-def named_objects(
-    objects: Sequence[AnyPlaced], captured: Sequence[str] = ()
-) -> list[tuple[str, AnyPlaced]]:
+def named_objects(objects: Sequence[AnyPlaced]) -> list[tuple[str, AnyPlaced]]:
     """Give every object its name: its own, or its category and a number.
 
     Args:
         objects: The objects of the description, in order.
-        captured: The categories of captured objects, which are counted first.
 
     Returns:
         The objects in order, each with its prim name.
     """
-    wanted: list[tuple[str | None, str]] = [(None, category) for category in captured]
-    wanted += [(thing.name, thing.category) for thing in objects]
-    return list(zip(unique_names(wanted)[len(captured) :], objects, strict=True))
+    names = unique_names((thing.name, thing.category) for thing in objects)
+    return list(zip(names, objects, strict=True))
 
 
 def object_names(objects: Sequence[Any]) -> list[str] | None:
@@ -163,36 +212,44 @@ def _unsupported(objects: Sequence[Any]) -> Iterator[Found]:
     names = object_names(objects)
     if names is None:
         return
+    known = set(names)
     rows = [
-        (index, name, support)
+        (index, key, name, other)
         for index, (name, thing) in enumerate(zip(names, objects, strict=True))
-        if (support := peek_text(thing, "on")) is not None
+        for key in _LINKS
+        if (other := peek_text(thing, key)) is not None
     ]
-    known = {*names, *SURFACES}
-    circular = _circular({name: support for _, name, support in rows})
+    circular = _circular({(name, other) for _, _, name, other in rows})
     unknown = 0
-    for index, name, support in rows:
-        if support == name:
-            yield Found(("objects", index, "on"), f"{name!r} cannot stand on itself")
-        elif support not in known:
+    for index, key, name, other in rows:
+        link = _LINKS[key]
+        if other == name:
+            yield Found(("objects", index, key), f"{name!r} {link.refusal}")
+        elif other not in known and other not in link.surfaces:
             unknown += 1
-            hint = did_you_mean(support, known) if unknown <= _MOST_HINTS else ""
-            yield Found(("objects", index, "on"), f"no object is named {support!r}{hint}{_ALLOWED}")
-        elif name in circular:
-            yield Found(("objects", index, "on"), f"{name!r} on {support!r} {_CIRCLE}")
+            near = [*known, *link.surfaces] if unknown <= _MOST_HINTS else ()
+            hint = did_you_mean(other, near)
+            text = f"no object is named {other!r}{hint}; allowed: {link.allowed}"
+            yield Found(("objects", index, key), text)
+        elif name in circular and other in circular:
+            yield Found(("objects", index, key), f"{name!r} {link.between} {other!r} {_CIRCLE}")
 
 
-def _circular(supports: dict[str, str]) -> set[str]:
-    """The names that carry themselves, in one walk along each chain."""
-    done: set[str] = set()
-    circular: set[str] = set()
-    for start in supports:
-        chain: dict[str, int] = {}
-        name = start
-        while name in supports and name not in done and name not in chain:
-            chain[name] = len(chain)
-            name = supports[name]
-        if name in chain:
-            circular.update(list(chain)[chain[name] :])
-        done.update(chain)
-    return circular
+def _circular(links: Collection[tuple[str, str]]) -> set[str]:
+    """The names on circles of links, and those between two circles."""
+    return _endless(links) & _endless([(other, name) for name, other in links])
+
+
+def _endless(links: Collection[tuple[str, str]]) -> set[str]:
+    """The names from which one can go on for ever: the others are taken away from the ends."""
+    ways = Counter(name for name, _ in links)
+    sources: defaultdict[str, list[str]] = defaultdict(list)
+    for name, other in links:
+        sources[other].append(name)
+    ends = [other for other in sources if not ways[other]]
+    while ends:
+        for name in sources[ends.pop()]:
+            ways[name] -= 1
+            if not ways[name]:
+                ends.append(name)
+    return {name for name, left in ways.items() if left}

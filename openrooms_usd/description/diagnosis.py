@@ -1,7 +1,7 @@
 """From what pydantic found to mistakes with a place, a path and words for people."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import UnionType
 from typing import Annotated, Any, Final, Union, get_args, get_origin
@@ -15,6 +15,9 @@ from openrooms_usd.description.model import MISTAKE
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.units import degrees, metres
+
+# Nobody reads more names than these.
+_MOST_LISTED: Final = 30
 
 # What each of pydantic's findings expected; {unit} is the field's own.
 _EXPECTED: Final = {
@@ -189,11 +192,19 @@ def _text(row: ErrorDetails, spot: _Spot, found: Any) -> str:
     if kind in _CHOICES:
         allowed = re.findall(r"'([^']*)'", context[_CHOICES[kind]])
         hint = did_you_mean(found, allowed) if isinstance(found, str) else ""
-        return f"found {shown(found)}{hint}; allowed: {', '.join(allowed)}"
+        return f"found {shown(found)}{hint}; allowed: {_listed(allowed)}"
     limits = {key: _limit(value) for key, value in context.items()}
     values = {**limits, "unit": _unit(spot.annotation), "entries": len(get_args(spot.holder))}
     expected = _EXPECTED[kind].format(**values) if kind in _EXPECTED else row["msg"]
     return f"expected {expected}, found {shown(found)}"
+
+
+def _listed(allowed: Sequence[str]) -> str:
+    """All choices, or so many that a person reads them."""
+    if len(allowed) <= _MOST_LISTED:
+        return ", ".join(allowed)
+    shown_first = ", ".join(allowed[: _MOST_LISTED // 3])
+    return f"{shown_first} ... ({len(allowed)} names, which `orusd schema` lists)"
 
 
 def _limit(value: Any) -> str:

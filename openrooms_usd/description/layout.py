@@ -1,14 +1,15 @@
 """The ``layout`` section: the room's shell and what is cut into it."""
 
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import AfterValidator, Field, Tag
 
+from openrooms_usd.description.captured import CapturedSection, ImportedSection
+from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.model import (
     CheckedModel,
     Found,
-    Model,
     PrimName,
     Whole,
     by_source,
@@ -23,7 +24,12 @@ from openrooms_usd.description.units import Angle, Length, PositiveLength
 Point2 = Annotated[tuple[Length, Length], Field(description="x and y, metres")]
 
 
-class Opening(Model):
+DoorStyle = Literal["panelled", "flush", "glazed"]
+WindowStyle = Literal["casement", "grid", "sliding", "fixed"]
+STYLES: Final = {"door": get_args(DoorStyle), "window": get_args(WindowStyle)}
+
+
+class Opening(CheckedModel):
     """A window, a door or an open passage in one wall."""
 
     kind: Literal["window", "door", "opening"]
@@ -46,6 +52,17 @@ class Opening(Model):
     """The hinge side of a door, seen from inside the room."""
     swing: Literal["in", "out"] = "in"
     """Whether a door's leaf swings into the room or out of it."""
+    style: DoorStyle | WindowStyle | None = None
+    """How it is built: by default doors are panelled and windows have casements."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """A style that belongs to another kind of opening."""
+        kind, style = peek_text(given, "kind"), peek_text(given, "style")
+        known = STYLES.get(kind or "", ())
+        if style in {name for names in STYLES.values() for name in names} - {*known}:
+            what = "an opening has no style" if not known else f"no {kind} is {style!r}"
+            yield Found(("style",), what + (f"; a {kind} is {_either(known)}" if known else ""))
 
 
 class PolygonLayout(CheckedModel):
@@ -79,14 +96,11 @@ class PolygonLayout(CheckedModel):
                 )
 
 
-class RoomPlanLayout(CheckedModel):
-    """A room scanned with Apple RoomPlan."""
+class CapturedLayout(CapturedSection):
+    """The shell of a captured room."""
 
-    source: Literal["roomplan"] = Field(alias="from")
-    file: str = Field(min_length=1)
-    """The exported CapturedRoom JSON, relative to this description."""
     wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
-    """Thickness of the walls, outwards from the scanned surfaces."""
+    """Thickness of the walls, outwards from the captured surfaces."""
     height: PositiveLength | None = Field(default=None, ge=0.5, le=100)
     """Floor to ceiling; by default as captured."""
     openings: tuple[Opening, ...] = ()
@@ -98,27 +112,54 @@ class RoomPlanLayout(CheckedModel):
         yield from _name_clashes(peek_list(given, "openings"))
 
 
+class RoomPlanLayout(CapturedLayout):
+    """A room scanned with Apple RoomPlan."""
+
+    source: Literal["roomplan"] = Field(alias="from")
+
+
+class Scan2CadLayout(CapturedLayout):
+    """The room of a Scan2CAD annotation: a polygon beside a ScanNet scan."""
+
+    source: Literal["scan2cad"] = Field(alias="from")
+
+
+class BoxesLayout(CapturedLayout):
+    """The room around a plain list of boxes."""
+
+    source: Literal["boxes"] = Field(alias="from")
+
+
+class ImportedLayout(ImportedSection, CapturedLayout):
+    """A room that an installed importer reads."""
+
+
 Layout = Annotated[
-    Annotated[PolygonLayout, Tag("polygon")] | Annotated[RoomPlanLayout, Tag("roomplan")],
+    Annotated[PolygonLayout, Tag("polygon")]
+    | Annotated[GeneratedLayout, Tag("generate")]
+    | Annotated[RoomPlanLayout, Tag("roomplan")]
+    | Annotated[Scan2CadLayout, Tag("scan2cad")]
+    | Annotated[BoxesLayout, Tag("boxes")]
+    | Annotated[ImportedLayout, Tag("capture")],
     by_source("polygon"),
 ]
 
 
-def named_openings(
-    openings: Sequence[Opening], captured: Sequence[str] = ()
-) -> list[tuple[str, Opening]]:
+def named_openings(openings: Sequence[Opening]) -> list[tuple[str, Opening]]:
     """Give every opening its name: its own, or its kind and a number.
 
     Args:
         openings: The openings of the description, in order.
-        captured: The kinds of captured openings, which are counted first.
 
     Returns:
         The openings in order, each with its prim name.
     """
-    wanted: list[tuple[str | None, str]] = [(None, kind) for kind in captured]
-    wanted += [(opening.name, opening.kind) for opening in openings]
-    return list(zip(unique_names(wanted)[len(captured) :], openings, strict=True))
+    names = unique_names((opening.name, opening.kind) for opening in openings)
+    return list(zip(names, openings, strict=True))
+
+
+def _either(words: Sequence[str]) -> str:
+    return f"{', '.join(words[:-1])} or {words[-1]}"
 
 
 def _name_clashes(openings: Sequence[Any]) -> Iterator[Found]:

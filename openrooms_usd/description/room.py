@@ -6,7 +6,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from openrooms_usd.description.alignment import Alignment, ObjectList, object_names
-from openrooms_usd.description.cameras import Cameras
+from openrooms_usd.description.cameras import AnyCameras, Cameras
 from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.lights import Lights
 from openrooms_usd.description.materials import Materials
@@ -68,17 +68,19 @@ class Room(CheckedModel):
     """What things are made of."""
     lights: Lights = Field(default_factory=Lights)
     """The environment and the lamps."""
-    cameras: Cameras = Field(default_factory=Cameras)
+    cameras: AnyCameras = Field(default_factory=Cameras)
     """From where it is seen."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """Lamps and materials for objects that do not exist.
+        """Lamps and materials for objects, and cameras of a capture, that do not exist.
 
-        Objects of a capture get their names from it, so only listed objects are checked.
+        Captured and generated objects have other names, so only listed objects are checked.
         """
+        yield from _cameras_of_nothing(given)
         alignment = peek(given, "alignment")
-        if (peek(alignment, "from") or peek(alignment, "source") or "objects") != "objects":
+        generated = alignment is None and _source(peek(given, "layout")) == "generate"
+        if generated or (_source(alignment) or "objects") != "objects":
             return
         names = object_names(peek_list(alignment, "objects"))
         for section, key in (("lights", "lamps"), ("materials", "overrides")):
@@ -88,3 +90,20 @@ class Room(CheckedModel):
             for name in entries.keys() - set(names):
                 hint = did_you_mean(str(name), names)
                 yield Found((section, key, name), f"no object is named {name!r}{hint}")
+
+
+def _source(section: Any) -> Any:
+    return peek(section, "from") or peek(section, "source")
+
+
+def _cameras_of_nothing(given: Any) -> Iterator[Found]:
+    """Cameras from a capture in a room that comes from none."""
+    if any(peek(peek(given, section), "file") for section in ("layout", "alignment")):
+        return
+    cameras = peek(given, "cameras")
+    views = [(("cameras", "views", i), v) for i, v in enumerate(peek_list(cameras, "views"))]
+    # A section that is one view repeats itself as its only one.
+    for path, view in [(("cameras",), cameras)] if _source(cameras) == "capture" else views:
+        if _source(view) == "capture":
+            text = "the room comes from no capture: neither its layout nor its alignment does"
+            yield Found((*path, "from"), text)

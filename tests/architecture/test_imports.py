@@ -18,10 +18,22 @@ SOURCES = {
 # From the strongest to the weakest: a module imports its own rank and those after it.
 RANKS = (
     ("cli",),
-    ("compose", "doctor", "validate", "validation", "package", "stages", "render", "convert"),
+    (
+        "compose",
+        "doctor",
+        "validate",
+        "validation",
+        "package",
+        "edits",
+        "stages",
+        "render",
+        "convert",
+        "showroom",
+    ),
+    ("generate",),
     ("library",),
     ("usd",),
-    ("description", "geometry", "adapters", "atomic", "capture", "channels"),
+    ("description", "geometry", "adapters", "atomic", "capture", "channels", "draws"),
     ("errors", "names"),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}

@@ -14,6 +14,8 @@ PACKAGES = {"openrooms_usd", "orusd_schemas", "orusd_mitsuba", "orusd_scans"}
 DATA = {
     "openrooms_usd/py.typed",
     "openrooms_usd/demo/room.yaml",
+    "openrooms_usd/library/hosek_wilkie.npy",
+    "openrooms_usd/library/hosek_wilkie.LICENSE.txt",
     "orusd_mitsuba/py.typed",
     "orusd_scans/py.typed",
     "orusd_schemas/py.typed",

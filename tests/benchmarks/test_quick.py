@@ -52,12 +52,26 @@ def room(tmp_path: Path) -> Path:
 
 def test_radiance(room, tmp_path):
     pytest.importorskip("mitsuba")
-    said, data = run("radiance", tmp_path / "r.json", "--stage", room)
+    _, data = run("radiance", tmp_path / "r.json", "--stage", room)
     few, more, reference = data["rows"]
     assert (few["samples"], more["samples"], reference["samples"]) == (2, 8, 64)
     assert few["relative_mse"] > more["relative_mse"] > 0
     assert reference["relative_mse"] is None
     assert data["backends"][0]["share"] > 0
+
+
+def test_radiance_with_denoising(room, tmp_path):
+    pytest.importorskip("mitsuba")
+    said, data = run("radiance", tmp_path / "r.json", "--stage", room, "--denoise")
+    few, more, reference = data["rows"]
+    assert few["denoised_mse"] < few["relative_mse"]
+    assert few["seconds_with_denoising"] > few["seconds"]
+    assert reference["denoised_mse"] is None
+    bias = data["denoiser"]
+    assert all(np.isfinite(value) for value in bias.values()) and "mean signed" in said
+    # Two references of 64 samples are alike; a denoiser leaves their mean nearly alone.
+    assert 0 < bias["raw reference, relative MSE"] < more["relative_mse"]
+    assert abs(bias["denoised, mean signed difference"]) < 0.05
     assert 20 < data["backends"][0]["memory_MB"] < 4000
     assert "| scalar | 8 |" in said
 
@@ -74,6 +88,14 @@ def test_compose(tmp_path):
     assert data["rows"][0]["objects"] == 10
     assert data["rows"][0]["cold_s"] > 0
     assert "| 10 |" in said
+
+
+def test_generate(tmp_path):
+    pytest.importorskip("fcl")
+    said, data = run("generate", tmp_path / "g.json")
+    assert data["rooms"] == 2 and data["violations"] == []
+    assert data["rooms_per_minute"] > 0 and data["objects_per_asset"] >= 1
+    assert "| apartment | 1 |" in said
 
 
 def test_relative_mse_of_a_known_error(monkeypatch):

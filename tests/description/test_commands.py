@@ -78,6 +78,17 @@ def test_doctor_reports_as_text_and_as_json(monkeypatch: pytest.MonkeyPatch) -> 
     assert data["renderers"]["mitsuba"] == {"fast": "works"}
 
 
+def test_doctor_names_the_extras_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    with_renderer(monkeypatch, Healthy())
+    real = doctor._version
+    monkeypatch.setattr(doctor, "_version", lambda name: None if name == "pyoidn" else real(name))
+    result = CliRunner().invoke(describing.doctor)
+    assert result.exit_code == 0
+    assert "not installed: pip install openrooms-usd[denoise]" in result.output
+    monkeypatch.setattr(doctor, "_version", lambda name: "1.2.3")
+    assert doctor.diagnose().extras["denoise (pyoidn)"] == "1.2.3"
+
+
 def test_a_renderer_without_a_diagnosis_is_installed(monkeypatch: pytest.MonkeyPatch) -> None:
     with_renderer(monkeypatch, Silent())
     assert doctor.diagnose().renderers["mitsuba"] == {"state": "installed"}

@@ -118,9 +118,9 @@ def thing(category: str, name: str | None = None) -> dict[str, Any]:
     return {"category": category, "at": [0, 0]} | ({"name": name} if name else {})
 
 
-def names_of(*things: dict[str, Any], captured: tuple[str, ...] = ()) -> list[str]:
+def names_of(*things: dict[str, Any]) -> list[str]:
     room = Room.model_validate({"alignment": {"objects": things}})
-    return [name for name, _ in named_objects(room.alignment.objects, captured)]
+    return [name for name, _ in named_objects(room.alignment.objects)]
 
 
 def test_default_names_count_within_a_category() -> None:
@@ -150,12 +150,6 @@ def test_a_name_for_one_renames_no_other() -> None:
         assert after == [*before[:index], "throne", *before[index + 1 :]]
 
 
-def test_numbers_go_on_after_those_of_captured_things() -> None:
-    captured = ("chair", "table", "chair")
-    assert names_of(thing("chair"), thing("chair"), captured=captured) == ["chair_2", "chair_3"]
-    assert names_of(thing("chair", "a"), thing("chair"), captured=captured) == ["a", "chair_3"]
-
-
 @given(
     st.lists(
         st.tuples(
@@ -174,8 +168,8 @@ def test_names_are_unique_and_given_names_are_kept(pairs: list[tuple[str, str | 
 
 def test_openings_are_named_by_their_kind() -> None:
     openings = [Opening(kind=kind, wall=0) for kind in ("window", "door", "window")]
-    names = [name for name, _ in named_openings(openings, captured=("window",))]
-    assert names == ["window_1", "door_0", "window_2"]
+    names = [name for name, _ in named_openings(openings)]
+    assert names == ["window_0", "door_0", "window_1"]
 
 
 def test_the_categories_are_those_of_the_library() -> None:

@@ -1,0 +1,61 @@
+"""``from: generate`` in a description becomes what it stands for, before any stage runs."""
+
+from typing import Any
+
+from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
+from openrooms_usd.description.layout import PolygonLayout
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import DescriptionError
+from openrooms_usd.generate.describing import lamps, layout_section, objects
+from openrooms_usd.generate.rooms import Generated, furnish, generate
+from openrooms_usd.generate.shell import shell_of
+
+
+def expanded(room: Room) -> Room:
+    """A description without generated sections: polygon, openings, objects and lamps are explicit.
+
+    A generated layout is furnished too, unless the description has an alignment of its own. Lamps
+    that the description gives keep what it says of them.
+
+    Args:
+        room: Any description.
+
+    Returns:
+        The same room where nothing is generated.
+
+    Raises:
+        DescriptionError: Furniture is to be generated for a room that is not drawn or generated.
+        InputError: No room of the wanted area can be made.
+    """
+    layout, wants_layout = room.layout, isinstance(room.layout, GeneratedLayout)
+    wants_objects = isinstance(room.alignment, GeneratedAlignment) or (
+        wants_layout and "alignment" not in room.model_fields_set
+    )
+    if not wants_layout and not wants_objects:
+        return room
+    if isinstance(layout, GeneratedLayout):
+        made = generate(room.room, room.seed, layout.area)
+    elif isinstance(layout, PolygonLayout):
+        shell = shell_of(layout)
+        made = Generated(room.room, room.seed, shell, [], furnish(room.room, room.seed, shell))
+    else:
+        raise DescriptionError(
+            "furniture is generated for rooms that are drawn or generated, not for captured ones",
+            place="alignment",
+            remedy="give the room's polygon in layout, or list the objects",
+        )
+    return _with(room, made, wants_layout, wants_objects)
+
+
+def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) -> Room:
+    data: dict[str, Any] = room.model_dump(by_alias=True, exclude_unset=True)
+    if isinstance(room.layout, GeneratedLayout):
+        data["layout"] = layout_section(made) | {"wall_thickness": room.layout.wall_thickness}
+    if wants_objects:
+        data["alignment"] = {
+            "from": "objects",
+            "objects": [row for _, row in objects(made.furnishing)],
+        }
+        lights = data.setdefault("lights", {})
+        lights["lamps"] = lamps(made) | lights.get("lamps", {})
+    return Room.model_validate(data)

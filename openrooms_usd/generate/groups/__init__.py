@@ -1,0 +1,1 @@
+"""Functional groups of furniture: what is used together stands together."""

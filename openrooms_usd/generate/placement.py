@@ -1,0 +1,188 @@
+"""Where groups stand: many candidates at once, the good ones first, none that blocks anything."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.generate.boxes import NONE, Array, Pose, overlap, posed
+from openrooms_usd.generate.floor import Floor, floor_of
+from openrooms_usd.generate.items import HEADROOM, STEP, Group, Item, with_dependants, wrapped
+from openrooms_usd.generate.shell import Shell
+
+# Between furniture of different groups, metres.
+_APART: Final = 0.03
+# How many places for a group are tried on each wall, and in the room.
+_ON_WALL, _IN_ROOM = 24, 220
+# How many of the best places are checked for free paths.
+_CHECKED: Final = 8
+# Narrower groups belong into corners, metres.
+_SMALL: Final = 0.6
+
+
+@dataclass
+class Arrangement:
+    """A room that fills.
+
+    Attributes:
+        shell: The room.
+        items: What stands in it, in the room's frame, by group.
+    """
+
+    shell: Shell
+    items: list[tuple[str, list[Item]]] = field(default_factory=list)
+    solids: Array = field(default_factory=lambda: NONE)
+    zones: Array = field(default_factory=lambda: NONE)
+    access: list[tuple[float, float]] = field(default_factory=list)
+    floor: Floor = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.floor = floor_of(self.shell)
+
+    def place(self, group: Group, rng: np.random.Generator, facing: Pose | None = None) -> bool:
+        """Find a place for a group.
+
+        Args:
+            group: What to place; optional items that do not fit are left out.
+            rng: Draws the candidates.
+            facing: What it shall look at, when it may choose.
+
+        Returns:
+            Whether there was one.
+        """
+        poses, taste = self._candidates(group, rng, facing)
+        if not len(poses):
+            return False
+        kept, possible = self._fits(group, poses)
+        count = kept.sum(axis=1) - group.required.sum()
+        score = np.where(possible, taste + 0.6 * count, -np.inf)
+        order = np.argsort(-score, kind="stable")[:_CHECKED]
+        for row in order[score[order] > -np.inf]:
+            x, y, yaw = poses[row].tolist()
+            if self._settle(group, (x, y, yaw), kept[row].tolist()):
+                return True
+        return False
+
+    def add(self, item: Item) -> bool:
+        """Take in one more thing at its place, unless it narrows a path too much."""
+        floor = self.floor.with_boxes(item.box[None])
+        if item.z < HEADROOM:
+            reachable = floor.connected()
+            if reachable is None or not floor.reaches(reachable, self.access):
+                return False
+        self.floor = floor
+        self.solids = np.concatenate([self.solids, item.box[None]])
+        return True
+
+    def _candidates(
+        self, group: Group, rng: np.random.Generator, facing: Pose | None
+    ) -> tuple[Array, Array]:
+        """(P, 3) poses and (P,) how much each is liked."""
+        make = {"wall": _wall_poses, "free": _free_poses}[group.anchor]
+        poses, taste = make(self.shell, group, rng)
+        if facing is not None:
+            forward = np.radians(poses[:, 2] - 90.0)
+            to = np.array(facing[:2]) - poses[:, :2]
+            away = np.maximum(np.linalg.norm(to, axis=1), 1e-9)
+            ahead = (to[:, 0] * np.cos(forward) + to[:, 1] * np.sin(forward)) / away
+            taste = taste + 4.0 * ahead - 1.5 * np.abs(away - 2.6) / 2.6
+        return poses, taste
+
+    def _fits(self, group: Group, poses: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(P, N) which items can stay, and (P,) whether all needed ones can."""
+        boxes = posed(group.boxes, poses)
+        hung = np.array([item.on in ("wall", "ceiling") for item in group.items])
+        low = boxes[..., 7] <= STEP
+        free = ~overlap(boxes, self.shell.walls).any(axis=-1)
+        free &= self.shell.contains(boxes[..., :2])
+        free &= ~overlap(boxes, self.shell.kept).any(axis=-1)
+        free &= boxes[..., 7] <= self.shell.height - 0.02 + 0.02 * hung
+        if len(self.solids):
+            free &= ~overlap(boxes, self.solids, _APART).any(axis=-1)
+        if len(self.zones):
+            free &= hung | low | ~overlap(boxes, self.zones).any(axis=-1)
+        kept = self._standing(group, free)
+        possible: NDArray[np.bool_] = np.asarray(kept[:, group.required].all(axis=1))
+        if len(group.zones):
+            needed = posed(group.zones, poses)
+            clear = ~overlap(needed, self.shell.walls).any(axis=-1)
+            clear &= self.shell.contains(needed[..., :2])
+            if len(self.solids):
+                clear &= ~overlap(needed, self.solids).any(axis=-1)
+            possible = possible & clear.all(axis=1)
+        return kept, possible
+
+    def _standing(self, group: Group, free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        if free.all():
+            return free
+        return np.array([with_dependants(row, group.items) for row in free.tolist()])
+
+    def _settle(self, group: Group, pose: Pose, kept: list[bool]) -> bool:
+        """Take a place, unless it cuts off a door or something that people use."""
+        items = [item.posed(pose) for item, keep in zip(group.items, kept, strict=True) if keep]
+        boxes = np.array([item.box for item in items])
+        floor = self.floor.with_boxes(boxes)
+        reachable = floor.connected()
+        places = [*self.access, *_places(group, pose)]
+        if reachable is None or not floor.reaches(reachable, places):
+            return False
+        self.floor, self.access = floor, places
+        self.solids = np.concatenate([self.solids, boxes])
+        self.zones = np.concatenate([self.zones, posed(group.zones, [pose])[0]])
+        self.items.append((group.title, items))
+        return True
+
+
+def _places(group: Group, pose: Pose) -> list[tuple[float, float]]:
+    x, y, yaw = pose
+    c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
+    return [(x + float(c * px - s * py), y + float(s * px + c * py)) for px, py in group.access]
+
+
+def _wall_poses(shell: Shell, group: Group, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Along all walls; liked at their ends, a little in their middles."""
+    boxes = group.boxes[group.required]
+    left = float((boxes[:, 0] - boxes[:, 4]).min())
+    right = float((boxes[:, 0] + boxes[:, 4]).max())
+    corners = 1.4 if right - left < _SMALL else 0.5
+    poses, taste = [], []
+    for side in shell.sides:
+        # The group's x runs against the wall's direction.
+        first, last = right + 0.03, side.length + left - 0.03
+        if last < first:
+            continue
+        middle = 0.5 * (first + last)
+        drawn = rng.uniform(first, last, _ON_WALL)
+        for at in (first, last, middle, *drawn.tolist()):
+            x, y = side.point(at, group.back + group.gap)
+            poses.append((round(float(x), 3), round(float(y), 3), round(wrapped(side.yaw), 3)))
+            ends = min(at - first, last - at)
+            taste.append(corners * (ends < 0.05) + 0.2 * (at == middle))
+    fancy = rng.uniform(0.0, 1.0, len(poses))
+    return np.array(poses).reshape(-1, 3), np.array(taste) + fancy
+
+
+def _free_poses(shell: Shell, group: Group, rng: np.random.Generator) -> tuple[Array, Array]:
+    """All over the room, square to its longest wall; liked in the middle."""
+    low, high = shell.corners.min(axis=0), shell.corners.max(axis=0)
+    places = rng.uniform(low, high, (_IN_ROOM, 2))
+    middle = shell.corners.mean(axis=0)
+    places[: _IN_ROOM // 4] = middle + 0.3 * (places[: _IN_ROOM // 4] - middle)
+    longest = max(shell.sides, key=lambda side: side.length)
+    turns = longest.yaw + 90.0 * rng.integers(0, 4, _IN_ROOM)
+    poses = np.column_stack([places.round(2), [wrapped(turn) for turn in turns.round(3)]])
+    away = np.linalg.norm((places - middle) / (high - low), axis=1)
+    return poses, rng.uniform(0.0, 0.6, _IN_ROOM) - 1.5 * away
+
+
+Build = Callable[[float], Group | None]
+
+
+def tries(build: Build, modesty: Sequence[float]) -> Iterator[Group]:
+    """A group again and again, asking for less each time."""
+    for level in modesty:
+        group = build(level)
+        if group is not None:
+            yield group

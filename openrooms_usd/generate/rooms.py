@@ -1,0 +1,209 @@
+"""A room from nothing: draw its shell, fill it group by group, and draw again what did not fit."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd.draws import generator
+from openrooms_usd.errors import InputError
+from openrooms_usd.generate.boxes import Pose
+from openrooms_usd.generate.items import Item
+from openrooms_usd.generate.kit import Kit
+from openrooms_usd.generate.openings import openings
+from openrooms_usd.generate.placement import Arrangement
+from openrooms_usd.generate.polygons import floor_plan
+from openrooms_usd.generate.programs import PROGRAMS, Program, Want
+from openrooms_usd.generate.shapes import Shapes
+from openrooms_usd.generate.shell import Shell
+from openrooms_usd.generate.walls import ceiling_lamps, curtains, hang
+
+# How often a room is drawn again when what it is for found no place.
+_DRAFTS: Final = 6
+# What a group asks for at each try: 0 is all that it likes, 1 as little as can be.
+_MODESTY: Final = {True: (0.0, 0.3, 0.6, 0.9), False: (0.0, 0.6)}
+# Groups of things that have nothing to do with each other.
+ON_WALLS: Final = "on the walls"
+LIGHT: Final = "light"
+LEAST_AREA: Final = 2.0
+MOST_AREA: Final = 400.0
+
+
+@dataclass(frozen=True, eq=False)
+class Furnishing:
+    """What stands in a room.
+
+    Attributes:
+        groups: Titles and items, in the room's frame.
+        missing: How many groups found no place that the room is for.
+    """
+
+    groups: list[tuple[str, list[Item]]]
+    missing: int
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """A room from nothing.
+
+    Attributes:
+        room_type: One of the 27.
+        seed: What it was drawn by.
+        shell: Its walls and openings.
+        openings: The openings as the description has them.
+        furnishing: What stands in it.
+    """
+
+    room_type: str
+    seed: int
+    shell: Shell
+    openings: list[dict[str, Any]]
+    furnishing: Furnishing = field(default_factory=lambda: Furnishing([], 0))
+
+
+def program_of(room_type: str) -> Program:
+    """What a kind of room is like.
+
+    Raises:
+        InputError: There is no such kind.
+    """
+    if room_type not in PROGRAMS:
+        raise InputError(
+            f"no room type is named {room_type!r}", remedy=f"known: {', '.join(PROGRAMS)}"
+        )
+    return PROGRAMS[room_type]
+
+
+def generate(room_type: str, seed: int, area: float | None = None) -> Generated:
+    """Make a room; equal arguments give equal rooms, in any process.
+
+    Args:
+        room_type: One of the 27.
+        seed: Fixes everything that is drawn.
+        area: Of the floor, square metres; drawn by default.
+
+    Raises:
+        InputError: There is no such room type, or no room of that area can be made.
+    """
+    best: Generated | None = None
+    for attempt in range(_DRAFTS):
+        shell, rows = draw_shell(room_type, seed, area, attempt)
+        found = Generated(room_type, seed, shell, rows, _furnished(room_type, seed, shell, attempt))
+        if best is None or found.furnishing.missing < best.furnishing.missing:
+            best = found
+        if not best.furnishing.missing:
+            break
+    assert best is not None
+    return best
+
+
+def draw_shell(
+    room_type: str, seed: int, area: float | None = None, attempt: int = 0
+) -> tuple[Shell, list[dict[str, Any]]]:
+    """Walls and openings alone.
+
+    Raises:
+        InputError: There is no such room type, or no room of that area can be made.
+    """
+    program = program_of(room_type)
+    if area is not None and not LEAST_AREA <= area <= MOST_AREA:
+        raise InputError(
+            f"a room of {area:g} m2 cannot be generated",
+            remedy=f"give an area between {LEAST_AREA:g} and {MOST_AREA:g} square metres",
+        )
+    rng = generator(seed, "generate", room_type, "shell", attempt)
+    least, usual, most = program.area
+    wanted = float(rng.triangular(least, usual, most)) if area is None else area
+    corners = floor_plan(rng, wanted, program.aspect, program.shapes)
+    height = round(float(rng.uniform(*program.height)), 2)
+    return openings(rng, Shell(corners, height), program)
+
+
+def furnish(room_type: str, seed: int, shell: Shell) -> Furnishing:
+    """Furniture for a given room.
+
+    Raises:
+        InputError: There is no such room type.
+    """
+    found = (_furnished(room_type, seed, shell, attempt) for attempt in range(_DRAFTS))
+    best = next(found)
+    for other in found:
+        if not best.missing:
+            break
+        best = min(best, other, key=lambda furnishing: furnishing.missing)
+    return best
+
+
+def _furnished(room_type: str, seed: int, shell: Shell, attempt: int) -> Furnishing:
+    program = program_of(room_type)
+    room = Arrangement(shell)
+    sides = np.ptp(shell.corners, axis=0)
+    kit = Kit(
+        generator(seed, "generate", room_type, "furniture", attempt), Shapes(seed), shell.height,
+        (float(sides.max()), float(sides.min())),
+    )  # fmt: skip
+    missing = 0
+    for want in program.wants:
+        count = _count(want, shell.area, kit)
+        placed = sum(_place(room, kit, want, number < want.least) for number in range(count))
+        missing += max(0, want.least - placed)
+    lamps = ceiling_lamps(room, kit)
+    cloths = curtains(room, kit, program.curtains)
+    hung = hang(room, kit, program.hangs)
+    groups = [*room.items, (ON_WALLS, [*cloths, *hung]), (LIGHT, lamps)]
+    missing += not lamps
+    return Furnishing([group for group in groups if group[1]], missing)
+
+
+def _count(want: Want, area: float, kit: Kit) -> int:
+    """How many groups of a kind a room gets."""
+    if want.least == 0 and not kit.chance(want.chance):
+        return 0
+    if want.each:
+        number = round(area / want.each * float(kit.rng.uniform(0.7, 1.2)))
+    else:
+        number = int(kit.rng.integers(max(want.least, 1), want.most + 1))
+    return int(np.clip(number, want.least, want.most))
+
+
+def _place(room: Arrangement, kit: Kit, want: Want, needed: bool) -> bool:
+    facing = _pose_of(room, want.faces)
+    for modesty in _MODESTY[needed]:
+        kit.modesty = modesty
+        made = want.build(kit)
+        group = kit.apart(made) if made else None
+        if group is not None and room.place(group, kit.rng, facing):
+            kit.modesty = 0.0
+            return True
+    kit.modesty = 0.0
+    return False
+
+
+def _pose_of(room: Arrangement, title: str) -> Pose | None:
+    """Where the first item of a group stands."""
+    for name, items in room.items:
+        if title and name == title:
+            return items[0].x, items[0].y, items[0].yaw
+    return None
+
+
+def named(groups: Sequence[tuple[str, Sequence[Item]]]) -> Iterator[tuple[str, str, Item, str]]:
+    """Every item with its prim name: its category, and a number where there are several.
+
+    Yields:
+        The title of its group, its name, the item, and what carries it by name.
+    """
+    totals: dict[str, int] = {}
+    for _, items in groups:
+        for item in items:
+            totals[item.category] = totals.get(item.category, 0) + 1
+    numbers: dict[str, int] = {}
+    for title, items in groups:
+        names = {"floor": "floor", "ceiling": "ceiling", "wall": "wall"}
+        for item in items:
+            number = numbers.get(item.category, 0)
+            numbers[item.category] = number + 1
+            single = totals[item.category] == 1
+            names[item.key] = item.category if single else f"{item.category}_{number}"
+            yield title, names[item.key], item, names[item.on]

@@ -1,0 +1,182 @@
+"""The room without furniture, as the generator sees it: walls, openings and what they keep free."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.description.layout import Opening, PolygonLayout
+from openrooms_usd.generate.boxes import NONE, Array, box
+from openrooms_usd.geometry.floorplan import inside
+from openrooms_usd.geometry.polygons import counter_clockwise
+
+# What a door's leaf and its handles need beside the opening, and before them, metres.
+_BESIDE: Final = 0.13
+_BEFORE: Final = 0.08
+# How deep the floor before a door and a window stays free, metres.
+_APPROACH: Final = 0.9
+_VIEW: Final = 0.4
+# What reaches into the room at a window's sill, metres.
+_NOSE: Final = 0.05
+# Usual width, height and sill, as the layout stage has them.
+_USUAL: Final = {
+    "window": (1.2, 1.3, 0.9), "door": (0.9, 2.05, 0.0), "opening": (0.9, 2.05, 0.0),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One wall of the room, seen from inside.
+
+    Attributes:
+        start: (2,) its right end, seen from inside; metres.
+        along: (2,) unit vector to its left end.
+        length: Metres.
+        number: The number of its edge, as the polygon was given.
+    """
+
+    start: Array
+    along: Array
+    length: float
+    number: int
+
+    @property
+    def inward(self) -> Array:
+        """(2,) unit vector into the room."""
+        return np.array([-self.along[1], self.along[0]])
+
+    @property
+    def yaw(self) -> float:
+        """Degrees: of what stands with its back to this wall."""
+        return float(np.degrees(np.arctan2(-self.along[1], -self.along[0])))
+
+    def point(self, at: float, away: float = 0.0) -> Array:
+        """(2,) a place at a distance from the start and from the wall, metres."""
+        return np.asarray(self.start + at * self.along + away * self.inward)
+
+    def keep(
+        self, at: float, width: float, depth: float, low: float, high: float
+    ) -> Array:  # fmt: skip
+        """(8,) a box that stands before the wall."""
+        x, y = self.point(at, 0.5 * depth)
+        return box(float(x), float(y), width, depth, low, high, self.yaw)
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A hole in a wall.
+
+    Attributes:
+        kind: What it is.
+        side: The index of its wall in `Shell.sides`.
+        at: From the wall's start to its middle, metres.
+        width: Metres.
+        sill: Height of its lower edge, metres.
+        top: Height of its upper edge, metres.
+        swing: Where a door's leaf goes.
+    """
+
+    kind: Literal["window", "door", "opening"]
+    side: int
+    at: float
+    width: float
+    sill: float
+    top: float
+    swing: Literal["in", "out"] = "in"
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """A room's polygon, its height and its openings.
+
+    Attributes:
+        corners: (N, 2) counter-clockwise, metres.
+        height: Floor to ceiling, metres.
+        gaps: The openings.
+        numbers: For each edge, its number as the polygon was given.
+        clockwise: Whether the polygon was given clockwise.
+    """
+
+    corners: Array
+    height: float
+    gaps: tuple[Gap, ...] = ()
+    numbers: tuple[int, ...] = ()
+    clockwise: bool = False
+
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        """The walls, counter-clockwise."""
+        ends = np.roll(self.corners, -1, axis=0) - self.corners
+        lengths = np.linalg.norm(ends, axis=1)
+        numbers = self.numbers or range(len(ends))
+        return tuple(
+            Side(start, end / length, float(length), number)
+            for start, end, length, number in zip(self.corners, ends, lengths, numbers, strict=True)
+        )
+
+    @property
+    def area(self) -> float:
+        """Square metres."""
+        x, y = self.corners.T
+        return 0.5 * float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+    @cached_property
+    def walls(self) -> Array:
+        """(N, 8) the walls' inner faces as boxes without thickness."""
+        flat = [side.keep(0.5 * side.length, side.length, 0.0, -1.0, 99.0) for side in self.sides]
+        return np.array(flat)
+
+    @cached_property
+    def kept(self) -> Array:
+        """(K, 8) what must stay free before openings, for furniture and what hangs on walls."""
+        rows = [row for gap in self.gaps for row in self._before(gap)]
+        return np.array(rows) if rows else NONE
+
+    def _before(self, gap: Gap) -> Iterator[Array]:
+        side = self.sides[gap.side]
+        if gap.kind == "window":
+            low = gap.sill - 0.02
+            yield side.keep(gap.at, gap.width, _VIEW, low + 0.05, gap.top)
+            yield side.keep(gap.at, gap.width + 0.12, _NOSE, low, gap.top + 0.05)
+        else:
+            swept = gap.width + _BEFORE if gap.kind == "door" and gap.swing == "in" else 0.0
+            depth = max(_APPROACH, swept)
+            yield side.keep(gap.at, gap.width + 2 * _BESIDE, depth, 0.0, gap.top + 0.1)
+
+    @property
+    def doors(self) -> tuple[Gap, ...]:
+        """What people come in by."""
+        return tuple(gap for gap in self.gaps if gap.kind != "window" and gap.sill < 0.1)
+
+    def contains(self, points: Array) -> NDArray[np.bool_]:
+        """(...) which of (..., 2) points lie inside."""
+        found = inside(self.corners, points.reshape(-1, 2)).reshape(points.shape[:-1])
+        return np.asarray(found, dtype=np.bool_)
+
+
+def shell_of(layout: PolygonLayout) -> Shell:
+    """A described room."""
+    corners, numbers = counter_clockwise(layout.polygon)
+    shell = Shell(corners, layout.height, (), tuple(numbers.tolist()), _turned(numbers.tolist()))
+    gaps = tuple(_gap(opening, shell) for opening in layout.openings)
+    return Shell(corners, layout.height, gaps, shell.numbers, shell.clockwise)
+
+
+def _turned(numbers: Sequence[int]) -> bool:
+    return list(numbers) != sorted(numbers)
+
+
+def _gap(opening: Opening, shell: Shell) -> Gap:
+    index = shell.numbers.index(opening.wall)
+    length = shell.sides[index].length
+    given = (opening.width, opening.height, opening.sill)
+    width, height, sill = (
+        usual if value is None else value
+        for value, usual in zip(given, _USUAL[opening.kind], strict=True)
+    )
+    at = 0.5 * length if opening.at is None else opening.at
+    at = length - at if shell.clockwise else at
+    return Gap(opening.kind, index, at, width, sill, sill + height, opening.swing)

@@ -1,0 +1,152 @@
+"""What hangs on the walls and from the ceiling once the furniture stands."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.generate.boxes import overlap
+from openrooms_usd.generate.items import Item
+from openrooms_usd.generate.kit import Kit
+from openrooms_usd.generate.placement import Arrangement
+from openrooms_usd.generate.shell import Shell
+from openrooms_usd.geometry.floorplan import room_centre
+from openrooms_usd.library.furniture import Size, category, styles
+
+# Between what hangs and anything else, metres.
+_APART: Final = 0.08
+_TRIES: Final = 30
+# Curtains hang clear of what stands out at a window's sill; these styles keep to their front.
+_CURTAIN_DEPTH: Final = 0.2
+_CURTAINS: Final = ("drapes", "sheer")
+# One ceiling lamp for this much floor, square metres; and the least height to walk below it.
+_EACH: Final = 14.0
+_HEADROOM: Final = 2.05
+_MOST: Final = 40
+# What fits where larger lamps do not, metres.
+_SMALL: Final = 0.35
+
+
+def hang(
+    room: Arrangement, kit: Kit, wanted: tuple[tuple[str, int, int], ...]
+) -> list[Item]:  # fmt: skip
+    """Hang pictures, clocks, boards and lamps where the walls are free.
+
+    Args:
+        room: The furnished room.
+        kit: Builds them.
+        wanted: Category, least and greatest number.
+    """
+    made: list[Item] = []
+    for name, least, most in wanted:
+        for _ in range(int(kit.rng.integers(least, most + 1))):
+            found = _hung(room, kit, name)
+            if found and room.add(found):
+                made.append(found)
+    return made
+
+
+def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
+    spec = category(name)
+    size = kit.size(name)
+    low = round(spec.level + float(kit.rng.uniform(-0.05, 0.1)), 2)
+    if low + size[2] > room.shell.height - 0.1:
+        return None
+    style = kit.style(name, size)
+    sides = room.shell.sides
+    weights = np.array([max(0.0, side.length - size[0] - 0.2) for side in sides])
+    if not weights.any():
+        return None
+    for _ in range(_TRIES):
+        side = sides[int(kit.rng.choice(len(sides), p=weights / weights.sum()))]
+        half = 0.5 * size[0] + 0.1
+        at = float(kit.rng.uniform(half, side.length - half))
+        x, y = side.point(at, 0.5 * size[1]).tolist()
+        item = kit.item(name, x, y, side.yaw, size=size, style=style, z=low, on="wall")
+        if _is_free(room, item):
+            return item
+    return None
+
+
+def _is_free(room: Arrangement, item: Item) -> bool:
+    box = item.box[None]
+    away = overlap(box, room.shell.kept, _APART).any()
+    away |= len(room.solids) > 0 and overlap(box, room.solids, _APART).any()
+    return not away and not overlap(box, room.shell.walls, -0.002).any()
+
+
+def curtains(room: Arrangement, kit: Kit, chance: float) -> list[Item]:
+    """Curtains of one make before the windows, to the floor or to below the sill."""
+    if not kit.chance(chance):
+        return []
+    style = kit.pick(_CURTAINS)
+    beyond = kit.between(0.16, 0.3)
+    made: list[Item] = []
+    for gap in room.shell.gaps:
+        if gap.kind != "window":
+            continue
+        side = room.shell.sides[gap.side]
+        top = min(gap.top + 0.16, room.shell.height - 0.03)
+        x, y = side.point(gap.at, 0.5 * _CURTAIN_DEPTH).tolist()
+        for low in (0.02, gap.sill - 0.12):
+            size = (round(gap.width + 2 * beyond, 2), _CURTAIN_DEPTH, round(top - low, 2))
+            item = kit.item("curtain", x, y, side.yaw, size=size, style=style, z=round(low, 2),
+                            on="wall")  # fmt: skip
+            if size[2] > 0.5 and _is_free_before(room, item) and room.add(item):
+                made.append(item)
+                break
+    return made
+
+
+def _is_free_before(room: Arrangement, item: Item) -> bool:
+    """Whether a curtain disturbs nothing but the window that it is for."""
+    box = item.box[None]
+    doors = room.shell.kept[room.shell.kept[:, 6] == 0.0]
+    away = overlap(box, doors, 0.02).any() or overlap(box, room.shell.walls, -0.002).any()
+    return not away and not (len(room.solids) and overlap(box, room.solids, 0.03).any())
+
+
+def ceiling_lamps(room: Arrangement, kit: Kit) -> list[Item]:
+    """Lamps of one make on a grid over the floor; at least one."""
+    shell = room.shell
+    style = kit.style("ceiling_lamp")
+    size = kit.size("ceiling_lamp", style=style)
+    size = (size[0], size[1], round(min(size[2], max(0.08, shell.height - _HEADROOM)), 2))
+    style = style if style in styles("ceiling_lamp", size) else kit.style("ceiling_lamp", size)
+    made = _lit(room, kit, [(size, style)] * _MOST, _grid(room.shell))
+    if not made:
+        small = (min(size[0], _SMALL), min(size[1], _SMALL), size[2])
+        x, y = room_centre(room.shell.corners).tolist()
+        made = _lit(room, kit, [(small, kit.style("ceiling_lamp", small))], [(x, y)])
+    if made:
+        room.solids = np.concatenate([room.solids, [item.box for item in made]])
+    return made
+
+
+def _lit(
+    room: Arrangement,
+    kit: Kit,
+    makes: list[tuple[Size, str]],
+    places: list[tuple[float, float]],
+) -> list[Item]:
+    """Lamps at those of some places where they hang clear of walls and furniture."""
+    made: list[Item] = []
+    for (size, style), (x, y) in zip(makes, places, strict=False):
+        z = round(room.shell.height - size[2], 3)
+        item = kit.item(
+            "ceiling_lamp", round(x, 2), round(y, 2), size=size, style=style, z=z, on="ceiling"
+        )
+        box = item.box[None]
+        clear = bool(room.shell.contains(box[:, :2])[0])
+        clear &= not overlap(box, room.shell.walls, 0.1).any()
+        if clear and not (len(room.solids) and overlap(box, room.solids, 0.05).any()):
+            made.append(item)
+    return made
+
+
+def _grid(shell: Shell) -> list[tuple[float, float]]:
+    """Places spread over the room's bounding box, one for each `_EACH` of its area."""
+    low, high = shell.corners.min(axis=0), shell.corners.max(axis=0)
+    sides = high - low
+    counts = np.maximum(1, np.round(sides / np.sqrt(_EACH))).astype(int).tolist()
+    x, y = (low[i] + sides[i] * (np.arange(n) + 0.5) / n for i, n in enumerate(counts))
+    return [(float(px), float(py)) for py in y for px in x]

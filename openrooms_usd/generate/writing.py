@@ -1,0 +1,91 @@
+"""The text of a generated room: a room.yaml that people can read and change."""
+
+import re
+from collections.abc import Iterator
+from itertools import groupby
+from typing import Any, Final
+
+from openrooms_usd.generate.describing import (
+    environment,
+    lamps,
+    layout_section,
+    materials_section,
+    objects,
+)
+from openrooms_usd.generate.rooms import Generated
+
+# Text that YAML reads as text without quotes.
+_PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_WORDS: Final = {"true", "false", "null"}
+# Below so many square metres views are so many degrees wide.
+_WIDE: Final = ((9.0, 84), (16.0, 74), (28.0, 66))
+
+
+def write(room: Generated) -> str:
+    """The whole room.yaml."""
+    return "\n".join(_lines(room)) + "\n"
+
+
+def _lines(room: Generated) -> Iterator[str]:
+    layout = layout_section(room)
+    count = sum(len(items) for _, items in room.furnishing.groups)
+    yield f"# Made by: orusd generate --type {room.room_type} --seed {room.seed}"
+    yield f"# {room.shell.area:.1f} m2, {count} objects. Lengths are metres, angles degrees."
+    yield f"name: {room.room_type}_{room.seed}"
+    yield f"room: {room.room_type}"
+    yield f"seed: {room.seed}"
+    yield ""
+    yield "layout:"
+    yield "  from: polygon"
+    yield "  # Wall i runs from corner i to corner i + 1."
+    yield f"  polygon: {flow(layout['polygon'])}"
+    yield f"  height: {flow(layout['height'])}"
+    yield "  openings:"
+    yield from (f"    - {flow(row)}" for row in layout["openings"])
+    yield ""
+    yield "alignment:"
+    yield "  # What is relative_to another object has its place in that object's frame: x to its"
+    yield "  # right, y to its back. Move the first of a group, and the group moves."
+    yield "  objects:"
+    for title, rows in groupby(objects(room.furnishing), key=lambda row: row[0]):
+        yield f"    # {title.capitalize()}."
+        yield from (f"    - {flow(row)}" for _, row in rows)
+    yield ""
+    yield "materials:"
+    yield from (f"  {key}: {flow(value)}" for key, value in materials_section(room).items())
+    yield ""
+    yield "lights:"
+    yield "  # What shines in by the openings."
+    yield f"  environment: {flow(environment(room))}"
+    yield from _lamp_lines(room)
+    yield ""
+    yield "cameras:"
+    yield "  resolution: [640, 480]"
+    yield "  views:"
+    yield "    # The best of many views along the walls."
+    yield f"    - {{from: select, count: 3, fov: {_field_of_view(room.shell.area)}}}"
+
+
+def _field_of_view(area: float) -> int:
+    """Degrees: nobody stands far enough from the furniture of a small room."""
+    return next((fov for below, fov in _WIDE if area < below), 60)
+
+
+def _lamp_lines(room: Generated) -> Iterator[str]:
+    rows = lamps(room)
+    if rows:
+        yield "  lamps:"
+    yield from (f"    {name}: {flow(row)}" for name, row in rows.items())
+
+
+def flow(value: Any) -> str:
+    """Plain data in YAML's flow style."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {flow(inner)}" for key, inner in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(flow(inner) for inner in value) + "]"
+    if isinstance(value, float):
+        return repr(value)
+    if isinstance(value, str) and (value in _WORDS or not _PLAIN.fullmatch(value)):
+        return f'"{value}"'
+    return str(value)
