@@ -8,7 +8,7 @@ BIN := .venv/bin
 export PIP_ROOT_USER_ACTION := ignore
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test venv lint types unit check benchmarks clean
+.PHONY: help demo test venv lint types unit check benchmarks pictures clean
 
 help:
 	@echo "make demo        compose and render the bundled example into out/demo"
@@ -16,6 +16,7 @@ help:
 	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
 	@echo "make check       ruff and mypy"
 	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
+	@echo "make pictures    draw the pictures of the documentation"
 	@echo "make venv        set up .venv with the tools for development"
 	@echo "make clean       remove .venv, out and caches"
 
@@ -44,6 +45,9 @@ benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks
 	for name in first_picture compose radiance; do \
 		$(BIN)/python -m benchmarks.$$name --json out/benchmarks/$$name.json || exit 1; done
+
+pictures: .venv/installed-dev
+	$(BIN)/python -m docs.pictures
 
 clean:
 	rm -rf .venv out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis

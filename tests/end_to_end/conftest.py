@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 import OpenImageIO
 import pytest
+from click.testing import CliRunner
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import compose_room, render_stage
+from openrooms_usd.cli import orusd
 from openrooms_usd.cli.composing import copy_example
 from orusd_mitsuba import variants
 
@@ -74,7 +76,7 @@ def variant(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def fastest() -> str:
     return usable()[0]
 
@@ -86,16 +88,58 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return compose_room(copy_example(folder / "source"), folder).scene
 
 
+# Rooms that the generator makes: types that differ in their furniture, each with a seed.
+GENERATED = (
+    ("bathroom", 11), ("bedroom", 12), ("classroom", 13), ("dining_room", 14), ("garage", 15),
+    ("kitchen", 16), ("library", 17), ("living_room", 18), ("office", 19), ("stairs", 20),
+)  # fmt: skip
+ROOMS = (("demo",), *GENERATED)
+
+
+@pytest.fixture(scope="session")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Path]:
+    """The ``scene.usda`` of a generated room, composed once."""
+    folder = tmp_path_factory.mktemp("rooms")
+
+    def scene(kind: str, seed: int) -> Path:
+        out = folder / f"{kind}-{seed}"
+        if not (out / "scene.usda").is_file():
+            call = ["generate", "--type", kind, "--seed", str(seed), "-o", str(out / "source")]
+            done = CliRunner().invoke(orusd, call, catch_exceptions=False)
+            assert done.exit_code == 0, done.output
+            compose_room(out / "source" / "room.yaml", out, workers=1)
+        return out / "scene.usda"
+
+    return scene
+
+
+@pytest.fixture(scope="session", params=ROOMS, ids=lambda room: "-".join(map(str, room)))
+def room(request: pytest.FixtureRequest, demo: Path, generated: Callable[[str, int], Path]) -> Path:
+    """The ``scene.usda`` of the bundled example and of each generated room."""
+    return demo if request.param == ("demo",) else generated(*request.param)
+
+
 @pytest.fixture
 def show(tmp_path: Path) -> Show:
     """Render a stage, 32 by 24 pixels and 2 samples unless it says otherwise, and read it back."""
+    return shower(tmp_path)
+
+
+def shower(folder: Path) -> Show:
+    """Renders into a folder."""
 
     def render(stage: Path, name: str = "render", **how: Any) -> Shown:
         defaults: dict[str, Any] = {"resolution": (32, 24), "samples": 2}
-        render_stage(stage, tmp_path / name, **(defaults | how))
-        return Shown(tmp_path / name)
+        render_stage(stage, folder / name, **(defaults | how))
+        return Shown(folder / name)
 
     return render
+
+
+@pytest.fixture(scope="module")
+def show_once(tmp_path_factory: pytest.TempPathFactory) -> Show:
+    """The same for pictures that several tests of a module read."""
+    return shower(tmp_path_factory.mktemp("shown"))
 
 
 @pytest.fixture
@@ -104,7 +148,7 @@ def opened() -> type[Shown]:
     return Shown
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def cast() -> Callable[..., "Seen"]:
     return ray_cast
 
@@ -203,11 +247,13 @@ def meet(
     p = np.cross(directions[:, None], (c - a)[None])
     q = np.cross(eye - a, b - a)
     with np.errstate(all="ignore"):
-        inverse = 1 / np.einsum("tj,rtj->rt", b - a, p)
+        across = np.einsum("tj,rtj->rt", b - a, p)
+        # A ray along a triangle's plane does not meet it.
+        inverse = 1 / np.where(across == 0, np.inf, across)
         u = np.einsum("tj,rtj->rt", eye - a, p) * inverse
         v = directions @ q.T * inverse
         t = np.einsum("tj,tj->t", c - a, q) * inverse
-    inside = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 1e-6)
+        inside = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 1e-6)
     t = np.where(inside, t, np.inf)
     first = t.argmin(axis=1)
     rows = np.arange(len(directions))

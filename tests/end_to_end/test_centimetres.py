@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import CHANNELS, RENDERED
 
 # Row vectors: (x, y, z) in metres with Z up stands at (x, z, -y) in metres with Y up.
 Y_UP = Gf.Matrix4d(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1)
@@ -76,16 +76,28 @@ def transformed(vectors: Vt.Vec3fArray, matrix: Gf.Matrix4d) -> Vt.Vec3fArray:
 
 @pytest.mark.parametrize("convert", [under_a_transform, rewritten])
 def test_the_same_room_in_another_frame(convert, demo: Path, tmp_path: Path, show, fastest) -> None:
+    compare(convert, demo, tmp_path, show, fastest)
+
+
+def test_every_room_in_another_frame(room: Path, tmp_path: Path, show, fastest) -> None:
+    stage = Usd.Stage.Open(str(room))
+    first = str(stage.GetPrimAtPath("/World/Cameras").GetChildren()[0].GetPath())
+    compare(under_a_transform, room, tmp_path, show, fastest, [first])
+
+
+def compare(convert, scene: Path, tmp_path: Path, show, fastest, cameras=()) -> None:
     other = tmp_path / "centimetres.usda"
-    convert(demo, other)
+    convert(scene, other)
     stage = Usd.Stage.Open(str(other))
     assert stage.GetPrototypes()
-    top = UsdGeom.BBoxCache(0, ["default"]).ComputeWorldBound(
-        stage.GetPrimAtPath("/World/Room/Ceiling")
-    )
-    assert top.ComputeAlignedRange().GetMin()[1] == pytest.approx(260.0)
-    how = {"variant": fastest, "resolution": (48, 36), "samples": 8}
-    a, b = show(demo, "metres", **how), show(other, "centimetres", **how)
+    bounds = UsdGeom.BBoxCache(0, ["default"])
+    tops = [
+        bounds.ComputeWorldBound(opened.GetPrimAtPath("/World/Room/Ceiling")).ComputeAlignedRange()
+        for opened in (Usd.Stage.Open(str(scene)), stage)
+    ]
+    assert tops[1].GetMin()[1] == pytest.approx(100.0 * tops[0].GetMin()[2])
+    how = {"variant": fastest, "resolution": (48, 36), "samples": 8, "cameras": cameras}
+    a, b = show(scene, "metres", **how), show(other, "centimetres", **how)
     assert a.views == b.views
     for view in a.views:
         ours, theirs = a[view], b[view]
@@ -93,7 +105,8 @@ def test_the_same_room_in_another_frame(convert, demo: Path, tmp_path: Path, sho
         for name in ("part", "instance", "material", "semantic"):
             same &= a.names(view, name) == b.names(view, name)
         assert same.mean() > 0.998, "all but rays that pass an edge"
-        for name, channel in CHANNELS.items():
+        for name in RENDERED:
+            channel = CHANNELS[name]
             difference = np.abs(ours[name] - theirs[name])[same]
             if channel.unit == "m":
                 # Points are rounded anew; a ray that grazes a surface magnifies that.

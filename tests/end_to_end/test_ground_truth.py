@@ -1,4 +1,4 @@
-"""Ground truth of the bundled example against a ray cast that reads nothing but raw USD."""
+"""Ground truth of the example and of generated rooms against a ray cast of the raw USD."""
 
 from pathlib import Path
 
@@ -11,17 +11,19 @@ from pxr import Usd, UsdShade
 WIDTH, HEIGHT = 40, 30
 
 
-@pytest.fixture
-def shown(demo: Path, show, variant: str):
+@pytest.fixture(scope="module")
+def shown(room: Path, show_once, fastest: str):
     exact = ["depth", "distance", "position", "normal_geometric", "valid"]
     labels = ["instance", "semantic", "part", "material"]
     channels = [*exact, *labels, "base_color", "roughness", "metallic"]
-    return show(demo, channels=channels, resolution=(WIDTH, HEIGHT), variant=variant)
+    size = (WIDTH, HEIGHT)
+    name = room.parent.name
+    return show_once(room, name, channels=channels, resolution=size, variant=fastest)
 
 
-@pytest.fixture
-def seen(demo: Path, shown, cast):
-    stage = Usd.Stage.Open(str(demo))
+@pytest.fixture(scope="module")
+def seen(room: Path, shown, cast):
+    stage = Usd.Stage.Open(str(room))
     views = shown.manifest["views"]
     return stage, {v: cast(stage, views[v]["camera"], WIDTH, HEIGHT) for v in views}
 
@@ -35,11 +37,11 @@ def label(prim: Usd.Prim, taxonomy: str) -> tuple[str, str]:
 
 def test_geometry_and_labels_are_those_of_the_prims(shown, seen) -> None:
     stage, casts = seen
-    assert len(stage.GetPrototypes()) > 3, "instances must be read too"
+    assert stage.GetPrototypes(), "instances must be read too"
     for view, ours in casts.items():
         theirs = shown[view]
         hit = ours.hit
-        assert 0.9 < hit.mean() <= 1.0
+        assert 0.6 < hit.mean() <= 1.0
         assert np.array_equal(theirs["valid"][..., 0] == 1, hit)
         # A ray through an edge may meet either side of it: where both meet the same prim, ...
         paths = np.vectorize(lambda prim: str(prim.GetPath()) if prim else "")(ours.prims)

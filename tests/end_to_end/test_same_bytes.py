@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from openrooms_usd import compose_room
 from openrooms_usd.cli.composing import copy_example
 
 MAIN = "from openrooms_usd.cli import main; main()"
@@ -73,3 +74,10 @@ def test_two_renders_write_the_same_bytes(
     assert_same(a, b)
     for home in (tmp_path, twins[0]):
         assert not [name for name, data in a.items() if str(home).encode() in data]
+
+
+def test_every_room_is_composed_to_the_same_bytes(room: Path, tmp_path: Path) -> None:
+    description = room.parent / "source" / "room.yaml"
+    compose_room(description, tmp_path, workers=4)
+    first = {name: data for name, data in tree(room.parent).items() if "source/" not in name}
+    assert_same(first, tree(tmp_path))

@@ -4,9 +4,10 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+from pxr import Usd
 
 from openrooms_usd import compose_room
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import RENDERED
 
 
 def test_layered_flattened_and_packaged_are_one_picture(
@@ -33,13 +34,32 @@ def test_layered_flattened_and_packaged_are_one_picture(
     assert len(layered.views) == 3
     for view in layered.views:
         image = layered[view]
-        assert set(image) == set(CHANNELS)
+        assert set(image) == set(RENDERED)
         assert image["radiance"].max() > 0 and len(np.unique(image["part"])) > 5
         assert len(np.unique(image["base_color"])) > 50, "textures are seen"
-        for name in CHANNELS:
+        for name in RENDERED:
             assert np.array_equal(flattened[view][name], image[name]), (view, name)
             assert np.array_equal(packaged[view][name], image[name]), (view, name)
     for other in (flattened, packaged):
         assert {k: v for k, v in other.manifest.items() if k != "stage"} == {
             k: v for k, v in layered.manifest.items() if k != "stage"
         }
+
+
+def first_camera(scene: Path) -> list[str]:
+    stage = Usd.Stage.Open(str(scene))
+    return [str(stage.GetPrimAtPath("/World/Cameras").GetChildren()[0].GetPath())]
+
+
+def test_every_room_is_the_same_in_one_file(room: Path, tmp_path: Path, show, fastest) -> None:
+    home = tmp_path / "room"
+    shutil.copytree(room.parent, home)
+    summary = compose_room(home / "source" / "room.yaml", home, flatten=True, usdz=True)
+    assert summary.unchanged
+    how = {"resolution": (32, 24), "variant": fastest, "cameras": first_camera(summary.scene)}
+    layered = show(summary.scene, "layered", **how)
+    others = [show(file, file.suffix[1:], **how) for file in summary.files]
+    for view in layered.views:
+        for other in others:
+            for name in RENDERED:
+                assert np.array_equal(other[view][name], layered[view][name]), (view, name)

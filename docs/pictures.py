@@ -1,0 +1,73 @@
+"""Draws the pictures of the documentation: ``make pictures``.
+
+Every room goes the whole way on the command line: generate, compose, validate --strict, render.
+``python -m docs.pictures --all`` does so for every room type and leaves all files in the folder.
+"""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+import OpenImageIO
+
+from benchmarks.scenes import orusd
+from openrooms_usd.description.room import RoomType
+from openrooms_usd.render.previews import write_png
+
+# Room types and seeds of the six rooms in the documentation.
+SHOWN = (
+    ("living_room", 3), ("bedroom", 1), ("kitchen", 1),
+    ("bathroom", 1), ("office", 1), ("dining_room", 1),
+)  # fmt: skip
+COLUMNS = 3
+
+
+def room(kind: str, seed: int, folder: Path, size: str, *quality: str) -> Path:
+    """Make a room and render its best view; the folder of that view."""
+    home = folder / f"{kind}_{seed}"
+    if not (home / "render" / "manifest.json").is_file():
+        orusd("generate", "--type", kind, "--seed", seed, "-o", home)
+        orusd("compose", home / "room.yaml", "-o", home / "out")
+        orusd("validate", home / "out" / "scene.usda", "--strict")
+        orusd("render", home / "out" / "scene.usda", "-o", home / "render", "--resolution", size,
+              *quality)  # fmt: skip
+    return min(path.parent for path in (home / "render").glob("*/radiance.exr"))
+
+
+def tiled(pictures: Sequence[Path]) -> "np.ndarray[Any, np.dtype[np.uint8]]":
+    """Pictures of one size side by side, with a little white between them."""
+    tiles = [_read(path) for path in pictures]
+    tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % COLUMNS)
+    framed = [np.pad(tile, ((3, 3), (3, 3), (0, 0)), constant_values=255) for tile in tiles]
+    rows = [framed[i : i + COLUMNS] for i in range(0, len(framed), COLUMNS)]
+    return np.concatenate([np.concatenate(row, axis=1) for row in rows], axis=0)
+
+
+def _read(path: Path) -> "np.ndarray[Any, np.dtype[np.uint8]]":
+    return np.asarray(OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.UINT8))[..., :3]
+
+
+def main() -> None:
+    """Draw what the options ask for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--all", action="store_true", help="every room type, into the folder")
+    parser.add_argument("--folder", type=Path, default=Path("out/pictures"))
+    parser.add_argument("--resolution", default="480x360")
+    parser.add_argument("--spp", default="64")
+    options = parser.parse_args()
+    rooms = [(kind, 1) for kind in get_args(RoomType)] if options.all else SHOWN
+    quality = ("--spp", options.spp, "--denoise")
+    views = []
+    for kind, seed in rooms:
+        print(kind, flush=True)
+        views.append(room(kind, seed, options.folder, options.resolution, *quality))
+    target = options.folder / "rooms.png" if options.all else Path("docs/rooms.png")
+    write_png(target, tiled([view / "denoised.png" for view in views]))
+    if not options.all:
+        orusd("library", "sheet", "-o", "docs/catalogue.png")
+
+
+if __name__ == "__main__":
+    main()
