@@ -139,7 +139,8 @@ def _markdown(data: dict[str, Any]) -> str:
     found = list(chain(data["violations"][:20], ["..."] * (len(data["violations"]) > 20)))
     facts = [
         f"{data['rooms']} rooms in {data['minutes']:.0f} minutes, "
-        f"{len(data['violations'])} violations, {data['missing_groups']} groups that found no place",
+        f"{len(data['violations'])} violations, "
+        f"{data['missing_groups']} groups that found no place",
         f"generate: median {data['generate_median_s']:.3f} s, 95 % below "
         f"{data['generate_p95_s']:.3f} s, worst {data['generate_worst_s']:.3f} s",
         f"generate + compose: {data['rooms_per_minute']:.1f} rooms a minute; "

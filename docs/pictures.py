@@ -18,8 +18,8 @@ from openrooms_usd.render.previews import write_png
 
 # Room types and seeds of the six rooms in the documentation.
 SHOWN = (
-    ("living_room", 3), ("bedroom", 1), ("kitchen", 1),
-    ("bathroom", 1), ("office", 1), ("dining_room", 1),
+    ("lounge", 1), ("bedroom", 2), ("kitchen", 2),
+    ("game_room", 1), ("office", 2), ("apartment", 1),
 )  # fmt: skip
 COLUMNS = 3
 
@@ -59,6 +59,8 @@ def main() -> None:
     options = parser.parse_args()
     rooms = [(kind, 1) for kind in get_args(RoomType)] if options.all else SHOWN
     quality = ("--spp", options.spp, "--denoise")
+    if not options.all:
+        quality += ("--camera", "view_0")
     views = []
     for kind, seed in rooms:
         print(kind, flush=True)

@@ -18,7 +18,7 @@ Foot: TypeAlias = tuple[float, float, float, float]
 # A box around a part that is higher than this is cut into slices, metres.
 _SLICE: Final = 0.15
 # An object stands on its points below this height, metres.
-_FOOT: Final = 0.005
+_FOOT: Final = 0.0065
 
 
 @dataclass(frozen=True, eq=False)
