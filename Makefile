@@ -43,8 +43,9 @@ unit: .venv/installed-dev
 
 benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks
-	for name in first_picture compose radiance; do \
+	for name in first_picture compose generate; do \
 		$(BIN)/python -m benchmarks.$$name --json out/benchmarks/$$name.json || exit 1; done
+	$(BIN)/python -m benchmarks.radiance --denoise --json out/benchmarks/radiance.json
 
 pictures: .venv/installed-dev
 	$(BIN)/python -m docs.pictures

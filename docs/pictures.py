@@ -68,7 +68,7 @@ def main() -> None:
     target = options.folder / "rooms.png" if options.all else Path("docs/rooms.png")
     write_png(target, tiled([view / "denoised.png" for view in views]))
     if not options.all:
-        orusd("library", "sheet", "-o", "docs/catalogue.png")
+        orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise")
 
 
 if __name__ == "__main__":

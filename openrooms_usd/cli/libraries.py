@@ -65,6 +65,7 @@ def list_(as_json: bool) -> None:
 )
 @click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
 @click.option("--renderer", default="mitsuba", show_default=True)
+@click.option("--denoise", is_flag=True, help="Denoise the pictures (needs the extra 'denoise').")
 @json_option
 def sheet(
     out: Path,
@@ -75,6 +76,7 @@ def sheet(
     spp: int,
     variant: str,
     renderer: str,
+    denoise: bool,
     as_json: bool,
 ) -> None:
     """Draw the catalogue: every object in a studio, with its name, style and size."""
@@ -86,7 +88,7 @@ def sheet(
     with quiet(), _progress(hidden=as_json) as progress:
         draw_sheet(
             out, shown, seed=seed, size=size, samples=spp, renderer=renderer, variant=variant,
-            progress=progress,
+            denoise=denoise, progress=progress,
         )  # fmt: skip
     if as_json:
         print_json({"file": str(out), "shown": [[item.category, item.style] for item in shown]})

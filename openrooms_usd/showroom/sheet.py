@@ -7,6 +7,7 @@ from typing import Final
 
 from openrooms_usd import adapters
 from openrooms_usd.render.contract import Renderer, RenderRequest
+from openrooms_usd.render.denoise import DENOISED, SOURCE, Denoiser, load_denoiser
 from openrooms_usd.render.folder import check_writable
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import Tile, write_sheet
@@ -32,6 +33,7 @@ def draw_sheet(
     samples: int = DEFAULT_SAMPLES,
     renderer: str = "mitsuba",
     variant: str = "auto",
+    denoise: bool = False,
     progress: Progress = lambda text, fraction: None,
 ) -> None:
     """Render every exhibit in the studio and tile the pictures, in the order given.
@@ -46,20 +48,22 @@ def draw_sheet(
         samples: Samples a pixel.
         renderer: A registered renderer.
         variant: ``auto``, or a backend of the renderer.
+        denoise: Whether to denoise the pictures.
         progress: Called with each finished exhibit's name and the finished fraction.
 
     Raises:
+        MissingPackageError: The denoiser is asked for and not installed.
         OutputError: The file cannot be written.
         RenderError: The renderer cannot do it.
     """
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
+    denoiser = load_denoiser(adapter.channels) if denoise else None
     check_writable(path.parent)
     tiles: dict[str, Tile] = {}
     # Lamps have a studio of their own: each light that is not seen costs samples of those that are.
     for lamps in (False, True):
-        for item, tile in _hall(
-            adapter, [i for i in exhibits if i.emits == lamps], seed, size, samples, variant
-        ):
+        hall = [item for item in exhibits if item.emits == lamps]
+        for item, tile in _hall(adapter, hall, seed, size, samples, variant, denoiser):
             tiles[item.name] = tile
             progress(item.name, len(tiles) / len(exhibits))
     ordered = [tiles[item.name] for item in exhibits]
@@ -69,7 +73,13 @@ def draw_sheet(
 
 
 def _hall(
-    adapter: Renderer, exhibits: Sequence[Exhibit], seed: int, size: int, samples: int, variant: str
+    adapter: Renderer,
+    exhibits: Sequence[Exhibit],
+    seed: int,
+    size: int,
+    samples: int,
+    variant: str,
+    denoiser: Denoiser | None,
 ) -> Iterator[tuple[Exhibit, Tile]]:
     """Captions and pictures of some exhibits that stand in one studio."""
     from openrooms_usd.showroom.studio import build, camera_of, triangles_of
@@ -79,14 +89,18 @@ def _hall(
     with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
         stage = build(exhibits, seed, Path(folder))
         session = adapter.open(stage, variant=variant)
+        channels = denoiser.needs((SOURCE,)) if denoiser else (SOURCE,)
         for item in exhibits:
             request = RenderRequest(
-                camera_of(item), ("radiance",), size, size,
+                camera_of(item), channels, size, size,
                 samples=samples * (_LAMP_SAMPLES if item.emits else 1), seed=seed,
                 bounces=_BOUNCES,
             )  # fmt: skip
             view = session.render(request)
-            picture = preview("radiance", view.images["radiance"].pixels, view.exposure)
+            if denoiser:
+                view = denoiser.complete(view, channels)
+            shown = view.images[DENOISED if denoiser else SOURCE].pixels
+            picture = preview(SOURCE, shown, view.exposure)
             yield item, (_caption(item, triangles_of(stage, item)), picture.pixels)
 
 
