@@ -1,9 +1,14 @@
 """What tests of every area share: is a stage valid, and a small room that was composed once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import hypothesis
 import pytest
+
+# Machines are shared: how long an example takes says nothing.
+hypothesis.settings.register_profile("patient", deadline=None)
+hypothesis.settings.load_profile("patient")
 
 # A room with a window, a door, a lamp, a repeated chair and an object on another one.
 SMALL_ROOM = """\
@@ -27,6 +32,14 @@ alignment:
 
 # Rules of usd-validation-nvidia that do not fit a room, each with the reason.
 LEFT_OUT: tuple[str, ...] = ()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Textures of the tests come from the tests' own cache, not from the user's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ORUSD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
 
 
 @pytest.fixture(scope="session")

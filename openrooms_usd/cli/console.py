@@ -1,7 +1,9 @@
-"""What the commands share: the ``--json`` option and how a result is printed."""
+"""What the commands share: the ``--json`` option, how a result is printed, a bar of progress."""
 
 import json
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import click
@@ -19,3 +21,18 @@ def json_option(command: Command) -> Command:
 def print_json(data: object) -> None:
     """Print data as JSON, in one stable form."""
     click.echo(json.dumps(data, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False))
+
+
+@contextmanager
+def progress_bar(*, hidden: bool) -> Iterator[Callable[[str, float], None]]:
+    """A bar on standard error where that is a terminal, else nothing."""
+    if hidden or not sys.stderr.isatty():
+        yield lambda text, fraction: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
+
+    columns = ("[progress.description]{task.description}", BarColumn(), TaskProgressColumn())
+    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
+        task = bar.add_task("composing", total=1.0)
+        yield lambda text, fraction: bar.update(task, description=text, completed=fraction)

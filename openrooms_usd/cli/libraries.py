@@ -1,18 +1,11 @@
 """The commands of ``orusd library``: what furniture there is, as a list and as a picture."""
 
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
-
-if TYPE_CHECKING:
-    from openrooms_usd.showroom.sheet import Progress
+from openrooms_usd.cli.console import json_option, print_json, progress_bar
 
 
 @click.group()
@@ -85,7 +78,7 @@ def sheet(
 
     started = time.perf_counter()
     shown = exhibits(categories, every_style=every_style)
-    with quiet(), _progress(hidden=as_json) as progress:
+    with quiet(), progress_bar(hidden=as_json) as progress:
         draw_sheet(
             out, shown, seed=seed, size=size, samples=spp, renderer=renderer, variant=variant,
             denoise=denoise, progress=progress,
@@ -94,18 +87,3 @@ def sheet(
         print_json({"file": str(out), "shown": [[item.category, item.style] for item in shown]})
         return
     click.echo(f"wrote {out}: {len(shown)} objects ({time.perf_counter() - started:.1f} s)")
-
-
-@contextmanager
-def _progress(*, hidden: bool) -> Iterator["Progress"]:
-    """A bar on standard error where that is a terminal, else nothing."""
-    if hidden or not sys.stderr.isatty():
-        yield lambda text, fraction: None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
-
-    columns = ("[progress.description]{task.description}", BarColumn(), TaskProgressColumn())
-    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
-        task = bar.add_task("composing", total=1.0)
-        yield lambda text, fraction: bar.update(task, description=text, completed=fraction)

@@ -10,23 +10,32 @@ from openrooms_usd import atomic
 from openrooms_usd.usd import imagefile
 
 
-def write_png(path: Path, pixels: NDArray[np.uint8], *, is_color: bool) -> None:
-    """Write eight-bit pixels.
+def write_png(
+    path: Path,
+    pixels: NDArray[np.uint8] | NDArray[np.uint16],
+    *,
+    is_color: bool,
+    description: str = "",
+) -> None:
+    """Write pixels of eight or sixteen bits.
 
     Args:
         path: Where.
         pixels: (H, W) or (H, W, 3), the first row on top.
         is_color: Whether they are sRGB-encoded colours; data carry no colour profile.
+        description: What the values mean, for those who open the file alone.
 
     Raises:
         OutputError: It cannot be written.
     """
-    attributes = {
+    attributes: dict[str, Any] = {
         "oiio:ColorSpace": "sRGB" if is_color else "data",
         # More effort makes the files hardly smaller.
         "png:compressionLevel": 4,
     }
-    _write(path, pixels, "uint8", attributes)
+    if description:
+        attributes["ImageDescription"] = description
+    _write(path, pixels, str(pixels.dtype), attributes)
 
 
 def write_exr(path: Path, pixels: NDArray[np.float32], *, half: bool = False) -> None:
@@ -40,7 +49,7 @@ def write_exr(path: Path, pixels: NDArray[np.float32], *, half: bool = False) ->
     Raises:
         OutputError: It cannot be written.
     """
-    attributes = {
+    attributes: dict[str, Any] = {
         "oiio:ColorSpace": "lin_rec709_scene",
         "compression": "zip",
         # Otherwise the writer adds the time of day.

@@ -6,16 +6,15 @@ from pathlib import Path
 from typing import Final
 
 from openrooms_usd import adapters
-from openrooms_usd.render.contract import Renderer, RenderRequest
-from openrooms_usd.render.denoise import DENOISED, SOURCE, Denoiser, load_denoiser
+from openrooms_usd.render.contract import Renderer
+from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.folder import check_writable
-from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.showroom.exhibits import Exhibit
+from openrooms_usd.showroom.photograph import photograph
 
 DEFAULT_SIZE: Final = 160
 DEFAULT_SAMPLES: Final = 64
-_BOUNCES: Final = 4
 # Many lights share the samples of the lamps' studio.
 _LAMP_SAMPLES: Final = 3
 _COLUMNS: Final = 10
@@ -89,19 +88,10 @@ def _hall(
     with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
         stage = build(exhibits, seed, Path(folder))
         session = adapter.open(stage, variant=variant)
-        channels = denoiser.needs((SOURCE,)) if denoiser else (SOURCE,)
         for item in exhibits:
-            request = RenderRequest(
-                camera_of(item), channels, size, size,
-                samples=samples * (_LAMP_SAMPLES if item.emits else 1), seed=seed,
-                bounces=_BOUNCES,
-            )  # fmt: skip
-            view = session.render(request)
-            if denoiser:
-                view = denoiser.complete(view, channels)
-            shown = view.images[DENOISED if denoiser else SOURCE].pixels
-            picture = preview(SOURCE, shown, view.exposure)
-            yield item, (_caption(item, triangles_of(stage, item)), picture.pixels)
+            more = samples * (_LAMP_SAMPLES if item.emits else 1)
+            picture = photograph(session, camera_of(item), size, more, seed, denoiser)
+            yield item, (_caption(item, triangles_of(stage, item)), picture)
 
 
 def _caption(item: Exhibit, triangles: int) -> str:

@@ -80,7 +80,7 @@ def build(exhibits: Sequence[Exhibit], seed: int, folder: Path) -> Usd.Stage:
     for spot in spots:
         _place(stage_, spot)
     _define_backdrop(stage_, spots)
-    write_exr(folder / "softboxes.exr", _softboxes())
+    write_exr(folder / "softboxes.exr", softboxes())
     define_dome(stage_, names.ENVIRONMENT, texture="./softboxes.exr")
     return stage_
 
@@ -182,8 +182,8 @@ def _define_backdrop(stage: Usd.Stage, spots: Sequence[_Spot]) -> None:
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
 
 
-def _softboxes() -> NDArray[np.float32]:
-    """A grey tent with a large key light at the right of the cameras and a strip at their left."""
+def softboxes() -> NDArray[np.float32]:
+    """(128, 256, 3) nits: a grey tent, a large key light at the right and a strip at the left."""
     way = directions(128)
     tent = 150.0 + 250.0 * np.clip(way[..., 2], 0.0, 1.0)
     tent = tent + _softbox(way, 62.0, 48.0, (24.0, 20.0), 9000.0)

@@ -59,18 +59,18 @@ def test_an_earlier_composition_stays(slow_room: Path, lab: Any, tmp_path: Path)
 
 def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
     pytest.importorskip("mitsuba")
-    from openrooms_usd.channels import RENDERED
+    from openrooms_usd.channels import WRITTEN
     from openrooms_usd.render import exr
 
     out = tmp_path / "out"
     process = lab.start("render", lab.scene, "-o", out, "--variant", "scalar", "--time", "1")
-    interrupt(process, lambda: (out / "manifest.json").exists(), lab)
+    interrupt(process, lambda: (out / "timing.json").exists(), lab)
     views = json.loads((out / "manifest.json").read_text())["views"]
     assert list(views) == ["left"]
     there = {path.name for path in out.iterdir()}
     assert there == {"left", "manifest.json", "timing.json", "contact_sheet.png"}
-    assert exr.read_channels(out / "left" / "channels.exr").keys() == set(RENDERED)
-    pictures = {f"{name}.png" for name in RENDERED}
+    assert exr.read_channels(out / "left" / "channels.exr").keys() == set(WRITTEN)
+    pictures = {f"{name}.png" for name in WRITTEN}
     files = {path.name for path in (out / "left").iterdir()}
     assert files == pictures | {"channels.exr", "radiance.exr"}
 

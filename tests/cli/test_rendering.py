@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from openrooms_usd.channels import CHANNELS, RENDERED, markdown_page
+from openrooms_usd.channels import CHANNELS, WRITTEN, markdown_page
 from openrooms_usd.cli import orusd
 from openrooms_usd.cli.composing import _done
 from openrooms_usd.cli.rendering import _warnings
@@ -132,6 +132,21 @@ def test_options_that_are_refused(options, ball, tmp_path):
     assert not (tmp_path / "out").exists()
 
 
+def test_the_reflectance_model_can_be_forced(ball, tmp_path):
+    """What has no material is a UsdPreviewSurface, unless told otherwise; a scalar backend too."""
+    pytest.importorskip("mitsuba")
+    options = ["--variant", "scalar", "--resolution", "8x6", "--spp", "1", "--camera", "front"]
+    losses = {}
+    for bsdf in ("auto", "openrooms"):
+        out = tmp_path / bsdf
+        said = call("render", ball, "-o", out, *options, "--bsdf", bsdf, "--json")
+        manifest = json.loads(said)["manifest"]
+        used = {"auto": "preview", "openrooms": "openrooms"}[bsdf]
+        assert manifest["renderer"]["bsdf"] == used
+        losses[bsdf] = str(manifest["report"])
+    assert "F0 0.04" in losses["openrooms"] and "F0" not in losses["auto"]
+
+
 def test_a_ball_on_the_floor(ball, tmp_path):
     pytest.importorskip("mitsuba")
     out = tmp_path / "out"
@@ -141,7 +156,7 @@ def test_a_ball_on_the_floor(ball, tmp_path):
     assert said["manifest"] == json.loads((out / "manifest.json").read_text())
     assert said["manifest"]["views"].keys() == {"front"}
     images = exr.read_channels(out / "front" / "channels.exr")
-    assert images.keys() == set(RENDERED)
+    assert images.keys() == set(WRITTEN)
     middle = images["instance"][12, 16, 0]
     assert said["manifest"]["legend"]["instance"][str(int(middle))] == "/World/Ball"
     assert np.isfinite(images["radiance"]).all()

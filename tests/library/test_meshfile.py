@@ -285,3 +285,38 @@ def test_real_models(path: Path, tmp_path: Path) -> None:
     for mesh in model.parts.values():
         assert np.isfinite(mesh.points).all()
         assert np.abs(np.linalg.norm(mesh.normals, axis=1) - 1).max() < 1e-4
+
+
+SHEET = (
+    "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 {t}\nvt 0 {t}\nf 1/1 2/2 3/3 4/4\n"
+)
+
+
+def test_good_coordinates_of_a_file_are_kept_in_metres(tmp_path: Path) -> None:
+    model = read_model(_write(tmp_path / "sheet.obj", SHEET.format(t=1)))
+    assert not model.notes
+    (mesh,) = model.parts.values()
+    # Two metres of the file under one unit of its texture; the projection would centre them.
+    np.testing.assert_allclose([mesh.st.min(axis=0), mesh.st.max(axis=0)], [[0, 0], [2, 2]])
+
+
+@pytest.mark.parametrize(("t", "reason"), [("0", "no place in the texture"), ("9", "stretch")])
+def test_useless_coordinates_of_a_file_are_projected_and_reported(
+    tmp_path: Path, t: str, reason: str
+) -> None:
+    model = read_model(_write(tmp_path / "sheet.obj", SHEET.format(t=t)))
+    (mesh,) = model.parts.values()
+    np.testing.assert_allclose(np.ptp(mesh.st, axis=0), [2, 2], atol=1e-6)
+    (note,) = model.notes
+    assert reason in note and note.endswith("; projected")
+
+
+def test_coordinates_of_a_part_with_pictures_are_its_own(tmp_path: Path) -> None:
+    (tmp_path / "wood.png").write_bytes(b"")
+    _write(tmp_path / "sheet.mtl", "newmtl wood\nmap_Kd wood.png\n")
+    text = "mtllib sheet.mtl\nusemtl wood\n"
+    for t, number in (("9", 9.0), ("nan", 2.0)):
+        model = read_model(_write(tmp_path / "sheet.obj", text + SHEET.format(t=t)))
+        (mesh,) = model.parts.values()
+        assert np.ptp(mesh.st[:, 1]) == pytest.approx(number, abs=1e-6)
+        assert len(model.notes) == 1

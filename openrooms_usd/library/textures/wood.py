@@ -1,188 +1,201 @@
-"""Wood: annual rings cut by a plank's face, fibres, pores; in panels or as a floor.
+"""Families of solid wood: veneers, staves, floors and boards. Grain runs along t."""
 
-A tree is a bundle of cones about its pith. A plank's face lies at some distance from the pith, so
-rings appear as nearly straight lines where the face cuts them steeply and as arches ("cathedrals")
-where it runs along them. Grain runs along t.
-"""
-
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.maps import Maps, with_mean
-from openrooms_usd.library.textures.noise import Field, smooth_noise, smoothstep
-from openrooms_usd.library.textures.planks import Index, Planks, floor, panel
+from openrooms_usd.library.textures import parquet, woodbased
+from openrooms_usd.library.textures.boards import (
+    planks,
+    staves,
+)
+from openrooms_usd.library.textures.family import Family, Order, Use
+from openrooms_usd.library.textures.maps import Maps
+from openrooms_usd.library.textures.noise import smoothstep
+from openrooms_usd.library.textures.recipe import drawn_roughness, finished, fractal, mixed, noise
+from openrooms_usd.library.textures.species import (
+    ASH,
+    BEECH,
+    BIRCH,
+    LARCH,
+    MAPLE,
+    OAK,
+    PINE,
+    SAPELE,
+    WALNUT,
+    ZEBRANO,
+    Timber,
+)
+from openrooms_usd.library.textures.timber import face, lacquered
+
+# Depth of a joint, metres.
+_JOINT: Final = 0.5e-3
 
 
-@dataclass(frozen=True)
-class Species:
-    """What distinguishes woods.
-
-    Attributes:
-        color: Mean base colour, scene-linear Rec.709.
-        late: How much darker latewood is than earlywood, 0..1.
-        ring: Range of ring widths, metres.
-        pores: How much the pores show, 0..1.
-        redder: How much redder the dark parts are.
-    """
-
-    color: tuple[float, float, float]
-    late: float
-    ring: tuple[float, float]
-    pores: float
-    redder: float
+def _veneer(order: Order, timber: Timber, leaf: tuple[float, float] = (0.18, 0.26)) -> Maps:
+    """Leaves of one log, side by side like the pages of an open book."""
+    wood = face(order, staves(order, leaf, mirrored=True), timber)
+    return lacquered(order, wood, timber, (0.28, 0.45))
 
 
-SPECIES: Final = {
-    "oak": Species((0.40, 0.255, 0.135), 0.30, (0.004, 0.007), 1.0, 0.10),
-    "ash": Species((0.50, 0.37, 0.23), 0.32, (0.005, 0.009), 0.8, 0.08),
-    "beech": Species((0.50, 0.315, 0.185), 0.13, (0.004, 0.007), 0.35, 0.06),
-    "pine": Species((0.56, 0.365, 0.175), 0.34, (0.006, 0.011), 0.1, 0.14),
-    "cherry": Species((0.33, 0.15, 0.075), 0.20, (0.005, 0.009), 0.3, 0.10),
-    "walnut": Species((0.165, 0.092, 0.052), 0.38, (0.006, 0.010), 0.7, 0.05),
-}
-
-# Height of latewood above earlywood, depth of a pore, of a floor's joint: metres.
-_RIDGE: Final = 15e-6
-_PORE: Final = 60e-6
-_JOINT: Final = 0.4e-3
-# Half width of the dark gap between floorboards, and of the bevel beside it: metres.
-_GAP: Final = 0.7e-3
-_BEVEL: Final = 2.5e-3
-# Share of a ring at which it begins to darken, is darkest, and ends.
-_RING_PROFILE: Final = (0.35, 0.9, 0.97)
+def _panel(order: Order, timber: Timber, width: tuple[float, float]) -> Maps:
+    """Staves glued edge to edge."""
+    wood = face(order, staves(order, width), timber)
+    return lacquered(order, wood, timber, (0.32, 0.5))
 
 
-def make_panel(
-    rng: np.random.Generator,
-    color: tuple[float, float, float] | None,
-    roughness: float | None,
-    resolution: int,
-    size: float,
-) -> Maps:
-    """Furniture: staves glued edge to edge, planed and lacquered."""
-    planks = panel(rng, resolution, size)
-    return _wood(rng, planks, color, roughness, resolution, size, jointed=False)
+def _butcher_block(order: Order) -> Maps:
+    """Short staves, finger-jointed end to end and glued: worktops."""
+    boards = planks(order, (0.034, 0.046), (0.25, 0.6))
+    wood = face(order, boards, BEECH, 0.14)
+    return lacquered(order, wood.darker(1.0 - 0.25 * boards.gap(order, 0.0004)), BEECH, (0.35, 0.5))
 
 
-def make_floor(
-    rng: np.random.Generator,
-    color: tuple[float, float, float] | None,
-    roughness: float | None,
-    resolution: int,
-    size: float,
-) -> Maps:
-    """A floor: boards with staggered ends, dark gaps and a small bevel."""
-    planks = floor(rng, resolution, size)
-    return _wood(rng, planks, color, roughness, resolution, size, jointed=True)
+def _panelling(order: Order) -> Maps:
+    """Knotty boards with tongue and groove: a V at every joint."""
+    boards = staves(order, (0.096, 0.096))
+    timber = replace(PINE, knots=26.0, knot=(0.005, 0.013))
+    wood = face(order, boards, timber, 0.06)
+    vee = boards.bevel(5e-3)
+    wood = wood.darker((1.0 - 0.5 * boards.gap(order, 2e-3)) * (1.0 - 0.2 * vee))
+    maps = lacquered(order, wood, timber, (0.3, 0.45))
+    return replace(maps, height=maps.height - 4e-3 * vee)
 
 
-def _wood(
-    rng: np.random.Generator,
-    planks: Planks,
-    color: tuple[float, float, float] | None,
-    roughness: float | None,
-    resolution: int,
-    size: float,
-    *,
-    jointed: bool,
-) -> Maps:
-    species = SPECIES[str(rng.choice(list(SPECIES)))]
-    mean = np.array(species.color) * rng.uniform(0.88, 1.12) if color is None else np.array(color)
-    gloss = rng.uniform(0.32, 0.5) if roughness is None else roughness
-    tone = rng.uniform(-1.0, 1.0, planks.count)
-    shifts = rng.integers(0, resolution, (2, planks.count))
+def _brushed(order: Order) -> Maps:
+    """Larch whose soft earlywood was brushed out: the rings stand in relief."""
+    boards = staves(order, (0.12, 0.17))
+    wood = face(order, boards, LARCH, 0.08)
+    maps = lacquered(order, wood, LARCH, (0.6, 0.8))
+    scratch = noise(order, 0.0008, 0.08)
+    return replace(maps, height=0.8e-3 * wood.late + 30e-6 * scratch - _JOINT * boards.bevel(2e-3))
 
-    late = _latewood(rng, planks, shifts, species, resolution, size)
-    blotch = _shifted(smooth_noise(rng, resolution, size, (0.08, 0.5)), planks.index, shifts)
-    fibre = _shifted(smooth_noise(rng, resolution, size, (0.0025, 0.2)), planks.index, shifts)
-    streak = _shifted(smooth_noise(rng, resolution, size, (0.0015, 0.012)), planks.index, shifts)
-    pores = species.pores * smoothstep(0.9, 2.4, streak) * (1.0 - 0.6 * late)
-    gap = _gap(planks, size / resolution) if jointed else np.zeros_like(late)
 
-    dark = (
-        (1.0 - species.late * late)
-        * (1.0 + 0.03 * blotch + 0.035 * fibre)
-        * (1.0 - 0.3 * pores)
-        * (1.0 + (0.13 if jointed else 0.07) * tone[planks.index])
+def _reclaimed(order: Order) -> Maps:
+    """Old boards: grey, cracked along the grain, of all widths, with nail holes and stains."""
+    boards = planks(order, (0.09, 0.2), (0.6, 1.7))
+    timber = replace(PINE, knots=8.0, late=0.3, redder=0.04, color=(0.21, 0.165, 0.125))
+    wood = face(order, boards, timber, 0.35)
+    cracks = smoothstep(1.7, 2.3, boards.spread(order, noise(order, 0.0018, 0.16)))
+    stains = fractal(order, 0.3, 0.3)
+    saw = np.sin(2.0 * np.pi * (boards.along + 0.5 * boards.across**2) / 0.006)
+    sawn = boards.each((order.rng.random(boards.count) < 0.4).astype(float)) * saw
+    gap = boards.gap(order, 3e-3)
+    wood = wood.darker(
+        (1.0 - 0.6 * cracks) * (1.0 + 0.1 * stains + 0.04 * sawn) * (1.0 - 0.8 * gap)
     )
-    redness = np.array([1.0 - species.redder, 1.0, 1.0 + species.redder])
-    albedo = with_mean(np.maximum(dark, 0.05)[..., None] ** redness, mean)
-    height = _RIDGE * late - _PORE * pores
-    if jointed:
-        height = height - _JOINT * np.clip(1.0 - planks.edge / _BEVEL, 0.0, 1.0)
-    return Maps(
-        albedo=albedo * (1.0 - 0.75 * gap)[..., None],
-        height=height,
-        roughness=gloss + 0.015 * fibre + 0.12 * pores - 0.03 * (late - 0.5) + 0.3 * gap,
+    rough = drawn_roughness(order, 0.75, 0.92) + 0.03 * stains + wood.gloss
+    relief = 0.15e-3 * wood.late + 0.1e-3 * stains + 40e-6 * sawn
+    height = relief - 0.8e-3 * cracks - 2.5e-3 * boards.bevel(5e-3)
+    return finished(order, wood.colored(order, timber), height, rough)
+
+
+def _whitewashed(order: Order) -> Maps:
+    """Boards painted long ago: the paint is worn off where feet and hands rub, along the grain."""
+    boards = planks(order, (0.12, 0.12), (1.2, 2.4))
+    wood = face(order, boards, PINE, 0.1)
+    rubbed = boards.spread(order, 0.9 * noise(order, 0.003, 0.06) + 0.8 * noise(order, 0.05, 0.2))
+    worn = smoothstep(0.9, 1.5, rubbed + 1.2 * boards.bevel(4e-3) + 0.5 * (wood.late - 0.5))
+    brush = noise(order, 0.0012, 0.12)
+    paint = np.array((0.72, 0.71, 0.67)) * (1.0 + 0.02 * brush)[..., None]
+    bare = replace(order, color=None)
+    albedo = mixed(worn, 0.7 * wood.colored(bare, PINE), paint)
+    albedo = albedo * (1.0 - 0.7 * boards.gap(order, 2e-3))[..., None]
+    height = 70e-6 * (1.0 - worn) + 12e-6 * brush + wood.height - 1e-3 * boards.bevel(3e-3)
+    return finished(order, albedo, height, drawn_roughness(order, 0.5, 0.7) + 0.2 * worn)
+
+
+def _slats(order: Order) -> Maps:
+    """Rounded slats on dark felt, as acoustic panels have."""
+    boards = staves(order, (0.04, 0.04))
+    wood = face(order, boards, OAK, 0.12)
+    solid = smoothstep(0.0055, 0.0065, boards.edge)
+    edge = np.clip((boards.edge - 0.006) / 0.003, 0.0, 1.0)
+    felt = np.array((0.03, 0.03, 0.031)) * (1.0 + 0.2 * noise(order, 0.001))[..., None]
+    albedo = mixed(solid, wood.colored(order, OAK), np.maximum(felt, 0.02))
+    height = solid * (2e-3 * np.sqrt(1.0 - (1.0 - edge) ** 2) + 4e-3) + wood.height
+    rough = drawn_roughness(order, 0.4, 0.55) * solid + 0.95 * (1.0 - solid)
+    return finished(order, albedo, height, rough)
+
+
+def _charred(order: Order) -> Maps:
+    """Boards burnt at their face: the char has cracked into scales."""
+    boards = staves(order, (0.13, 0.13))
+    wood = face(order, boards, LARCH, 0.15)
+    across = boards.spread(order, noise(order, 0.05, 0.006))
+    along = boards.spread(order, noise(order, 0.006, 0.07))
+    crack = np.maximum(1.0 - np.abs(along) / 0.10, 1.0 - np.abs(across + 0.6 * along) / 0.12).clip(
+        0.0, 1.0
     )
+    shade = (1.0 + 0.15 * fractal(order, 0.05, 0.4)) * (1.0 - 0.55 * crack)
+    albedo = np.array((0.034, 0.033, 0.034)) * np.maximum(shade, 0.6)[..., None]
+    height = -0.7e-3 * crack + 0.2e-3 * along + 0.12e-3 * wood.late
+    height = height - 3e-3 * boards.bevel(3e-3)
+    rough = drawn_roughness(order, 0.5, 0.65) + 0.15 * crack
+    return finished(order, np.maximum(albedo, 0.02), height, rough)
 
 
-def _latewood(
-    rng: np.random.Generator,
-    planks: Planks,
-    shifts: Index,
-    species: Species,
-    resolution: int,
-    size: float,
-) -> Field:
-    """(N, N) share of latewood: the rings of each plank's own tree."""
-    radius = _radius(rng, planks, resolution) + _shifted(
-        0.003 * smooth_noise(rng, resolution, size, (0.07, 0.4))
-        + 0.0006 * smooth_noise(rng, resolution, size, (0.012, 0.12)),
-        planks.index,
-        shifts,
-    )
-    rings = radius / rng.uniform(*species.ring, planks.count)[planks.index]
-    # Good and bad years; less than one ring from one to the next, so that the order stays.
-    years = rng.uniform(-0.35, 0.35, 256)
-    years[-1] = years[0]
-    rings = rings + np.interp((rings + 17.0 * planks.index) % 255.0, np.arange(256), years)
-    return _ring_profile(rings)
+def _burl(order: Order) -> Maps:
+    """Veneer of a burl: grain that turns about countless small buds."""
+    boards = staves(order, (0.3, 0.34), mirrored=True)
+    timber = replace(
+        WALNUT, cut="peeled", ring=(0.0022, 0.0034), knots=900.0, knot=(0.0012, 0.004),
+        pore=(0.0012, 0.003), pores=0.25, late=0.42, color=(0.21, 0.115, 0.058), redder=0.14,
+    )  # fmt: skip
+    wood = face(order, boards, timber)
+    swirl = fractal(order, 0.06, 0.7)
+    wood = wood.darker(1.0 - 0.22 * np.tanh(boards.spread(order, swirl)))
+    return lacquered(order, wood, timber, (0.12, 0.25))
 
 
-def _radius(rng: np.random.Generator, planks: Planks, resolution: int) -> Field:
-    """(N, N) distance to the pith, metres; periodic along the grain."""
-    count = planks.count
-    along = (np.arange(resolution) + 0.5) / resolution
-    pith = rng.uniform(-0.15, 0.15, count)
-    depth = rng.uniform(0.02, 0.1, (count, 1))
-    lean = rng.uniform(0.002, 0.016, (count, 1)) * np.sin(
-        2.0 * np.pi * (along + rng.random((count, 1)))
-    )
-    bend = rng.uniform(0.0, 0.003, (count, 1)) * np.sin(
-        4.0 * np.pi * (along + rng.random((count, 1)))
-    )
-    rows = np.arange(resolution)[:, None]
-    return np.hypot(planks.across - pith[planks.index], (depth + lean + bend)[planks.index, rows])
+_CABINETS: Final[frozenset[Use]] = frozenset({"furniture", "wall", "object"})
 
-
-def _ring_profile(rings: Field) -> Field:
-    """Latewood of a ring number, averaged over the texel so that fine rings fade, not alias."""
-    begin, dark, end = _RING_PROFILE
-    share = np.linspace(0.0, 1.0, 129)
-    profile = smoothstep(begin, dark, share) * (1.0 - smoothstep(dark, end, share))
-    whole = np.concatenate([[0.0], np.cumsum((profile[1:] + profile[:-1]) / 2) / 128])
-
-    def integral(x: Field) -> Field:
-        turns = np.floor(x)
-        return np.asarray(turns * whole[-1] + np.interp(x - turns, share, whole))
-
-    step_t, step_s = np.gradient(rings)
-    width = np.clip(np.abs(step_t) + np.abs(step_s), 0.02, 4.0)
-    return np.asarray((integral(rings + width / 2) - integral(rings - width / 2)) / width)
-
-
-def _gap(planks: Planks, texel: float) -> Field:
-    """(N, N) share of each texel that is the gap between boards."""
-    return np.clip((_GAP + texel / 2 - planks.edge) / texel, 0.0, 1.0)
-
-
-def _shifted(field: Field, index: Index, shifts: Index) -> Field:
-    """A periodic field, moved by another amount on each plank."""
-    resolution = len(field)
-    rows, columns = np.ogrid[:resolution, :resolution]
-    row = (rows + shifts[0][index]) % resolution
-    column = (columns + shifts[1][index]) % resolution
-    return np.asarray(field[row, column])
+FAMILIES: Final[dict[str, Family]] = {
+    "ash_veneer": Family(partial(_veneer, timber=ASH), 1.0, _CABINETS, grain=True),
+    "beech_staves": Family(
+        partial(_panel, timber=BEECH, width=(0.09, 0.14)), 0.8, _CABINETS | {"worktop"}, grain=True
+    ),
+    "birch_plywood": Family(
+        partial(_panel, timber=BIRCH, width=(1.2, 1.25)), 1.22, _CABINETS, grain=True
+    ),
+    "birdseye_maple": Family(
+        partial(
+            _veneer,
+            timber=replace(MAPLE, knots=2500.0, knot=(0.0007, 0.0016), ring=(0.003, 0.005)),
+            leaf=(0.3, 0.3),
+        ),
+        0.6, _CABINETS, grain=True,
+    ),
+    "brushed_larch": Family(_brushed, 0.9, frozenset({"wall", "furniture"}), grain=True),
+    "butcher_block": Family(_butcher_block, 0.9, frozenset({"worktop", "furniture"}), grain=True),
+    "charred_cedar": Family(_charred, 0.8, frozenset({"wall"}), grain=True),
+    "curly_maple": Family(
+        partial(_veneer, timber=replace(MAPLE, curl=(0.12, 0.009))), 0.6, _CABINETS, grain=True
+    ),
+    "knotty_pine": Family(_panelling, 1.0, frozenset({"wall", "ceiling"}), grain=True),
+    "oak_slats": Family(_slats, 0.6, frozenset({"wall", "ceiling"}), grain=True),
+    "pine_staves": Family(
+        partial(_panel, timber=replace(PINE, knots=14.0), width=(0.06, 0.09)),
+        1.0, _CABINETS, grain=True,
+    ),
+    "quartered_oak": Family(
+        partial(
+            _veneer,
+            timber=replace(OAK, cut="quarter", flecks=0.34, fleck=(0.0045, 0.05, 1.15)),
+            leaf=(0.14, 0.2),
+        ),
+        0.8, _CABINETS, grain=True,
+    ),
+    "reclaimed_planks": Family(_reclaimed, 2.0, frozenset({"floor", "wall"}), grain=True),
+    "sapele_ribbon": Family(partial(_veneer, timber=SAPELE), 0.8, _CABINETS, grain=True),
+    "walnut_burl": Family(_burl, 0.6, frozenset({"furniture", "object"})),
+    "walnut_veneer": Family(
+        partial(_panel, timber=WALNUT, width=(0.07, 0.2)), 1.0, _CABINETS, grain=True
+    ),
+    "whitewashed_boards": Family(_whitewashed, 1.6, frozenset({"floor", "wall"}), grain=True),
+    "zebrano": Family(partial(_veneer, timber=ZEBRANO), 0.6, _CABINETS, grain=True),
+    **parquet.FAMILIES,
+    **woodbased.FAMILIES,
+}  # fmt: skip

@@ -1,0 +1,92 @@
+"""The commands of ``orusd materials``: the families of materials, as a list and as pictures."""
+
+import time
+from pathlib import Path
+from typing import get_args
+
+import click
+
+from openrooms_usd.cli.console import json_option, print_json, progress_bar
+from openrooms_usd.description.substances import Substance
+
+_SUBSTANCES = click.Choice(get_args(Substance))
+
+
+@click.group()
+def materials() -> None:
+    """The procedural materials: a list, or pictures of them."""
+
+
+@materials.command("list")
+@json_option
+def list_(as_json: bool) -> None:
+    """Print every family by substance, with its usual size and where it is used."""
+    from openrooms_usd.library.textures import FAMILIES
+
+    if as_json:
+        print_json(
+            {
+                kind: {
+                    name: {
+                        "size": family.size,
+                        "uses": sorted(family.uses),
+                        "grain": family.grain,
+                        "metallic": family.metallic,
+                    }
+                    for name, family in families.items()
+                }
+                for kind, families in FAMILIES.items()
+            }
+        )
+        return
+    for kind, families in FAMILIES.items():
+        click.echo(f"{kind} ({len(families)})")
+        for name, family in families.items():
+            click.echo(f"  {name:<26} {family.size:>5g} m  {', '.join(sorted(family.uses))}")
+
+
+@materials.command()
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path), required=True, metavar="DIR",
+    help="Folder for the pictures, one a substance.",
+)  # fmt: skip
+@click.option(
+    "--substance", "substances", multiple=True, type=_SUBSTANCES, help="Repeatable; all by default."
+)
+@click.option("--number", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--size", type=click.IntRange(16, 2048), default=160, show_default=True,
+    help="Pixels along each side of a picture.",
+)  # fmt: skip
+@click.option(
+    "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
+)
+@click.option("--denoise", is_flag=True, help="Denoise the pictures (extra denoise).")
+@click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
+@click.option("--renderer", default="mitsuba", show_default=True)
+@json_option
+def sheet(
+    out: Path,
+    substances: tuple[Substance, ...],
+    number: int,
+    size: int,
+    spp: int,
+    denoise: bool,
+    variant: str,
+    renderer: str,
+    as_json: bool,
+) -> None:
+    """Draw every family on a lit ball and on a floor."""
+    from openrooms_usd.showroom import draw_material_sheets
+    from openrooms_usd.usd.diagnostics import quiet
+
+    started = time.perf_counter()
+    with quiet(), progress_bar(hidden=as_json) as progress:
+        files = draw_material_sheets(
+            out, substances, number=number, size=size, samples=spp, renderer=renderer,
+            variant=variant, denoise=denoise, progress=progress,
+        )  # fmt: skip
+    if as_json:
+        print_json({"files": [str(file) for file in files]})
+        return
+    click.echo(f"wrote {len(files)} pictures to {out} ({time.perf_counter() - started:.1f} s)")

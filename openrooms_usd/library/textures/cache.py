@@ -1,0 +1,148 @@
+"""Texture sets that were made before: in the user's cache, by all that determines them.
+
+An entry is a folder named by a digest. Its files appear whole, and all that write them at the same
+time write the same; a list of their checksums comes last and tells what was damaged since.
+"""
+
+import hashlib
+import json
+import os
+import tempfile
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from openrooms_usd import atomic
+from openrooms_usd.library.textures.catalogue import DEFAULT_RESOLUTION, family_of, make
+from openrooms_usd.library.textures.family import Color
+from openrooms_usd.library.textures.storage import map_file, rendered_maps, write_set
+
+# Part of every digest, beside the recipes: raise it when files differ for another reason.
+FORMAT: Final = 1
+# Says where the cache is; empty or one of these words: there is none.
+VARIABLE: Final = "ORUSD_CACHE"
+_OFF: Final = ("", "0", "off", "no", "none")
+_SUMS: Final = "checksums.json"
+
+
+@dataclass(frozen=True)
+class Material:
+    """What determines a texture set.
+
+    Attributes:
+        name: Its family.
+        number: Which of the family's materials, from 0.
+        color: Mean base colour, scene-linear Rec.709; None: its own.
+        roughness: Mean perceptual roughness; None: its own.
+        resolution: Texels along each side.
+        size: Physical length of each side, metres; None: the family's usual size.
+    """
+
+    name: str
+    number: int
+    color: Color | None = None
+    roughness: float | None = None
+    resolution: int = DEFAULT_RESOLUTION
+    size: float | None = None
+
+    @property
+    def digest(self) -> str:
+        """Sixty-four hexadecimal digits that differ where the files may differ."""
+        size = family_of(self.name).size if self.size is None else self.size
+        told = [FORMAT, _recipes(), {**asdict(self), "size": size}]
+        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def _recipes() -> str:
+    """A digest of the modules that make textures: an entry of other recipes is never taken."""
+    sources = sorted(Path(__file__).parent.glob("*.py"))
+    return _sum(b"".join(source.read_bytes() for source in sources))
+
+
+def cache_folder() -> Path | None:
+    """Where the cache is: ``$ORUSD_CACHE``, else below ``$XDG_CACHE_HOME`` or ``~/.cache``.
+
+    None where it is switched off, or where there is no home.
+    """
+    given = os.environ.get(VARIABLE)
+    if given is not None:
+        return None if given.lower() in _OFF else Path(given) / "textures"
+    base = os.environ.get("XDG_CACHE_HOME")
+    try:
+        home = Path(base) if base else Path.home() / ".cache"
+    except RuntimeError:
+        return None
+    return home / "openrooms_usd" / "textures"
+
+
+def cached(material: Material, folder: Path, stem: str) -> list[Path]:
+    """Have the maps of a material that renderers need in a folder, made only where they must be.
+
+    The same bytes with and without a cache. A cache that cannot be read or written is as none.
+
+    Args:
+        material: Which.
+        folder: Where the files shall lie; it is made when it is missing.
+        stem: How their names begin.
+
+    Returns:
+        The files, in the order of `rendered_maps`.
+
+    Raises:
+        InputError: There is no such family.
+        OutputError: A file cannot be written.
+    """
+    maps = rendered_maps(material.name)
+    files = [map_file(folder, stem, item) for item in maps]
+    place = cache_folder()
+    entry = place / material.digest if place else None
+    if entry and _taken(entry, maps, files):
+        return files
+    made = make(**asdict(material))
+    write_set(made, folder, stem, maps)
+    if entry:
+        with suppress(OSError):
+            _keep(entry, maps, files)
+    return files
+
+
+def _taken(entry: Path, maps: tuple[str, ...], files: list[Path]) -> bool:
+    """Copy a whole entry; whether there was one."""
+    try:
+        sums = json.loads((entry / _SUMS).read_text(encoding="utf-8"))
+        found = [(entry / f"{item}.png").read_bytes() for item in maps]
+        whole = all(_sum(data) == sums[item] for item, data in zip(maps, found, strict=True))
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+    if whole:
+        for file, data in zip(files, found, strict=True):
+            atomic.write_bytes(file, data)
+    return whole
+
+
+def _keep(entry: Path, maps: tuple[str, ...], files: list[Path]) -> None:
+    """Add files to the cache, in place of what was damaged there."""
+    entry.mkdir(parents=True, exist_ok=True)
+    found = {item: file.read_bytes() for item, file in zip(maps, files, strict=True)}
+    for item, data in found.items():
+        _replace(entry / f"{item}.png", data)
+    # Last, because it is what makes the entry whole.
+    sums = {item: _sum(data) for item, data in found.items()}
+    _replace(entry / _SUMS, json.dumps(sums).encode())
+
+
+def _replace(target: Path, data: bytes) -> None:
+    handle, beside = tempfile.mkstemp(dir=target.parent, prefix=".new-")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        Path(beside).replace(target)
+    finally:
+        Path(beside).unlink(missing_ok=True)
+
+
+def _sum(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

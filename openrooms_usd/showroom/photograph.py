@@ -1,0 +1,36 @@
+"""One picture of one camera, as sheets show it."""
+
+from typing import Any, Final
+
+from openrooms_usd.render.contract import RenderRequest
+from openrooms_usd.render.denoise import DENOISED, SOURCE, Denoiser
+from openrooms_usd.render.previews import Bytes, preview
+
+_BOUNCES: Final = 4
+
+
+def photograph(
+    session: Any, camera: str, size: int, samples: int, seed: int, denoiser: Denoiser | None
+) -> Bytes:
+    """(size, size, 3) the exposed picture of a camera.
+
+    Args:
+        session: What a renderer opened.
+        camera: The camera's prim path.
+        size: Pixels along each side.
+        samples: Samples a pixel.
+        seed: Fixes the noise.
+        denoiser: What takes the noise away; None leaves it.
+
+    Raises:
+        RenderError: The renderer cannot do it.
+    """
+    channels = denoiser.needs((SOURCE,)) if denoiser else (SOURCE,)
+    request = RenderRequest(
+        camera, channels, size, size, samples=samples, seed=seed, bounces=_BOUNCES
+    )
+    view = session.render(request)
+    if denoiser:
+        view = denoiser.complete(view, channels)
+    shown = view.images[DENOISED if denoiser else SOURCE].pixels
+    return preview(SOURCE, shown, view.exposure).pixels
