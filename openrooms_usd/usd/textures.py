@@ -4,6 +4,7 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,6 +17,41 @@ from openrooms_usd.usd.surfaces import ColorSpace
 
 # More values than this are refused before they fill the memory: 16,384 x 8,192 RGBA.
 _LARGEST: Final = 2**29
+
+
+@dataclass(frozen=True)
+class PictureFacts:
+    """What a picture's header says.
+
+    Attributes:
+        width: Pixels in a row.
+        height: Rows.
+        channels: Values in a pixel.
+        is_float: Whether values are floating point numbers, which are linear by custom, rather
+            than whole numbers, which hold encoded colours.
+    """
+
+    width: int
+    height: int
+    channels: int
+    is_float: bool
+
+    @property
+    def has_alpha(self) -> bool:
+        """Whether the last channel is read as alpha."""
+        return self.channels in (2, 4)
+
+
+def picture_facts(path: str) -> PictureFacts:
+    """What a picture's header says, without its pixels.
+
+    Raises:
+        InputError: There is no such file, or it is not a picture that can be read.
+    """
+    with _opened(path) as picture:
+        spec = picture.spec()
+        is_float = str(spec.format) in ("half", "float", "double")
+        return PictureFacts(spec.width, spec.height, spec.nchannels, is_float)
 
 
 def read_texture(path: str) -> NDArray[np.float32]:
@@ -49,15 +85,38 @@ def read_texture(path: str) -> NDArray[np.float32]:
         return np.atleast_3d(np.asarray(pixels, dtype=np.float32))
 
 
+def read_codes(path: str) -> NDArray[np.uint8] | None:
+    """Read the codes of a picture of 8 bits as they are stored.
+
+    Args:
+        path: A file, or a file inside a package.
+
+    Returns:
+        (H, W, C), the first row at the top; None where it is no such picture or cannot be read:
+        `read_texture` then says why.
+    """
+    try:
+        with _opened(path) as picture:
+            spec = picture.spec()
+            few = 0 < spec.width * spec.height * spec.nchannels <= _LARGEST
+            if str(spec.format) != "uint8" or not few:
+                return None
+            pixels = picture.read_image("uint8")
+            if pixels is None or picture.has_error:
+                return None
+            return np.atleast_3d(np.asarray(pixels, dtype=np.uint8))
+    except InputError:
+        return None
+
+
 def texture_size(path: str) -> tuple[int, int]:
     """Width and height of a picture in pixels.
 
     Raises:
         InputError: There is no such file, or it is not a picture that can be read.
     """
-    with _opened(path) as picture:
-        spec = picture.spec()
-        return spec.width, spec.height
+    facts = picture_facts(path)
+    return facts.width, facts.height
 
 
 def color_space(path: str) -> ColorSpace:

@@ -1,0 +1,155 @@
+"""The text of MaterialX files, before any library sees it: what is refused, and what it names.
+
+Entities are refused unread, and so is nesting that could exhaust a parser's stack. Files may only
+name what lies below the folder of the .mtlx, or the user's own files by absolute paths.
+"""
+
+import os
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+from xml.parsers import expat
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.library.ownmaterials.licences import licence_files
+
+_MOST_BYTES: Final = 16 * 2**20
+_DEEPEST: Final = 64
+_MOST_INCLUDES: Final = 256
+_ENTITIES: Final = re.compile(r"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
+_INCLUDE: Final = "http://www.w3.org/2001/XInclude include"
+
+
+@dataclass
+class Outline:
+    """What a file names.
+
+    Attributes:
+        text: The whole file.
+        includes: The files that it includes, as written.
+        files: Its pictures, as written, with the prefixes of the elements around them.
+    """
+
+    text: str
+    includes: list[str] = field(default_factory=list)
+    files: list[str] = field(default_factory=list)
+
+
+def read_outline(path: Path) -> Outline:
+    """Read a MaterialX file's text and check that a parser can be trusted with it.
+
+    Raises:
+        InputError: It cannot be read, is no XML, has a DOCTYPE or entities, or is nested too deep.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(_MOST_BYTES + 1)
+        text = content.decode("utf-8-sig")
+    except OSError as error:
+        raise _refused(path, f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise _refused(path, "is not written in UTF-8") from error
+    if len(content) > _MOST_BYTES:
+        raise _refused(path, f"is larger than {_MOST_BYTES // 2**20} MiB")
+    if _ENTITIES.search(text):
+        raise _refused(path, "declares a DOCTYPE or entities, which no material needs")
+    outline = Outline(text)
+    try:
+        _parse(outline)
+    except (expat.ExpatError, ValueError) as error:
+        raise _refused(path, f"is not readable XML: {error}") from error
+    return outline
+
+
+def _refused(path: Path, reason: str) -> InputError:
+    return InputError(f"the MaterialX file {reason}", place=path, remedy="export it again")
+
+
+def _parse(outline: Outline) -> None:
+    """Walk the elements of ``outline.text`` and fill the rest of it."""
+    prefixes = [""]
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        if len(prefixes) > _DEEPEST:
+            raise ValueError(f"elements are nested deeper than {_DEEPEST}")
+        prefixes.append(prefixes[-1] + attributes.get("fileprefix", ""))
+        if name == _INCLUDE:
+            outline.includes.append(attributes.get("href", ""))
+        elif attributes.get("type") == "filename" and attributes.get("value"):
+            outline.files.append(prefixes[-1] + attributes["value"])
+
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda name: prefixes.pop()
+    parser.Parse(outline.text.encode(), True)
+
+
+def located(name: str, folder: Path) -> Path | None:
+    """Where a named file lies, or None when the name leads out of the folder.
+
+    Args:
+        name: As a file says it; an absolute path is the user's own choice.
+        folder: The folder of the .mtlx.
+    """
+    plain = name.replace("\\", "/")
+    if Path(plain).is_absolute():
+        return Path(plain)
+    if "\0" in plain:
+        return None
+    target = Path(os.path.normpath(folder / plain))
+    return target if target.resolve().is_relative_to(folder.resolve()) else None
+
+
+def included(path: Path, name: str) -> Path:
+    """The file that a MaterialX file includes.
+
+    Raises:
+        InputError: It lies outside the folder of ``path``, or is missing.
+    """
+    target = located(name, path.parent)
+    if target is None or Path(name).is_absolute():
+        raise InputError(
+            f"it includes {name!r}, which lies outside its folder",
+            place=path,
+            remedy="copy the included file into the folder",
+        )
+    if not target.is_file():
+        raise InputError(
+            f"it includes {name!r}, which is missing", place=path, remedy="copy it there"
+        )
+    return target
+
+
+def files_named(path: Path) -> list[Path]:
+    """A MaterialX file, what it includes, its pictures and its licence, as far as they exist.
+
+    Raises:
+        InputError: A file of them is refused.
+    """
+    found = {path, *licence_files(path.parent)}
+    for file, outline in outlines(path):
+        places = [located(name, path.parent) for name in outline.files]
+        found |= {file, *(place for place in places if place and place.is_file())}
+    return sorted(found)
+
+
+def outlines(path: Path) -> Iterator[tuple[Path, Outline]]:
+    """A MaterialX file and all that it includes, each once, itself first.
+
+    Raises:
+        InputError: A file of them is refused or missing.
+    """
+    waiting, seen = [path], {path.resolve()}
+    while waiting:
+        file = waiting.pop()
+        outline = read_outline(file)
+        yield file, outline
+        for name in outline.includes:
+            target = included(path, name)
+            if target.resolve() not in seen:
+                seen.add(target.resolve())
+                waiting.append(target)
+        if len(seen) > _MOST_INCLUDES:
+            raise _refused(path, f"includes more than {_MOST_INCLUDES} others")

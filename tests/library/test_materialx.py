@@ -1,0 +1,256 @@
+"""MaterialX: what maps, by value; what does not, by name."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.library.ownmaterials import OwnMaterial, files_of, read_material
+from openrooms_usd.library.pictures import write_png
+from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, f0_of
+
+pytest.importorskip("MaterialX")
+Read = Callable[..., OwnMaterial]
+
+
+def number(name: str, value: Any, kind: str = "float", **more: str) -> str:
+    extra = "".join(f' {key}="{text}"' for key, text in more.items())
+    return f'<input name="{name}" type="{kind}" value="{value}"{extra}/>'
+
+
+def link(name: str, kind: str, node: str, output: str = "") -> str:
+    end = f' output="{output}"' if output else ""
+    return f'<input name="{name}" type="{kind}" nodename="{node}"{end}/>'
+
+
+def image(name: str, file: str, kind: str = "color3", node: str = "image", inner: str = "") -> str:
+    space = ' colorspace="srgb_texture"' if kind == "color3" else ""
+    source = f'<input name="file" type="filename" value="{file}"{space}/>'
+    return f'<{node} name="{name}" type="{kind}">{source}{inner}</{node}>'
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Read:
+    """Read a file with one material whose shader has the given inputs, beside other nodes."""
+    (tmp_path / "maps").mkdir()
+    for seed, name in enumerate(("a", "b", "n")):
+        pixels = np.random.default_rng(seed).integers(0, 256, (4, 4, 3)).astype(np.uint8)
+        write_png(tmp_path / f"maps/{name}.png", pixels, is_color=name == "a")
+
+    def from_text(inputs: str, nodes: str = "", shader: str = "standard_surface") -> OwnMaterial:
+        path = tmp_path / "m.mtlx"
+        path.write_text(
+            f'<?xml version="1.0"?><materialx version="1.38" colorspace="lin_rec709">{nodes}'
+            f'<{shader} name="S" type="surfaceshader">{inputs}</{shader}>'
+            '<surfacematerial name="Oak" type="material">'
+            '<input name="surfaceshader" type="surfaceshader" nodename="S"/>'
+            "</surfacematerial></materialx>"
+        )
+        return read_material(path, physical_size=1.0)
+
+    return from_text
+
+
+CONSTANTS = {
+    "standard_surface": ("base_color", "metalness", "specular_roughness", "specular_IOR", "coat"),
+    "open_pbr_surface": (
+        "base_color", "base_metalness", "specular_roughness", "specular_ior", "coat_weight",
+    ),
+    "gltf_pbr": ("base_color", "metallic", "roughness", "ior", "clearcoat"),
+    "UsdPreviewSurface": ("diffuseColor", "metallic", "roughness", "ior", "clearcoat"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("shader", sorted(CONSTANTS))
+def test_constants_of_every_shader(read: Read, shader: str) -> None:
+    color, metallic, roughness, ior, coat = CONSTANTS[shader]
+    material = read(
+        number(color, "0.1, 0.2, 0.3", "color3") + number(metallic, 0.25) + number(roughness, 0.75)
+        + number(ior, 1.4) + number(coat, 0.125),
+        shader=shader,
+    )  # fmt: skip
+    surface = material.surface
+    assert surface.base_color == pytest.approx((0.1, 0.2, 0.3))
+    assert (surface.metallic, surface.roughness, surface.ior) == (0.25, 0.75, 1.4)
+    assert surface.clearcoat == 0.125
+    assert surface.f0 is None
+    assert material.name == "Oak"
+    assert material.losses == ()
+
+
+@pytest.mark.parametrize(
+    ("shader", "color", "metallic", "roughness"),
+    [
+        ("standard_surface", 0.8, 0.0, 0.2), ("open_pbr_surface", 0.8, 0.0, 0.3),
+        ("gltf_pbr", 1.0, 1.0, 1.0), ("UsdPreviewSurface", 0.18, 0.0, 0.5),
+    ],
+)  # fmt: skip
+def test_what_is_not_said_has_the_default_of_its_own_shader(
+    read: Read, shader: str, color: float, metallic: float, roughness: float
+) -> None:
+    surface = read("", shader=shader).surface
+    assert surface.base_color == pytest.approx((color,) * 3)
+    assert (surface.metallic, surface.roughness) == (metallic, pytest.approx(roughness))
+
+
+def test_weights_and_encoded_constants(read: Read) -> None:
+    surface = read(
+        number("base", 0.5) + number("specular", 0.25)
+        + number("base_color", "0.5, 0.5, 0.02", "color3", colorspace="srgb_texture")
+    ).surface  # fmt: skip
+    middle = ((0.5 + 0.055) / 1.055) ** 2.4
+    assert surface.base_color == pytest.approx((middle / 2, middle / 2, 0.02 / 12.92 / 2))
+    assert f0_of(surface.ior) == pytest.approx(0.25 * 0.04)
+
+
+def test_images_their_spaces_channels_and_arithmetic(read: Read) -> None:
+    nodes = (
+        image("A", "maps/a.png", node="tiledimage", inner=number("uvtiling", "3, 2", "vector2"))
+        + image("B", "maps/b.png", "vector3")
+        + f'<extract name="E" type="float">{link("in", "vector3", "B")}'
+        + f"{number('index', 1, 'integer')}</extract>"
+        + f'<invert name="I" type="float">{link("in", "float", "E")}</invert>'
+        + f'<multiply name="M" type="float">{link("in1", "float", "I")}{number("in2", 0.5)}'
+        + "</multiply>"
+        + f'<separate3 name="P" type="multioutput">{link("in", "vector3", "B")}</separate3>'
+    )
+    surface = read(
+        link("base_color", "color3", "A") + link("specular_roughness", "float", "M")
+        + link("metalness", "float", "P", "outz"),
+        nodes,
+    ).surface  # fmt: skip
+    base, rough, metal = surface.base_color, surface.roughness, surface.metallic
+    assert (base.color_space, base.channel, base.uv_scale) == ("sRGB", "rgb", (3.0, 2.0))  # type: ignore[union-attr]
+    assert (rough.color_space, rough.channel) == ("raw", "g")  # type: ignore[union-attr]
+    # (1 - x) / 2 of the green channel.
+    assert 0.3 * rough.scale[1] + rough.bias[1] == pytest.approx(0.35)  # type: ignore[union-attr]
+    assert metal.channel == "b"  # type: ignore[union-attr]
+    assert Path(base.file).name == "a.png"  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("strength", [1.0, 0.5])
+def test_normal_maps(read: Read, strength: float) -> None:
+    nodes = image("N", "maps/n.png", "vector3") + (
+        f'<normalmap name="NM" type="vector3">{link("in", "vector3", "N")}'
+        f"{number('scale', strength)}</normalmap>"
+    )
+    normal = read(link("normal", "vector3", "NM"), nodes).surface.normal
+    expected = np.array([strength, strength, 1.0, 1.0])
+    assert np.allclose(normal.scale, expected * NORMAL_SCALE)  # type: ignore[union-attr]
+    assert np.allclose(normal.bias, expected * NORMAL_BIAS)  # type: ignore[union-attr]
+
+
+def test_graphs_with_interfaces_and_prefixes(read: Read, tmp_path: Path) -> None:
+    nodes = (
+        '<nodegraph name="G" fileprefix="maps/">'
+        '<input name="which" type="filename" value="b.png"/>'
+        '<image name="A" type="float"><input name="file" type="filename" interfacename="which"/>'
+        '</image><output name="o" type="float" nodename="A"/></nodegraph>'
+    )
+    surface = read(
+        '<input name="specular_roughness" type="float" nodegraph="G" output="o"/>', nodes
+    ).surface
+    assert surface.roughness.file == str(tmp_path / "maps/b.png")  # type: ignore[union-attr]
+    assert files_of(tmp_path / "m.mtlx") == [tmp_path / "m.mtlx", tmp_path / "maps/b.png"]
+
+
+def test_a_stated_size_of_the_picture_in_the_world(read: Read, tmp_path: Path) -> None:
+    inner = number("realworldimagesize", "50, 25", "vector2", unittype="distance",
+                   unit="centimeter") + number("uvoffset", "0.5, 1", "vector2")  # fmt: skip
+    base = read(
+        link("base_color", "color3", "A"), image("A", "maps/a.png", node="tiledimage", inner=inner)
+    )
+    placed = read_material(tmp_path / "m.mtlx").in_metres("t").base_color
+    assert placed.uv_scale == pytest.approx((2.0, 4.0))  # type: ignore[union-attr]
+    # (st - offset) / size.
+    assert placed.uv_translation == pytest.approx((-1.0, -4.0))  # type: ignore[union-attr]
+    assert base.losses == ()
+
+
+def test_place2d_is_the_transform_of_the_specification(read: Read) -> None:
+    place = (
+        '<texcoord name="T" type="vector2"/><place2d name="L" type="vector2">'
+        f"{link('texcoord', 'vector2', 'T')}{number('scale', '2, 4', 'vector2')}"
+        f"{number('rotate', 30)}{number('pivot', '0.5, 0.25', 'vector2')}"
+        f"{number('offset', '0.1, -0.2', 'vector2')}</place2d>"
+    )
+    inner = link("texcoord", "vector2", "L")
+    texture = read(
+        link("base_color", "color3", "A"), place + image("A", "maps/a.png", inner=inner)
+    ).surface.base_color
+    st = np.array([0.7, 0.9])
+    x, y = (st - (0.5, 0.25)) / (2, 4)
+    c, s = np.cos(np.radians(30)), np.sin(np.radians(30))
+    expected = np.array([c * x + s * y, -s * x + c * y]) - (0.1, -0.2) + (0.5, 0.25)
+    assert np.allclose(texture.uv_matrix @ [*st, 1.0], [*expected, 1.0])  # type: ignore[union-attr]
+
+
+def test_what_does_not_map_is_named(read: Read) -> None:
+    nodes = '<noise2d name="Grain" type="float"/>' + image("A", "maps/a.png") + image(
+        "B", "maps/b.png"
+    ) + (
+        f'<multiply name="Both" type="color3">{link("in1", "color3", "A")}'
+        f"{link('in2', 'color3', 'B')}</multiply>"
+    )  # fmt: skip
+    losses = " | ".join(
+        read(
+            link("metalness", "float", "Grain") + link("base_color", "color3", "Both")
+            + number("sheen", 0.5) + number("transmission", 0.3) + number("subsurface", 0.1)
+            + number("thin_walled", "true", "boolean") + number("emission", 1.0)
+            + number("coat", 0.5) + number("coat_color", "1, 0, 0", "color3"),
+            nodes,
+        ).losses
+    )  # fmt: skip
+    for name in (
+        "Grain (noise2d)", "Both: a product of two textures", "sheen", "transmission",
+        "subsurface", "thin_walled", "emission", "coat_color",
+    ):  # fmt: skip
+        assert name in losses
+
+
+def test_lobes_without_weight_and_defaults_are_not_named(read: Read) -> None:
+    inputs = (
+        number("coat", 0.0) + number("coat_color", "1, 0, 0", "color3") + number("sheen", 0.0)
+        + number("sheen_color", "0, 1, 0", "color3") + number("specular_anisotropy", 0.0)
+    )  # fmt: skip
+    assert read(inputs).losses == ()
+
+
+@pytest.mark.parametrize(("mode", "opacity", "threshold"), [(0, 1, 0), (1, 0.5, 0.4), (2, 0.5, 0)])
+def test_alpha_of_gltf(read: Read, mode: int, opacity: float, threshold: float) -> None:
+    inputs = number("alpha", 0.5) + number("alpha_mode", mode, "integer")
+    surface = read(inputs + number("alpha_cutoff", 0.4), shader="gltf_pbr").surface
+    assert (surface.opacity, surface.opacity_threshold) == (opacity, threshold)
+
+
+def test_other_surfaces_and_empty_documents_are_refused(read: Read, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="disney_principled"):
+        read("", shader="disney_principled")
+    (tmp_path / "empty.mtlx").write_text('<materialx version="1.39"/>')
+    with pytest.raises(InputError, match="it has no surface"):
+        read_material(tmp_path / "empty.mtlx")
+
+
+@pytest.mark.parametrize("value", ["nan, 0, 0", "1e999, 0, 0"])
+def test_values_that_are_no_numbers_are_refused(read: Read, value: str) -> None:
+    with pytest.raises(InputError, match="not finite"):
+        read(number("base_color", value, "color3"))
+
+
+def test_cycles_end(read: Read) -> None:
+    nodes = "".join(
+        f'<dot name="{a}" type="float">{link("in", "float", b)}</dot>' for a, b in ("PQ", "QP")
+    )
+    assert read(link("specular_roughness", "float", "P"), nodes).surface.roughness == 0.5
+
+
+def test_without_the_package_the_extra_is_named(
+    read: Read, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read("")
+    monkeypatch.setitem(__import__("sys").modules, "MaterialX", None)
+    with pytest.raises(MissingPackageError, match=r"openrooms-usd\[materialx\]"):
+        read_material(tmp_path / "m.mtlx")
