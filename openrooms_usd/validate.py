@@ -5,9 +5,8 @@ writes; elsewhere they are warnings, because a stage that follows none of our ha
 stage.
 """
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -65,21 +64,6 @@ RULES: Final = (
 )
 
 
-@dataclass(frozen=True, order=True)
-class Licence:
-    """What may be done with one asset of a scene.
-
-    Attributes:
-        asset: The asset's name.
-        licence: Its licence, as its ``assetInfo`` says.
-        prims: How many prims of the scene show it.
-    """
-
-    asset: str
-    licence: str
-    prims: int
-
-
 def validate_stage(path: Path, *, strict: bool = False) -> list[Finding]:
     """Check a stage against USD's rules and ours.
 
@@ -113,14 +97,3 @@ def _house_findings(subject: Subject, rules: Iterable[Rule]) -> Iterator[Finding
             strict = subject.ours and not rule.advice and not subject.is_by_hand(place)
             severity: Severity = "error" if strict else "warning"
             yield Finding(severity, rule.code, place, message, rule.remedy)
-
-
-def licences(stage: Usd.Stage) -> list[Licence]:
-    """The licences that the ``assetInfo`` of a stage's prims name, by asset."""
-    counts: Counter[tuple[str, str]] = Counter()
-    for prim in stage.Traverse():
-        info = prim.GetAssetInfo()
-        licence = info.get("license") or info.get("licence")
-        if licence:
-            counts[str(info.get("name", prim.GetName())), str(licence)] += 1
-    return sorted(Licence(asset, licence, prims) for (asset, licence), prims in counts.items())

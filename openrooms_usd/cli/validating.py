@@ -1,6 +1,7 @@
 """The command ``validate``."""
 
 import sys
+from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,7 +11,7 @@ import click
 from openrooms_usd.cli.console import json_option, print_json
 
 if TYPE_CHECKING:
-    from openrooms_usd.validate import Licence
+    from openrooms_usd.validation.licences import Licence
     from openrooms_usd.validation.model import Finding
 
 # More rows than this of one rule say no more.
@@ -24,12 +25,13 @@ _ROWS = 20
 def validate(stage: Path, strict: bool, as_json: bool) -> None:
     """Check any USD stage against USD's rules and ours; exit with 1 when it has errors.
 
-    Our own rules are warnings for stages that other tools wrote. The licences that the assets of
-    the stage name are listed too.
+    Our own rules are warnings for stages that other tools wrote. The licences of all assets and
+    textures are listed too; those that nobody states are unknown.
     """
     from openrooms_usd.usd.diagnostics import quiet
     from openrooms_usd.usd.layers import open_stage
-    from openrooms_usd.validate import check, licences
+    from openrooms_usd.validate import check
+    from openrooms_usd.validation.licences import licences
 
     with quiet():
         opened = open_stage(stage)
@@ -81,5 +83,29 @@ def _print_findings(stage: Path, findings: "list[Finding]") -> None:
 
 
 def _print_licences(terms: "list[Licence]") -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    if not terms:
+        return
+    table = Table("licence", "of", "name", "prims")
+    for column in table.columns:
+        column.overflow = "fold"
+    shown: Counter[tuple[str, str]] = Counter()
     for term in terms:
-        click.echo(f"licence: {term.asset} ({term.prims} prims): {term.licence}")
+        group = (term.licence, term.kind)
+        shown[group] += 1
+        if shown[group] <= _ROWS:
+            table.add_row(*map(Text, (term.licence, term.kind, term.name, str(term.prims))))
+    Console().print(table)
+    for (licence, kind), count in shown.items():
+        if count > _ROWS:
+            click.echo(f"{licence}: {count - _ROWS} more {kind}s; --json lists all")
+    unknown = sum(term.is_unknown for term in terms)
+    if unknown:
+        click.echo(
+            f"warning: {unknown} assets and textures do not say under which licence they may be "
+            "used: state it in their assetInfo, or in a file NAME.license beside them",
+            err=True,
+        )

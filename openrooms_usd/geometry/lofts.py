@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import face_vectors, unit, with_normals
+from openrooms_usd.geometry.uv import cube_projection
 
 
 def loft(rings: ArrayLike, *, crease: float = 40.0, closed: bool = False) -> Mesh:
@@ -51,12 +52,14 @@ def _capped(skin: Mesh, rows: int, count: int) -> Mesh:
     """Close the first and the last ring by one polygon each."""
     assert skin.st is not None
     around = np.arange(count, dtype=np.int32)
-    caps = np.concatenate([around[::-1], (rows - 1) * count + around]).astype(np.int32)
+    corners = np.concatenate([around[::-1], (rows - 1) * count + around]).astype(np.int32)
+    caps = cube_projection(Mesh(skin.points, np.array([count, count], dtype=np.int32), corners))
+    assert caps.st is not None
     return Mesh(
         points=skin.points,
-        counts=np.concatenate([skin.counts, np.array([count, count], dtype=np.int32)]),
-        indices=np.concatenate([skin.indices, caps]),
-        st=np.concatenate([skin.st, skin.points[caps, :2].astype(np.float32)]),
+        counts=np.concatenate([skin.counts, caps.counts]),
+        indices=np.concatenate([skin.indices, caps.indices]),
+        st=np.concatenate([skin.st, caps.st]),
     )
 
 

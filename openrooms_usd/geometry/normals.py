@@ -14,6 +14,9 @@ _BLOCK = 4_000_000
 
 def face_vectors(mesh: Mesh) -> NDArray[np.float64]:
     """(F, 3) normal of each face with the length of its area (Newell's method)."""
+    if (mesh.counts == 3).all():  # the same sums without the zeros among them, several times faster
+        a, b, c = np.moveaxis(mesh.points[mesh.indices.reshape(-1, 3)], 1, 0)
+        return np.asarray(0.5 * np.cross(b - a, c - a), dtype=np.float64)
     ends = np.cumsum(mesh.counts)
     starts = ends - mesh.counts
     following = np.arange(len(mesh.indices)) + 1

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import __version__
+from openrooms_usd import __version__, names
 from openrooms_usd.atomic import making, naming
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.geometry.mesh import Mesh
@@ -36,10 +36,8 @@ if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface
 
 # Part of every asset's name: raise it when the same key gives another asset without a new version.
-FORMAT: Final = 2
+FORMAT: Final = 3
 GEOMETRY: Final = "geometry.usdc"
-# The key of assetInfo that says under which terms an asset may be used.
-LICENCE_KEY: Final = "license"
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,7 +278,7 @@ def _write_interface(asset: Asset, model: Model, target: Path) -> None:
     api.SetAssetName(asset.name)
     api.SetAssetIdentifier(Sdf.AssetPath(f"./{asset.name}.usda"))
     if model.licence:
-        root.SetAssetInfoByKey(LICENCE_KEY, model.licence)
+        root.SetAssetInfoByKey(names.LICENCE_KEY, model.licence)
     extent = [Gf.Vec3f(*row) for row in model.extent.astype(np.float32).tolist()]
     UsdGeom.ModelAPI.Apply(root).SetExtentsHint(Vt.Vec3fArray(extent))
     label(root, asset.category)

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.topology import is_closed
-from openrooms_usd.geometry.uv import cube_projection
+from openrooms_usd.geometry.uv import cube_projection, metric
+from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import Model
 from openrooms_usd.library.furniture import Size
 from openrooms_usd.library.gltf import read_glb, read_ply
@@ -52,7 +53,8 @@ def read_model(
 
     Returns:
         Its parts in the object frame. Normals are computed where they are missing; texture
-        coordinates are in metres except on parts with textures of their own.
+        coordinates are in metres except on parts with textures of their own. They are the file's
+        own where `geometry.uvquality` finds no fault with them.
 
     Raises:
         InputError: The file is missing, broken, empty, of no known kind or absurdly large.
@@ -154,19 +156,31 @@ def _fitted(model: Model, size: Size | None, turn: NDArray[np.float64], path: Pa
     turned = np.eye(4)
     turned[:3, :3] = turn
     fitted = {name: mesh.transformed(fit) for name, mesh in model.parts.items()}
+    mapped = {name: _mapped(model, name, mesh) for name, mesh in fitted.items()}
     return replace(
         model,
-        parts={name: _mapped(model, name, mesh) for name, mesh in fitted.items()},
+        parts={name: mesh for name, (mesh, _) in mapped.items()},
+        notes=(*model.notes, *(note for _, note in mapped.values() if note)),
         # Sheets without thickness are seen from behind too.
         double_sided=not all(is_closed(mesh) for mesh in fitted.values()),
         file_from_object=np.asarray(np.linalg.inv(fit @ turned), dtype=np.float64),
     )
 
 
-def _mapped(model: Model, name: str, mesh: Mesh) -> Mesh:
-    """Foreign texture coordinates are only good for the part's own textures."""
-    keep = mesh.st is not None and is_textured(model.surfaces.get(name))
-    return mesh if keep else cube_projection(mesh)
+def _mapped(model: Model, name: str, mesh: Mesh) -> tuple[Mesh, str]:
+    """The part with texture coordinates for what it wears, and what is wrong with its own.
+
+    A part's own pictures are laid out for its own coordinates, which so stay as they are; our
+    materials have a physical size, so where they go the coordinates are in metres.
+    """
+    title = model.titles.get(name, name)
+    if mesh.st is None or not is_textured(model.surfaces.get(name)):
+        mapped, fault = metric(mesh)
+        return mapped, f"texture coordinates of {title}: {fault}; projected" if fault else ""
+    quality = uv_quality(mesh)
+    if not quality.finite:
+        return cube_projection(mesh), f"texture coordinates of {title}: {quality.fault}; projected"
+    return mesh, f"texture coordinates of {title}: {quality.fault}" if quality.fault else ""
 
 
 _READERS: Final[dict[str, Callable[[Path], Reading]]] = {

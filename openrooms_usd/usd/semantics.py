@@ -1,53 +1,16 @@
-"""Semantic labels of prims, in our own categories and in OpenRooms' 45 classes."""
-
-from typing import Final
+"""Semantic labels of prims: our own categories and parts, and the class lists of others."""
 
 from pxr import Usd, UsdSemantics
 
 from openrooms_usd import names
-
-# The class list of the released dataset; the position is the number in its label images.
-OPENROOMS45: Final = (
-    "unlabeled", "curtain", "bike", "washing_machine", "table", "desk", "pool_table", "counter",
-    "dishwasher", "bowl", "bookshelf", "sofa", "speaker", "trash_bin", "piano", "guitar", "pillow",
-    "jar", "bed", "bottle", "clock", "chair", "computer_keyboard", "monitor", "whiteboard",
-    "bathtub", "stove", "microwave", "file_cabinet", "flowerpot", "cap", "window", "lamp",
-    "telephone", "printer", "basket", "faucet", "bag", "laptop", "can", "bench", "door", "cabinet",
-    "wall", "floor", "ceiling",
-)  # fmt: skip
-
-# Our categories that have another name there; a category that stands in neither is unlabeled.
-_SYNONYMS: Final = {
-    "armchair": "chair",
-    "ceiling_lamp": "lamp",
-    "coffee_table": "table",
-    "dresser": "cabinet",
-    "floor_lamp": "lamp",
-    "keyboard": "computer_keyboard",
-    "kitchen_cabinet": "cabinet",
-    "office_chair": "chair",
-    "plant_pot": "flowerpot",
-    "shelf": "bookshelf",
-    "side_table": "table",
-    "storage": "cabinet",
-    "stool": "chair",
-    "table_lamp": "lamp",
-    "television": "monitor",
-    "wall_lamp": "lamp",
-    "wardrobe": "cabinet",
-}
-
-
-def openrooms45(category: str) -> str:
-    """The OpenRooms class of one of our categories; ``unlabeled`` where it has none."""
-    name = _SYNONYMS.get(category, category)
-    return name if name in OPENROOMS45 else OPENROOMS45[0]
+from openrooms_usd.usd.taxonomies import TAXONOMIES, class_of, number_of
 
 
 def label(prim: Usd.Prim, category: str) -> None:
-    """Label a prim with its category and its OpenRooms class."""
+    """Label a prim with its category and its class in every taxonomy."""
     _author(prim, names.CATEGORY, category)
-    _author(prim, names.OPENROOMS45, openrooms45(category))
+    for taxonomy in TAXONOMIES:
+        _author(prim, taxonomy, class_of(category, taxonomy))
 
 
 def label_part(prim: Usd.Prim, part: str) -> None:
@@ -68,3 +31,17 @@ def read_label(prim: Usd.Prim, taxonomy: str) -> str | None:
             return str(values[0])
         prim = prim.GetParent()
     return None
+
+
+def read_number(prim: Usd.Prim, taxonomy: str) -> int:
+    """The number of a prim's class: as it is labelled, or else as its category says.
+
+    Args:
+        prim: The prim; labels above it count too.
+        taxonomy: A key of `TAXONOMIES`.
+
+    Returns:
+        The number; 0 for what has no class in the taxonomy.
+    """
+    label = read_label(prim, taxonomy)
+    return number_of(label or class_of(read_label(prim, names.CATEGORY) or "", taxonomy), taxonomy)

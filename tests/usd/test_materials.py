@@ -19,7 +19,7 @@ from openrooms_usd.usd.materials import (
     define_preview_surface,
     read_preview_surface,
 )
-from openrooms_usd.usd.surfaces import UvTransform
+from openrooms_usd.usd.surfaces import UvTransform, f0_of, ior_of
 
 TYPES = Sdf.ValueTypeNames
 
@@ -325,3 +325,20 @@ def test_bindings_of_meshes_subsets_and_instances(stage: Usd.Stage) -> None:
         assert bound is not None and bound.GetPath().name == "Whole"
         [(faces, material)] = bound_subsets(prim)
         assert faces.tolist() == [0, 2] and material.GetPath().name == "Part"
+
+
+def test_openrooms_reflectance_is_kept_and_shown_by_an_index_of_refraction() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    material = define_preview_surface(stage, "/Paint", PreviewSurface(f0=0.05))
+    assert "OpenRoomsMaterialAPI" in material.GetPrim().GetPrimTypeInfo().GetAppliedAPISchemas()
+    shader = UsdShade.Shader(stage.GetPrimAtPath("/Paint/Surface"))
+    assert shader.GetInput("ior").Get() == pytest.approx(1.576, abs=5e-4)
+    assert f0_of(ior_of(0.05)) == pytest.approx(0.05)
+    surface, losses = read_preview_surface(material)
+    assert surface.f0 == pytest.approx(0.05) and not losses
+    material.GetPrim().GetAttribute("openrooms:material:f0").Set(1.5)
+    surface, losses = read_preview_surface(material)
+    assert surface.f0 is None and any("f0" in loss for loss in losses)
+    plain = define_preview_surface(stage, "/Plain", PreviewSurface())
+    assert not plain.GetPrim().GetAttribute("openrooms:material:f0")
+    assert read_preview_surface(plain)[0].f0 is None

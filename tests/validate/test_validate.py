@@ -14,7 +14,7 @@ from openrooms_usd.cli.validating import validate
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.semantics import label
-from openrooms_usd.validate import RULES, licences, validate_stage
+from openrooms_usd.validate import RULES, validate_stage
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
@@ -340,17 +340,6 @@ def test_unknown_materialx_nodes_are_no_error(small_room: SmallRoom) -> None:
     assert validate_stage(scene) != []
 
 
-def test_licences_are_listed(small_room: SmallRoom) -> None:
-    small_room.edit(
-        CHAIR,
-        'kind = "component"',
-        'kind = "component"\n assetInfo = {\n string license = "CC-BY-4.0"\n'
-        ' string name = "eames"\n }\n',
-    )
-    stage = layers.open_stage(small_room.scene)
-    assert [(t.asset, t.licence, t.prims) for t in licences(stage)] == [("eames", "CC-BY-4.0", 2)]
-
-
 def test_what_is_no_stage_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.usda").write_text("not USD")
     for name in ("bad.usda", "none.usda"):
@@ -376,7 +365,8 @@ def test_ten_thousand_instances_are_looked_at_once(small_room: SmallRoom) -> Non
 def test_the_command_prints_a_table_and_exits_with_1(small_room: SmallRoom) -> None:
     run = CliRunner().invoke
     clean = run(validate, [str(small_room.scene), "--strict"])
-    assert (clean.exit_code, clean.output) == (0, f"{small_room.scene}: clean\n")
+    assert clean.exit_code == 0
+    assert clean.stdout.startswith(f"{small_room.scene}: clean\n")
     BREAKS["orphan"][0](small_room)
     assert run(validate, [str(small_room.scene)]).exit_code == 0
     strict = run(validate, [str(small_room.scene), "--strict"])

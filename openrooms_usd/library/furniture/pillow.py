@@ -7,6 +7,7 @@ import numpy as np
 from openrooms_usd.geometry.cloth import pillow as filled
 from openrooms_usd.geometry.solids import lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.uv import metric
 from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style
 
 # Lying shapes turned up, so that what was above looks to the front.
@@ -81,7 +82,8 @@ def bolster(size: Size, rng: np.random.Generator) -> Parts:
                (0.12 * r, half - dip), (0.0, half - dip)]  # fmt: skip
     roll = lathe(profile, segments=36, crease=60.0)
     along = np.array([[0.0, 0.0, 1.0], [depth, 0.0, 0.0], [0.0, height, 0.0]])
-    return {"pillow": roll.transformed(along).moved((0.0, 0.0, 0.5 * height))}
+    case, _ = metric(roll.transformed(along).moved((0.0, 0.0, 0.5 * height)))
+    return {"pillow": case}
 
 
 def round_(size: Size, rng: np.random.Generator) -> Parts:
@@ -96,7 +98,7 @@ def round_(size: Size, rng: np.random.Generator) -> Parts:
     high = float(np.abs(profile[:, 1]).max())
     profile[0, 1], profile[-1, 1] = -0.45 * high, 0.45 * high
     scale = np.diag([width, depth, 0.5 * thick / high])
-    case = lathe(profile, segments=44, crease=70.0).transformed(scale)
+    case, _ = metric(lathe(profile, segments=44, crease=70.0).transformed(scale))
     button = sphere(0.016, segments=12, squash=0.4, center=(0.0, 0.0, 0.24 * thick))
     other = sphere(0.016, segments=12, squash=0.4, center=(0.0, 0.0, -0.24 * thick))
     return _placed({"pillow": case, "button_0": button, "button_1": other}, size)

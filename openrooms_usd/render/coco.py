@@ -1,0 +1,129 @@
+"""What is seen in a finished render as one COCO file: boxes, areas and masks of its objects."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import __version__, names
+from openrooms_usd.render.finished import FinishedRender, FinishedView, open_render
+from openrooms_usd.render.rle import compressed, run_lengths
+from openrooms_usd.usd.taxonomies import CLASSES, TAXONOMIES, UNLABELED
+
+Plain = dict[str, Any]
+
+# The channel that gives the classes of a taxonomy; our own categories are in the legend.
+CHANNELS: Final[dict[str, str | None]] = {
+    names.CATEGORY: None,
+    names.OPENROOMS45: "semantic",
+    names.NYU40: "semantic_nyu40",
+}
+_SHELL: Final = frozenset({"ceiling", "door", "floor", "opening", "wall", "window"})
+
+
+def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
+    """The visible objects of a render, in COCO's form.
+
+    A segmentation holds the pixels whose centre shows the object, as compressed run lengths; the
+    box is the least that holds them. What has no class in the taxonomy is left out.
+
+    Args:
+        folder: What `orusd render` wrote.
+        taxonomy: Whose classes: ``category``, ``openrooms45`` or ``nyu40``.
+
+    Returns:
+        Plain data: info, images, categories, annotations.
+
+    Raises:
+        InputError: It is no render, or lacks the channels that this needs.
+    """
+    channel = CHANNELS[taxonomy]
+    render = open_render(folder, ("instance", *([channel] if channel else [])))
+    numbers = _class_numbers(render, taxonomy)
+    images: list[Plain] = []
+    annotations: list[Plain] = []
+    for name in render.names:
+        view = render.view(name)
+        images.append(_image(view, len(images) + 1))
+        for instance, mask in view.masks().items():
+            number = _class(render, view, instance, mask, channel, numbers)
+            if number:
+                row = _annotation(mask, render.legend("instance").get(instance, ""), instance)
+                row |= {"image_id": len(images), "category_id": number}
+                annotations.append({"id": len(annotations) + 1, **row})
+    return {
+        "info": {
+            "description": f"{render.manifest['stage']}, classes of {taxonomy}",
+            "version": f"{names.CREATOR} {__version__}",
+            "conventions": render.manifest["conventions"],
+        },
+        "images": images,
+        "categories": [
+            {"id": n, "name": c, "supercategory": "structure" if c in _SHELL else "object"}
+            for c, n in numbers.items()
+        ],
+        "annotations": annotations,
+    }
+
+
+def _class_numbers(render: FinishedRender, taxonomy: str) -> dict[str, int]:
+    """The number of every class; in our own taxonomy, words that are not ours come last."""
+    if taxonomy in TAXONOMIES:
+        return {c: n for n, c in enumerate(TAXONOMIES[taxonomy]) if c != UNLABELED}
+    others = sorted(set(render.legend("category").values()) - set(CLASSES))
+    return {c: n for n, c in enumerate([*CLASSES, *others], start=1)}
+
+
+def _class(
+    render: FinishedRender,
+    view: FinishedView,
+    instance: int,
+    mask: NDArray[np.bool_],
+    channel: str | None,
+    numbers: Mapping[str, int],
+) -> int:
+    if channel is None:
+        return numbers.get(render.legend("category").get(instance, ""), 0)
+    return int(view.labels[channel][mask][0])
+
+
+def _image(view: FinishedView, number: int) -> Plain:
+    width, height = view.size
+    channels = view.entry["channels"]
+    shown = "radiance" if "radiance" in channels else "instance"
+    return {
+        "id": number,
+        "file_name": channels[shown]["preview"],
+        "width": width,
+        "height": height,
+        "camera": view.entry["camera"],
+        "K": view.entry["K"],
+        "world_from_camera": view.entry["world_from_camera"],
+    }
+
+
+def _annotation(mask: NDArray[np.bool_], prim: str, instance: int) -> Plain:
+    left, top, right, bottom = tight_box(mask)
+    return {
+        "prim": prim,
+        "instance": instance,
+        "bbox": [left, top, right - left, bottom - top],
+        "area": int(mask.sum()),
+        "segmentation": {"size": list(mask.shape), "counts": compressed(run_lengths(mask))},
+        "iscrowd": 0,
+    }
+
+
+def tight_box(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
+    """Left, top, right and bottom edge of the pixels of a mask that is not empty.
+
+    Args:
+        mask: (height, width).
+
+    Returns:
+        Pixels from the upper left corner of the picture; right and bottom are exclusive.
+    """
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1

@@ -1,0 +1,88 @@
+"""The second set: nothing overlaps (counted pixel by pixel), nothing is stretched far."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pxr import Usd, UsdGeom
+
+from openrooms_usd.geometry import unwrap
+from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.solids import box, rounded_box, sphere
+from openrooms_usd.geometry.unwrap import unwrapped
+from openrooms_usd.geometry.uvquality import uv_quality
+from openrooms_usd.usd.meshes import define_mesh
+
+SIZE = 512
+
+
+def _coverage(st: np.ndarray) -> np.ndarray:
+    """(SIZE, SIZE) how many triangles hold each pixel's centre, by three half-planes."""
+    counts = np.zeros((SIZE, SIZE), int)
+    for a, b, c in st.reshape(-1, 3, 2).astype(float) * SIZE:
+        low = np.floor(np.minimum(np.minimum(a, b), c)).astype(int).clip(0)
+        high = np.ceil(np.maximum(np.maximum(a, b), c)).astype(int) + 1
+        y, x = np.mgrid[low[1] : min(high[1], SIZE), low[0] : min(high[0], SIZE)] + 0.5
+        sides = [
+            (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0])
+            for p, q in ((a, b), (b, c), (c, a))
+        ]
+        inside = np.all([s > 1e-6 for s in sides], axis=0)
+        inside |= np.all([s < -1e-6 for s in sides], axis=0)
+        counts[low[1] : low[1] + len(y), low[0] : low[0] + y.shape[1]] += inside
+    return counts
+
+
+SHAPES = {
+    "box": box((1, 2, 0.1)),
+    "ball": sphere(0.4, segments=24),
+    "tiny": sphere(1e-3, segments=20),
+    "huge": sphere(1e3, segments=20),
+    "apart": joined([rounded_box((1, 1, 1), 0.1), sphere(0.2, segments=12).moved((3, 0, 0))]),
+}
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_no_two_places_of_the_surface_share_one_in_the_texture(name: str) -> None:
+    mesh = SHAPES[name]
+    cut, st = unwrapped(mesh, resolution=SIZE)
+    assert st.shape == (len(cut.indices), 2)
+    assert st.min() >= 0.0 and st.max() <= 1.0
+    counts = _coverage(st)
+    assert counts.max() == 1
+    assert (counts == 1).mean() > 0.35  # the square is not wasted
+    quality = uv_quality(replace(cut, st=st))
+    assert quality.stretch < 1.1
+    assert quality.folded == 0.0
+    assert cut.areas().sum() == pytest.approx(mesh.areas().sum())
+
+
+def test_the_same_mesh_has_the_same_layout() -> None:
+    first, second = (unwrapped(SHAPES["apart"])[1] for _ in range(2))
+    assert first.tobytes() == second.tobytes()
+
+
+def test_degenerate_triangles_get_a_place_without_an_area() -> None:
+    mesh = sphere(1, segments=12)
+    cut = unwrap.triangulated(mesh)
+    worse = Mesh(
+        cut.points,
+        np.full(len(cut.counts) + 2, 3, np.int32),
+        np.concatenate([[0, 0, 1], cut.indices, [2, 2, 2]]).astype(np.int32),
+    )
+    _, st = unwrapped(worse, resolution=SIZE)
+    assert not st[:3].any() and not st[-3:].any()
+    assert _coverage(st).max() == 1
+    nothing = Mesh(cut.points, np.array([3], np.int32), np.zeros(3, np.int32))
+    assert not unwrapped(nothing)[1].any()
+
+
+def test_a_prim_carries_both_sets() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    cut, st = unwrapped(SHAPES["box"])
+    prim = define_mesh(stage, "/box", cut, baked_st=st)
+    primvars = UsdGeom.PrimvarsAPI(prim)
+    for name, values in (("st", cut.st), ("st1", st)):
+        primvar = primvars.GetPrimvar(name)
+        assert primvar.GetInterpolation() == "faceVarying"
+        np.testing.assert_array_equal(np.array(primvar.Get()), values)
