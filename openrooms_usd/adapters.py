@@ -1,4 +1,4 @@
-"""Finds importers, renderers and exporters through entry points, ours and anybody's alike."""
+"""Finds importers, renderers, exporters and datasets by entry point, ours and anybody's alike."""
 
 import difflib
 from importlib.metadata import EntryPoint, entry_points
@@ -9,6 +9,7 @@ from openrooms_usd.errors import InputError, MissingPackageError
 IMPORTERS: Final = "openrooms_usd.importers"
 RENDERERS: Final = "openrooms_usd.renderers"
 EXPORTERS: Final = "openrooms_usd.exporters"
+DATASETS: Final = "openrooms_usd.datasets"
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -36,7 +37,7 @@ def load(group: str, name: str) -> Any:
     """Import the adapter ``name`` of a group and make one.
 
     Args:
-        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`.
+        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`.
         name: The name under which it is registered.
 
     Returns:

@@ -23,7 +23,10 @@ _COMMANDS: Final = {
     "edits": ("editing", "edits", "Keep what people changed in a composed room."),
     "validate": ("validating", "validate", "Check a USD stage."),
     "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
+    "dataset": ("datasets", "dataset", "Write renders as the files of a published dataset."),
+    "annotate": ("annotating", "annotate", "Write what a render shows as COCO or boxes."),
     "library": ("libraries", "library", "Furniture: a list of it, or a picture."),
+    "materials": ("materials", "materials", "Procedural materials: a list, or pictures."),
     "convert": ("converting", "convert", "Write a USD stage in a foreign form."),
 }
 

@@ -73,7 +73,9 @@ def test_a_command_exists_and_explains_itself(name: str) -> None:
     assert command is not None and command.help
 
 
-@pytest.mark.parametrize("group", [adapters.IMPORTERS, adapters.RENDERERS, adapters.EXPORTERS])
+@pytest.mark.parametrize(
+    "group", [adapters.IMPORTERS, adapters.RENDERERS, adapters.EXPORTERS, adapters.DATASETS]
+)
 def test_an_adapter_of_ours_is_found_and_loads(group: str) -> None:
     ours = [point for point in entry_points(group=group) if point.value.startswith("orusd_")]
     assert ours

@@ -10,13 +10,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = {"openrooms_usd", "orusd_schemas", "orusd_mitsuba", "orusd_scans"}
+PACKAGES = {
+    "openrooms_usd", "orusd_schemas", "orusd_mitsuba", "orusd_openrooms", "orusd_scans",
+}  # fmt: skip
 DATA = {
     "openrooms_usd/py.typed",
     "openrooms_usd/demo/room.yaml",
     "openrooms_usd/library/hosek_wilkie.npy",
     "openrooms_usd/library/hosek_wilkie.LICENSE.txt",
     "orusd_mitsuba/py.typed",
+    "orusd_openrooms/py.typed",
     "orusd_scans/py.typed",
     "orusd_schemas/py.typed",
     "orusd_schemas/generatedSchema.usda",
@@ -59,7 +62,7 @@ def test_a_wheel_registers_the_command_and_the_adapters(wheel: zipfile.ZipFile) 
     points = configparser.ConfigParser()
     points.read_string(wheel.read(name).decode())
     assert dict(points["console_scripts"]) == {"orusd": "openrooms_usd.cli:main"}
-    assert {"importers", "renderers", "exporters"} == {
+    assert {"importers", "renderers", "exporters", "datasets"} == {
         section.removeprefix("openrooms_usd.") for section in points if "openrooms_usd" in section
     }
 

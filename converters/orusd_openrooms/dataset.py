@@ -1,0 +1,178 @@
+"""Writes finished renders as a scene of an OpenRooms dataset."""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import atomic
+from openrooms_usd.errors import InputError, OrusdError, writing
+from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.render.reading import RenderedScene, RenderedView
+from orusd_openrooms import cameras, layout, readers
+from orusd_openrooms.frame import Frame
+from orusd_openrooms.framefiles import write_frame
+from orusd_openrooms.layout import SPLITS, Place
+from orusd_openrooms.pickles import write_pickled
+from orusd_openrooms.records import lights_of
+
+_SCENE: Final = re.compile(r"scene\w{1,60}", re.ASCII)
+_LISTS: Final = ("train", "test")
+_RELEASED: Final = (640, 480)
+# The arrays of the released loaders hold no more.
+_MOST_LAMPS, _MOST_WINDOWS = 7, 3
+
+
+class OpenRoomsDataset:
+    """The files of OpenRooms as released (docs/openrooms.md)."""
+
+    def write(
+        self, renders: Sequence[RenderedScene], root: Path, options: DatasetOptions
+    ) -> DatasetSummary:
+        """Write a scene of a dataset; nothing appears before all is written.
+
+        Args:
+            renders: The variants of one scene.
+            root: The dataset's folder; other scenes in it, and other frames of this one, stay.
+            options: How to lay it out.
+
+        Raises:
+            InputError: The renders or options do not fit each other.
+            OutputError: A file cannot be written.
+        """
+        _check(renders, options)
+        missing: dict[str, str] = {}
+        frames: dict[str, list[int]] = {}
+        with atomic.filling(root) as beside:
+            for split, render in zip(options.splits, renders, strict=True):
+                place = Place(beside, options.scene, split, options.layout)
+                frames[split] = _write_split(place, render, options, missing)
+                _write_cameras(place, root, render, options.first)
+            _write_lists(beside, root, options)
+            written = {path.relative_to(beside) for path in beside.rglob("*") if path.is_file()}
+        _remove_stale(root, written)
+        notes = tuple(_notes(renders, root))
+        return DatasetSummary(root, frames, len(written), missing, notes)
+
+
+def _write_split(
+    place: Place, render: RenderedScene, options: DatasetOptions, missing: dict[str, str]
+) -> list[int]:
+    lights = lights_of(render)
+    instances = max(render.legend("instance"), default=0)
+    numbers = [options.first + index for index in range(len(render.views))]
+    for number, view in zip(numbers, render.views.values(), strict=True):
+        # A view keeps the arrays that it has read: a copy takes them along when it goes.
+        frame = Frame(replace(view), lights, options.order, instances)
+        write_frame(place, number, frame)
+        missing |= frame.missing
+    return numbers
+
+
+def _write_cameras(place: Place, root: Path, render: RenderedScene, first: int) -> None:
+    """The cameras of a scene: the new ones in the place of their numbers, others stay."""
+    folder = place.scene_folder
+    earlier = root / folder.relative_to(place.root) / "cam.txt"
+    poses = readers.read_cameras(earlier) if earlier.exists() else []
+    # Frames count from 1, or from 0 as in sets that others rendered again.
+    start = max(0, first - 1)
+    if len(poses) < start:
+        raise InputError(
+            f"the scene has {len(poses)} cameras, so the next view is number {len(poses) + 1}",
+            place=earlier,
+            remedy=f"give --first {len(poses) + 1}, or write the earlier views first",
+        )
+    new = [cameras.pose(view.world_from_camera) for view in render.views.values()]
+    cameras.write_cameras(folder / "cam.txt", [*poses[:start], *new, *poses[start + len(new) :]])
+    write_pickled(folder / "transform.dat", cameras.layout_transforms())
+    K = next(iter(render.views.values())).K
+    cameras.write_intrinsics(folder / "intrinsic.txt", K)
+    if place.layout == "merged":
+        cameras.write_intrinsics(place.root / place.split / place.scene / "intrinsic.txt", K)
+
+
+def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
+    """``train.txt`` and ``test.txt``: the scene stands in one of them."""
+    for name in _LISTS:
+        path = root / f"{name}.txt"
+        scenes = set(path.read_text("utf-8").split()) if path.exists() else set()
+        scenes.discard(options.scene)
+        if name == options.subset:
+            scenes.add(options.scene)
+        atomic.write_text(beside / path.name, "".join(f"{scene}\n" for scene in sorted(scenes)))
+
+
+def _remove_stale(root: Path, written: Iterable[Path]) -> None:
+    """Remove lights of an earlier render of the same frames: loaders take all that they find."""
+    kept = set(written)
+    folders = {path.parent for path in kept if path.parent.name.startswith("light_")}
+    with writing(root):
+        for folder in folders:
+            for path in (root / folder).iterdir():
+                if path.relative_to(root) not in kept:
+                    path.unlink()
+
+
+def _check(renders: Sequence[RenderedScene], options: DatasetOptions) -> None:
+    if not _SCENE.fullmatch(options.scene):
+        raise _wrong(f"{options.scene!r} is no name of a scene", "such as scene0000_00")
+    if options.first < 0:
+        raise _wrong(f"the first view cannot be number {options.first}", "give 1, or 0")
+    if len(options.splits) != len(renders) or len(set(options.splits)) != len(renders):
+        raise _wrong(
+            f"{len(renders)} renders and {len(options.splits)} splits",
+            "give --split once for each render, each another one",
+        )
+    for split in options.splits:
+        if split not in SPLITS:
+            raise _wrong(f"no split is named {split!r}", f"known: {', '.join(SPLITS)}")
+    for suffix in layout.SUFFIXES:
+        of_suffix = zip(options.splits, renders, strict=True)
+        _check_views([render for split, render in of_suffix if split.endswith(f"_{suffix}")])
+
+
+def _check_views(renders: Sequence[RenderedScene]) -> None:
+    """Variants share their views."""
+    for render in renders[1:]:
+        first = renders[0].views
+        same = list(render.views) == list(first) and all(
+            _same(view, first[name]) for name, view in render.views.items()
+        )
+        if not same:
+            raise InputError(
+                f"its views are not those of {renders[0].folder}",
+                place=render.folder,
+                remedy="variants of a scene share their views: render the same cameras",
+            )
+
+
+def _same(view: RenderedView, other: RenderedView) -> bool:
+    pairs: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = [
+        (view.K, other.K),
+        (view.world_from_camera, other.world_from_camera),
+    ]
+    size = (view.width, view.height) == (other.width, other.height)
+    return size and all(np.allclose(a, b, rtol=0.0, atol=1e-6) for a, b in pairs)
+
+
+def _notes(renders: Sequence[RenderedScene], root: Path) -> Iterable[str]:
+    """What may hinder loaders that were written for the released dataset."""
+    sizes = {(view.width, view.height) for render in renders for view in render.views.values()}
+    if sizes != {_RELEASED}:
+        yield "the released loaders expect pictures of 640x480"
+    for render in renders:
+        lights = lights_of(render)
+        windows = sum(light.is_window for light in lights)
+        if windows > _MOST_WINDOWS or len(lights) - windows > _MOST_LAMPS:
+            yield "IndoorLightEditing has room for 3 windows and 7 lamps in a picture"
+            break
+    if caution := layout.caution(root):
+        yield caution
+
+
+def _wrong(message: str, remedy: str) -> OrusdError:
+    return InputError(message, place="dataset", remedy=remedy)

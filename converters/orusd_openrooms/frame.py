@@ -1,0 +1,91 @@
+"""A view on its way into the dataset: what it can give, and at which resolutions."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.reading import LIGHTS_FILE, RenderedView
+from orusd_openrooms.environments import Order
+from orusd_openrooms.records import Light
+from orusd_openrooms.resampling import area_mean
+
+Pixels = NDArray[np.float32]
+
+# Light is stored at a quarter of the picture's resolution, what is direct alone at a sixteenth.
+COARSER: Final = 4
+
+
+@dataclass(eq=False)
+class Frame:
+    """A view on its way into the dataset.
+
+    Attributes:
+        view: What was rendered.
+        lights: Those of the scene that have a place.
+        order: How the channels of environment maps are stored.
+        instances: The largest number of an object in the scene.
+    """
+
+    view: RenderedView
+    lights: Sequence[Light]
+    order: Order
+    instances: int
+    missing: dict[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def environment(self) -> Pixels | None:
+        """The grid of hemispheres, if it was rendered."""
+        return self.view.grid("environment")
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """Rows and columns of what is stored coarser."""
+        if self.environment is not None:
+            return self.environment.shape[0], self.environment.shape[1]
+        return max(1, self.view.height // COARSER), max(1, self.view.width // COARSER)
+
+    def has(self, need: str) -> bool:
+        """Whether the render gives one of the channels ``a|b``; those of lights end in ``_i``."""
+        return any(map(self._gives, need.split("|")))
+
+    def _gives(self, name: str) -> bool:
+        if name.endswith("_i"):
+            return name.removesuffix("_i") in self.view.lights
+        files = (self.view.folder / f"{name}{suffix}" for suffix in (".exr", ".npy"))
+        return name in self.view.pixels or any(file.exists() for file in files)
+
+    def light(self, channel: str, light: Light) -> Pixels:
+        """(height, width, components) a channel of one light.
+
+        Raises:
+            InputError: Other lights have it, and this one has not.
+        """
+        try:
+            return self.view.lights[channel][light.number]
+        except KeyError as error:
+            raise InputError(
+                f"light {light.number} has no channel {channel}_{light.number}",
+                place=self.view.folder / LIGHTS_FILE,
+                remedy="render again",
+            ) from error
+
+    def lacks(self, needs: Sequence[str]) -> str:
+        """Why a file cannot be made; empty when it can."""
+        absent = [need.replace("|", " nor ") for need in needs if not self.has(need)]
+        return f"the render has no {', no '.join(absent)}" if absent else ""
+
+    def coarse(self, pixels: Pixels) -> Pixels:
+        """A channel at the resolution of the grid."""
+        return area_mean(pixels, *self.grid)
+
+    def misses(self, name: str, needs: Sequence[str]) -> bool:
+        """Whether a file cannot be made; ``missing`` then says why."""
+        reason = self.lacks(needs)
+        if reason:
+            self.missing[name] = reason
+        return bool(reason)

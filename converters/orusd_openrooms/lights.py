@@ -1,0 +1,134 @@
+"""What the files of a light hold: its box, its parameters and whether it is seen."""
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orusd_openrooms.records import LOBES, Light, Lobe
+
+Array = NDArray[np.float64]
+
+# Right, up and backward from the right, down and forward of OpenCV.
+_OPENGL: Final = np.diag([1.0, -1.0, -1.0])
+
+
+def camera_from_world(world_from_camera: Array) -> Array:
+    """(4, 4) from our world to right, up and backward of a camera given in OpenCV's axes."""
+    turned = np.eye(4)
+    turned[:3, :3] = _OPENGL
+    result: Array = turned @ np.linalg.inv(world_from_camera)
+    return result
+
+
+def box(light: Light, camera: Array, mask: NDArray[np.bool_]) -> dict[str, Any]:
+    """The box of a light, as the loaders want it.
+
+    The y axis is the most upright of the box's own and points up; x is the longer of the others; z
+    points towards the camera.
+
+    Args:
+        light: The light.
+        camera: (4, 4) from `camera_from_world`.
+        mask: (height, width) the pixels whose centres see it.
+    """
+    upright = int(np.argmax(np.abs(light.axes[2])))
+    rest = sorted({0, 1, 2} - {upright}, key=lambda axis: -light.size[axis])
+    x, y = light.axes[:, rest[0]], light.axes[:, upright]
+    y = y if y[2] >= 0 else -y
+    turn = camera[:3, :3]
+    center = turn @ light.center + camera[:3, 3]
+    axes = [turn @ axis for axis in (x, y, np.cross(x, y))]
+    if axes[2] @ center > 0:
+        axes = [-axes[0], axes[1], -axes[2]]
+    named: dict[str, Any] = {f"{name}Axis": axis for name, axis in zip("xyz", axes, strict=True)}
+    sizes = (light.size[rest[0]], light.size[upright], light.size[rest[1]])
+    named |= {f"{name}Len": float(size) for name, size in zip("xyz", sizes, strict=True)}
+    return {
+        "isWindow": light.is_window,
+        "box3D": {"center": center, **named},
+        "box2D": _box_2d(mask),
+    }
+
+
+def _box_2d(mask: NDArray[np.bool_]) -> dict[str, int | None]:
+    """The first and last column and row that show it; None where it is not seen."""
+    columns, rows = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
+    if not len(columns):
+        return dict.fromkeys(("x1", "x2", "y1", "y2"))
+    edges = (columns[0], columns[-1], rows[0], rows[-1])
+    return {name: int(edge) for name, edge in zip(("x1", "x2", "y1", "y2"), edges, strict=True)}
+
+
+def source(light: Light, camera: Array) -> dict[str, Any]:
+    """The parameters of a light: a lamp's radiance, an opening's three lobes.
+
+    Axes are in the camera's frame (right, up, backward) and point to where the light comes from.
+    What is off has no intensity. Loaders tell so by the first lobe alone: without a sun the lobe of
+    the greatest flux takes its place.
+    """
+    if not light.is_window:
+        return {"intensity": light.radiance * light.on}
+    lobes = {name: light.lobes.get(name, _DARK) for name in LOBES}
+    first, *_ = lobes
+    if not lobes[first].intensity.any():
+        brightest = max(lobes, key=lambda name: _flux(lobes[name]).sum())
+        lobes[first], lobes[brightest] = lobes[brightest], lobes[first]
+    found: dict[str, Any] = {"loss": light.loss, "scale": 1.0}
+    for name, ending in LOBES.items():
+        found |= _parameters(lobes[name], light.on, camera, ending)
+    return found
+
+
+def single_source(light: Light, camera: Array) -> dict[str, Any]:
+    """The parameters of a light as one lobe.
+
+    A lamp shines alike in every direction. For an opening: the lobe with the same flux and the same
+    mean direction as its three together (Banerjee et al., "Clustering on the Unit Hypersphere
+    using von Mises-Fisher Distributions", JMLR 2005, eq. 4.4).
+    """
+    lobe = _joined(light) if light.is_window else Lobe(_DARK.axis, 0.0, light.radiance)
+    return _parameters(lobe, light.on, camera, "")
+
+
+def _parameters(lobe: Lobe, on: bool, camera: Array, ending: str) -> dict[str, Any]:
+    return {
+        f"intensity{ending}": lobe.intensity * on,
+        f"axis{ending}": camera[:3, :3] @ lobe.axis,
+        f"lamb{ending}": np.array([lobe.sharpness]),
+    }
+
+
+def spread(sharpness: float) -> float:
+    """The integral of exp(sharpness (cos - 1)) over the sphere, steradian."""
+    if sharpness < 1e-6:
+        return 4.0 * np.pi
+    return float(-np.expm1(-2.0 * sharpness) * 2.0 * np.pi / sharpness)
+
+
+def _flux(lobe: Lobe) -> Array:
+    """(3,) the integral of a lobe over the sphere."""
+    return lobe.intensity * spread(lobe.sharpness)
+
+
+def _joined(light: Light) -> Lobe:
+    lobes = light.lobes.values()
+    flux: Array = sum(map(_flux, lobes), np.zeros(3))
+    moments = (_flux(lobe).sum() * _length(lobe.sharpness) * lobe.axis for lobe in lobes)
+    moment: Array = sum(moments, np.zeros(3))
+    length = float(np.linalg.norm(moment))
+    if not length:
+        return Lobe(_DARK.axis, 0.0, flux / spread(0.0))
+    mean = min(length / float(flux.sum()), 1.0 - 1e-9)
+    sharpness = mean * (3.0 - mean**2) / (1.0 - mean**2)
+    return Lobe(moment / length, sharpness, flux / spread(sharpness))
+
+
+def _length(sharpness: float) -> float:
+    """How long the mean of a lobe's directions is: coth k - 1 / k."""
+    if sharpness < 1e-4:
+        return sharpness / 3.0
+    return float(1.0 / np.tanh(sharpness) - 1.0 / sharpness)
+
+
+_DARK: Final = Lobe(np.array([0.0, 0.0, 1.0]), 0.0, np.zeros(3))

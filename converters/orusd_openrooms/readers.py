@@ -1,0 +1,208 @@
+"""Reads OpenRooms' files, of the release or ours, into arrays; shares no code with the writers.
+
+Pictures come in the order red, green, blue, rows from the top; frames are those of the files.
+"""
+
+import struct
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError, MissingPackageError
+from orusd_openrooms.unpickling import read_pickled
+
+Floats = NDArray[np.float32]
+
+_MOST_PIXELS: Final = 2**27
+
+
+def read_light(path: Path) -> Floats:
+    """A Radiance picture, ``.hdr`` or ``.rgbe``: (height, width, 3).
+
+    Raises:
+        InputError: It is missing or is no such picture.
+    """
+    pixels: Floats = _read_image(path, "hdr").astype(np.float32)
+    return pixels
+
+
+def read_bytes(path: Path) -> NDArray[np.uint8]:
+    """An 8-bit picture: (height, width, 3).
+
+    Raises:
+        InputError: It is missing or is no PNG of three channels.
+    """
+    pixels = _read_image(path, "png")
+    if pixels.dtype != np.uint8 or pixels.shape[-1] != 3:
+        raise InputError(
+            f"{pixels.shape[-1]} channels of {pixels.dtype}, not 3 of 8 bits", place=path
+        )
+    return pixels
+
+
+def read_base_color(path: Path) -> Floats:
+    """Linear reflectance as loaders decode it: (height, width, 3)."""
+    return ((read_bytes(path) / 255.0) ** 2.2).astype(np.float32)
+
+
+def read_roughness(path: Path) -> Floats:
+    """Perceptual roughness: (height, width)."""
+    return (read_bytes(path)[..., 0] / 255.0).astype(np.float32)
+
+
+def read_normal(path: Path) -> Floats:
+    """Unit vectors along right, up, backward; 0 without surface: (height, width, 3)."""
+    stored = read_bytes(path)
+    vectors = stored / 127.5 - 1.0
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    there = (stored > 0).any(axis=-1, keepdims=True)
+    return np.where(there, vectors / np.maximum(length, 1e-6), 0.0).astype(np.float32)
+
+
+def read_mask(path: Path) -> dict[str, NDArray[np.bool_]]:
+    """(height, width) where ``sky``, a ``lamp`` or an ``object`` is, by the loaders' thresholds."""
+    share = read_bytes(path)[..., 0] / 255.0
+    return {"sky": share < 0.1, "lamp": (share > 0.49) & (share < 0.51), "object": share > 0.9}
+
+
+def read_depth(path: Path) -> Floats:
+    """Planar depth, metres; 0 without surface: (height, width).
+
+    Raises:
+        InputError: It is missing or damaged.
+    """
+    return _read_binary(path, "<f4", 1)[..., 0].astype(np.float32)
+
+
+def read_parts(path: Path) -> NDArray[np.int32]:
+    """Model, material part and object of every pixel: (height, width, 3).
+
+    Raises:
+        InputError: It is missing or damaged.
+    """
+    return _read_binary(path, "<i4", 3).astype(np.int32)
+
+
+def read_labels(path: Path) -> NDArray[np.int64]:
+    """Numbers of the 45 classes: (height, width).
+
+    Raises:
+        InputError: It is missing, damaged, or holds objects.
+    """
+    try:
+        labels = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise InputError(f"not a readable array: {error}", place=path) from error
+    if labels.ndim != 2 or labels.dtype.kind not in "iu":
+        raise InputError(f"no labels: {labels.ndim} dimensions of {labels.dtype}", place=path)
+    return np.asarray(labels, np.int64)
+
+
+def read_environments(
+    path: Path, order: Literal["legacy", "rgb"] = "legacy", cell: tuple[int, int] = (16, 32)
+) -> Floats:
+    """A grid of hemispheres: (rows, columns, elevations, azimuths, 3).
+
+    Args:
+        path: The tiled picture.
+        order: In which order its channels are stored; ``legacy`` is blue, green, red.
+        cell: Elevations and azimuths of a hemisphere.
+
+    Raises:
+        InputError: It is missing, or no such grid.
+    """
+    picture = read_light(path)
+    height, width = picture.shape[:2]
+    if height % cell[0] or width % cell[1]:
+        raise InputError(f"{width}x{height} is no grid of {cell[1]}x{cell[0]}", place=path)
+    found = np.empty((height // cell[0], width // cell[1], *cell, 3), np.float32)
+    for row in range(found.shape[0]):
+        band = picture[row * cell[0] : (row + 1) * cell[0]]
+        found[row] = np.stack(np.split(band, found.shape[1], axis=1))
+    return np.flip(found, axis=-1) if order == "legacy" else found
+
+
+def read_lobes(path: Path) -> Floats:
+    """Spherical Gaussians: (rows, columns, lobes, 6), theta, phi, sharpness, red, green, blue.
+
+    Raises:
+        InputError: It is missing or holds no such data set.
+        MissingPackageError: h5py is not installed.
+    """
+    try:
+        import h5py
+    except ImportError as error:
+        remedy = "pip install 'openrooms-usd[openrooms]'"
+        raise MissingPackageError("HDF5 needs the package 'h5py'", remedy=remedy) from error
+    try:
+        with h5py.File(path, "r") as file:
+            lobes = np.asarray(file["data"][()], np.float32)
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"no data set 'data': {error}", place=path) from error
+    if lobes.ndim != 4 or lobes.shape[-1] != 6:
+        raise InputError(f"no lobes: an array of {lobes.shape}", place=path)
+    return lobes
+
+
+def read_cameras(path: Path) -> list[NDArray[np.float64]]:
+    """(3, 3) origin, target, up of every camera; Y up, metres.
+
+    Raises:
+        InputError: It is missing or damaged.
+    """
+    try:
+        first, *rows = path.read_text("utf-8").splitlines()
+        count = int(first)
+        numbers = np.array([[float(word) for word in row.split()] for row in rows])
+        found = list(numbers.reshape(count, 3, 3)) if count else []
+    except OSError as error:
+        raise InputError(f"cannot read it: {error.strerror}", place=path) from error
+    except ValueError as error:
+        raise InputError(f"not a list of cameras: {error}", place=path) from error
+    return found
+
+
+def read_light_box(path: Path) -> dict[str, Any]:
+    """The box of a light: ``isWindow``, ``box3D`` in right, up, backward, ``box2D``.
+
+    Raises:
+        InputError: It is missing, no pickle of plain data, or no such box.
+    """
+    found = read_pickled(path)
+    if not isinstance(found, dict) or not {"isWindow", "box3D", "box2D"} <= set(found):
+        raise InputError("no box of a light", place=path)
+    return found
+
+
+def _read_binary(path: Path, kind: str, depth: int) -> NDArray[Any]:
+    try:
+        data = path.read_bytes()
+        height, width = struct.unpack_from("<ii", data)
+    except OSError as error:
+        raise InputError(f"cannot read it: {error.strerror}", place=path) from error
+    except struct.error as error:
+        raise InputError("shorter than its own header", place=path) from error
+    if not (0 < height * width <= _MOST_PIXELS and height > 0):
+        raise InputError(f"a picture of {width}x{height}", place=path)
+    if len(data) != 8 + 4 * height * width * depth:
+        raise InputError(f"{len(data)} bytes are not {width}x{height}x{depth} numbers", place=path)
+    return np.frombuffer(data, kind, offset=8).reshape(height, width, depth)
+
+
+def _read_image(path: Path, form: str) -> NDArray[Any]:
+    import OpenImageIO
+
+    source: Any = OpenImageIO.ImageInput.open(str(path))
+    if source is None:
+        raise InputError(f"not a readable image: {OpenImageIO.geterror()}", place=path)
+    try:
+        if source.format_name() != form:
+            raise InputError(f"a picture of the kind {source.format_name()}", place=path)
+        pixels = source.read_image(source.spec().format)
+        if pixels is None:
+            raise InputError(f"a damaged image: {source.geterror()}", place=path)
+    finally:
+        source.close()
+    return np.asarray(pixels)

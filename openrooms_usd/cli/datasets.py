@@ -1,0 +1,61 @@
+"""The command ``dataset``."""
+
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from openrooms_usd.cli.console import json_option, print_json
+
+
+@click.command()
+@click.argument("renders", type=click.Path(path_type=Path), nargs=-1, required=True,
+                metavar="RENDER...")  # fmt: skip
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True,
+              help="The dataset's folder.")  # fmt: skip
+@click.option("--as", "kind", default="openrooms", show_default=True, metavar="KIND",
+              help="Whose dataset.")  # fmt: skip
+@click.option("--scene", default="scene0000_00", show_default=True, help="The scene's name in it.")
+@click.option("--split", "splits", multiple=True, default=("main_xml",), show_default=True,
+              help="What a render is, once for each: main_xml, mainDiffMat_xml, "
+              "mainDiffLight_xml, or these with xml1.")  # fmt: skip
+@click.option("--subset", type=click.Choice(["train", "test"]), default="train", show_default=True)
+@click.option("--layout", type=click.Choice(["split", "merged"]), default="split",
+              show_default=True, help="A tree for each channel, or one folder.")  # fmt: skip
+@click.option("--imenv-order", "order", type=click.Choice(["legacy", "rgb"]), default="legacy",
+              show_default=True, help="Channels of environment maps: as the released loaders take "
+              "them, or red first.")  # fmt: skip
+@click.option("--first", type=int, default=1, show_default=True, help="The first view's number.")
+@json_option
+def dataset(
+    renders: tuple[Path, ...],
+    out: Path,
+    kind: str,
+    scene: str,
+    splits: tuple[str, ...],
+    subset: Literal["train", "test"],
+    layout: Literal["split", "merged"],
+    order: Literal["legacy", "rgb"],
+    first: int,
+    as_json: bool,
+) -> None:
+    """Write finished RENDERs as the files of a published dataset.
+
+    Several renders are the variants of one scene: the same views with other materials or lights.
+    """
+    from openrooms_usd import adapters
+    from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
+    from openrooms_usd.render.reading import read_render
+
+    writer: DatasetWriter = adapters.load(adapters.DATASETS, kind)
+    options = DatasetOptions(scene, splits, subset, layout, order, first)
+    summary = writer.write([read_render(folder) for folder in renders], out, options)
+    if as_json:
+        print_json(summary.as_dict())
+        return
+    for name, reason in sorted(summary.missing.items()):
+        click.echo(f"no {name}: {reason}")
+    for note in summary.notes:
+        click.echo(f"note: {note}")
+    views = sum(map(len, summary.frames.values()))
+    click.echo(f"wrote {out}: {summary.files} files of {views} views")

@@ -1,0 +1,72 @@
+"""The contract of datasets: finished renders in the form of somebody else's dataset."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+from openrooms_usd.render.reading import RenderedScene
+
+
+@dataclass(frozen=True)
+class DatasetOptions:
+    """How to lay a dataset out.
+
+    Attributes:
+        scene: The scene's name in the dataset.
+        splits: One for each render, in their order.
+        subset: The list that the scene is added to: ``train`` or ``test``.
+        layout: ``split`` by channel, or ``merged``.
+        order: In which order the channels of environment maps are stored.
+        first: The number of the first view.
+    """
+
+    scene: str = "scene0000_00"
+    splits: tuple[str, ...] = ("main_xml",)
+    subset: Literal["train", "test"] = "train"
+    layout: Literal["split", "merged"] = "split"
+    order: Literal["legacy", "rgb"] = "legacy"
+    first: int = 1
+
+
+@dataclass(frozen=True)
+class DatasetSummary:
+    """What was written.
+
+    Attributes:
+        root: The dataset's folder.
+        frames: The numbers of the views, for each split.
+        files: How many files.
+        missing: By kind of file, why there is none of it.
+        notes: What a user of the dataset should know of it.
+    """
+
+    root: Path
+    frames: dict[str, list[int]]
+    files: int
+    missing: dict[str, str]
+    notes: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """The summary as plain data."""
+        return {**asdict(self), "root": str(self.root), "notes": list(self.notes)}
+
+
+class DatasetWriter(Protocol):
+    """Writes renders as a dataset; an entry point ``openrooms_usd.datasets``."""
+
+    def write(
+        self, renders: Sequence[RenderedScene], root: Path, options: DatasetOptions
+    ) -> DatasetSummary:
+        """Write a scene of a dataset; nothing appears before all is written.
+
+        Args:
+            renders: The variants of one scene.
+            root: The dataset's folder; other scenes in it stay.
+            options: How to lay it out.
+
+        Raises:
+            InputError: The renders or options do not fit each other.
+            OutputError: A file cannot be written.
+        """
+        ...

@@ -1,0 +1,12 @@
+"""The synthetic render that the tests of this folder share."""
+
+import pytest
+
+from openrooms_usd.render.reading import RenderedScene
+from tests.openrooms.synthetic import make_render
+
+
+@pytest.fixture(scope="session")
+def render(tmp_path_factory: pytest.TempPathFactory) -> RenderedScene:
+    """Two views of 64x48, hemispheres on 16x12 points."""
+    return make_render(tmp_path_factory.mktemp("renders") / "day")

@@ -1,0 +1,186 @@
+"""A whole dataset: which files appear where, what stays, what goes, and what is refused."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.reading import RenderedScene, read_render
+from orusd_openrooms.readers import read_cameras
+from tests.openrooms.synthetic import write_dataset as write
+from tests.openrooms.synthetic import write_exr
+
+IMAGE = "Image/main_xml/scene0000_00/im_1.hdr"
+VARIANTS = ("main_xml", "mainDiffMat_xml", "mainDiffLight_xml")
+# By folder: which variants are released with it, and the stems and suffixes of its files.
+RELEASED = {
+    "Image": ("main mainDiffMat mainDiffLight", "im.hdr"),
+    "Material": ("main mainDiffMat", "imbaseColor.png imroughness.png immetallic.png "
+                 "imcadmatobj.dat"),
+    "Geometry": ("main mainDiffMat", "imnormal.png"),
+    "Mask": ("main mainDiffLight", "immask.png"),
+    "SemanticLabel": ("main", "imsemLabel.npy"),
+    "SVLighting": ("main mainDiffMat mainDiffLight", "imenv.hdr"),
+    "SVSG": ("main mainDiffMat mainDiffLight", "imsgEnv.h5"),
+    "Shading": ("main mainDiffMat mainDiffLight", "imshading.hdr"),
+    "SVLightingDirect": ("main mainDiffLight", "imenvDirect.hdr"),
+    "ShadingDirect": ("main mainDiffLight", "imshadingDirect.rgbe"),
+}  # fmt: skip
+PER_LIGHT = ("box.dat", "mask.png", "imShadow.png", "imDS.rgbe", "imDSNoOcclu.rgbe", "light.dat",
+             "lightSrc.dat", "lightSrcNoOcclu.dat")  # fmt: skip
+
+
+def files(root: Path) -> set[str]:
+    return {str(path.relative_to(root)) for path in root.rglob("*") if path.is_file()}
+
+
+def numbered(file: str, number: int) -> str:
+    stem, _, suffix = file.partition(".")
+    return f"{stem}_{number}.{suffix}"
+
+
+@pytest.fixture(scope="module")
+def split(render: RenderedScene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("split") / "data"
+    write([render] * 3, root, splits=VARIANTS)
+    return root
+
+
+def test_the_tree_of_the_release(split: Path) -> None:
+    expected = {
+        f"{folder}/{variant}_xml/scene0000_00/{numbered(file, number)}"
+        for folder, (variants, stems) in RELEASED.items()
+        for variant in variants.split()
+        for file in stems.split()
+        for number in (1, 2)
+    }
+    expected |= {f"Geometry/main_xml/scene0000_00/imdepth_{k}.dat" for k in (1, 2)}
+    found = files(split)
+    lights = {file for file in found if file.startswith("LightSource")}
+    assert found - lights - expected == {
+        "train.txt",
+        "test.txt",
+        *(f"scenes/xml/scene0000_00/{name}" for name in ("cam.txt", "transform.dat",
+                                                         "transform.json", "intrinsic.txt")),
+    }  # fmt: skip
+    assert expected <= found
+
+
+def test_the_lights_of_the_release(split: Path) -> None:
+    main = split / "LightSource/main_xml/scene0000_00/light_2"
+    names = {path.name for path in main.iterdir() if path.suffix != ".json"}
+    expected = {file.replace(".", f"{light}.", 1) for file in PER_LIGHT for light in (0, 1)}
+    assert names == expected | {"imDSNoOccluApprox1.hdr", "visibility.dat"}
+    other = split / "LightSource/mainDiffLight_xml/scene0000_00/light_2"
+    shared = {path.name for path in other.iterdir()}
+    assert not {"box0.dat", "mask0.png", "imShadow0.png"} & shared
+    assert {"imDS0.rgbe", "imDSNoOcclu1.rgbe", "lightSrc1.dat"} <= shared
+    assert not (split / "LightSource/mainDiffMat_xml").exists()
+
+
+def test_everything_in_one_folder(render: RenderedScene, tmp_path: Path) -> None:
+    write([render] * 3, tmp_path, splits=VARIANTS, layout="merged")
+    for variant in VARIANTS:
+        found = files(tmp_path / variant / "scene0000_00")
+        for _, stems in RELEASED.values():
+            assert {numbered(file, 1) for file in stems.split()} <= found
+        assert {"light_1/box0.dat", "light_2/mask1.png"} <= found
+
+
+def test_a_second_write_gives_the_same_bytes(render: RenderedScene, tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        write([render], tmp_path / name)
+    assert files(tmp_path / "a") == files(tmp_path / "b")
+    for file in files(tmp_path / "a"):
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
+
+
+def test_frames_count_from_where_one_says(render: RenderedScene, tmp_path: Path) -> None:
+    write([render], tmp_path, first=1)
+    assert write([render], tmp_path, first=3).frames == {"main_xml": [3, 4]}
+    assert len(list((tmp_path / "Image/main_xml/scene0000_00").iterdir())) == 4
+    cameras = read_cameras(tmp_path / "scenes/xml/scene0000_00/cam.txt")
+    assert len(cameras) == 4
+    np.testing.assert_array_equal(cameras[0], cameras[2])
+    write([render], tmp_path, first=1)
+    assert len(read_cameras(tmp_path / "scenes/xml/scene0000_00/cam.txt")) == 4
+    with pytest.raises(InputError, match="--first 5"):
+        write([render], tmp_path, first=9)
+
+
+def test_zero_is_the_first_of_sets_rendered_again(render: RenderedScene, tmp_path: Path) -> None:
+    assert write([render], tmp_path, first=0).frames == {"main_xml": [0, 1]}
+    assert len(read_cameras(tmp_path / "scenes/xml/scene0000_00/cam.txt")) == 2
+
+
+def test_scenes_gather_in_the_lists(render: RenderedScene, tmp_path: Path) -> None:
+    write([render], tmp_path, scene="scene0001_00")
+    write([render], tmp_path, scene="scene0000_00")
+    write([render], tmp_path, scene="scene0002_00", subset="test")
+    assert (tmp_path / "train.txt").read_text() == "scene0000_00\nscene0001_00\n"
+    assert (tmp_path / "test.txt").read_text() == "scene0002_00\n"
+    write([render], tmp_path, scene="scene0001_00", subset="test")
+    assert (tmp_path / "train.txt").read_text() == "scene0000_00\n"
+
+
+def test_lights_that_are_gone_leave_no_files(render: RenderedScene, tmp_path: Path) -> None:
+    write([render], tmp_path / "data")
+    shutil.copytree(render.folder, tmp_path / "day")
+    manifest = json.loads((tmp_path / "day/manifest.json").read_text())
+    manifest["lights"] = [light for light in manifest["lights"] if light["number"] != 1]
+    (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
+    write([read_render(tmp_path / "day")], tmp_path / "data")
+    masks = (tmp_path / "data/LightSource/main_xml/scene0000_00/light_1").glob("mask*")
+    assert [path.name for path in masks] == ["mask0.png"]
+
+
+def test_a_render_without_light_channels_gives_what_it_can(
+    render: RenderedScene, tmp_path: Path
+) -> None:
+    shutil.copytree(render.folder, tmp_path / "plain")
+    for name in ("lights.exr", "environment.exr", "environment_direct.exr", "environment_sg.npy"):
+        for path in (tmp_path / "plain").rglob(name):
+            path.unlink()
+    summary = write([read_render(tmp_path / "plain")], tmp_path / "data")
+    assert set(summary.missing) == {
+        "imenv", "imsgEnv", "imenvDirect", "box", "mask", "imShadow", "imDS", "imDSNoOcclu",
+        "visibility",
+    }  # fmt: skip
+    assert summary.missing["imenv"] == "the render has no environment"
+    # From the irradiance, at a quarter of the resolution.
+    assert (tmp_path / "data/Shading/main_xml/scene0000_00/imshading_2.hdr").is_file()
+
+
+def test_channels_of_pixels_are_none_of_lights(render: RenderedScene, tmp_path: Path) -> None:
+    """``direct`` is radiance; ``direct_0`` is what the first light brings."""
+    shutil.copytree(render.folder, tmp_path / "day")
+    for view in render.views.values():
+        path = tmp_path / "day" / view.name
+        (path / "lights.exr").unlink()
+        write_exr(path / "channels.exr", {**view.pixels, "direct": view.pixels["radiance"]})
+    summary = write([read_render(tmp_path / "day")], tmp_path / "data")
+    assert summary.missing["imDS"] == "the render has no direct_i"
+
+
+def test_a_light_without_its_channel_is_named(render: RenderedScene, tmp_path: Path) -> None:
+    shutil.copytree(render.folder, tmp_path / "day")
+    lights = render.views["view_1"].lights
+    layers = {
+        f"{n}_{i}": p for n, of in lights.items() for i, p in of.items() if (n, i) != ("mask", 1)
+    }
+    write_exr(tmp_path / "day/view_1/lights.exr", layers)
+    with pytest.raises(InputError, match="light 1 has no channel mask_1"):
+        write([read_render(tmp_path / "day")], tmp_path / "data")
+
+
+def test_without_h5py_all_but_the_fits_is_written(
+    render: RenderedScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    summary = write([render], tmp_path)
+    assert "openrooms-usd[openrooms]" in summary.missing["imsgEnv"]
+    assert (tmp_path / IMAGE).is_file() and not (tmp_path / "SVSG").exists()
