@@ -74,11 +74,17 @@ CHANNELS: Final[dict[str, Channel]] = {
         Channel("emission_mask", _ONE, "half", "1", "", "material",
                 "1 where the first hit emits light, else 0"),
         _ids("semantic", "OpenRooms' 45 classes by number; 0 unlabelled or no surface"),
+        _ids("semantic_nyu40", "NYU Depth V2's 40 classes by number; 0 unlabelled or no surface"),
         _ids("instance", "object number, names in the manifest; 0 without surface"),
         _ids("part", "part number, names in the manifest; 0 without surface"),
         _ids("material", "material number, names in the manifest; 0 without surface or material"),
         Channel("valid", _ONE, "half", "1", "", "geometry",
                 "1 where the pixel's centre sees a surface, else 0"),
+        Channel("friction", _ONE, "half", "1", "", "derived",
+                "static Coulomb coefficient of the first hit, dry, by the substance of its "
+                "material refined by base_color and roughness (docs/friction.md); a material that "
+                "carries only UsdPhysicsMaterialAPI has that value, one that says nothing the mean "
+                "of all substances; 0 without surface"),
         Channel("denoised", _RGB, "float", "nit", "", "derived",
                 "radiance after denoising, only with --denoise: for people, no measurement"),
     )
@@ -86,6 +92,9 @@ CHANNELS: Final[dict[str, Channel]] = {
 
 RENDERED: Final = tuple(name for name, row in CHANNELS.items() if row.kind != "derived")
 """The channels that a renderer may give, in the order of the table."""
+
+WRITTEN: Final = (*RENDERED, "friction")
+"""The channels that a run writes unless told otherwise, where the renderer gives all of its own."""
 
 
 def markdown_page() -> str:

@@ -50,10 +50,19 @@ CREATOR: Final = "openrooms_usd"
 # Taxonomies of SemanticsLabelsAPI.
 CATEGORY: Final = "category"  # our own category names
 OPENROOMS45: Final = "openrooms45"  # the 45 classes of the released dataset
+NYU40: Final = "nyu40"  # the 40 classes of NYU Depth V2
 PART: Final = "part"  # semantic parts, named as PartNet does
 
 # Name of the texture coordinates, in metres.
 ST: Final = "st"
+# Name of the second set, in 0..1 and without overlaps, for what is baked.
+BAKED_ST: Final = "st1"
+
+# The key of assetInfo that says under which terms something may be used, what we say of all that
+# this package makes, and what is said where nobody has said anything.
+LICENCE_KEY: Final = "license"
+LICENCE: Final = "Apache-2.0"
+UNKNOWN_LICENCE: Final = "unknown"
 
 # The part of a lamp that emits.
 LIGHT_BULB: Final = "light_bulb"
@@ -69,7 +78,13 @@ SOURCE_FILE: Final = "openrooms:source:file"
 SOURCE_ID: Final = "openrooms:source:id"
 SOURCE_CONFIDENCE: Final = "openrooms:source:confidence"
 MATERIAL_API: Final = "OpenRoomsMaterialAPI"
+MATERIAL_CATEGORY: Final = "openrooms:material:category"
+MATERIAL_FAMILY: Final = "openrooms:material:family"
+MATERIAL_NUMBER: Final = "openrooms:material:number"
+MATERIAL_SIZE: Final = "openrooms:material:size"
 MATERIAL_TRANSMISSION: Final = "openrooms:material:transmission"
+MATERIAL_F0: Final = "openrooms:material:f0"
+MATERIAL_FRICTION_SPREAD: Final = "openrooms:material:frictionSpread"
 JOINT_API: Final = "OpenRoomsJointAPI"
 JOINT_TYPE: Final = "openrooms:joint:type"
 JOINT_AXIS: Final = "openrooms:joint:axis"

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd.channels import RENDERED
 from openrooms_usd.convert import Report
+from openrooms_usd.render.contract import Bsdf
 from orusd_mitsuba import variants
 
 if TYPE_CHECKING:
@@ -19,12 +20,16 @@ class MitsubaRenderer:
 
     channels: Final = RENDERED
 
-    def open(self, stage: "Usd.Stage", *, variant: str = "auto") -> "MitsubaSession":
+    def open(
+        self, stage: "Usd.Stage", *, variant: str = "auto", bsdf: Bsdf = "auto"
+    ) -> "MitsubaSession":
         """Translate a stage, once.
 
         Args:
             stage: The composed stage.
             variant: ``auto`` (the fastest that works here), ``cuda``, ``llvm`` or ``scalar``.
+            bsdf: How surfaces reflect. In ``scalar``, which runs OpenRooms' model some hundred
+                times slower, ``auto`` takes all as UsdPreviewSurface.
 
         Raises:
             RenderError: The backend is not available.
@@ -33,7 +38,7 @@ class MitsubaRenderer:
         chosen = variants.choose(variant)
         from orusd_mitsuba.session import MitsubaSession
 
-        return MitsubaSession(stage, chosen)
+        return MitsubaSession(stage, chosen, bsdf)
 
     def diagnose(self) -> dict[str, str]:
         """What works on this machine, in words, by backend."""

@@ -5,7 +5,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from orusd_mitsuba import portals
+from orusd_mitsuba import material_table, openrooms_bsdf, portals
 from orusd_mitsuba.descriptions import (
     Description,
     describe_area,
@@ -14,6 +14,7 @@ from orusd_mitsuba.descriptions import (
     describe_sun,
 )
 from orusd_mitsuba.light_choice import LightWeights, brightest_beam, light_weights
+from orusd_mitsuba.material_table import MaterialTable
 from orusd_mitsuba.pictures import Array, Picture
 from orusd_mitsuba.scene import Environment, Patch, Scene
 from orusd_mitsuba.surfaces import Surface
@@ -28,12 +29,16 @@ class Builder:
 
     def __init__(self, origin: Array) -> None:
         self._origin = origin
+        self._openrooms = openrooms_bsdf.register(str(mi.variant()))
+        self._table: MaterialTable | None = None
+        self._rows: dict[int, int] = {}
         self._textures: dict[int, Any] = {}
         self._bsdfs: dict[int, Any] = {}
 
     def scene(self, scene: Scene) -> Any:
         """The whole scene, its shapes in the order of its patches."""
         weights = light_weights(scene)
+        self._tabulate(scene)
         objects: Description = {"type": "scene"}
         for patch in scene.patches:
             objects[patch.name] = self._mesh(patch, weights)
@@ -54,10 +59,30 @@ class Builder:
                 )
         # Without optimisation: it would merge shapes, and their numbers are looked up.
         built = mi.load_dict(objects, optimize=False)
+        self._bind(scene, built)
         if sky is not None:
             # What stands before the sky in the scene does not pass this on.
             sky.set_scene(built)
         return built
+
+    def _tabulate(self, scene: Scene) -> None:
+        """One BSDF for all surfaces that can share it; scalar variants gain nothing by that."""
+        surfaces = {id(patch.surface): patch.surface for patch in scene.patches}
+        rows = [surface for surface in surfaces.values() if material_table.fits(surface)]
+        if not rows or str(mi.variant()).startswith("scalar"):
+            return
+        self._table = MaterialTable(rows)
+        shared = self._openrooms(mi.Properties(), self._table)
+        self._rows = {id(surface): row for row, surface in enumerate(rows)}
+        self._bsdfs |= dict.fromkeys(self._rows, shared)
+
+    def _bind(self, scene: Scene, built: Any) -> None:
+        if self._table is None:
+            return
+        pairs = zip(built.shapes(), scene.patches, strict=True)
+        found = [(shape, self._rows[id(patch.surface)]) for shape, patch in pairs
+                 if id(patch.surface) in self._rows]  # fmt: skip
+        self._table.bind(*zip(*found, strict=True))
 
     def _mesh(self, patch: Patch, weights: LightWeights) -> Any:
         properties = mi.Properties()
@@ -112,7 +137,7 @@ class Builder:
         return self._texture(value) if isinstance(value, Picture) else value
 
     def _texture(self, picture: Picture) -> Any:
-        key = id(picture.pixels)
+        key = id(picture.texels)
         if key not in self._textures:
             plugin = {
                 "type": "bitmap",

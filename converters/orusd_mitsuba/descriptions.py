@@ -16,18 +16,44 @@ def describe_bsdf(surface: Surface) -> Description:
     """The BSDF of a surface: nested dictionaries of plugins, numbers and pictures.
 
     UsdPreviewSurface's base and specular lobes are those of ``principled``: a GGX lobe with
-    alpha = R^2 over a diffuse one. Without any specular lobe it is exactly Lambertian.
+    alpha = R^2 over a diffuse one. Without any specular lobe it is exactly Lambertian. OpenRooms'
+    model is our own plugin (`orusd_mitsuba.openrooms_bsdf`).
     """
-    bsdf = _cloth(surface) if surface.transmission > 0.0 else _opaque(surface)
+    bsdf = _by_model(surface)
     if surface.opacity == 1.0:
         return bsdf
     return {"type": "mask", "opacity": surface.opacity, "bsdf": bsdf}
 
 
+def _by_model(surface: Surface) -> Description:
+    if surface.f0 is not None:
+        return _openrooms(surface)
+    return _cloth(surface) if surface.transmission > 0.0 else _opaque(surface)
+
+
+def _openrooms(surface: Surface) -> Description:
+    described = {
+        "type": "openrooms",
+        "base_color": describe_color(surface.base_color),
+        "roughness": surface.roughness,
+        "metallic": surface.metallic,
+        "f0": surface.f0,
+        "transmission": transmitted(surface),
+    }
+    return described if surface.normal is None else described | {"normal": stored(surface.normal)}
+
+
+def transmitted(surface: Surface) -> float:
+    """What passes, in multiples of the base colour."""
+    if surface.transmission <= 0.0:
+        return 0.0
+    return surface.transmission / mean_luminance(surface.base_color)
+
+
 def _opaque(surface: Surface) -> Description:
     bsdf = _lobes(surface)
     if surface.normal is not None:
-        bsdf = {"type": "normalmap", "normalmap": _stored(surface.normal), "bsdf": bsdf}
+        bsdf = {"type": "normalmap", "normalmap": stored(surface.normal), "bsdf": bsdf}
     return {"type": "twosided", "bsdf": bsdf}
 
 
@@ -51,7 +77,7 @@ def _cloth(surface: Surface) -> Description:
 
 def _times(color: Value, factor: float) -> Value:
     if isinstance(color, Picture):
-        return replace(color, pixels=(color.pixels * factor).astype(color.pixels.dtype))
+        return Picture((color.pixels * factor).astype(color.pixels.dtype), color.wrap, color.uv)
     red, green, blue = (np.array(color) * factor).tolist()
     return red, green, blue
 
@@ -94,6 +120,6 @@ def _lobes(surface: Surface) -> Description:
     return lobes
 
 
-def _stored(normal: Picture) -> Picture:
+def stored(normal: Picture) -> Picture:
     """Normals as ``normalmap`` reads them, in 0..1."""
-    return replace(normal, pixels=(normal.pixels + np.float16(1)) * np.float16(0.5))
+    return Picture((normal.pixels + np.float16(1)) * np.float16(0.5), normal.wrap, normal.uv)

@@ -50,7 +50,8 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
         known = ", ".join(options)
         raise InputError(f"the Mitsuba exporter has no option {known}", remedy="leave it away")
     file = destination if destination.suffix == ".xml" else destination / "scene.xml"
-    scene = translate(stage)
+    # What loads the file knows Mitsuba's own plugins alone.
+    scene = translate(stage, "preview")
     with atomic.filling(file.parent) as folder:
         _write_scene(stage, scene, folder / file.name)
     return scene.report

@@ -1,6 +1,7 @@
 """Geometry, material and label channels of what the pixels' centres see."""
 
 from collections.abc import Callable
+from dataclasses import astuple, fields
 from functools import cached_property
 from typing import Final
 
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.first_hits import Hits
 from orusd_mitsuba.pictures import Array, Value, evaluate
-from orusd_mitsuba.scene import Patch, Scene
+from orusd_mitsuba.scene import Patch, Piece, Scene
 from orusd_mitsuba.surfaces import Surface
 
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
@@ -81,10 +82,13 @@ class GroundTruth:
     def _semantic(self) -> Array:
         return self._labels[:, 3]
 
+    def _semantic_nyu40(self) -> Array:
+        return self._labels[:, 4]
+
     @cached_property
     def _labels(self) -> Array:
-        pieces = [(p.instance, p.part, p.material, p.semantic) for p in self._scene.pieces]
-        table = np.array(pieces, dtype=np.float64).reshape(-1, 4)
+        pieces = [astuple(piece) for piece in self._scene.pieces]
+        table = np.array(pieces, dtype=np.float64).reshape(-1, len(fields(Piece)))
         return table[self._scene.triangles.pieces[self._hits.rows]]
 
     @cached_property
@@ -141,6 +145,7 @@ _CHANNELS: Final[dict[str, Callable[[GroundTruth], Array]]] = {
     "metallic": GroundTruth._metallic,
     "emission_mask": GroundTruth._emission_mask,
     "semantic": GroundTruth._semantic,
+    "semantic_nyu40": GroundTruth._semantic_nyu40,
     "instance": GroundTruth._instance,
     "part": GroundTruth._part,
     "material": GroundTruth._material,

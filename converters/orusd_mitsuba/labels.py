@@ -4,7 +4,8 @@ from pxr import Usd, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.render import Legend
-from openrooms_usd.usd.semantics import OPENROOMS45, openrooms45, read_label
+from openrooms_usd.usd.semantics import read_label, read_number
+from openrooms_usd.usd.taxonomies import NYU40, OPENROOMS45
 from orusd_mitsuba.scene import Piece
 
 
@@ -18,7 +19,7 @@ class Labels:
         self._parts: dict[str, int] = {}
         self._materials: dict[str, int] = {}
         self._categories: dict[int, str] = {}
-        self._objects: dict[str, tuple[int, int]] = {}
+        self._objects: dict[str, tuple[int, int, int]] = {}
 
     def row(self, path: str, prim: Usd.Prim, material: str | None) -> int:
         """The row in `pieces` of a surface.
@@ -28,12 +29,13 @@ class Labels:
             prim: Its prim; below a point instancer that is the prototype's.
             material: Path of its material, if it has one.
         """
-        instance, semantic = self._object(path, prim)
+        instance, semantic, nyu40 = self._object(path, prim)
         piece = Piece(
             instance,
             _number(self._parts, path),
             0 if material is None else _number(self._materials, material),
             semantic,
+            nyu40,
         )
         if piece not in self._rows:
             self._rows[piece] = len(self.pieces)
@@ -45,24 +47,24 @@ class Labels:
         """What the numbers mean."""
         return Legend(
             semantic=dict(enumerate(OPENROOMS45)),
+            semantic_nyu40=dict(enumerate(NYU40)),
             instance=_names(self._instances),
             part=_names(self._parts),
             material=_names(self._materials),
             category=dict(self._categories),
         )
 
-    def _object(self, path: str, prim: Usd.Prim) -> tuple[int, int]:
-        """Instance number and class of the object that a surface is part of."""
+    def _object(self, path: str, prim: Usd.Prim) -> tuple[int, int, int]:
+        """Instance number and classes of the object that a surface is part of."""
         owner, levels = _owner(prim)
         stands = path if levels == 0 else path.rsplit("/", levels)[0]
         if stands not in self._objects:
             instance = _number(self._instances, stands)
             category = read_label(owner, names.CATEGORY)
-            known = read_label(owner, names.OPENROOMS45) or openrooms45(category or "")
             if category:
                 self._categories[instance] = category
-            semantic = OPENROOMS45.index(known) if known in OPENROOMS45 else 0
-            self._objects[stands] = instance, semantic
+            openrooms, nyu = (read_number(owner, name) for name in (names.OPENROOMS45, names.NYU40))
+            self._objects[stands] = instance, openrooms, nyu
         return self._objects[stands]
 
 
@@ -84,7 +86,7 @@ def _owner(prim: Usd.Prim) -> tuple[Usd.Prim, int]:
 
 def _is_labelled(prim: Usd.Prim) -> bool:
     schemas = prim.GetAppliedSchemas()
-    kinds = (names.CATEGORY, names.OPENROOMS45)
+    kinds = (names.CATEGORY, names.OPENROOMS45, names.NYU40)
     return any(f"SemanticsLabelsAPI:{kind}" in schemas for kind in kinds)
 
 

@@ -5,7 +5,8 @@ the same numbers.
 """
 
 from dataclasses import dataclass, field
-from typing import Final
+from functools import cached_property
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +16,12 @@ from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import read_texture
 
 Array = NDArray[np.float64]
+Limits = tuple[float, float]
 
 # Half precision keeps 11 bits: better than the 8 of most pictures, at half the memory.
 _HALF_MAX: Final = 6e4
 # The longest side of a picture that is kept as it is; longer ones are halved until they fit.
-_MAX_SIDE: Final = 4096
+MAX_SIDE: Final = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,21 +29,29 @@ class Picture:
     """A texture whose values are ready to use.
 
     Attributes:
-        pixels: (H, W, C) half or float32, C = 1 or 3, the first row at v = 0 (the bottom).
+        texels: (H, W, C) values in half or float32, or the rows of ``coding`` in 8 bits; C = 1 or
+            3, the first row at v = 0 (the bottom).
         wrap: ``repeat``, ``mirror`` or ``clamp``, in both directions.
         uv: (3, 3) from the mesh's texture coordinates to the picture's.
         losses: What could not be kept, in words.
+        coding: What texels of 8 bits mean; None where they are values.
     """
 
-    pixels: NDArray[np.floating]
+    texels: NDArray[Any]
     wrap: str = "repeat"
     uv: Array = field(default_factory=lambda: np.eye(3))
     losses: tuple[str, ...] = ()
+    coding: "Coding | None" = None
+
+    @cached_property
+    def pixels(self) -> NDArray[np.floating]:
+        """(H, W, C) values in half or float32."""
+        return self._values(self.texels)
 
     @property
     def channels(self) -> int:
         """1 or 3."""
-        return int(self.pixels.shape[2])
+        return int(self.texels.shape[2])
 
     @property
     def is_plain(self) -> bool:
@@ -57,7 +67,7 @@ class Picture:
         Returns:
             (..., C) values.
         """
-        height, width, _ = self.pixels.shape
+        height, width, _ = self.texels.shape
         uv = st @ self.uv[:2, :2].T + self.uv[:2, 2]
         x, y = uv[..., 0] * width - 0.5, uv[..., 1] * height - 0.5
         x0, y0 = np.floor(x), np.floor(y)
@@ -65,10 +75,43 @@ class Picture:
         columns = [_wrapped(x0 + step, width, self.wrap) for step in (0, 1)]
         rows = [_wrapped(y0 + step, height, self.wrap) for step in (0, 1)]
         low, high = (
-            self.pixels[row, columns[0]] * (1 - fx) + self.pixels[row, columns[1]] * fx
+            self._values(self.texels[row, columns[0]]) * (1 - fx)
+            + self._values(self.texels[row, columns[1]]) * fx
             for row in rows
         )
         return np.asarray(low * (1 - fy) + high * fy, dtype=np.float64)
+
+    def _values(self, texels: NDArray[Any]) -> NDArray[np.floating]:
+        if self.coding is None:
+            return texels
+        levels = self.coding.levels
+        values = [levels[texels[..., channel], channel] for channel in range(self.channels)]
+        return np.stack(values, axis=-1)
+
+
+@dataclass(frozen=True)
+class Coding:
+    """What the 256 codes of a picture of 8 bits mean: decoded, scaled, offset and clipped.
+
+    Attributes:
+        srgb: Whether the codes are decoded as sRGB.
+        scale: Factor of each channel.
+        bias: Offset of each channel.
+        limits: The least and the greatest value.
+    """
+
+    srgb: bool
+    scale: tuple[float, ...]
+    bias: tuple[float, ...]
+    limits: tuple[float, float]
+
+    @cached_property
+    def levels(self) -> NDArray[np.float32]:
+        """(256, C) values."""
+        codes = np.arange(256, dtype=np.float32) / np.float32(255.0)
+        linear = linear_from_srgb(codes) if self.srgb else codes
+        scaled = linear[:, None] * np.array(self.scale, np.float32)
+        return np.clip(scaled + np.array(self.bias, np.float32), *self.limits)
 
 
 Value = float | tuple[float, float, float] | Picture
@@ -99,26 +142,70 @@ def load(texture: Texture, channels: int, limits: tuple[float, float], uv: Array
         limits: The least and the greatest value that make sense.
         uv: (3, 3) from the mesh's texture coordinates to the picture's.
     """
-    losses = [*_unsupported(texture)]
+    wrap, found = wrapping(texture)
+    losses = [*found]
     try:
         stored = read_texture(texture.file)
     except InputError as error:
         losses.append(f"{texture.file}: {error.message}; its fallback colour is used")
         values = np.array(texture.fallback, dtype=np.float32).reshape(1, 1, 4)
     else:
-        if max(stored.shape[:2]) > _MAX_SIDE:
-            losses.append(f"{texture.file}: longer than {_MAX_SIDE} pixels, made smaller")
+        if max(stored.shape[:2]) > MAX_SIDE:
+            losses.append(f"{texture.file}: longer than {MAX_SIDE} pixels, made smaller")
+        stored, damaged = mended(stored)
+        if damaged:
+            losses.append(f"{texture.file}: {damaged} texels are no numbers; mended by neighbours")
         rgba = _rgba(within(stored))
         if texture.color_space == "sRGB":
             rgba[..., :3] = linear_from_srgb(rgba[..., :3])
         values = rgba * np.array(texture.scale, np.float32) + np.array(texture.bias, np.float32)
     picked = _picked(values, texture.channel, channels)
+    if limits[0] < 0.0:
+        picked, reason = _directed(picked)
+        losses += [f"{texture.file}: {reason}"] if reason else []
     if not np.isfinite(picked).all():
         losses.append(f"{texture.file}: pixels that are no numbers are taken as {limits[0]:g}")
         picked = np.nan_to_num(picked, nan=limits[0], posinf=limits[0], neginf=limits[0])
     pixels = np.clip(picked, *limits)[::-1]
     kind = np.float16 if pixels.max() < _HALF_MAX else np.float32
-    return Picture(np.ascontiguousarray(pixels, dtype=kind), _wrap(texture), uv, tuple(losses))
+    return Picture(np.ascontiguousarray(pixels, dtype=kind), wrap, uv, tuple(losses))
+
+
+def mended(stored: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
+    """Replace values that are no finite numbers.
+
+    Each becomes the mean of the finite ones among its eight neighbours (the picture repeats), or of
+    the whole channel where there is none, or 0.
+
+    Args:
+        stored: (H, W, C) values.
+
+    Returns:
+        The values, and how many texels were mended.
+    """
+    good = np.isfinite(stored)
+    if good.all():
+        return stored, 0
+    values, weights = np.where(good, stored, 0.0).astype(np.float64), good.astype(np.float64)
+    around, count = np.zeros_like(values), np.zeros_like(weights)
+    for step in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+        around += np.roll(values, step, axis=(0, 1))
+        count += np.roll(weights, step, axis=(0, 1))
+    channel = values.sum(axis=(0, 1)) / np.maximum(weights.sum(axis=(0, 1)), 1.0)
+    mean = np.where(count > 0, around / np.maximum(count, 1.0), channel)
+    damaged = int((~good).any(axis=2).sum())
+    return np.where(good, stored, mean).astype(np.float32), damaged
+
+
+def _directed(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], str]:
+    """Normals that are directions, and what was lost: a picture without hue holds none."""
+    flat = np.array([0.0, 0.0, 1.0], dtype=np.float32)
+    if np.ptp(normals, axis=2).max(initial=0.0) < 1e-3:
+        return flat.reshape(1, 1, 3), "a grey-scale picture is no normal map; left out"
+    nowhere = np.linalg.norm(normals, axis=2, keepdims=True) < 1e-3
+    if not nowhere.any():
+        return normals, ""
+    return np.where(nowhere, flat, normals), "normals without length point outwards"
 
 
 def linear_from_srgb(encoded: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -144,7 +231,7 @@ def _picked(rgba: NDArray[np.float32], channel: str, channels: int) -> NDArray[n
 
 def within(stored: NDArray[np.float32]) -> NDArray[np.float32]:
     """Halve a picture until its longer side fits."""
-    while max(stored.shape[:2]) > _MAX_SIDE:
+    while max(stored.shape[:2]) > MAX_SIDE:
         height, width = (side // 2 * 2 for side in stored.shape[:2])
         even = stored[: max(height, 1), : max(width, 1)]
         rows = even if height == 0 else (even[::2] + even[1::2]) / 2
@@ -153,16 +240,14 @@ def within(stored: NDArray[np.float32]) -> NDArray[np.float32]:
     return stored
 
 
-def _unsupported(texture: Texture) -> list[str]:
+def wrapping(texture: Texture) -> tuple[str, tuple[str, ...]]:
+    """How the picture goes on beyond its edges, in both directions, and what was lost."""
+    wrap = "clamp" if texture.wrap_s == "black" else texture.wrap_s
     if texture.wrap_s != texture.wrap_t:
-        return [f"{texture.file}: wraps differ; {_wrap(texture)} is used in both directions"]
+        return wrap, (f"{texture.file}: wraps differ; {wrap} is used in both directions",)
     if texture.wrap_s == "black":
-        return [f"{texture.file}: black beyond its edge is taken as clamp"]
-    return []
-
-
-def _wrap(texture: Texture) -> str:
-    return "clamp" if texture.wrap_s == "black" else texture.wrap_s
+        return wrap, (f"{texture.file}: black beyond its edge is taken as clamp",)
+    return wrap, ()
 
 
 def _wrapped(index: Array, size: int, mode: str) -> NDArray[np.intp]:

@@ -107,6 +107,7 @@ class Piece:
     part: int = 0
     material: int = 0
     semantic: int = 0
+    semantic_nyu40: int = 0
 
 
 @dataclass(frozen=True, eq=False)

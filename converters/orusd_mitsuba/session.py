@@ -12,6 +12,7 @@ from pxr import Usd
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import Image, RenderRequest, View
+from openrooms_usd.render.contract import Bsdf
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
 from orusd_mitsuba.build import Builder, load_sensor
 from orusd_mitsuba.first_hits import first_hits
@@ -37,9 +38,11 @@ class MitsubaSession:
     Args:
         stage: The composed stage.
         backend: What `orusd_mitsuba.variants.choose` found.
+        bsdf: How surfaces shall reflect.
 
     Attributes:
         backend: What computes, for the record.
+        bsdf: How surfaces reflect.
         advice: What would make it faster; empty when nothing would.
         cameras: Prim paths of the stage's cameras, sorted.
         resolution: Width and height that the stage asks for.
@@ -47,11 +50,12 @@ class MitsubaSession:
         report: What became of every prim.
     """
 
-    def __init__(self, stage: Usd.Stage, backend: Backend) -> None:
+    def __init__(self, stage: Usd.Stage, backend: Backend, bsdf: Bsdf = "auto") -> None:
         self._variant = backend.variant
         self._activate()
         self._stage = stage
-        self._scene = translate(stage)
+        self.bsdf = _affordable(bsdf, backend)
+        self._scene = translate(stage, self.bsdf)
         self._built = Builder(self._scene.origin).scene(self._scene)
         self._tracer = RayTracer(self._scene, self._built)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
@@ -155,6 +159,11 @@ class MitsubaSession:
         if replaced:
             reason = f"radiance was no number in {replaced} pixels, taken as 0"
             self.report.add(where, "approximated", reason)
+
+
+def _affordable(bsdf: Bsdf, backend: Backend) -> Bsdf:
+    """``auto`` as a backend can have it: a scalar one would call Python for every scattering."""
+    return "preview" if bsdf == "auto" and backend.variant.startswith("scalar") else bsdf
 
 
 class _Film:

@@ -1,23 +1,34 @@
 """What a surface does to light, as neutral data: between UsdPreviewSurface and Mitsuba's BSDFs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 import numpy as np
 
 from openrooms_usd import names
+from openrooms_usd.render.contract import Bsdf
 from openrooms_usd.usd.photometry import luminance
-from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture
-from orusd_mitsuba.pictures import Array, Picture, Value, load
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture, f0_of
+from orusd_mitsuba.codes import load_picture
+from orusd_mitsuba.pictures import Array, Limits, Picture, Value
 
-Limits = tuple[float, float]
 _UNIT: Final = (0.0, 1.0)
 _ANY: Final = (0.0, math.inf)
 _NORMAL: Final = (-1.0, 1.0)
 # Below the least roughness GGX is so sharp that paths hit its peak only by luck.
 _ROUGHNESS: Final = (0.01, 1.0)
+# What each input of a preview surface needs of a texture.
+_NEEDS: Final[dict[str, tuple[int, Limits]]] = {
+    "base_color": (3, _UNIT),
+    "roughness": (1, _ROUGHNESS),
+    "metallic": (1, _UNIT),
+    "opacity": (1, _UNIT),
+    "normal": (3, _NORMAL),
+    "emissive": (3, _ANY),
+}
 _MOST_IOR: Final = 20.0
 _FLAT: Final = (0.0, 0.0, 1.0)
 
@@ -40,6 +51,8 @@ class Surface:
         uv: (3, 3) from the primvar to the mesh's texture coordinates, common to all pictures.
         transmission: Luminous part of the light that leaves the other side like Lambert's, in the
             hue of the base colour; with the base colour at most 1.
+        f0: Reflectance at normal incidence of OpenRooms' model, which it then is of; None where it
+            is a UsdPreviewSurface.
         losses: What could not be kept, in words.
     """
 
@@ -55,6 +68,7 @@ class Surface:
     primvar: str = names.ST
     uv: Array = field(default_factory=lambda: np.eye(3))
     transmission: float = 0.0
+    f0: float | None = None
     losses: tuple[str, ...] = ()
 
     @property
@@ -69,11 +83,24 @@ class Surface:
 
 
 class SurfaceReader:
-    """Turns preview surfaces into `Surface`, reading each picture once."""
+    """Turns preview surfaces into `Surface`, reading each picture once.
 
-    def __init__(self) -> None:
+    Args:
+        bsdf: Which model they shall be of; ``auto`` is the one that each says.
+    """
+
+    def __init__(self, bsdf: Bsdf = "auto") -> None:
+        self._bsdf = bsdf
         self._surfaces: dict[PreviewSurface, Surface] = {}
-        self._pictures: dict[tuple[Texture, int, Limits, bytes], Picture] = {}
+        self._pictures: dict[_Need, Picture] = {}
+
+    def prefetch(self, previews: Iterable[PreviewSurface]) -> None:
+        """Read the pictures of surfaces that will be read, on all cores."""
+        wanted = dict.fromkeys(need for preview in previews for need in _pictures_of(preview))
+        missing = [need for need in wanted if need not in self._pictures]
+        with ThreadPoolExecutor() as pool:
+            pictures = list(pool.map(_load, missing))
+        self._pictures |= zip(missing, pictures, strict=True)
 
     def read(self, preview: PreviewSurface) -> Surface:
         """The surface of a preview surface; equal ones share one object."""
@@ -83,19 +110,21 @@ class SurfaceReader:
 
     def _read(self, preview: PreviewSurface) -> Surface:
         primvar, uv = _common_mapping(preview)
-        emission = self._value(preview.emissive, 3, _ANY, uv)
+        emission = self._value(preview, "emissive", uv)
         textured_normal = isinstance(preview.normal, Texture)
         values: dict[str, Any] = {
-            "base_color": self._value(preview.base_color, 3, _UNIT, uv),
-            "roughness": self._value(preview.roughness, 1, _ROUGHNESS, uv),
-            "metallic": self._value(preview.metallic, 1, _UNIT, uv),
+            "base_color": self._value(preview, "base_color", uv),
+            "roughness": self._value(preview, "roughness", uv),
+            "metallic": self._value(preview, "metallic", uv),
             "opacity": self._opacity(preview, uv),
-            "normal": self._value(preview.normal, 3, _NORMAL, uv) if textured_normal else None,
+            "normal": self._value(preview, "normal", uv) if textured_normal else None,
             "emission": None if emission == (0.0, 0.0, 0.0) else emission,
         }
         ior, losses = _ior(preview)
         if preview.specular is not None:
             values["metallic"] = 0.0
+        f0, lost = _model(preview, ior, self._bsdf)
+        losses += lost
         losses += [text for found, text in _LOST if found(preview)]
         values["transmission"], lost = _transmission(preview.transmission, values["base_color"])
         losses += lost
@@ -103,6 +132,7 @@ class SurfaceReader:
         return Surface(
             **values,
             ior=ior,
+            f0=f0,
             clearcoat=_constant(preview.clearcoat, 0.0),
             clearcoat_roughness=_constant(preview.clearcoat_roughness, 0.01),
             primvar=primvar,
@@ -110,14 +140,13 @@ class SurfaceReader:
             losses=tuple(dict.fromkeys(losses)),
         )
 
-    def _value(
-        self, source: float | Color | Texture, channels: int, limits: Limits, uv: Array
-    ) -> Value:
+    def _value(self, preview: PreviewSurface, name: str, uv: Array) -> Value:
+        source, (channels, limits) = getattr(preview, name), _NEEDS[name]
         if isinstance(source, Texture):
-            key = (source, channels, limits, uv.tobytes())
-            if key not in self._pictures:
-                self._pictures[key] = load(source, channels, limits, _relative(source, uv))
-            return self._pictures[key]
+            need = _need(source, name, uv)
+            if need not in self._pictures:
+                self._pictures[need] = _load(need)
+            return self._pictures[need]
         clipped = np.clip(np.asarray(source, dtype=np.float64), *limits)
         if channels == 1:
             return float(clipped)
@@ -125,7 +154,7 @@ class SurfaceReader:
         return red, green, blue
 
     def _opacity(self, preview: PreviewSurface, uv: Array) -> Value:
-        opacity = self._value(preview.opacity, 1, _UNIT, uv)
+        opacity = self._value(preview, "opacity", uv)
         threshold = preview.opacity_threshold
         if threshold <= 0.0:
             return opacity
@@ -133,6 +162,27 @@ class SurfaceReader:
             mask = (opacity.pixels >= threshold).astype(np.float16)
             return Picture(mask, opacity.wrap, opacity.uv, opacity.losses)
         return float(np.asarray(opacity) >= threshold)
+
+
+# A texture, the channels and limits of its input, and the bytes of the (3, 3) mapping.
+_Need = tuple[Texture, int, Limits, bytes]
+
+
+def _pictures_of(preview: PreviewSurface) -> Iterator[_Need]:
+    _, uv = _common_mapping(preview)
+    for name in _NEEDS:
+        source = getattr(preview, name)
+        if isinstance(source, Texture):
+            yield _need(source, name, uv)
+
+
+def _need(texture: Texture, name: str, uv: Array) -> _Need:
+    return texture, *_NEEDS[name], _relative(texture, uv).tobytes()
+
+
+def _load(need: _Need) -> Picture:
+    texture, channels, limits, mapping = need
+    return load_picture(texture, channels, limits, np.frombuffer(mapping).reshape(3, 3))
 
 
 def _textures(preview: PreviewSurface) -> list[Texture]:
@@ -168,6 +218,18 @@ def _ior(preview: PreviewSurface) -> tuple[float, list[str]]:
     reflectance = float(np.clip(np.mean(preview.specular), 0.0, 0.9))
     root = math.sqrt(reflectance)
     return (1 + root) / (1 - root), ["the specular colour is taken as a colourless ior"]
+
+
+def _model(preview: PreviewSurface, ior: float, bsdf: Bsdf) -> tuple[float | None, list[str]]:
+    """F0 where it shall be of OpenRooms' model, else None; and what was changed for that."""
+    if bsdf == "preview" and preview.f0 is not None:
+        return None, [f"OpenRooms' model is shown by UsdPreviewSurface with ior {ior:.4g}"]
+    # What has no specular lobe is Lambertian in both.
+    if bsdf != "openrooms" or preview.f0 is not None or ior == 1.0:
+        return preview.f0, []
+    f0 = f0_of(ior)
+    lost = [f"UsdPreviewSurface is taken as OpenRooms' model with F0 {f0:.3g}"]
+    return f0, lost + ["its clearcoat is left out"] * (preview.clearcoat != 0.0)
 
 
 def _transmission(wanted: float, base_color: Value) -> tuple[float, list[str]]:

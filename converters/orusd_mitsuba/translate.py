@@ -1,6 +1,6 @@
 """From a composed USD stage to a `Scene`: arrays, surfaces, lights, labels and a report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import count
 from typing import Final
@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 from openrooms_usd.convert import Report
+from openrooms_usd.render.contract import Bsdf
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lights import (
     CylinderLight,
@@ -32,19 +33,23 @@ from orusd_mitsuba.scene import Environment, Floats, Patch, Scene, Sun, Triangle
 from orusd_mitsuba.surfaces import Surface, SurfaceReader
 from orusd_mitsuba.unseen import report_unseen
 
+# Rows of triangles, and the material that they show.
+_Part = tuple[np.ndarray, UsdShade.Material | None]
+_Parts = list[_Part]
 _BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
 
 
-def translate(stage: Usd.Stage) -> Scene:
+def translate(stage: Usd.Stage, bsdf: Bsdf = "auto") -> Scene:
     """Translate a stage; nothing that it holds raises.
 
     Args:
         stage: The composed stage, with any up axis and unit.
+        bsdf: How surfaces shall reflect.
 
     Returns:
         The scene, whose report names every prim that was not translated whole.
     """
-    work = _Translation()
+    work = _Translation(bsdf)
     lights = read_lights(stage)
     # 1. Light, first: a mesh has to know whether it emits.
     for light in lights:
@@ -55,8 +60,8 @@ def translate(stage: Usd.Stage) -> Scene:
     for path, outcome, reason in reading.losses:
         work.report.add(path, outcome, reason)
     lossy = {path for path, _, _ in reading.losses}
-    for mesh in reading:
-        work.add_mesh(mesh, whole=mesh.path not in lossy)
+    for mesh, parts in work.with_materials(reading):
+        work.add_mesh(mesh, parts, whole=mesh.path not in lossy)
     # 3. Everything else is named too.
     report_unseen(stage, work.report)
     return work.scene()
@@ -74,10 +79,11 @@ class _Group:
 class _Translation:
     """Gathers what will be the scene."""
 
-    def __init__(self) -> None:
+    def __init__(self, bsdf: Bsdf) -> None:
         self.report = Report()
         self._labels = Labels()
-        self._surfaces = SurfaceReader()
+        self._surfaces = SurfaceReader(bsdf)
+        self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[str, Surface] = {}
         self._groups: dict[tuple[int, str], _Group] = {}
         self._emitting: dict[str, Array] = {}
@@ -140,12 +146,22 @@ class _Translation:
 
     # Surfaces.
 
-    def add_mesh(self, mesh: PlacedMesh, *, whole: bool) -> None:
+    def with_materials(self, meshes: Iterable[PlacedMesh]) -> list[tuple[PlacedMesh, _Parts]]:
+        """Meshes with the materials of their triangles, whose pictures are then all read."""
+        found = [(mesh, list(_materials(mesh))) for mesh in meshes]
+        for _, parts in found:
+            for _, material in parts:
+                if material is not None and _key(material) not in self._previews:
+                    self._previews[_key(material)] = read_preview_surface(material)
+        self._surfaces.prefetch(preview for preview, _ in self._previews.values())
+        return found
+
+    def add_mesh(self, mesh: PlacedMesh, parts: _Parts, *, whole: bool) -> None:
         losses: list[str] = []
         corners, normals = _placed(mesh)
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
         light = None if emitted is None else (*map(float, emitted),)
-        for rows, material in _materials(mesh):
+        for rows, material in parts:
             surface = self._surface(mesh, material, losses)
             radiance: Value | None = light if light is not None else surface.emission  # type: ignore[assignment]
             if radiance is not None and mesh.double_sided:
@@ -174,16 +190,14 @@ class _Translation:
     ) -> Surface:
         if material is None:
             color, reason = _display_color(mesh.prim)
-            losses.append(reason)
-            return self._surfaces.read(PreviewSurface(base_color=color))
-        prim = material.GetPrim()
-        # Instances of one prototype show the same material under many paths.
-        source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-        key = str(source.GetPath())
+            surface = self._surfaces.read(PreviewSurface(base_color=color))
+            losses += [reason, *surface.losses]
+            return surface
+        key = _key(material)
         if key not in self._materials:
-            preview, lost = read_preview_surface(material)
+            preview, lost = self._previews[key]
             surface = self._materials[key] = self._surfaces.read(preview)
-            self._say(str(prim.GetPath()), [*lost, *surface.losses])
+            self._say(str(material.GetPath()), [*lost, *surface.losses])
         return self._materials[key]
 
     def _say(self, path: str, losses: list[str]) -> None:
@@ -221,7 +235,14 @@ def _texture_coordinates(mesh: PlacedMesh, surface: Surface, losses: list[str]) 
     return (st @ surface.uv[:2, :2].T + surface.uv[:2, 2]).astype(np.float32)
 
 
-def _materials(mesh: PlacedMesh) -> Iterator[tuple[np.ndarray, UsdShade.Material | None]]:
+def _key(material: UsdShade.Material) -> str:
+    """The same for all instances of one prototype, which show it under many paths."""
+    prim = material.GetPrim()
+    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+    return str(source.GetPath())
+
+
+def _materials(mesh: PlacedMesh) -> Iterator[_Part]:
     """(rows of triangles, their material) for each part of a mesh with a material of its own."""
     faces = mesh.mesh.faces
     rest = np.ones(len(faces), dtype=bool)

@@ -5,12 +5,12 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import click
 
 from openrooms_usd.cli.console import json_option, print_json
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, Bsdf
 
 if TYPE_CHECKING:
     from openrooms_usd.render import Progress, RenderSummary
@@ -43,6 +43,13 @@ def _resolution(
 @click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
 @click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
 @click.option("--renderer", default="mitsuba", show_default=True)
+@click.option(
+    "--bsdf",
+    type=click.Choice(get_args(Bsdf)),
+    default="auto",
+    show_default=True,
+    help="auto: OpenRooms' model where a material carries it, else UsdPreviewSurface.",
+)
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @json_option
 def render(
@@ -58,6 +65,7 @@ def render(
     bounces: int,
     variant: str,
     renderer: str,
+    bsdf: Bsdf,
     denoise: bool,
     as_json: bool,
 ) -> None:
@@ -83,6 +91,7 @@ def render(
             bounces=bounces,
             renderer=renderer,
             variant=variant,
+            bsdf=bsdf,
             denoise=denoise,
             progress=progress,
         )

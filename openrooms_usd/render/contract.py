@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 DEFAULT_BOUNCES: Final = 7
 DEFAULT_SAMPLES: Final = 64
 DEFAULT_RESOLUTION: Final = (640, 480)
+
+Bsdf = Literal["auto", "openrooms", "preview"]
+"""How surfaces reflect: as each material says, all by OpenRooms' microfacet model, or all as
+UsdPreviewSurface."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,7 @@ class Legend:
 
     Attributes:
         semantic: Number to OpenRooms-45 class name.
+        semantic_nyu40: Number to NYU-40 class name.
         instance: Number to prim path.
         part: Number to prim path.
         material: Number to prim path.
@@ -102,6 +107,7 @@ class Legend:
     """
 
     semantic: Mapping[int, str] = field(default_factory=dict)
+    semantic_nyu40: Mapping[int, str] = field(default_factory=dict)
     instance: Mapping[int, str] = field(default_factory=dict)
     part: Mapping[int, str] = field(default_factory=dict)
     material: Mapping[int, str] = field(default_factory=dict)
@@ -116,6 +122,9 @@ class RenderSession(Protocol):
 
     advice: str
     """What would make it faster on this machine, for people; empty when nothing would."""
+
+    bsdf: Bsdf
+    """How surfaces reflect, which may be less than was asked for: the report says so."""
 
     cameras: tuple[str, ...]
     """Prim paths of the stage's cameras, sorted."""
@@ -148,12 +157,15 @@ class Renderer(Protocol):
     channels: tuple[str, ...]
     """The names of the channels that it can give."""
 
-    def open(self, stage: "Usd.Stage", *, variant: str = "auto") -> RenderSession:
+    def open(
+        self, stage: "Usd.Stage", *, variant: str = "auto", bsdf: Bsdf = "auto"
+    ) -> RenderSession:
         """Translate a stage, once.
 
         Args:
             stage: The composed stage. Any stage: ours, or one that follows none of our names.
             variant: ``auto``, or a backend of this renderer.
+            bsdf: How surfaces reflect.
 
         Raises:
             RenderError: The backend is not available.

@@ -9,8 +9,9 @@ from typing import Any
 from openrooms_usd import adapters
 from openrooms_usd.convert import add_missing
 from openrooms_usd.render import folder, manifest
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, Renderer
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, Bsdf, Renderer
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
+from openrooms_usd.render.friction import FRICTION, FrictionMap, derivable, read_materials
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 
@@ -57,6 +58,7 @@ def render_stage(
     bounces: int = DEFAULT_BOUNCES,
     renderer: str = "mitsuba",
     variant: str = "auto",
+    bsdf: Bsdf = "auto",
     denoise: bool = False,
     progress: Progress = silent,
 ) -> RenderSummary:
@@ -72,7 +74,8 @@ def render_stage(
         out: The folder to write.
         cameras: Names or prim paths; all cameras where empty, and a framing camera where the stage
             has none.
-        channels: Names from `openrooms_usd.channels.CHANNELS`; None for all the renderer gives.
+        channels: Names from `openrooms_usd.channels.CHANNELS`; None for all the renderer gives, and
+            what is made of them.
         resolution: Width and height in pixels; None for what the stage's render settings say.
         samples: Samples a pixel; `DEFAULT_SAMPLES` where neither ``error`` nor ``seconds`` is.
         error: Stop a view at this estimated error of its radiance.
@@ -81,6 +84,8 @@ def render_stage(
         bounces: At most this many scatterings on the way from a light to the camera.
         renderer: A registered renderer.
         variant: ``auto``, or a backend of the renderer.
+        bsdf: How surfaces reflect: as each material says (``auto``), all by OpenRooms' model, or
+            all as UsdPreviewSurface.
         denoise: Whether to write the denoised radiance beside the raw one.
         progress: Called with the view's name and the finished fraction of the whole run.
 
@@ -99,7 +104,7 @@ def render_stage(
     # 1. Refuse what cannot work before anything slow begins.
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
     request = plan(
-        choose_channels(channels, adapter.channels),
+        choose_channels(channels, (*adapter.channels, *derivable(adapter.channels))),
         resolution,
         samples=samples,
         error=error,
@@ -112,12 +117,15 @@ def render_stage(
     if denoiser:
         request = replace(request, channels=denoiser.needs(asked))
         written = (*asked, DENOISED)
+    before_friction = request.channels
+    if FRICTION in asked:
+        request = replace(request, channels=FrictionMap.needs(before_friction))
     folder.check_writable(out)
 
     # 2. Translate the stage.
     stage = open_stage(path)
     began = time.perf_counter()
-    session = adapter.open(stage, variant=variant)
+    session = adapter.open(stage, variant=variant, bsdf=bsdf)
     add_missing(session.report, stage)
     translation = time.perf_counter() - began
     request = sized(request, resolution or session.resolution)
@@ -130,6 +138,10 @@ def render_stage(
     entry = manifest.run_entry(path, renderer, session, listed)
     if denoiser:
         entry["denoiser"] = denoiser.entry()
+    friction = None
+    if FRICTION in asked:
+        friction = FrictionMap(read_materials(stage, session.legend.material))
+        entry["friction"] = friction.entry()
     run = Run(out, entry, session.report)
     run.timing |= {"machine": manifest.machine_entry(session.backend), "translation": translation}
     try:
@@ -138,6 +150,8 @@ def render_stage(
             began = time.perf_counter()
             view = session.render(replace(request, camera=camera), part)
             took = time.perf_counter() - began
+            if friction:
+                view = friction.complete(view, before_friction)
             if denoiser:
                 view = denoiser.complete(view, asked)
             shown = photograph(stage.GetPrimAtPath(camera)) if camera else None

@@ -36,6 +36,8 @@ CONVENTIONS: Final = {
     "there is no estimate",
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
+    "bsdf": "how surfaces reflect: auto, as each material says; openrooms, all by the microfacet "
+    "model of OpenRooms; preview, all as UsdPreviewSurface",
     "bounces": "at most this many scatterings on the way from a light to the camera",
 }
 
@@ -56,7 +58,7 @@ def run_entry(stage: Path, renderer: str, session: RenderSession, request: Rende
         "format": FORMAT,
         "generator": f"{names.CREATOR} {__version__}",
         "stage": stage.name,
-        "renderer": {"name": renderer, "backend": session.backend},
+        "renderer": {"name": renderer, "backend": session.backend, "bsdf": session.bsdf},
         "seed": request.seed,
         "bounces": request.bounces,
         "stop": {name: value for name, value in asked.items() if value is not None},

@@ -12,6 +12,11 @@ from openrooms_usd.render.contract import DEFAULT_SAMPLES, RenderRequest
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
 _MOST_PIXELS: Final = 2**27
+# How to come by the channels that no renderer gives.
+_MADE_FROM: Final = {
+    "denoised": "add --denoise instead",
+    "friction": "use a renderer that gives base_color, roughness, material and valid",
+}
 _LIMITS: Final[dict[str, tuple[float, float]]] = {
     "width": (1, 2**15),
     "height": (1, 2**15),
@@ -97,8 +102,8 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
     """The channels to render, in the order of the table.
 
     Args:
-        asked: Names; None for everything that the renderer gives.
-        given: What the renderer gives.
+        asked: Names; None for everything that is given.
+        given: What the renderer gives, and what can be made of it.
 
     Raises:
         InputError: A name is unknown, or the renderer cannot give it.
@@ -110,11 +115,11 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
             raise InputError(
                 f"no channel is named {name!r}", place="channels", remedy=_nearest(name, CHANNELS)
             )
-        if CHANNELS[name].kind == "derived":
+        if CHANNELS[name].kind == "derived" and name not in given:
             raise InputError(
                 f"the channel {name!r} is made from others",
                 place="channels",
-                remedy="add --denoise instead",
+                remedy=_MADE_FROM[name],
             )
         if name not in given:
             raise InputError(

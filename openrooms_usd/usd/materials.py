@@ -9,7 +9,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.usd.networks import Network
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture, UvTransform
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture, UvTransform, ior_of
 from openrooms_usd.usd.uvtextures import mended_normal_map, read_texture_node
 
 __all__ = [
@@ -59,8 +59,7 @@ def define_preview_surface(
     output = shader.CreateOutput("surface", _Types.Token)
     material.CreateSurfaceOutput().ConnectToSource(output)
     coordinates = _define_coordinates(material, surface)
-    if surface.transmission > 0.0:
-        surface = _with_stand_in(material, surface)
+    surface = _with_stand_ins(material, surface)
     for item in fields(surface):
         if item.name not in _INPUTS:
             continue
@@ -76,13 +75,21 @@ def define_preview_surface(
     return material
 
 
-def _with_stand_in(material: UsdShade.Material, surface: PreviewSurface) -> PreviewSurface:
-    """Author the transmission, and show it as opacity to those who do not know it."""
+def _with_stand_ins(material: UsdShade.Material, surface: PreviewSurface) -> PreviewSurface:
+    """Author what is ours, and show it by other inputs to those who do not know it."""
+    if surface.transmission > 0.0:
+        _author_ours(material, names.MATERIAL_TRANSMISSION, surface.transmission)
+        surface = replace(surface, opacity=1.0 - surface.transmission)
+    if surface.f0 is not None:
+        _author_ours(material, names.MATERIAL_F0, surface.f0)
+        surface = replace(surface, ior=ior_of(surface.f0))
+    return surface
+
+
+def _author_ours(material: UsdShade.Material, name: str, value: float) -> None:
     prim = material.GetPrim()
     prim.AddAppliedSchema(names.MATERIAL_API)
-    kind, value = _Types.Float, surface.transmission
-    prim.CreateAttribute(names.MATERIAL_TRANSMISSION, kind, custom=False).Set(value)
-    return replace(surface, opacity=1.0 - value)
+    prim.CreateAttribute(name, _Types.Float, custom=False).Set(value)
 
 
 def _define_node(material: UsdShade.Material, name: str, kind: str) -> UsdShade.Shader:
@@ -160,22 +167,23 @@ def read_preview_surface(
         for item in fields(PreviewSurface)
         if item.name in _INPUTS and item.name not in _UNIFORM
     }
-    transmission = _transmission(network, material)
+    transmission = _part_of_light(network, material, names.MATERIAL_TRANSMISSION) or 0.0
     if transmission > 0.0:
         values["opacity"] = 1.0
-    completed = replace(_completed(network, shader, values), transmission=transmission)
+    f0 = _part_of_light(network, material, names.MATERIAL_F0)
+    completed = replace(_completed(network, shader, values), transmission=transmission, f0=f0)
     return completed, tuple(network.losses)
 
 
-def _transmission(network: Network, material: UsdShade.Material) -> float:
-    """What `names.MATERIAL_TRANSMISSION` says, within 0 and 1; 0 where there is none."""
-    attribute = material.GetPrim().GetAttribute(names.MATERIAL_TRANSMISSION)
+def _part_of_light(network: Network, material: UsdShade.Material, name: str) -> float | None:
+    """What an attribute of ours says, within 0 and 1; None where there is none."""
+    attribute = material.GetPrim().GetAttribute(name)
     value = attribute.Get() if attribute else None
     if value is None:
-        return 0.0
+        return None
     if not (isinstance(value, float) and 0.0 <= value <= 1.0):
         network.losses.append(f"{attribute.GetPath()}: {value} is no part of the light; left out")
-        return 0.0
+        return None
     return value
 
 

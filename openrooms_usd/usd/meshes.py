@@ -28,7 +28,12 @@ Array = NDArray[np.float64]
 
 
 def define_mesh(
-    stage: Usd.Stage, path: str | Sdf.Path, mesh: Mesh, *, double_sided: bool = False
+    stage: Usd.Stage,
+    path: str | Sdf.Path,
+    mesh: Mesh,
+    *,
+    double_sided: bool = False,
+    baked_st: NDArray[np.float32] | None = None,
 ) -> UsdGeom.Mesh:
     """Define a mesh prim: polygons, never subdivided, right-handed.
 
@@ -38,6 +43,7 @@ def define_mesh(
         mesh: Polygons in the prim's local frame, stage units. Normals and texture coordinates are
             authored face-varying, where it has them.
         double_sided: Whether both sides are seen; author it for open sheets only.
+        baked_st: (K, 2) a second set for what is baked, such as `geometry.unwrap` gives.
     """
     points = mesh.points.astype(np.float32)
     prim = UsdGeom.Mesh.Define(stage, path)
@@ -54,11 +60,12 @@ def define_mesh(
     if mesh.normals is not None:
         prim.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(mesh.normals.astype(np.float32)))
         prim.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
-    if mesh.st is not None:
-        st = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(
-            names.ST, Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
-        )
-        st.Set(Vt.Vec2fArray.FromNumpy(mesh.st.astype(np.float32)))
+    for name, st in ((names.ST, mesh.st), (names.BAKED_ST, baked_st)):
+        if st is not None:
+            primvar = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(
+                name, Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+            )
+            primvar.Set(Vt.Vec2fArray.FromNumpy(st.astype(np.float32)))
     return prim
 
 

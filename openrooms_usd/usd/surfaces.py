@@ -19,6 +19,20 @@ NORMAL_SCALE: Final = (2.0, 2.0, 2.0, 1.0)
 NORMAL_BIAS: Final = (-1.0, -1.0, -1.0, 0.0)
 
 
+def ior_of(f0: float) -> float:
+    """The index of refraction whose Fresnel reflectance at normal incidence is ``f0``.
+
+    1.576 for OpenRooms' 0.05.
+    """
+    root = math.sqrt(f0)
+    return (1.0 + root) / (1.0 - root)
+
+
+def f0_of(ior: float) -> float:
+    """The Fresnel reflectance at normal incidence of an index of refraction."""
+    return ((ior - 1.0) / (ior + 1.0)) ** 2
+
+
 @dataclass(frozen=True)
 class UvTransform:
     """UsdTransform2d: scale, then rotate (degrees, counter-clockwise), then translate."""
@@ -104,6 +118,11 @@ class PreviewSurface:
         transmission: Part of the light that leaves the other side diffusely, in the hue of the
             base colour; ours (`names.MATERIAL_TRANSMISSION`). Above 0, ``opacity`` is 1, and what
             is authored as opacity stands in for it elsewhere.
+        f0: Reflectance at normal incidence of OpenRooms' microfacet model, below 1; ours
+            (`names.MATERIAL_F0`). Given, the surface is of that model, with its base colour,
+            metallic, roughness, normal, opacity, emission and transmission; what else stands here
+            shows it to those who do not know it, and ``ior`` is authored as `ior_of`. None: it is
+            a UsdPreviewSurface.
     """
 
     base_color: Color | Texture = (0.18, 0.18, 0.18)
@@ -120,3 +139,4 @@ class PreviewSurface:
     clearcoat_roughness: float | Texture = 0.01
     occlusion: float | Texture = 1.0
     transmission: float = 0.0
+    f0: float | None = None

@@ -98,6 +98,20 @@ def test_generate(tmp_path):
     assert "| apartment | 1 |" in said
 
 
+def test_materials(tmp_path):
+    variants = pytest.importorskip("orusd_mitsuba.variants")
+    if variants.choose("auto").variant.startswith("scalar"):
+        pytest.skip("many directions at a time need llvm or cuda")
+    said, data = run(
+        "materials", tmp_path / "m.json", "--section", "sampling", "--section", "albedo"
+    )
+    assert all(row["principled"] > 0 and row["uniform"] > 0 for row in data["sampling"])
+    assert data["albedo"]["largest_error"] < 0.05
+    first = data["albedo"]["rows"][0]
+    assert first["ours"] == pytest.approx(0.55, abs=0.003)
+    assert "## albedo" in said
+
+
 def test_relative_mse_of_a_known_error(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT))
     from benchmarks.radiance import relative_mse

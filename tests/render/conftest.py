@@ -34,6 +34,7 @@ class FakeRenderer:
     channels = RENDERED
     backend = "fake 1.0"
     advice = ""
+    bsdf = "auto"
     cameras: tuple[str, ...] = ("/World/Cameras/left", "/World/Cameras/right")
     resolution = (40, 30)
     legend = Legend(
@@ -51,7 +52,9 @@ class FakeRenderer:
         self.requests: list[RenderRequest] = []
         self.spoil: Callable[[str, np.ndarray], np.ndarray] = lambda name, pixels: pixels
 
-    def open(self, stage: Usd.Stage, *, variant: str = "auto") -> "FakeRenderer":
+    def open(
+        self, stage: Usd.Stage, *, variant: str = "auto", bsdf: str = "auto"
+    ) -> "FakeRenderer":
         self.opened += 1
         return self
 

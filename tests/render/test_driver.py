@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.channels import CHANNELS, RENDERED
+from openrooms_usd.channels import CHANNELS, RENDERED, WRITTEN
 from openrooms_usd.errors import InputError, OutputError, RenderError
 from openrooms_usd.render import exr, folder, render_stage, run
 
-VIEW_FILES = {"channels.exr", "radiance.exr", *(f"{name}.png" for name in RENDERED)}
+VIEW_FILES = {"channels.exr", "radiance.exr", *(f"{name}.png" for name in WRITTEN)}
 
 
 def manifest(out: Path) -> dict:
@@ -57,7 +57,7 @@ def test_manifest_says_everything(renderer, scene, tmp_path):
     render_stage(scene, tmp_path / "out", cameras=["right"], samples=9, seed=2, bounces=3)
     said = manifest(tmp_path / "out")
     assert said["stage"] == "scene.usda"
-    assert said["renderer"] == {"name": "mitsuba", "backend": "fake 1.0"}
+    assert said["renderer"] == {"name": "mitsuba", "backend": "fake 1.0", "bsdf": "auto"}
     assert (said["seed"], said["bounces"], said["stop"]) == (2, 3, {"samples": 9})
     assert list(said["legend"]["instance"]) == ["1", "2", "10"]
     assert said["report"]["losses"] == [

@@ -43,8 +43,12 @@ PROPERTIES = {
     },
     "OpenRoomsMaterialAPI": {
         "openrooms:material:category": ("token", "wood"),
+        "openrooms:material:family": ("token", "oak_planks"),
+        "openrooms:material:number": ("int", 7),
         "openrooms:material:size": ("float2", Gf.Vec2f(1, 2)),
         "openrooms:material:transmission": ("float", 0.5),
+        "openrooms:material:f0": ("float", 0.05),
+        "openrooms:material:frictionSpread": ("float", 0.1),
     },
 }
 

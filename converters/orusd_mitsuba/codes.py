@@ -1,0 +1,53 @@
+"""Pictures of 8 bits that stay what they are: a quarter of the memory, and read in a tenth of time.
+
+Their decoding, scale, offset and limits are the same for every texel of a channel, so that 256
+levels say all. What is not that simple is left to `pictures.load`.
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.textures import read_codes
+from orusd_mitsuba.pictures import MAX_SIDE, Array, Coding, Limits, Picture, load, wrapping
+
+_OPAQUE: Final = 255
+
+
+def load_picture(texture: Texture, channels: int, limits: Limits, uv: Array) -> Picture:
+    """Read a texture as `pictures.load` does, in 8 bits where that loses nothing."""
+    codes = read_codes(texture.file)
+    if codes is None or max(codes.shape[:2]) > MAX_SIDE:
+        return load(texture, channels, limits, uv)
+    picked, which = _picked(codes, texture.channel, channels)
+    if limits[0] < 0.0 and not _is_normal_map(texture, picked):
+        return load(texture, channels, limits, uv)
+    coding = Coding(
+        texture.color_space == "sRGB" and 3 not in which,
+        tuple(texture.scale[index] for index in which),
+        tuple(texture.bias[index] for index in which),
+        limits,
+    )
+    wrap, losses = wrapping(texture)
+    return Picture(np.ascontiguousarray(picked[::-1]), wrap, uv, losses, coding)
+
+
+def _picked(
+    codes: NDArray[np.uint8], channel: str, channels: int
+) -> tuple[NDArray[np.uint8], tuple[int, ...]]:
+    """The channels that are asked for, and which of r, g, b, a they are."""
+    count = codes.shape[2]
+    which = tuple(range(channels)) if channel == "rgb" else ("rgba".index(channel),) * channels
+    if which[0] == 3:
+        alpha = codes[..., -1:] if count in (2, 4) else np.full_like(codes[..., :1], _OPAQUE)
+        return np.repeat(alpha, channels, axis=2), which
+    stored = [index if count >= 3 else 0 for index in which]
+    return codes if stored == list(range(count)) else codes[..., stored], which
+
+
+def _is_normal_map(texture: Texture, codes: NDArray[np.uint8]) -> bool:
+    """Whether it is stored as usual and holds directions: its channels differ."""
+    usual = texture.scale == NORMAL_SCALE and texture.bias == NORMAL_BIAS
+    return usual and not np.array_equal(codes[..., 0], codes[..., 2])

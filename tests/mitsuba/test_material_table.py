@@ -1,0 +1,153 @@
+"""Many materials by one BSDF: the same numbers, and the same picture, as one BSDF for each."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
+from orusd_mitsuba import MitsubaRenderer, material_table, surfaces, variants
+from orusd_mitsuba.codes import load_picture
+from orusd_mitsuba.pictures import evaluate, load
+from orusd_mitsuba.surfaces import SurfaceReader
+
+
+@pytest.fixture
+def mitsuba() -> Any:
+    if variants.choose("auto").variant == "scalar_rgb":
+        pytest.skip("no usable llvm")
+    import mitsuba as mi
+
+    mi.set_variant(variants.choose("llvm").variant)
+    return mi
+
+
+def noise(save_picture: Any, path: Any, height: int, width: int, channels: int = 3) -> str:
+    rng = np.random.default_rng(height * width + channels)
+    return str(save_picture(path, rng.integers(0, 256, (height, width, channels)).astype(np.uint8)))
+
+
+@pytest.mark.parametrize("wrap", ["repeat", "mirror", "clamp"])
+@pytest.mark.parametrize("size", [(1, 1), (3, 5), (16, 8)])
+def test_the_table_looks_textures_up_as_the_ground_truth_does(
+    mitsuba: Any, save_picture: Any, tmp_path: Any, wrap: Any, size: tuple[int, int]
+) -> None:
+    color, gloss = (noise(save_picture, tmp_path / f"{c}.png", *size, c) for c in (3, 1))
+    mapped = {"wrap_s": wrap, "wrap_t": wrap}
+    preview = PreviewSurface(
+        base_color=Texture(color, color_space="sRGB", scale=(0.9, 0.8, 1.5, 1.0), **mapped),
+        roughness=Texture(gloss, "r", uv_scale=(2.0, 3.0), uv_rotation=30.0, **mapped),
+        metallic=Texture(color, "g", bias=(0.0, -0.1, 0.0, 0.0), **mapped),
+        normal=Texture(color, scale=NORMAL_SCALE, bias=NORMAL_BIAS, **mapped),
+        f0=0.05,
+    )
+    reader = SurfaceReader()
+    constant = reader.read(PreviewSurface(base_color=(0.1, 0.2, 0.3), roughness=0.7, f0=0.08))
+    surface = reader.read(preview)
+    assert material_table.fits(surface) and material_table.fits(constant)
+    st = np.random.default_rng(1).uniform(-2.5, 3.5, (2000, 2)).astype(np.float32)
+    for rows, wanted in (([surface, constant], surface), ([constant, surface], constant)):
+        import drjit as dr
+
+        table = material_table.MaterialTable(rows)
+        si = dr.zeros(mitsuba.SurfaceInteraction3f, len(st))
+        si.uv = mitsuba.Point2f(st.T)
+        matter = table(si, mitsuba.Bool(True))
+        for name, found in (
+            ("base_color", matter.base_color),
+            ("roughness", matter.roughness),
+            ("metallic", matter.metallic),
+        ):
+            channels = 3 if name == "base_color" else 1
+            expected = evaluate(getattr(wanted, name), st.astype(np.float64), channels)
+            values = np.broadcast_to(np.array(found), (*[3] * (channels == 3), len(st)))
+            np.testing.assert_allclose(values.reshape(channels, -1).T, expected, atol=2e-5)
+        relief = np.broadcast_to(np.array(matter.relief), (3, len(st))).T
+        flat = (0.0, 0.0, 1.0)
+        expected = evaluate(wanted.normal or flat, st.astype(np.float64), 3)
+        np.testing.assert_allclose(relief, expected, atol=5e-5)
+        assert float(np.array(matter.f0).ravel()[0]) == pytest.approx(wanted.f0)
+
+
+@pytest.mark.parametrize("stored", [1, 2, 3, 4])
+@pytest.mark.parametrize("channel", ["rgb", "r", "b", "a"])
+@pytest.mark.parametrize("wanted", [1, 3])
+def test_codes_mean_what_the_values_are(
+    save_picture: Any, tmp_path: Any, stored: int, channel: Any, wanted: int
+) -> None:
+    file = noise(save_picture, tmp_path / "t.png", 7, 9, stored)
+    for space in ("sRGB", "raw"):
+        texture = Texture(
+            file, channel, space, scale=(1.2, 0.5, 2.0, 0.7), bias=(0.0, 0.1, -0.3, 0.2),
+            wrap_s="clamp", wrap_t="mirror",
+        )  # fmt: skip
+        coded, plain = (f(texture, wanted, (0.0, 1.0), np.eye(3)) for f in (load_picture, load))
+        assert coded.coding is not None and coded.texels.dtype == np.uint8
+        np.testing.assert_allclose(coded.pixels, plain.pixels, atol=6e-4)
+        assert (coded.wrap, coded.losses) == (plain.wrap, plain.losses)
+
+
+def test_what_is_not_of_eight_bits_is_no_row(save_picture: Any, tmp_path: Any) -> None:
+    values = np.random.default_rng(1).random((4, 4, 3)).astype(np.float32)
+    file = save_picture(tmp_path / "t.exr", values)
+    reader = SurfaceReader()
+    for preview in (
+        PreviewSurface(base_color=Texture(file), f0=0.05),
+        PreviewSurface(opacity=0.5, f0=0.05),
+        PreviewSurface(),
+    ):
+        assert not material_table.fits(reader.read(preview))
+
+
+def room(build: Any, save_picture: Any, folder: Any) -> Any:
+    made = build()
+    for number in range(4):
+        color = noise(save_picture, folder / f"c{number}.png", 4 + number, 6)
+        relief = np.full((2, 2, 3), (118 + 5 * number, 140, 230), dtype=np.uint8)
+        look = made.material(
+            f"/Look_{number}", f0=0.05, ior=1.5,
+            base_color=Texture(color, color_space="sRGB", uv_scale=(2, 2)),
+            roughness=0.2 + 0.2 * number if number else Texture(color, "g"),
+            normal=Texture(save_picture(folder / f"n{number}.png", relief),
+                           scale=NORMAL_SCALE, bias=NORMAL_BIAS),
+        )  # fmt: skip
+        x = 1.1 * number - 1.7
+        made.quad(f"/Q_{number}", [(x, -1, 0), (x + 1, -1, 0), (x + 1, 1, 0.3), (x, 1, 0.3)],
+                  material=look)  # fmt: skip
+    cloth = made.material("/Cloth", f0=0.05, base_color=(0.4, 0.3, 0.3), transmission=0.3)
+    made.quad("/Sheet", [(-2, 1, 0), (2, 1, 0), (2, 1, 1), (-2, 1, 1)], material=cloth)
+    glass = made.material("/Glass", base_color=(0.4, 0.3, 0.3), opacity=0.4, f0=0.05)
+    made.quad("/Pane", [(-2, 0, 0.2), (0, 0, 0.2), (0, 0, 1), (-2, 0, 1)], material=glass)
+    made.dome(radiance=3.0)
+    made.camera((0, -4, 2), (0, 0, 0.2))
+    return made.stage
+
+
+def test_one_bsdf_or_many_give_the_same_picture(
+    build: Any, save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
+) -> None:
+    stage = room(build, save_picture, tmp_path)
+    pixels = {}
+    for tabulated in (True, False):
+        if not tabulated:
+            monkeypatch.setattr(material_table, "fits", lambda surface: False)
+        session = MitsubaRenderer().open(stage, variant="llvm")
+        shared = {id(shape.bsdf()) for shape in session._built.shapes()}
+        assert len(shared) == (2 if tabulated else 6)
+        request = RenderRequest("/Camera", ("radiance",), 48, 36, samples=32)
+        pixels[tabulated] = session.render(request).images["radiance"].pixels.astype(np.float64)
+    # The same random numbers: rounding alone may send a path another way.
+    difference = np.abs(pixels[True] - pixels[False]) / pixels[False].mean()
+    assert np.median(difference) < 1e-4
+    assert difference.mean() < 2e-3
+
+
+def test_each_picture_is_read_once(
+    build: Any, save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
+) -> None:
+    stage, read = room(build, save_picture, tmp_path), []
+    once = surfaces._load
+    monkeypatch.setattr(surfaces, "_load", lambda need: read.append(need) or once(need))
+    MitsubaRenderer().open(stage, variant="llvm")
+    assert len(read) == len(set(read)) == 9
