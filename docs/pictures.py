@@ -22,6 +22,8 @@ SHOWN = (
     ("game_room", 1), ("office", 2), ("apartment", 1),
 )  # fmt: skip
 COLUMNS = 3
+# Substances of the library in the documentation.
+SUBSTANCES = ("wood", "fabric", "specular_stone")
 
 
 def room(kind: str, seed: int, folder: Path, size: str, *quality: str) -> Path:
@@ -49,6 +51,17 @@ def _read(path: Path) -> "np.ndarray[Any, np.dtype[np.uint8]]":
     return np.asarray(OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.UINT8))[..., :3]
 
 
+def materials(folder: Path, *quality: str) -> "np.ndarray[Any, np.dtype[np.uint8]]":
+    """Sheets of some substances, one below the other."""
+    chosen = [word for substance in SUBSTANCES for word in ("--substance", substance)]
+    orusd("materials", "sheet", "-o", folder, "--size", 112, *chosen, *quality)
+    sheets = [_read(folder / f"{substance}.png") for substance in SUBSTANCES]
+    width = max(sheet.shape[1] for sheet in sheets)
+    return np.concatenate(
+        [np.pad(s, ((0, 0), (0, width - s.shape[1]), (0, 0)), mode="edge") for s in sheets]
+    )
+
+
 def main() -> None:
     """Draw what the options ask for."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -69,6 +82,7 @@ def main() -> None:
     write_png(target, tiled([view / "denoised.png" for view in views]))
     if not options.all:
         orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise")
+        write_png(Path("docs/materials.png"), materials(options.folder / "materials", *quality[:3]))
 
 
 if __name__ == "__main__":

@@ -1,52 +1,132 @@
 """The ``materials`` section: what things are made of."""
 
-from typing import Annotated, Any, Literal, get_args
+from collections.abc import Iterator
+from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import BeforeValidator, Field
 
-from openrooms_usd.description.model import Model, Number, Whole
+from openrooms_usd.description.families import Family
+from openrooms_usd.description.model import CheckedModel, Found, Number, Whole, peek
+from openrooms_usd.description.substances import Substance
 from openrooms_usd.description.units import PositiveLength
 
-Family = Literal["wood", "paint", "fabric"]
 Unit = Annotated[Number, Field(ge=0, le=1)]
+Factor = Annotated[Number, Field(ge=0.1, le=10)]
+Size = Annotated[PositiveLength, Field(ge=1e-3, le=1e3)]
+
+FamilyName = Literal[Substance, Family]
+
+# What says of what kind a material is, and what it goes with.
+_KINDS: Final = ("family", "substance", "file", "color")
+_CLASHES: Final = {
+    "file": ("family", "number", "color", "roughness", "metallic"),
+    "family": ("substance", "metallic"),
+}
 
 
-class Look(Model):
-    """One material: a family, and what of it is fixed rather than drawn by the seed."""
+class Look(CheckedModel):
+    """One material: of the library, of files, or a constant; what is left out is drawn."""
 
-    family: Family
-    """The procedural family."""
+    family: FamilyName | None = None
+    """A family of the library, or a substance, of which a family that fits is drawn."""
+    substance: Substance | None = None
+    """What it is; without a family, one of this substance that fits is drawn."""
+    number: Annotated[Whole, Field(ge=0, lt=2**31)] | None = None
+    """Which material of the family: its own seed."""
     color: tuple[Unit, Unit, Unit] | None = None
     """Mean base colour, scene-linear Rec.709; by default drawn from the family's range."""
     roughness: Unit | None = None
     """Mean perceptual roughness; by default drawn from the family's range."""
+    metallic: Unit | None = None
+    """0 dielectric to 1 metal; makes it a constant, without textures."""
+    size: Size | None = None
+    """Width that one repeat of the textures covers; by default the family's own."""
+    file: str | None = Field(default=None, min_length=1)
+    """A folder with textures, or a MaterialX file, relative to the description."""
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it has no textures."""
+        return self.metallic is not None or not (self.family or self.substance or self.file)
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Keys that contradict each other, and a material of which nothing is said."""
+        has = {name for name in cls.model_fields if peek(given, name) is not None}
+        if not has & {*_KINDS}:
+            yield Found((), f"say what it is by one of: {', '.join(_KINDS)}")
+        if "metallic" in has and not has & {"color", "family", "file"}:
+            yield Found(("metallic",), "a constant needs a color too")
+        for first, others in _CLASHES.items():
+            for other in others:
+                if {first, other} <= has:
+                    yield Found((other,), f"{other} has no meaning beside {first}")
+        if "size" in has and not has & {"family", "substance", "file"}:
+            yield Found(("size",), "a constant has no textures that could have a size")
 
 
 def _look(given: Any) -> Any:
-    """A family alone stands for a look of which nothing is fixed."""
+    """A name alone stands for a look of which nothing else is fixed."""
     if isinstance(given, str):
         return {"family": given}
     if not isinstance(given, (dict, Look)):
-        families = ", ".join(get_args(Family))
-        raise ValueError(f"a family ({families}), or a mapping with family, color and roughness")
+        substances = ", ".join(get_args(Substance))
+        raise ValueError(
+            f"a family, a substance ({substances}), or a mapping with family, color and roughness"
+        )
     return given
 
 
-AnyLook = Annotated[Look, BeforeValidator(_look, json_schema_input_type=Look | Family)]
+AnyLook = Annotated[Look, BeforeValidator(_look, json_schema_input_type=Look | FamilyName)]
 
 
-class Materials(Model):
-    """Materials of the room and overrides for objects; the rest follows from category rules."""
+class Scale(CheckedModel):
+    """By how much drawn materials may be brighter, tinted or rougher than they were made."""
 
-    floor: AnyLook = Look(family="wood")
-    """The floor: a family, or a look with more of it fixed."""
-    walls: AnyLook = Look(family="paint")
+    color: tuple[Factor, Factor] = (1.0, 1.0)
+    """Least and greatest factor of each primary of the base colour."""
+    roughness: tuple[Factor, Factor] = (1.0, 1.0)
+    """Least and greatest factor of the roughness."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Ranges that end before they begin."""
+        for name in cls.model_fields:
+            ends = peek(given, name)
+            if not isinstance(ends, (list, tuple)) or len(ends) != 2:
+                continue
+            if all(isinstance(end, (int, float)) for end in ends) and ends[0] > ends[1]:
+                yield Found((name,), "the least factor comes first")
+
+
+class Materials(CheckedModel):
+    """Materials of the room and overrides for objects; the rest follows from tables."""
+
+    floor: AnyLook | None = None
+    """The floor: a family, a substance, or a look; by default what the room type usually has."""
+    walls: AnyLook | None = None
     """All walls."""
-    ceiling: AnyLook = Look(family="paint")
-    """The ceiling."""
+    ceiling: AnyLook | None = None
+    """The ceiling; by default white paint."""
     overrides: dict[str, dict[str, AnyLook]] = Field(default_factory=dict)
     """Object name, then part name (or ``all``), then the material."""
+    annotations: dict[str, Annotated[str, Field(min_length=1)]] = Field(default_factory=dict)
+    """Object name or category, then a file in which people noted what its parts are made of."""
+    scale: Scale = Field(default_factory=Scale)
+    """Factors of colour and roughness, drawn for each material."""
+    looks: Whole = Field(default=1, ge=1, le=64)
+    """How many looks the room has: variants ``default``, ``look_1`` and so on."""
+    look: Whole = Field(default=0, ge=0, lt=64)
+    """Which of them is shown; 0 is the default one."""
     resolution: Whole = Field(default=512, ge=16, le=8192)
     """Texels along each side of a procedural texture."""
-    texture_size: PositiveLength = Field(default=1.0, ge=0.05, le=20)
-    """The physical side length that one procedural texture covers."""
+    texture_size: Annotated[PositiveLength, Field(ge=0.05, le=20)] | None = None
+    """The physical side length that each procedural texture covers; by default its family's own."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """A look to show that the room does not have."""
+        looks, look = peek(given, "looks"), peek(given, "look")
+        count = 1 if looks is None else looks
+        if isinstance(count, int) and isinstance(look, int) and look >= count:
+            yield Found(("look",), f"the room has the looks 0 to {count - 1}")

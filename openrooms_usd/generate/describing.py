@@ -14,6 +14,7 @@ from openrooms_usd.generate.rooms import (
     named,
     program_of,
 )
+from openrooms_usd.library.assignment.rooms import surface_of
 from openrooms_usd.library.furniture import category
 
 # Flux of lamps that are not on the ceiling, as a share of what their category usually has.
@@ -108,12 +109,11 @@ def _kelvin(rng: np.random.Generator, above: bool) -> int:
 def materials_section(room: Generated) -> Section:
     """Floor, walls and ceiling."""
     rng = generator(room.seed, "generate", room.room_type, "materials")
-    families = program_of(room.room_type).floor
-    base = float(rng.uniform(0.55, 0.8))
-    tint = rng.uniform(-0.05, 0.03, 3)
+    floor, _ = surface_of(room.room_type, "floor", rng)
+    walls, _ = surface_of(room.room_type, "wall", rng)
     return {
-        "floor": families[int(rng.integers(len(families)))],
-        "walls": {"family": "paint", "color": [round(float(base + t), 2) for t in tint]},
+        "floor": floor,
+        "walls": walls,
         "ceiling": {"family": "paint", "color": [0.82, 0.82, 0.81]},
     }
 

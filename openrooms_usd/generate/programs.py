@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
-from openrooms_usd.description.materials import Family
 from openrooms_usd.generate.groups import sitting, sleeping, storing, wet, working
 from openrooms_usd.generate.items import Group
 from openrooms_usd.generate.kit import Kit
@@ -64,7 +63,6 @@ class Program:
         hangs: What hangs on its walls: category, least and greatest number.
         curtains: How often its windows have curtains.
         lux: Range of the mean illuminance that its lamps are chosen for.
-        floor: What its floor is made of.
     """
 
     area: tuple[float, float, float]
@@ -81,7 +79,6 @@ class Program:
     hangs: tuple[tuple[str, int, int], ...] = (("picture", 0, 3), ("clock", 0, 1))
     curtains: float = 0.0
     lux: tuple[float, float] = (120.0, 250.0)
-    floor: tuple[Family, ...] = ("wood",)
 
 
 _WORK: Final = (("whiteboard", 0, 1), ("clock", 0, 1), ("picture", 0, 2))
@@ -143,14 +140,14 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_of(wet.laundry, 1), chance=0.35), Want(_piece("cabinet", width=(0.35, 0.6),
               before=0.4), chance=0.5), BASKET, BIN),
         _PLAIN, (1.0, 1.9), (2.4, 2.6), (1, 1), (0, 1), high_windows=True, swing_out=0.3,
-        hangs=(("wall_lamp", 0, 2), ("picture", 0, 1)), lux=(150, 300), floor=("paint",),
+        hangs=(("wall_lamp", 0, 2), ("picture", 0, 1)), lux=(150, 300),
     ),
     "bedroom": Program(
         (9, 14, 26),
         (Want(_of(sleeping.bed_place, 0.7), 1), Want(sleeping.clothes, 0, 1, chance=0.95), DRAWERS,
          Want(_of(working.desk_place, "chair"), chance=0.45), READING, SHELF, PLANT, BASKET),
         windows=(1, 2), hangs=(("picture", 0, 3), ("clock", 0, 1), ("wall_lamp", 0, 1)),
-        lux=(80, 180), floor=("wood", "fabric"),
+        lux=(80, 180),
         curtains=0.8,
     ),
     "hotel": Program(
@@ -159,7 +156,7 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_of(working.desk_place, "chair", "laptop", 3), 1), WARDROBE,
          Want(_of(sleeping.clothes, "dresser", (0.9, 1.4)), faces="sleeping"), READING,
          Want(_piece("bench", before=0.4, tops=()), chance=0.5), PLANT, BIN),
-        _PLAIN, (1.2, 1.9), glazed=0.4, floor=("fabric", "wood"), lux=(90, 180),
+        _PLAIN, (1.2, 1.9), glazed=0.4, lux=(90, 180),
         hangs=(("picture", 1, 3), ("wall_lamp", 0, 2)),
         curtains=0.9,
     ),
@@ -186,7 +183,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (36, 56, 90),
         (Want(working.classroom, 1), CABINET, SHELF, BIN, PLANT),
         {"rectangle": 8, "L": 1, "slant": 1}, (1.05, 1.5), (2.8, 3.4), (1, 2), (2, 5),
-        hangs=_CLASS, lux=(250, 400), floor=("wood",),
+        hangs=_CLASS, lux=(250, 400),
         curtains=0.2,
     ),
     "closet": Program(
@@ -202,7 +199,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (Want(_of(working.workstations, 4, double=True), 1, 5, each=14.0),
          Want(_of(working.workstations, 5), 0, 4, each=16.0), COPIER, FILES, BIN, PLANT),
         {"rectangle": 8, "L": 1}, (1.1, 1.6), (2.6, 3.2), (1, 2), (1, 4), hangs=_WORK,
-        lux=(250, 400), floor=("fabric", "wood"),
+        lux=(250, 400),
     ),
     "conference_room": Program(
         (18, 30, 55),
@@ -210,7 +207,6 @@ PROGRAMS: Final[dict[str, Program]] = {
               most=4)), PLANT, BIN),
         {"rectangle": 8, "L": 1, "slant": 1, "chamfer": 1}, (1.2, 1.8), (2.6, 3.2), (1, 2), (1, 4),
         hangs=(("whiteboard", 1, 1), ("clock", 0, 1), ("picture", 0, 2)), lux=(200, 350),
-        floor=("fabric", "wood"),
         curtains=0.2,
     ),
     "copy_room": Program(
@@ -277,7 +273,6 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_of(wet.kitchen_row, ("counter",), ("basket", "bottle", "jar")), chance=0.6),
          Want(_thing("basket"), 1, 2), BIN),
         _PLAIN, (1.0, 1.8), doors=(1, 2), windows=(0, 1), hangs=_BARE, lux=(150, 250),
-        floor=("paint",),
     ),
     "lounge": Program(
         (22, 36, 70),
@@ -311,7 +306,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (Want(_of(working.desk_place), 1, 3, each=8.0), FILES, SHELF,
          Want(_of(sitting.dining, (2, 4), "chair", False, ("laptop", "bottle"), "meeting"),
               chance=0.4), CABINET, COPIER, PLANT, BIN),
-        hangs=_WORK, lux=(220, 350), floor=("wood", "fabric"),
+        hangs=_WORK, lux=(220, 350),
         curtains=0.15,
     ),
     "stairs": Program(
@@ -328,7 +323,6 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_of(storing.row, "file_cabinet", 3), chance=0.4),
          Want(_piece("cabinet", width=(0.8, 1.2), height=1.9), chance=0.4), BASKET, BIN),
         _PLAIN, (1.0, 1.9), doors=(1, 1), windows=(0, 1), high_windows=True, hangs=(),
-        floor=("paint",),
     ),
     "basement": Program(
         (14, 26, 55),
@@ -339,7 +333,6 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_of(storing.boxes, 5), 2, 7, each=5.0), CABINET, BASKET,
          Want(_thing("stool"), 0, 2)),
         _MIXED, height=(2.2, 2.45), windows=(0, 2), high_windows=True, hangs=_BARE, lux=(90, 180),
-        floor=("paint",),
     ),
     "garage": Program(
         (18, 30, 50),
@@ -349,7 +342,7 @@ PROGRAMS: Final[dict[str, Program]] = {
               each=6.0), Want(_piece("refrigerator", before=0.6, tops=()), chance=0.3),
          Want(_thing("stool"), 0, 2), BIN, BASKET),
         {"rectangle": 8, "L": 1}, (1.0, 1.7), (2.4, 2.9), (1, 1), (0, 2), high_windows=True,
-        gate=0.8, hangs=_BARE, lux=(120, 220), floor=("paint",),
+        gate=0.8, hangs=_BARE, lux=(120, 220),
     ),
     "misc": Program(
         (8, 18, 40),

@@ -1,12 +1,16 @@
 """What furniture is usually made of: finishes, and which finish each part of a category has."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
+from openrooms_usd.description.substances import Substance
+from openrooms_usd.library.assignment.kinds import known_as
+from openrooms_usd.library.assignment.weights import Weights, families_for
 from openrooms_usd.library.schemes import ANY, METAL, METALS, SCHEMES
+from openrooms_usd.library.textures import Use
 
 Color = tuple[float, float, float]
 
@@ -19,19 +23,19 @@ class Finish:
     """A treatment of surfaces, before chance decides the rest.
 
     Attributes:
-        family: Family of textures, or a name for people where it has none.
-        variants: Variants of the family, one of which is drawn; empty for a plain constant.
+        substance: What it is.
+        families: Its families of textures, one of which is drawn; empty for a plain constant.
         colors: Mean base colours, scene-linear Rec.709, one of which is drawn; empty: the family's.
         roughness: Range of the mean perceptual roughness; None: the family's.
-        metallic: 0 or 1.
+        metallic: 0 or 1; of a constant.
         choices: How many different ones a room has; more objects share them.
         transmission: Part of the light that passes diffusely through a face. Base colour R and
             it, T, are together at most 1; cloth of two faces passes T^2 / (1 - R^2).
         each: Whether every instance of a part draws its own, as books do.
     """
 
-    family: str
-    variants: tuple[str, ...] = ()
+    substance: Substance
+    families: Weights = field(default_factory=dict)
     colors: tuple[Color, ...] = ()
     roughness: tuple[float, float] | None = None
     metallic: float = 0.0
@@ -40,22 +44,51 @@ class Finish:
     each: bool = False
 
 
+_MOULDED: Final = {"moulded_plastic": 1.0, "spark_eroded_plastic": 1.0}
+# What has no substance of its own among the nine is counted to the one that it feels like: glass,
+# glazed ceramic and vitreous enamel are smooth stones, fired clay and soil are rough ones, paper is
+# wood (cellulose), the skin of leaves and fruit is a polyester, and billiard balls are cast resin.
 FINISHES: Final[dict[str, Finish]] = {
-    "wood": Finish("wood", ("panel",), choices=3),
+    "wood": Finish(
+        "wood",
+        {"quartered_oak": 3, "walnut_veneer": 2.5, "ash_veneer": 2, "beech_staves": 2,
+         "pine_staves": 1.5, "birch_plywood": 1, "sapele_ribbon": 0.7, "curly_maple": 0.3,
+         "bamboo_strips": 0.3, "zebrano": 0.1},
+        choices=3,
+    ),
     "lacquer": Finish(
-        "paint", ("satin",),
+        "paint", {"sprayed_satin": 6, "high_gloss_lacquer": 1.5, "chalk_paint": 0.7},
         colors=((0.76, 0.75, 0.72), (0.42, 0.41, 0.39), (0.065, 0.07, 0.075), (0.27, 0.33, 0.27),
                 (0.13, 0.22, 0.31), (0.58, 0.50, 0.39)),
-        roughness=(0.3, 0.48), choices=3,
+        choices=3,
     ),
-    "white": Finish("paint", ("satin",), colors=((0.79, 0.785, 0.77),), roughness=(0.34, 0.42)),
-    "upholstery": Finish("fabric", ("plain", "twill", "basket"), choices=3),
+    "white": Finish(
+        "paint", {"sprayed_satin": 1}, colors=((0.79, 0.785, 0.77),), roughness=(0.34, 0.42),
+    ),
+    "upholstery": Finish(
+        "fabric",
+        {"twill": 2, "basket_weave": 2, "linen": 2, "canvas": 1.5, "boucle": 1.5, "velvet": 1.5,
+         "corduroy": 1, "herringbone": 1, "felt": 0.7, "repp": 0.5, "houndstooth": 0.3},
+        choices=3,
+    ),
+    "hide": Finish(
+        "leather",
+        {"full_grain_leather": 3, "pebbled_leather": 2, "nappa": 2, "suede": 0.7, "nubuck": 0.7,
+         "stitched_leather": 0.7, "cracked_leather": 0.3},
+        choices=2,
+    ),
+    "throw": Finish(
+        "fabric",
+        {"waffle_weave": 2, "cable_knit": 1, "rib_knit": 1, "jersey_knit": 1, "boucle": 1,
+         "tartan": 1, "seersucker": 1, "twill": 1},
+        choices=2,
+    ),
     "linen": Finish(
-        "fabric", ("plain",),
+        "fabric", {"linen": 4, "canvas": 1, "satin": 0.5, "waffle_weave": 0.5},
         colors=((0.58, 0.56, 0.52), (0.5, 0.47, 0.41), (0.36, 0.42, 0.46)), choices=2,
     ),
     "drape": Finish(
-        "fabric", ("plain", "twill"),
+        "fabric", {"linen": 2, "twill": 1, "canvas": 1, "repp": 1},
         colors=((0.43, 0.41, 0.37), (0.38, 0.35, 0.32), (0.29, 0.33, 0.36)), choices=2,
         transmission=0.1,
     ),
@@ -63,72 +96,97 @@ FINISHES: Final[dict[str, Finish]] = {
         "fabric", colors=((0.28, 0.277, 0.27),), roughness=(0.8, 0.9), transmission=0.66,
     ),
     "shade": Finish(
-        "fabric", ("plain",), colors=((0.6, 0.58, 0.53), (0.57, 0.5, 0.4)), choices=2,
+        "fabric", {"linen": 3, "canvas": 1}, colors=((0.6, 0.58, 0.53), (0.57, 0.5, 0.4)),
+        choices=2,
     ),
-    "black": Finish("paint", ("powder",), colors=((0.03, 0.03, 0.032),), roughness=(0.45, 0.6)),
-    "steel": Finish("metal", colors=((0.56, 0.55, 0.53),), roughness=(0.24, 0.38), metallic=1.0),
-    "brass": Finish("metal", colors=((0.70, 0.51, 0.25),), roughness=(0.22, 0.34), metallic=1.0),
+    "black": Finish(
+        "paint", {"powder_coat": 1}, colors=((0.03, 0.03, 0.032),), roughness=(0.45, 0.6),
+    ),
+    "steel": Finish(
+        "metal", {"brushed_metal": 3, "orbital_sanded": 1, "sandblasted_metal": 1},
+        colors=((0.56, 0.55, 0.53),), roughness=(0.24, 0.38),
+    ),
+    "brass": Finish(
+        "metal", {"polished_metal": 1, "brushed_metal": 1},
+        colors=((0.70, 0.51, 0.25),), roughness=(0.18, 0.34),
+    ),
     "ceramic": Finish(
-        "ceramic", colors=((0.78, 0.77, 0.74), (0.45, 0.47, 0.45), (0.25, 0.29, 0.31)),
+        "specular_stone", {"crackle_glaze": 1},
+        colors=((0.78, 0.77, 0.74), (0.45, 0.47, 0.45), (0.25, 0.29, 0.31)),
         roughness=(0.08, 0.2), choices=2,
     ),
-    "sanitary": Finish("ceramic", colors=((0.8, 0.8, 0.79),), roughness=(0.06, 0.1)),
-    "screen": Finish("glass", colors=((0.022, 0.022, 0.025),), roughness=(0.06, 0.12)),
+    "sanitary": Finish("specular_stone", colors=((0.8, 0.8, 0.79),), roughness=(0.06, 0.1)),
+    "screen": Finish("specular_stone", colors=((0.022, 0.022, 0.025),), roughness=(0.06, 0.12)),
     "carpet": Finish(
-        "fabric", ("basket", "twill"),
+        "fabric", {"cut_carpet": 3, "loop_carpet": 2, "shag_carpet": 1},
         colors=((0.46, 0.41, 0.34), (0.28, 0.29, 0.3), (0.36, 0.16, 0.12), (0.16, 0.2, 0.28)),
         choices=3,
     ),
     "carpet_border": Finish(
-        "fabric", ("twill",), colors=((0.12, 0.11, 0.1), (0.5, 0.47, 0.41), (0.2, 0.1, 0.07)),
-        choices=2,
+        "fabric", {"repp": 1, "canvas": 1},
+        colors=((0.12, 0.11, 0.1), (0.5, 0.47, 0.41), (0.2, 0.1, 0.07)), choices=2,
     ),
     "stone": Finish(
-        "stone", colors=((0.52, 0.5, 0.46), (0.24, 0.235, 0.23), (0.66, 0.64, 0.6)),
-        roughness=(0.35, 0.6), choices=2,
+        "specular_stone",
+        {"quartz_worktop": 3, "granite": 2, "carrara_marble": 1.5, "terrazzo": 0.7,
+         "black_galaxy_granite": 0.7},
     ),
-    "soot": Finish("stone", colors=((0.035, 0.033, 0.031),), roughness=(0.8, 0.95)),
-    "chrome": Finish("metal", colors=((0.6, 0.61, 0.62),), roughness=(0.08, 0.14), metallic=1.0),
-    "mirror": Finish("metal", colors=((0.88, 0.89, 0.88),), roughness=(0.02, 0.03), metallic=1.0),
+    "masonry": Finish(
+        "rough_stone",
+        {"sandstone": 2, "shell_limestone": 2, "travertine": 1, "slate": 1, "basalt": 0.5},
+        choices=2,
+    ),
+    "pebble": Finish(
+        "rough_stone", colors=((0.52, 0.5, 0.46), (0.24, 0.235, 0.23)), roughness=(0.5, 0.7),
+    ),
+    "soot": Finish("rough_stone", colors=((0.035, 0.033, 0.031),), roughness=(0.8, 0.95)),
+    "chrome": Finish(
+        "metal", {"polished_metal": 1}, colors=((0.6, 0.61, 0.62),), roughness=(0.08, 0.14),
+    ),
+    # A pane of glass, of which the silver behind it is seen.
+    "mirror": Finish(
+        "specular_stone", colors=((0.88, 0.89, 0.88),), roughness=(0.02, 0.03), metallic=1.0,
+    ),
     "grey": Finish(
-        "paint", ("powder",), colors=((0.36, 0.365, 0.36), (0.2, 0.205, 0.21)),
+        "paint", {"powder_coat": 1}, colors=((0.36, 0.365, 0.36), (0.2, 0.205, 0.21)),
         roughness=(0.4, 0.55),
     ),
-    "enamel": Finish("enamel", colors=((0.79, 0.79, 0.78),), roughness=(0.14, 0.24)),
-    "cavity": Finish("enamel", colors=((0.05, 0.052, 0.058),), roughness=(0.3, 0.45)),
+    "enamel": Finish("specular_stone", colors=((0.79, 0.79, 0.78),), roughness=(0.14, 0.24)),
+    "cavity": Finish("specular_stone", colors=((0.05, 0.052, 0.058),), roughness=(0.3, 0.45)),
     "plastic": Finish("plastic", colors=((0.74, 0.75, 0.75),), roughness=(0.28, 0.4)),
-    "dark_plastic": Finish("plastic", colors=((0.06, 0.062, 0.065),), roughness=(0.35, 0.5)),
+    "dark_plastic": Finish("plastic", _MOULDED, colors=((0.06, 0.062, 0.065),)),
     "cast_iron": Finish("metal", colors=((0.025, 0.025, 0.026),), roughness=(0.55, 0.7)),
-    "print": Finish("enamel", colors=((0.34, 0.34, 0.34),), roughness=(0.3, 0.4)),
-    "paper": Finish("paper", colors=((0.7, 0.67, 0.58),), roughness=(0.8, 0.9)),
+    "print": Finish("paint", colors=((0.34, 0.34, 0.34),), roughness=(0.3, 0.4)),
+    "paper": Finish("wood", colors=((0.7, 0.67, 0.58),), roughness=(0.8, 0.9)),
     "binding": Finish(
-        "cloth",
+        "fabric",
         colors=((0.24, 0.045, 0.04), (0.04, 0.075, 0.15), (0.055, 0.12, 0.075), (0.5, 0.44, 0.33),
                 (0.05, 0.048, 0.046), (0.62, 0.6, 0.55), (0.26, 0.12, 0.045), (0.16, 0.2, 0.23),
                 (0.12, 0.07, 0.045), (0.34, 0.33, 0.3), (0.2, 0.3, 0.34), (0.4, 0.3, 0.12)),
         roughness=(0.5, 0.75), choices=16, each=True,
     ),
     "tinted_plastic": Finish(
-        "plastic", colors=((0.72, 0.715, 0.7), (0.18, 0.18, 0.185), (0.24, 0.3, 0.33)),
-        roughness=(0.32, 0.48), choices=2,
+        "plastic", _MOULDED, colors=((0.72, 0.715, 0.7), (0.18, 0.18, 0.185), (0.24, 0.3, 0.33)),
+        choices=2,
     ),
     "pale_plastic": Finish(
-        "plastic", colors=((0.7, 0.69, 0.66), (0.62, 0.58, 0.5)), roughness=(0.35, 0.5), choices=2,
+        "plastic", _MOULDED, colors=((0.7, 0.69, 0.66), (0.62, 0.58, 0.5)), choices=2,
     ),
     "black_plastic": Finish("plastic", colors=((0.022, 0.022, 0.024),), roughness=(0.3, 0.45)),
-    "membrane": Finish("plastic", colors=((0.05, 0.05, 0.053),), roughness=(0.55, 0.7)),
+    "membrane": Finish("rubber", colors=((0.05, 0.05, 0.053),), roughness=(0.55, 0.7)),
+    "tyre": Finish("rubber", colors=((0.03, 0.03, 0.031),), roughness=(0.6, 0.8)),
     "aluminium": Finish(
-        "metal", colors=((0.68, 0.68, 0.69), (0.45, 0.45, 0.46)), roughness=(0.32, 0.42),
-        metallic=1.0,
+        "metal", {"anodised_aluminium": 2, "sandblasted_metal": 1},
+        colors=((0.68, 0.68, 0.69), (0.45, 0.45, 0.46)), roughness=(0.32, 0.42),
     ),
-    "white_paper": Finish("paper", colors=((0.8, 0.8, 0.785),), roughness=(0.8, 0.95)),
+    "white_paper": Finish("wood", colors=((0.8, 0.8, 0.785),), roughness=(0.8, 0.95)),
     "bottle_label": Finish(
-        "paper", colors=((0.74, 0.71, 0.63), (0.12, 0.12, 0.13), (0.35, 0.09, 0.07)),
+        "wood", colors=((0.74, 0.71, 0.63), (0.12, 0.12, 0.13), (0.35, 0.09, 0.07)),
         roughness=(0.5, 0.7), choices=2,
     ),
     "bottle_glass": Finish(
-        "glass", colors=((0.02, 0.05, 0.025), (0.075, 0.032, 0.01)), roughness=(0.04, 0.08),
-        choices=2,
+        "specular_stone", colors=((0.02, 0.05, 0.025), (0.075, 0.032, 0.01)),
+        roughness=(0.04, 0.08), choices=2,
     ),
     "felt_pen": Finish(
         "plastic", colors=((0.45, 0.03, 0.03), (0.03, 0.08, 0.35), (0.03, 0.25, 0.08),
@@ -151,36 +209,52 @@ FINISHES: Final[dict[str, Finish]] = {
         roughness=(0.6, 0.8), choices=4, each=True,
     ),
     "leaf": Finish(
-        "leaf", colors=((0.045, 0.12, 0.035), (0.06, 0.15, 0.05), (0.09, 0.17, 0.06)),
+        "plastic", colors=((0.045, 0.12, 0.035), (0.06, 0.15, 0.05), (0.09, 0.17, 0.06)),
         roughness=(0.32, 0.5), choices=3,
     ),
-    "stem": Finish("leaf", colors=((0.1, 0.12, 0.045),), roughness=(0.5, 0.7)),
-    "soil": Finish("soil", colors=((0.05, 0.036, 0.026),), roughness=(0.9, 1.0)),
-    "terracotta": Finish("ceramic", colors=((0.42, 0.19, 0.11),), roughness=(0.7, 0.85)),
+    "stem": Finish("wood", colors=((0.1, 0.12, 0.045),), roughness=(0.5, 0.7)),
+    "soil": Finish("rough_stone", colors=((0.05, 0.036, 0.026),), roughness=(0.9, 1.0)),
+    "terracotta": Finish("rough_stone", colors=((0.42, 0.19, 0.11),), roughness=(0.7, 0.85)),
     "glaze": Finish(
-        "ceramic", colors=((0.78, 0.77, 0.73), (0.06, 0.13, 0.24), (0.2, 0.32, 0.27),
-                           (0.5, 0.27, 0.14)),
+        "specular_stone", colors=((0.78, 0.77, 0.73), (0.06, 0.13, 0.24), (0.2, 0.32, 0.27),
+                                  (0.5, 0.27, 0.14)),
         roughness=(0.08, 0.22), choices=3,
     ),
     "fruit": Finish(
-        "fruit", colors=((0.5, 0.05, 0.035), (0.62, 0.26, 0.03), (0.32, 0.42, 0.07)),
+        "plastic", colors=((0.5, 0.05, 0.035), (0.62, 0.26, 0.03), (0.32, 0.42, 0.07)),
         roughness=(0.25, 0.4), choices=6, each=True,
     ),
     "felt": Finish(
-        "fabric", ("plain",), colors=((0.03, 0.16, 0.075), (0.04, 0.11, 0.2), (0.26, 0.035, 0.04)),
+        "fabric", {"felt": 1}, colors=((0.03, 0.16, 0.075), (0.04, 0.11, 0.2), (0.26, 0.035, 0.04)),
         choices=2,
     ),
     "billiard": Finish(
-        "resin", colors=((0.62, 0.36, 0.02), (0.02, 0.06, 0.3), (0.5, 0.03, 0.02),
-                         (0.12, 0.03, 0.2), (0.6, 0.16, 0.02), (0.02, 0.2, 0.07),
-                         (0.22, 0.03, 0.04), (0.02, 0.02, 0.02)),
+        "plastic", colors=((0.62, 0.36, 0.02), (0.02, 0.06, 0.3), (0.5, 0.03, 0.02),
+                           (0.12, 0.03, 0.2), (0.6, 0.16, 0.02), (0.02, 0.2, 0.07),
+                           (0.22, 0.03, 0.04), (0.02, 0.02, 0.02)),
         roughness=(0.04, 0.08), choices=16, each=True,
     ),
     "rope": Finish(
-        "fabric", ("basket",), colors=((0.5, 0.38, 0.23), (0.42, 0.4, 0.36)), choices=2,
+        "fabric", {"basket_weave": 2, "sisal": 1},
+        colors=((0.5, 0.38, 0.23), (0.42, 0.4, 0.36)), choices=2,
     ),
-    "bulb": Finish("glass", colors=((0.8, 0.8, 0.79),), roughness=(0.2, 0.3)),
+    "bulb": Finish("specular_stone", colors=((0.8, 0.8, 0.79),), roughness=(0.2, 0.3)),
 }  # fmt: skip
+
+# What a substance means on furniture, where nobody says more.
+GENERIC: Final[dict[Substance, str]] = {
+    "fabric": "upholstery",
+    "leather": "hide",
+    "metal": "steel",
+    "paint": "lacquer",
+    "plastic": "tinted_plastic",
+    "rough_stone": "masonry",
+    "rubber": "tyre",
+    "specular_stone": "stone",
+    "wood": "wood",
+}
+
+_ON_FURNITURE: Final[tuple[Use, ...]] = ("furniture", "object", "textile")
 
 # Parts that are the same on whatever they are found.
 PARTS: Final = {
@@ -189,7 +263,7 @@ PARTS: Final = {
     "cushion": "upholstery",
     "pillow": "linen",
     "mattress": "linen",
-    "blanket": "upholstery",
+    "blanket": "throw",
     "sheet": "linen",
     "lamp_shade": "shade",
     "lamp_pole": METAL,
@@ -197,7 +271,7 @@ PARTS: Final = {
     "handle": METAL,
     "bracket": METAL,
     "switch": "black",
-    "wheel": "black",
+    "wheel": "tyre",
     "firebox": "soot",
     "log": "wood",
     "tube": METAL,
@@ -238,7 +312,7 @@ def finishes_of(category: str, parts: Iterable[str], rng: np.random.Generator) -
 
     Args:
         category: What it is; any word.
-        parts: Its semantic parts; any words.
+        parts: The kinds of its parts; any words.
         rng: Draws one of the schemes that fit, and its metal.
 
     Returns:
@@ -254,6 +328,19 @@ def finishes_of(category: str, parts: Iterable[str], rng: np.random.Generator) -
     drawn = int(np.searchsorted(weights, rng.uniform(0.0, weights[-1]), side="right"))
     chosen = fitting[drawn].finishes if fitting else {}
     metal = METALS[int(rng.integers(len(METALS)))]
-    rest = chosen.get(ANY, UNKNOWN)
-    picked = {part: chosen.get(part, PARTS.get(part, rest)) for part in names}
+    picked = {part: _finish(part, chosen) for part in names}
     return {part: metal if finish == METAL else finish for part, finish in picked.items()}
+
+
+def _finish(part: str, scheme: Mapping[str, str]) -> str:
+    """The finish of a part: by the scheme, else by `PARTS`, else that of the scheme's rest."""
+    for table in (scheme, PARTS):
+        for name in known_as(part):
+            if name in table:
+                return table[name]
+    return scheme.get(ANY, UNKNOWN)
+
+
+def furniture_families(substance: Substance) -> Weights:
+    """The families of a substance that suit furniture."""
+    return FINISHES[GENERIC[substance]].families or families_for(substance, _ON_FURNITURE)

@@ -36,6 +36,7 @@ _COOKERS: Final = ("stove", "oven")
 _HOT: Final = {"container": "cavity", "base": "black", "rack": "chrome", "handle": "steel"}
 _COLD: Final = {"container": "plastic", "shelf": "plastic", "drawer_box": "plastic",
                 "tray": "plastic", "base": "black"}  # fmt: skip
+_HIDE: Final = {"seat_cushion": "hide", "back_cushion": "hide", "cushion": "hide"}
 _TAP: Final = {"body": "chrome", "switch": "chrome"}
 _DARK_TAP: Final = {"body": METAL, "switch": METAL, "spout": METAL, "drain": METAL}
 
@@ -46,6 +47,7 @@ SCHEMES: Final = (
     Scheme(_CHAIRS, {ANY: "upholstery", "leg": "wood"}, needs="arm", weight=100.0),
     Scheme(("armchair",), {ANY: "upholstery", "leg": "wood"}, weight=2.0),
     Scheme(("armchair",), {ANY: "upholstery", "leg": METAL}),
+    Scheme(("armchair",), {ANY: "hide", **_HIDE, "leg": "wood"}, needs="seat_cushion", weight=0.7),
     Scheme(("armchair",), {ANY: "wood"}, needs="rail", weight=100.0),
     Scheme(("bench",), {ANY: "wood", "leg": METAL}),
     Scheme(("stool",), {ANY: METAL}, needs="column", weight=100.0),
@@ -60,6 +62,8 @@ SCHEMES: Final = (
     Scheme(_STORAGE, {ANY: "wood", "door": "lacquer", "drawer_front": "lacquer"}, needs="handle"),
     Scheme(("sofa",), {ANY: "upholstery", "leg": "wood"}, weight=2.0),
     Scheme(("sofa",), {ANY: "upholstery", "leg": METAL}),
+    Scheme(("sofa",), {ANY: "hide", **_HIDE, "leg": "wood"}, weight=0.7),
+    Scheme(("sofa",), {ANY: "hide", **_HIDE, "leg": METAL}, weight=0.5),
     Scheme(("sofa",), {ANY: "wood"}, needs="rail", weight=100.0),
     Scheme(_LAMPS, {ANY: METAL}, weight=2.0),
     Scheme(_LAMPS, {ANY: METAL, "base": "ceramic"}),
@@ -76,9 +80,9 @@ SCHEMES: Final = (
     ),
     Scheme(("stairs",), {ANY: "white", "step": "wood", "handrail": "wood"}, weight=2.0),
     Scheme(("stairs",), {ANY: "black", "step": "wood"}),
-    Scheme(("fireplace",), {ANY: "white", "hearth": "stone"}, weight=2.0),
-    Scheme(("fireplace",), {ANY: "stone"}),
-    Scheme(("fireplace",), {ANY: "black", "hearth": "stone"}, needs="pipe", weight=100.0),
+    Scheme(("fireplace",), {ANY: "white", "hearth": "masonry"}, weight=2.0),
+    Scheme(("fireplace",), {ANY: "masonry"}),
+    Scheme(("fireplace",), {ANY: "black", "hearth": "masonry"}, needs="pipe", weight=100.0),
     Scheme(
         ("rug",),
         {ANY: "carpet", "border": "carpet_border", "trim": "carpet_border", "fringe": "linen"},
@@ -207,8 +211,8 @@ SCHEMES: Final = (
     ),
     Scheme(("basket",), {ANY: "rope", "handle": "rope"}),
     Scheme(("basket",), {ANY: "wood"}, needs="base", weight=100.0),
-    Scheme(("plant_pot",), {ANY: "glaze", "stone": "stone"}, weight=2.0),
-    Scheme(("plant_pot",), {ANY: "terracotta", "stone": "stone"}),
+    Scheme(("plant_pot",), {ANY: "glaze", "stone": "pebble"}, weight=2.0),
+    Scheme(("plant_pot",), {ANY: "terracotta", "stone": "pebble"}),
     Scheme(("jar",), {ANY: "glaze", "handle": "glaze"}),
     Scheme(
         ("jar",),
@@ -318,7 +322,7 @@ SCHEMES: Final = (
         ("sink",),
         {ANY: "white", **_TAP, "bowl": "steel", "countertop": "wood", "base": "black"},
         needs="bowl",
-        weight=5e4,
+        weight=1e4,
     ),
     Scheme(
         ("curtain",),

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pxr import Usd
 
 # Part of every fingerprint: raise it when what the stages write changes without a new version.
-FORMAT: Final = 1
+FORMAT: Final = 2
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from openrooms_usd import names
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, Model, read_asset
@@ -79,7 +80,7 @@ class Catalogue:
 
 
 def _model(furniture: Furniture) -> Model:
-    return Model(furniture.parts, joints=furniture.joints)
+    return Model(furniture.parts, joints=furniture.joints, licence=names.LICENCE)
 
 
 def _model_digest(model: Model) -> str:

@@ -36,7 +36,8 @@ def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
     if not target.is_file():
         # 32 bits: the sun is too bright for 16.
         write_exr(target, _sky(environment))
-    define_dome(context.stage, names.ENVIRONMENT, texture=context.asset(file))
+    dome = define_dome(context.stage, names.ENVIRONMENT, texture=context.asset(file))
+    dome.GetPrim().SetAssetInfoByKey(names.LICENCE_KEY, names.LICENCE)
 
 
 def _sky(environment: SkyEnvironment) -> NDArray[np.float32]:

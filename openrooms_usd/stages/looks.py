@@ -6,6 +6,8 @@
         look = default
             Materials     Scope with the UsdPreviewSurface materials
             Geometry      overs that bind each part
+        look = look_1
+            ...
 
 Bindings so live inside the object: repeats that have the same look share a prototype, and a
 stronger layer may choose another variant on the root.
@@ -13,15 +15,17 @@ stronger layer may choose another variant on the root.
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import __version__, names
+from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.stages.base import FORMAT, StageContext
-from openrooms_usd.stages.swatches import TEXTURES, Palette, Swatch
+from openrooms_usd.stages.palette import TEXTURES, Palette
+from openrooms_usd.stages.swatches import Swatch
 from openrooms_usd.usd.layers import apply_metadata, export
 from openrooms_usd.usd.materials import bound_material, bound_subsets
 from openrooms_usd.usd.semantics import read_label
@@ -29,6 +33,11 @@ from openrooms_usd.usd.semantics import read_label
 LOOKS: Final = "looks"
 VARIANT_SET: Final = "look"
 DEFAULT: Final = "default"
+
+
+def variant(look: int) -> str:
+    """How the look of a number is called: ``default``, ``look_1``, ``look_2`` ..."""
+    return f"{VARIANT_SET}_{look}" if look else DEFAULT
 
 
 @dataclass(frozen=True)
@@ -45,6 +54,16 @@ class Part:
     name: str
     bound: bool
 
+    @property
+    def kind(self) -> str:
+        """What it is, whatever its number: parts of one kind share a material."""
+        return kind_of(self.name)
+
+    @property
+    def handles(self) -> tuple[str, ...]:
+        """What people may call it, the most special first: its prim, its part, its kind."""
+        return tuple(dict.fromkeys((self.path.rpartition("/")[2], self.name, self.kind)))
+
 
 @dataclass(frozen=True)
 class Dressed:
@@ -53,20 +72,21 @@ class Dressed:
     Attributes:
         asset: The name of its asset, or of the object where it has none.
         category: What it is.
-        swatches: The material of each part, by the part's relative path.
+        looks: For each look, the material of each part, by the part's relative path.
         forced: The parts whose binding outdoes what is bound below them.
     """
 
     asset: str
     category: str
-    swatches: Mapping[str, Swatch]
+    looks: tuple[Mapping[str, Swatch], ...]
     forced: frozenset[str] = frozenset()
 
     def digest(self, palette: Palette) -> str:
         """8 hexadecimal digits of all that the look's layer depends on."""
         bindings = [
-            [path, palette.name(swatch), repr(swatch), path in self.forced]
-            for path, swatch in sorted(self.swatches.items())
+            [number, path, palette.name(swatch), path in self.forced]
+            for number, look in enumerate(self.looks)
+            for path, swatch in sorted(look.items())
         ]
         text = json.dumps([__version__, FORMAT, self.category, bindings])
         return hashlib.sha256(text.encode()).hexdigest()[:8]
@@ -115,25 +135,48 @@ def _look_stage(palette: Palette, look: Dressed) -> Usd.Stage:
     root = stage.OverridePrim(f"/{title}")
     stage.SetDefaultPrim(root)
     variants = root.GetVariantSets().AddVariantSet(VARIANT_SET)
-    variants.AddVariant(DEFAULT)
+    for number in range(len(look.looks)):
+        variants.AddVariant(variant(number))
+        variants.SetVariantSelection(variant(number))
+        with variants.GetVariantEditContext():
+            _author_look(stage, root, palette, look.looks[number], look.forced)
     variants.SetVariantSelection(DEFAULT)
-    with variants.GetVariantEditContext():
-        _author_look(stage, root, palette, look)
     return stage
 
 
-def _author_look(stage: Usd.Stage, root: Usd.Prim, palette: Palette, look: Dressed) -> None:
+def _author_look(
+    stage: Usd.Stage,
+    root: Usd.Prim,
+    palette: Palette,
+    worn: Mapping[str, Swatch],
+    forced: frozenset[str],
+) -> None:
     scope = UsdGeom.Scope.Define(stage, root.GetPath().AppendChild("Materials")).GetPath()
-    distinct = {palette.name(swatch): swatch for swatch in look.swatches.values()}
-    materials = {
-        name: palette.define(stage, scope.AppendChild(name), swatch, f"../{TEXTURES}")
-        for name, swatch in sorted(distinct.items())
-    }
-    for path, swatch in look.swatches.items():
+    materials = define_all(stage, scope, palette, worn.values(), f"../{TEXTURES}")
+    for path, swatch in worn.items():
         prim = stage.OverridePrim(root.GetPath().AppendPath(path))
         strength = (
             UsdShade.Tokens.strongerThanDescendants
-            if path in look.forced
+            if path in forced
             else UsdShade.Tokens.fallbackStrength
         )
-        UsdShade.MaterialBindingAPI.Apply(prim).Bind(materials[palette.name(swatch)], strength)
+        UsdShade.MaterialBindingAPI.Apply(prim).Bind(materials[swatch], strength)
+
+
+def define_all(
+    stage: Usd.Stage, scope: Sdf.Path, palette: Palette, swatches: Iterable[Swatch], folder: str
+) -> dict[Swatch, UsdShade.Material]:
+    """Define the Materials of distinct swatches in the order of their names.
+
+    Args:
+        stage: Where; its edit target receives everything.
+        scope: What holds them.
+        palette: Its swatches.
+        swatches: Which; repeats are defined once.
+        folder: The textures' folder, relative to the layer that is written.
+    """
+    distinct = sorted({(palette.name(swatch), swatch) for swatch in swatches}, key=lambda n: n[0])
+    return {
+        swatch: palette.define(stage, scope.AppendChild(name), swatch, folder)
+        for name, swatch in distinct
+    }

@@ -73,7 +73,37 @@ def test_only_selected_cameras_need_a_from(text: str, kind: type) -> None:
 def test_a_family_alone_is_a_look() -> None:
     materials = parse_room("materials: {floor: fabric, overrides: {}}").materials
     assert materials.floor == Look(family="fabric")
-    assert materials.walls == Look(family="paint")
+    assert materials.walls is None
+    given = "{floor: oak_planks, walls: {substance: paint, number: 3}, ceiling: {color: [1, 1, 1]}}"
+    materials = parse_room(f"materials: {given}").materials
+    assert materials.floor == Look(family="oak_planks")
+    assert materials.walls == Look(substance="paint", number=3)
+    assert materials.ceiling is not None and materials.ceiling.is_constant
+
+
+@pytest.mark.parametrize(
+    ("look", "message"),
+    [
+        ("{}", "say what it is by one of: family, substance, file, color"),
+        ("{roughness: 0.5}", "say what it is"),
+        ("{file: a, color: [1, 1, 1]}", "color has no meaning beside file"),
+        ("{family: denim, substance: metal}", "substance has no meaning beside family"),
+        ("{family: denim, metallic: 1}", "metallic has no meaning beside family"),
+        ("{substance: metal, metallic: 1}", "a constant needs a color too"),
+        ("{color: [1, 1, 1], size: 1}", "a constant has no textures"),
+    ],
+)
+def test_looks_that_contradict_themselves_are_refused(look: str, message: str) -> None:
+    with pytest.raises(DescriptionError, match=message):
+        parse_room(f"materials: {{floor: {look}}}")
+
+
+def test_looks_and_scales_are_within_their_ranges() -> None:
+    with pytest.raises(DescriptionError, match="the room has the looks 0 to 1"):
+        parse_room("materials: {looks: 2, look: 2}")
+    with pytest.raises(DescriptionError, match="the least factor comes first"):
+        parse_room("materials: {scale: {color: [1.2, 0.8]}}")
+    parse_room("materials: {looks: 2, look: 1, scale: {roughness: [0.8, 1.2]}}")
 
 
 @pytest.mark.parametrize(

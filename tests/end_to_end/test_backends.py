@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.channels import RENDERED
+from openrooms_usd.channels import WRITTEN
 
 
 def test_ground_truth_is_the_same_and_radiance_alike(composed_demo: Path, show, fastest) -> None:
@@ -18,11 +18,11 @@ def test_ground_truth_is_the_same_and_radiance_alike(composed_demo: Path, show, 
     assert a.manifest["legend"] == b.manifest["legend"]
     for view in a.views:
         ours, theirs = a[view], b[view]
-        assert set(ours) == set(RENDERED)
+        assert set(ours) == set(WRITTEN)
         # Single precision may decide otherwise where a ray meets an edge.
         same = (ours["part"] == theirs["part"])[..., 0]
         assert same.mean() > 0.998
-        for name in set(RENDERED) - {"radiance"}:
+        for name in set(WRITTEN) - {"radiance"}:
             assert np.abs(ours[name] - theirs[name])[same].max() < 1e-6, (view, name)
         # The pictures' means, of noise that 16 samples leave at 3 % or less.
         bright = [float(image["radiance"].mean()) for image in (ours, theirs)]

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 from pxr import Usd
 
-from openrooms_usd.channels import RENDERED
+from openrooms_usd.channels import WRITTEN
 from openrooms_usd.cli import orusd
 
 CAPTURE = Path(__file__).parents[3] / "shared/data/roomplan_libroom/Room.json"
@@ -30,7 +30,7 @@ def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened) 
                 "--variant", fastest, "--json")  # fmt: skip
     manifest = json.loads((pictures / "manifest.json").read_text())
     assert json.loads(said)["manifest"] == manifest
-    assert set(manifest["channels"]) == set(RENDERED)
+    assert set(manifest["channels"]) == set(WRITTEN)
     assert manifest["report"]["approximated"] == 0
     captured = json.loads(CAPTURE.read_text())
     categories = list(manifest["legend"]["category"].values())
@@ -41,7 +41,7 @@ def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened) 
     shown, stage = opened(pictures), Usd.Stage.Open(str(out / "scene.usda"))
     for view, entry in manifest["views"].items():
         image = shown[view]
-        assert set(image) == set(RENDERED)
+        assert set(image) == set(WRITTEN)
         assert all(np.isfinite(pixels).all() for pixels in image.values())
         assert np.median(image["radiance"]) > 0
         seen = cast(stage, entry["camera"], 32, 24)

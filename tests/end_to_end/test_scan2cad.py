@@ -50,14 +50,16 @@ def expected() -> dict[str, np.ndarray]:
     """Points of every CAD's faces in the scan, from the annotation and the OBJ files alone."""
     (entry,) = json.loads(ANNOTATION.read_text())
     found = {}
-    for index, model in enumerate(entry["aligned_models"]):
+    for model in entry["aligned_models"]:
         path = MODELS / model["catid_cad"] / model["id_cad"] / "models/model_normalized.obj"
         lines = [line.split() for line in path.read_text().splitlines()]
         points = np.array([[float(x) for x in words[1:4]] for words in lines if words[:1] == ["v"]])
         faces = [word for words in lines if words[:1] == ["f"] for word in words[1:]]
         points = points[np.unique([int(word.partition("/")[0]) - 1 for word in faces])]
         M = np.linalg.inv(_matrix(entry["trs"])) @ _matrix(model["trs"])
-        found[f"{index}_{model['id_cad']}"] = points @ M[:3, :3].T + M[:3, 3]
+        # Which of the equal CADs it is, whatever else stands in the list.
+        again = sum(key.endswith(model["id_cad"]) for key in found)
+        found[f"{again}_{model['id_cad']}"] = points @ M[:3, :3].T + M[:3, 3]
     return found
 
 

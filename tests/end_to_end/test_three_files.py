@@ -7,7 +7,7 @@ import numpy as np
 from pxr import Usd
 
 from openrooms_usd import compose_room
-from openrooms_usd.channels import RENDERED
+from openrooms_usd.channels import WRITTEN
 
 
 def test_layered_flattened_and_packaged_are_one_picture(
@@ -34,10 +34,10 @@ def test_layered_flattened_and_packaged_are_one_picture(
     assert len(layered.views) == 3
     for view in layered.views:
         image = layered[view]
-        assert set(image) == set(RENDERED)
+        assert set(image) == set(WRITTEN)
         assert image["radiance"].max() > 0 and len(np.unique(image["part"])) > 5
         assert len(np.unique(image["base_color"])) > 50, "textures are seen"
-        for name in RENDERED:
+        for name in WRITTEN:
             assert np.array_equal(flattened[view][name], image[name]), (view, name)
             assert np.array_equal(packaged[view][name], image[name]), (view, name)
     for other in (flattened, packaged):
@@ -61,5 +61,5 @@ def test_every_room_is_the_same_in_one_file(room: Path, tmp_path: Path, show, fa
     others = [show(file, file.suffix[1:], **how) for file in summary.files]
     for view in layered.views:
         for other in others:
-            for name in RENDERED:
+            for name in WRITTEN:
                 assert np.array_equal(other[view][name], layered[view][name]), (view, name)

@@ -36,7 +36,8 @@ def test_only_rendering_needs_mitsuba(python: Path, tmp_path: Path) -> None:
     done = orusd(python, tmp_path, "compose", "room.yaml", "-o", "out")
     assert done.returncode == 0, done.stderr
     done = orusd(python, tmp_path, "validate", "--strict", "out/scene.usda")
-    assert (done.returncode, done.stdout) == (0, "out/scene.usda: clean\n"), done.stderr
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("out/scene.usda: clean\n")
     for variant in ("auto", "scalar"):
         words = ("render", "out/scene.usda", "-o", "pictures", "--variant", variant)
         done = orusd(python, tmp_path, *words)

@@ -11,8 +11,16 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.library.finishes import ANY, FINISHES, METALS, PARTS, SCHEMES, finishes_of
-from openrooms_usd.library.textures import FAMILIES
+from openrooms_usd.library.finishes import (
+    ANY,
+    FINISHES,
+    GENERIC,
+    METALS,
+    PARTS,
+    SCHEMES,
+    finishes_of,
+)
+from openrooms_usd.library.textures import FAMILIES, substance_of
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.alignment import AlignmentStage
 from openrooms_usd.stages.draft import drafting
@@ -45,7 +53,7 @@ def room(**materials: object) -> Room:
                 "openings": OPENINGS,
             },
             "alignment": {"objects": OBJECTS},
-            "materials": {"resolution": 16, **materials},
+            "materials": {"resolution": 16, "floor": "oak_planks", **materials},
         }
     )
 
@@ -78,9 +86,12 @@ def material_of(stage: Usd.Stage, path: str) -> UsdShade.Material:
     return material
 
 
-def family_of(stage: Usd.Stage, path: str) -> str:
-    prim = material_of(stage, path).GetPrim()
-    return str(prim.GetAttribute("openrooms:material:category").Get())
+def substance(stage: Usd.Stage, path: str) -> str:
+    return str(attribute(stage, path, "category"))
+
+
+def attribute(stage: Usd.Stage, path: str, name: str) -> object:
+    return material_of(stage, path).GetPrim().GetAttribute(f"openrooms:material:{name}").Get()
 
 
 def test_every_surface_has_a_material_that_reads_without_loss(plain: Usd.Stage) -> None:
@@ -98,7 +109,7 @@ def test_every_surface_has_a_material_that_reads_without_loss(plain: Usd.Stage) 
                 in material.GetPrim().GetPrimTypeInfo().GetAppliedAPISchemas()
             )
             size = material.GetPrim().GetAttribute("openrooms:material:size").Get()
-            np.testing.assert_allclose(1.0 / np.array(size), surface.base_color.uv_scale)
+            np.testing.assert_allclose(1.0 / np.array(size), surface.base_color.uv_scale, 1e-6)
 
 
 def test_the_core_validators_find_nothing_in_the_materials(plain: Usd.Stage) -> None:
@@ -117,18 +128,19 @@ def test_repeats_share_a_prototype_and_its_material(plain: Usd.Stage) -> None:
 
 
 def test_the_rules_of_the_room_and_the_furniture(plain: Usd.Stage) -> None:
-    assert family_of(plain, names.FLOOR) == "wood"
-    assert family_of(plain, names.CEILING) == "paint"
+    assert attribute(plain, names.FLOOR, "family") == "oak_planks"
+    assert substance(plain, names.CEILING) == "paint"
     walls = {material_of(plain, f"{names.WALLS}/wall_{i}").GetPath() for i in range(4)}
     assert len(walls) == 1
-    assert family_of(plain, f"{names.OPENINGS}/window/Frame") == "paint"
+    assert substance(plain, f"{names.OPENINGS}/window/Frame") == "paint"
     for prim in surfaces(plain):
         part = read_label(prim, names.PART)
         if part in ("seat_cushion", "back_cushion", "lamp_shade"):
-            assert family_of(plain, str(prim.GetPath())) == "fabric"
+            assert substance(plain, str(prim.GetPath())) == "fabric"
         if part in ("handle", "lamp_pole"):
             surface, _ = read_preview_surface(bound_material(prim))  # type: ignore[arg-type]
             dark = "powder" in str(getattr(surface.base_color, "file", ""))
+            assert surface.f0 == pytest.approx(0.05)
             assert surface.metallic == 1.0 or dark
 
 
@@ -156,15 +168,15 @@ def test_overrides_reach_one_object_alone(tmp_path: Path) -> None:
         room(overrides={"chair_b": {"seat": "fabric", "all": green}, "lamp": {"all": green}}),
     )
     chair = f"{names.FURNITURE}/chair_b/Geometry"
-    assert family_of(stage, f"{chair}/seat") == "fabric"
-    assert family_of(stage, f"{chair}/leg_0") == "paint"
-    assert material_of(stage, f"{chair}/leg_0").GetPath().name.startswith("paint_satin")
+    assert substance(stage, f"{chair}/seat") == "fabric"
+    assert substance(stage, f"{chair}/leg_0") == "paint"
+    assert attribute(stage, f"{chair}/leg_0", "family") in FINISHES["lacquer"].families
     others = [stage.GetPrimAtPath(f"{names.FURNITURE}/chair_{x}") for x in "ac"]
     own = stage.GetPrimAtPath(f"{names.FURNITURE}/chair_b")
     assert others[0].GetPrototype() == others[1].GetPrototype() != own.GetPrototype()
     assert own.IsInstance()
     # All of a lamp is painted, but for what shines.
-    assert family_of(stage, f"{names.FURNITURE}/lamp/Geometry/light_bulb") == "glass"
+    assert substance(stage, f"{names.FURNITURE}/lamp/Geometry/light_bulb") == "specular_stone"
 
 
 def test_given_colors_and_families_are_used(tmp_path: Path) -> None:
@@ -178,9 +190,9 @@ def test_given_colors_and_families_are_used(tmp_path: Path) -> None:
     expected = [1.055 * c ** (1 / 2.4) - 0.055 for c in wall["color"]]  # type: ignore[attr-defined]
     np.testing.assert_allclose(srgb, expected, atol=0.01)
     assert read_texture(surface.roughness.file).mean() == pytest.approx(0.8, abs=0.02)
-    assert family_of(stage, names.FLOOR) == "fabric"
-    # Paint covers half of 50 cm.
-    assert surface.base_color.uv_scale == pytest.approx((4.0, 4.0))
+    assert substance(stage, names.FLOOR) == "fabric"
+    # Every repeat covers 50 cm.
+    assert surface.base_color.uv_scale == pytest.approx((2.0, 2.0))
 
 
 def test_more_objects_change_nothing_of_the_others(tmp_path: Path, plain: Usd.Stage) -> None:
@@ -243,8 +255,8 @@ def test_openings_can_be_overridden_too(tmp_path: Path) -> None:
     wooden = room(overrides={"lamp": {"base": "wood"}}).materials.overrides["lamp"]["base"]
     materials = described.materials.model_copy(update={"overrides": {"door": {"panel": wooden}}})
     stage = compose(tmp_path, described.model_copy(update={"materials": materials}))
-    assert family_of(stage, f"{names.OPENINGS}/door/Leaf/Panel") == "wood"
-    assert family_of(stage, f"{names.OPENINGS}/door/Frame") == "paint"
+    assert substance(stage, f"{names.OPENINGS}/door/Leaf/Panel") == "wood"
+    assert substance(stage, f"{names.OPENINGS}/door/Frame") == "paint"
 
 
 @pytest.fixture
@@ -285,9 +297,9 @@ def test_what_is_bound_already_stays_unless_overridden(painted_box: Path) -> Non
     stage = compose(painted_box, boxed())
     box = f"{names.FURNITURE}/lamp/Geometry"
     assert read_preview_surface(material_of(stage, f"{box}/own"))[0].base_color == (1.0, 0.0, 0.0)
-    assert family_of(stage, f"{box}/bare") == "paint"
+    assert substance(stage, f"{box}/bare") == "paint"
     stage = compose(painted_box, boxed(overrides={"lamp": {"own": "wood"}}))
-    assert family_of(stage, f"{box}/own") == "wood"
+    assert substance(stage, f"{box}/own") == "wood"
 
 
 def test_human_bindings_stay(tmp_path: Path) -> None:
@@ -323,13 +335,15 @@ def test_an_override_outdoes_the_subsets_of_a_mesh(tmp_path: Path) -> None:
     overrides = {"found": described.materials.overrides["lamp"]}
     materials = described.materials.model_copy(update={"overrides": overrides})
     stage = compose(tmp_path, described.model_copy(update={"materials": materials}))
-    assert family_of(stage, shown) == "wood"
+    assert substance(stage, shown) == "wood"
 
 
 def test_every_finish_can_be_made_and_every_rule_names_one() -> None:
     for finish in FINISHES.values():
-        assert not finish.variants or set(finish.variants) <= set(FAMILIES[finish.family])
-        assert finish.variants or (finish.colors and finish.roughness)
+        assert {substance_of(name) for name in finish.families} <= {finish.substance}
+        assert finish.families or (finish.colors and finish.roughness)
+    assert {FINISHES[name].substance: name for name in GENERIC.values()} == GENERIC
+    assert set(GENERIC) == set(FAMILIES)
     known = {*FINISHES, "metal"}
     assert set(METALS) <= set(FINISHES)
     assert set(PARTS.values()) <= known

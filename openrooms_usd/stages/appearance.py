@@ -1,0 +1,68 @@
+"""How a surface looks on the whole: the means of its pictures, which friction goes by."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.textures import read_texture
+
+Color = tuple[float, float, float]
+Field = NDArray[np.floating]
+
+
+@dataclass(frozen=True)
+class Appearance:
+    """What a surface's pictures come to.
+
+    Attributes:
+        albedo: Mean base colour, scene-linear Rec.709.
+        roughness: Mean perceptual roughness.
+        brightest: Greatest value of each primary.
+        roughest: Greatest roughness.
+    """
+
+    albedo: Color
+    roughness: float
+    brightest: Color
+    roughest: float
+
+
+def appearance_of(surface: PreviewSurface) -> Appearance:
+    """Look at the base colour and the roughness of a surface whose files are absolute.
+
+    Raises:
+        InputError: A picture cannot be read.
+    """
+    color = _values(surface.base_color).reshape(-1, 3)
+    roughness = _values(surface.roughness).reshape(-1)
+    return Appearance(
+        _color(color.mean(axis=0, dtype=np.float64)),
+        float(roughness.mean(dtype=np.float64)),
+        _color(color.max(axis=0)),
+        float(roughness.max()),
+    )
+
+
+def _values(value: Texture | Color | float) -> Field:
+    """(..., 3) or (...,) what an input says, all over."""
+    if not isinstance(value, Texture):
+        return np.asarray(value, dtype=np.float32)
+    stored = read_texture(value.file)
+    pixels = stored[..., :3] if stored.shape[-1] >= 3 else np.repeat(stored[..., :1], 3, axis=-1)
+    decoded = _linear(pixels) if value.color_space == "sRGB" else pixels
+    shown: Field = np.clip(decoded * value.scale[:3] + value.bias[:3], 0.0, 1.0)
+    # An alpha that drives something is rare enough to be read as blue.
+    return shown if value.channel == "rgb" else shown[..., "rgb".find(value.channel)]
+
+
+def _linear(encoded: Field) -> Field:
+    """The inverse of the sRGB transfer function (IEC 61966-2-1)."""
+    high = ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4
+    return np.where(encoded <= 0.04045, encoded / 12.92, high)
+
+
+def _color(values: Field) -> Color:
+    red, green, blue = (float(value) for value in values)
+    return red, green, blue

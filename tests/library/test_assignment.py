@@ -1,0 +1,111 @@
+"""Which material things are made of: the tables name what exists, draws follow the weights."""
+
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from openrooms_usd.description.room import RoomType
+from openrooms_usd.description.substances import Substance
+from openrooms_usd.library.assignment.kinds import kind_of, known_as
+from openrooms_usd.library.assignment.rooms import (
+    ROOMS,
+    USUAL,
+    families_of,
+    substance_of,
+    surface_of,
+)
+from openrooms_usd.library.assignment.weights import drawn, families_for
+from openrooms_usd.library.finishes import finishes_of, furniture_families
+from openrooms_usd.library.textures import FAMILIES, family_of
+from openrooms_usd.library.textures import substance_of as substance_of_family
+
+LISTS = Path(__file__).parents[3] / "shared" / "data" / "labels" / "room_types.txt"
+
+
+def test_every_room_type_has_surfaces_of_families_that_exist() -> None:
+    assert set(ROOMS) == set(get_args(RoomType))
+    for room, surfaces in ROOMS.items():
+        for place, substances in (("floor", surfaces.floor), ("wall", surfaces.wall)):
+            for substance in substances:
+                families = families_of(room, place, substance)  # type: ignore[arg-type]
+                assert families, (room, place, substance)
+                assert {substance_of_family(name) for name in families} == {substance}
+        for (_, substance), families in surfaces.suited.items():
+            assert {substance_of_family(name) for name in families} == {substance}
+
+
+def test_families_are_used_where_people_have_them() -> None:
+    tables = [(place, table) for place, by in USUAL.items() for table in by.values()]
+    tables += [(place, t) for r in ROOMS.values() for (place, _), t in r.suited.items()]
+    for place, table in tables:
+        for name in table:
+            # Cloth on a wall is the cloth of furniture.
+            assert place in family_of(name).uses or substance_of_family(name) == "fabric"
+
+
+@pytest.mark.skipif(not LISTS.is_file(), reason="OpenRooms' lists are not here")
+def test_floors_have_the_substances_that_openrooms_lists() -> None:
+    lines = [line for line in LISTS.read_text(encoding="utf-8").splitlines() if line[0] != "#"]
+    assert len(lines) == len(ROOMS)
+    for line in lines:
+        room, _, listed = line.partition(":")
+        surfaces = ROOMS[room.strip().replace(" ", "_")]
+        floors = {word.strip() for word in listed.split(",")}
+        assert set(surfaces.floor) == floors
+        walls = {"paint", "rough_stone"} | ({"fabric"} & floors)
+        assert set(surfaces.wall) == walls | ({"specular_stone"} if room == "bathroom" else set())
+
+
+def test_names_are_drawn_by_their_weights_in_whatever_order() -> None:
+    rng = np.random.default_rng(0)
+    counts = [drawn(rng, {"a": 1.0, "b": 3.0, "c": 0.0}) for _ in range(4000)]
+    assert counts.count("b") / 4000 == pytest.approx(0.75, abs=0.03)
+    assert "c" not in counts
+    first, second = (np.random.default_rng(5) for _ in range(2))
+    assert [drawn(first, {"a": 1, "b": 2}) for _ in range(50)] == [
+        drawn(second, {"b": 2, "a": 1}) for _ in range(50)
+    ]
+
+
+def test_rooms_draw_from_their_own_lists() -> None:
+    rng = np.random.default_rng(1)
+    floors = [surface_of("bathroom", "floor", rng)[1] for _ in range(300)]
+    assert set(floors) == set(ROOMS["bathroom"].floor)
+    assert {substance_of("gym", "ceiling", rng) for _ in range(20)} == {"paint"}
+    garage = [surface_of("garage", "floor", rng)[0] for _ in range(200)]
+    assert garage.count("cast_concrete") > 120 and "cobblestone" not in garage
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("leg", "leg"), ("leg_1", "leg"), ("Leg.002", "leg"), ("leg12", "leg"), ("leg_1_2", "leg"),
+        ("SeatCushion_3", "seat_cushion"), ("drawer front-04", "drawer_front"), ("17", ""),
+        ("pied_avant", "pied_avant"),
+    ],
+)  # fmt: skip
+def test_parts_that_differ_by_a_number_are_of_one_kind(name: str, kind: str) -> None:
+    assert kind_of(name) == kind
+
+
+def test_partnet_names_are_known_by_their_last_words() -> None:
+    assert list(known_as("chair_seat_cushion")) == ["chair_seat_cushion", "seat_cushion", "cushion"]
+    rng = np.random.default_rng(0)
+    found = finishes_of("gadget", ["lamp_shade_cover", "door_handle", "gizmo", ""], rng)
+    assert found["door_handle"] in ("steel", "brass", "black")
+    assert found["gizmo"] == found[""] == found["lamp_shade_cover"] == "lacquer"
+
+
+def test_hundreds_of_unnamed_parts_share_one_finish() -> None:
+    parts = [f"piece_{'abcdefghij'[i % 10] * (i // 10 + 1)}" for i in range(300)]
+    found = finishes_of("chair", parts, np.random.default_rng(2))
+    assert len(found) == 300 and len(set(found.values())) == 1
+
+
+@pytest.mark.parametrize("substance", get_args(Substance))
+def test_each_substance_has_families_for_furniture(substance: Substance) -> None:
+    families = furniture_families(substance)
+    assert families and set(families) <= set(FAMILIES[substance])
+    assert set(families_for(substance, {"floor"})) <= set(FAMILIES[substance])
