@@ -61,7 +61,8 @@ def test_a_pose_moves_boxes_rigidly(a: np.ndarray, x: float, y: float, yaw: floa
     moved = polygon(posed(a[None], [(x, y, yaw)])[0, 0])
     turned = shapely.affinity.rotate(polygon(a), yaw, origin=(0, 0))
     wanted = shapely.affinity.translate(turned, x, y)
-    assert moved.symmetric_difference(wanted).area < 1e-6
+    # Corner by corner: the overlay of two outlines that almost coincide is not stable.
+    assert moved.hausdorff_distance(wanted) < 1e-9
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.6, 0.8])
