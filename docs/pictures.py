@@ -5,6 +5,7 @@ Every room goes the whole way on the command line: generate, compose, validate -
 """
 
 import argparse
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
@@ -13,9 +14,13 @@ import numpy as np
 import OpenImageIO
 
 from benchmarks.scenes import orusd
+from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.render.previews import write_png
+from openrooms_usd.render.sheet import write_sheet
 
+# Lights of the example whose channels are shown.
+LIGHTS = ("pendant", "window_east")
 # Room types and seeds of the six rooms in the documentation.
 SHOWN = (
     ("lounge", 1), ("bedroom", 2), ("kitchen", 2),
@@ -62,6 +67,36 @@ def materials(folder: Path, *quality: str) -> "np.ndarray[Any, np.dtype[np.uint8
     )
 
 
+def light(folder: Path, samples: str) -> None:
+    """Every channel of one view of the example, of two of its lights: ``docs/light.png``."""
+    home = folder / "light"
+    orusd("compose", "openrooms_usd/demo/room.yaml", "-o", home / "out")
+    orusd("render", home / "out" / "scene.usda", "-o", home / "render", "--camera", "dining",
+          "--resolution", "160x120", "--grid", "40x30", "--spp", samples, "--channels", "all",
+          "--denoise")  # fmt: skip
+    manifest = json.loads((home / "render/manifest.json").read_text("utf-8"))
+    (view,) = manifest["views"].values()
+    named = {light["name"]: light["number"] for light in manifest["lights"]}
+    tiles = []
+    for name, row in CHANNELS.items():
+        of_light = [(shown, numbered(name, named[shown])) for shown in LIGHTS]
+        singles = of_light if row.scope == "light" else [(" ", name)]
+        for below, single in singles:
+            picture = _read(home / "render" / view["channels"][single]["preview"])
+            tiles.append((f"{name}\n{below}", _fitted(picture)))
+    write_sheet(Path("docs/light.png"), [tiles[i : i + 10] for i in range(0, len(tiles), 10)])
+
+
+def _fitted(
+    picture: "np.ndarray[Any, np.dtype[np.uint8]]",
+) -> "np.ndarray[Any, np.dtype[np.uint8]]":
+    """In 160x120 pixels: cut, or on black."""
+    whole = np.zeros((120, 160, 3), np.uint8)
+    part = picture[:120, :160]
+    whole[: len(part), : part.shape[1]] = part
+    return whole
+
+
 def main() -> None:
     """Draw what the options ask for."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -82,6 +117,7 @@ def main() -> None:
     write_png(target, tiled([view / "denoised.png" for view in views]))
     if not options.all:
         orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise")
+        light(options.folder, options.spp)
         write_png(Path("docs/materials.png"), materials(options.folder / "materials", *quality[:3]))
 
 

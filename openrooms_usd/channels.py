@@ -4,10 +4,13 @@ A renderer declares which of these it can give. Files, manifest, previews and do
 read this one table.
 """
 
+import re
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Final, Literal
 
 Kind = Literal["light", "geometry", "material", "label", "derived"]
+Scope = Literal["view", "light", "grid"]
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,10 @@ class Channel:
         frame: The frame of positions and directions; empty where there is none.
         kind: Groups channels that are sampled and stored alike; ``derived`` ones no renderer gives.
         meaning: The definition, one sentence.
+        scope: ``view``: one image of a view. ``light``: one for every light, whose number stands in
+            the place of ``_i``. ``grid``: hemispheres about the points that a coarse grid of pixels
+            sees, tiled into one image.
+        extra: Whether it must be asked for.
     """
 
     name: str
@@ -31,6 +38,8 @@ class Channel:
     frame: str
     kind: Kind
     meaning: str
+    scope: Scope = "view"
+    extra: bool = False
 
     def as_dict(self) -> dict[str, object]:
         """The row as plain data."""
@@ -46,6 +55,13 @@ def _ids(name: str, meaning: str) -> Channel:
     return Channel(name, _ONE, "float", "id", "", "label", meaning)
 
 
+def _light(
+    name: str, unit: str, meaning: str, *, scope: Scope = "view", parts: tuple[str, ...] = _RGB,
+    kind: Kind = "light", frame: str = "",
+) -> Channel:  # fmt: skip
+    return Channel(name, parts, "float", unit, frame, kind, meaning, scope, extra=True)
+
+
 CHANNELS: Final[dict[str, Channel]] = {
     channel.name: channel
     for channel in (
@@ -54,6 +70,37 @@ CHANNELS: Final[dict[str, Channel]] = {
             "scene-linear radiance, Rec.709 primaries, D65; 0.2126 R + 0.7152 G + 0.0722 B is "
             "luminance in cd/m2; box filter over the pixel",
         ),
+        _light("emission", "nit", "the part of radiance that the first surface emits, or the sky"),
+        _light("direct", "nit", "the part of radiance that was scattered once, at the first hit"),
+        _light("indirect", "nit", "the part of radiance that was scattered more than once"),
+        _light("irradiance", "lux", "irradiance at the first hit, on the camera's side, about the "
+               "shading normal with the normal map; 0 without surface"),
+        _light("irradiance_direct", "lux", "irradiance that comes straight from lights"),
+        _light("irradiance_indirect", "lux", "irradiance that was scattered before"),
+        _light("diffuse", "nit", "base_color (1 - metallic) / pi x irradiance", kind="derived"),
+        _light("specular", "nit", "direct + indirect - diffuse: all that is no Lambertian "
+               "reflection", kind="derived"),
+        _light("residual", "nit", "radiance - diffuse", kind="derived"),
+        _light("radiance_i", "nit", "all that light i causes, with all bounces, its own visible "
+               "emission or the sky seen through its rectangle included; these sum to radiance",
+               scope="light"),
+        _light("direct_i", "lux", "irradiance that comes straight from light i; these sum to "
+               "irradiance_direct", scope="light"),
+        _light("unoccluded_i", "lux", "what direct_i would be if nothing stood between",
+               scope="light"),
+        _light("visibility_i", "1", "direct_i over unoccluded_i, estimated on the same samples; 0 "
+               "where the latter is 0", scope="light"),
+        _light("irradiance_i", "lux", "irradiance caused by light i with all bounces; these sum to "
+               "irradiance", scope="light"),
+        _light("irradiance_unoccluded_i", "lux", "irradiance_i - direct_i + unoccluded_i",
+               scope="light", kind="derived"),
+        _light("mask_i", "1", "1 where the pixel's centre sees light i: a lamp's object, or the "
+               "outside through an opening", scope="light", parts=_ONE, kind="geometry"),
+        _light("environment", "nit", "radiance that arrives at the first hit, the mean over each "
+               "cell's solid angle; tiles of 16 elevations x 32 azimuths (docs/light.md)",
+               scope="grid", frame="surface"),
+        _light("environment_direct", "nit", "the part of environment that comes straight from "
+               "lights", scope="grid", frame="surface"),
         Channel("depth", _ONE, "float", "m", "camera", "geometry",
                 "planar depth along the optical axis; 0 where there is no surface"),
         Channel("distance", _ONE, "float", "m", "camera", "geometry",
@@ -93,8 +140,42 @@ CHANNELS: Final[dict[str, Channel]] = {
 RENDERED: Final = tuple(name for name, row in CHANNELS.items() if row.kind != "derived")
 """The channels that a renderer may give, in the order of the table."""
 
-WRITTEN: Final = (*RENDERED, "friction")
+DEFAULT: Final = tuple(name for name in RENDERED if not CHANNELS[name].extra)
+"""Those of them that are rendered unless told otherwise."""
+
+WRITTEN: Final = (*DEFAULT, "friction")
 """The channels that a run writes unless told otherwise, where the renderer gives all of its own."""
+
+
+_NUMBERED: Final = re.compile(r"(?P<base>[a-z_]+)_(?P<light>[0-9]+)")
+
+
+def definition(name: str) -> Channel:
+    """The row of a channel; ``direct_3`` is one of ``direct_i``.
+
+    Raises:
+        KeyError: There is no such channel.
+    """
+    found = _NUMBERED.fullmatch(name)
+    return CHANNELS[f"{found['base']}_i" if found and name not in CHANNELS else name]
+
+
+def numbered(name: str, light: int) -> str:
+    """The channel of one light: ``direct_i`` of light 3 is ``direct_3``."""
+    return f"{name.removesuffix('_i')}_{light}"
+
+
+def each(names: Iterable[str], lights: int) -> tuple[str, ...]:
+    """Names of single images: every ``_i`` once for each light."""
+    return tuple(
+        single
+        for name in names
+        for single in (
+            (numbered(name, light) for light in range(lights))
+            if CHANNELS[name].scope == "light"
+            else (name,)
+        )
+    )
 
 
 def markdown_page() -> str:
@@ -103,14 +184,16 @@ def markdown_page() -> str:
         "# Channels\n\n"
         "What every number in a render means. `orusd channels` prints this table, "
         "`orusd channels --json` gives it to programs, and `manifest.json` repeats it for the "
-        "channels of a render. In `channels.exr` a channel's parts are named `<channel>.<part>`.\n"
+        "channels of a render. In `channels.exr` a channel's parts are named `<channel>.<part>`; "
+        "what there is of every light is in `lights.exr`, with the light's number for `i`; grids "
+        "of hemispheres have files of their own. Channels marked `+` must be asked for.\n"
         "This page is made by `orusd channels --markdown > docs/channels.md`.\n\n"
         "| channel | parts | stored as | unit | frame | meaning |\n"
         "|---|---|---|---|---|---|\n"
     )
     rows = (
-        f"| `{row.name}` | {' '.join(row.components)} | {row.storage} | {row.unit} "
-        f"| {row.frame or '-'} | {row.meaning} |\n"
+        f"| `{row.name}`{' +' if row.extra else ''} | {' '.join(row.components)} | {row.storage} "
+        f"| {row.unit} | {row.frame or '-'} | {row.meaning} |\n"
         for row in CHANNELS.values()
     )
     return head + "".join(rows)

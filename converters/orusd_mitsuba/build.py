@@ -35,9 +35,17 @@ class Builder:
         self._textures: dict[int, Any] = {}
         self._bsdfs: dict[int, Any] = {}
 
-    def scene(self, scene: Scene) -> Any:
-        """The whole scene, its shapes in the order of its patches."""
-        weights = light_weights(scene)
+    def scene(
+        self, scene: Scene, weights: LightWeights | None = None, by_portals: bool = True
+    ) -> Any:
+        """The whole scene, its shapes in the order of its patches.
+
+        Args:
+            scene: The arrays.
+            weights: How often lights are sampled; None: by the flux that they bring.
+            by_portals: Whether the surroundings are sampled where they come in.
+        """
+        weights = weights or light_weights(scene)
         self._tabulate(scene)
         objects: Description = {"type": "scene"}
         for patch in scene.patches:
@@ -48,7 +56,7 @@ class Builder:
         if scene.environment is not None:
             sky = self._environment(scene.environment, weights.sky)
             objects["environment"] = sky
-            if portals.worthwhile(scene.portals):
+            if by_portals and portals.worthwhile(scene.portals):
                 objects["environment"] = portals.through_portals(
                     sky,
                     scene.portals,
@@ -86,7 +94,7 @@ class Builder:
 
     def _mesh(self, patch: Patch, weights: LightWeights) -> Any:
         properties = mi.Properties()
-        properties["bsdf"] = self._bsdf(patch.surface)
+        properties["bsdf"] = self.bsdf(patch.surface)
         if patch.radiance is not None:
             area = describe_area(patch.radiance, weights.patches[patch.name])
             properties["emitter"] = mi.load_dict(self._resolved(area))
@@ -108,7 +116,8 @@ class Builder:
         arrays.update()
         return mesh
 
-    def _bsdf(self, surface: Surface) -> Any:
+    def bsdf(self, surface: Surface) -> Any:
+        """The BSDF of a surface; equal ones share one."""
         key = id(surface)
         if key not in self._bsdfs:
             self._bsdfs[key] = mi.load_dict(self._resolved(describe_bsdf(surface)))

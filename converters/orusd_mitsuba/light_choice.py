@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.usd.photometry import luminance
-from orusd_mitsuba.pictures import Array, Picture, Value
-from orusd_mitsuba.scene import Environment, Scene
+from orusd_mitsuba.pictures import Array, Picture
+from orusd_mitsuba.scene import Environment, Patch, Scene
 
 # The part of the samples that is spread evenly over all lights.
 _EVEN: Final = 0.25
@@ -74,11 +74,7 @@ def light_weights(scene: Scene) -> LightWeights:
     Without portals nobody knows how much of the surroundings comes in: they are then sampled as
     often as all other lights together.
     """
-    lamps = {
-        patch.name: _flux(patch.radiance, patch.triangles.corners)
-        for patch in scene.patches
-        if patch.radiance is not None
-    }
+    lamps = {patch.name: flux_of(patch) for patch in scene.patches if patch.radiance is not None}
     inlet = sum(portal.width * portal.height for portal in scene.portals)
     suns = [inlet * float(luminance(sun.irradiance)) for sun in scene.suns]
     count = len(lamps) + len(suns)
@@ -92,9 +88,12 @@ def light_weights(scene: Scene) -> LightWeights:
     return LightWeights(sky, by_name, tuple(others[len(lamps) :]))
 
 
-def _flux(radiance: Value, corners: Array) -> float:
+def flux_of(patch: Patch) -> float:
     """Lumen of a patch that emits like Lambert."""
-    a, b, c = np.moveaxis(corners, 1, 0)
+    if patch.radiance is None:
+        return 0.0
+    radiance = patch.radiance
+    a, b, c = np.moveaxis(patch.triangles.corners, 1, 0)
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     held = radiance.pixels if isinstance(radiance, Picture) else np.array([[radiance]])
     pixels = held.astype(np.float64)

@@ -9,7 +9,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.render import RenderRequest, estimates
 from orusd_mitsuba.pictures import Array
 
 # When an error is asked for: samples to begin with, and where to give up.
@@ -17,8 +17,11 @@ _FIRST: Final = 16
 _MOST: Final = 1 << 16
 
 
+Pick = Callable[[Array], Array]
+
+
 class Pass(Protocol):
-    """Renders (height, width, 3) radiance with some samples a pixel from a seed."""
+    """Renders (..., height, width, 3) pictures with some samples a pixel from a seed."""
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
         """Render one pass."""
@@ -30,12 +33,14 @@ class Halves:
     """Sums of the even and of the odd passes.
 
     Attributes:
-        sums: Two (height, width, 3) sums over samples.
+        sums: Two (..., height, width, 3) sums over samples.
         samples: How many each has.
+        judged: Takes from (..., height, width, 3) the picture whose error counts.
     """
 
     sums: Array
     samples: list[int]
+    judged: Pick = lambda pixels: pixels
 
     def add(self, half: int, pixels: NDArray[np.float32], samples: int) -> None:
         """Add a pass."""
@@ -49,37 +54,29 @@ class Halves:
 
     @property
     def mean(self) -> NDArray[np.float32]:
-        """(height, width, 3) radiance."""
+        """(..., height, width, 3) all samples."""
         return np.asarray(self.sums.sum(axis=0) / self.total, dtype=np.float32)
 
     @property
     def error(self) -> float | None:
-        """The estimated error of `mean`; None while one half is empty."""
+        """The estimated error of what is judged; None while one half is empty."""
+        return self.error_of(self.judged)
+
+    def error_of(self, pick: Pick) -> float | None:
+        """The estimated error of one picture; None while one half is empty.
+
+        Args:
+            pick: Takes it from (..., height, width, 3).
+        """
+        found = self.of(pick)
+        return found.error if found else None
+
+    def of(self, pick: Pick) -> estimates.Halves | None:
+        """The halves of one picture; None while one is empty."""
         if min(self.samples) == 0:
             return None
-        a, b = (total / count for total, count in zip(self.sums, self.samples, strict=True))
-        return relative_error(a, b, *self.samples)
-
-
-def relative_error(a: Array, b: Array, samples_a: int = 1, samples_b: int = 1) -> float:
-    """Estimated relative mean squared error of the mean of two independent halves.
-
-    With m the mean of the two weighted by their samples, M its mean over the picture, and v =
-    (a - b)^2 n_a n_b / (n_a + n_b)^2 the unbiased estimate of the variance of m, which for equal
-    halves is (a - b)^2 / 4: the mean over pixels of v / (m^2 + 0.01 M^2) for each of red, green and
-    blue, and the mean of the three.
-
-    Args:
-        a: (height, width, 3) one half.
-        b: (height, width, 3) the other.
-        samples_a: Samples a pixel in ``a``.
-        samples_b: Samples a pixel in ``b``.
-    """
-    total = samples_a + samples_b
-    mean = (a * samples_a + b * samples_b) / total
-    variance = (a - b) ** 2 * (samples_a * samples_b / total**2)
-    scale = mean**2 + 0.01 * mean.mean(axis=(0, 1)) ** 2
-    return float(np.mean(np.divide(variance, scale, out=np.zeros_like(scale), where=scale > 0)))
+        a, b = (pick(total / count) for total, count in zip(self.sums, self.samples, strict=True))
+        return estimates.Halves(a, b, (self.samples[0], self.samples[1]))
 
 
 def pass_seed(*parts: object) -> int:
@@ -94,25 +91,30 @@ class Sampler:
     Args:
         render: Renders one pass.
         request: Says when it is enough, and the seed.
-        shape: Height and width.
+        shape: Height and width, and before them how many pictures a pass gives, if many.
         most: Samples a pixel that one pass may take at most.
         progress: Called with the finished fraction.
+        judged: See `Halves`.
+        key: Sets its random numbers apart from those of other passes of the same camera.
     """
 
     def __init__(
         self,
         render: Pass,
         request: RenderRequest,
-        shape: tuple[int, int],
+        shape: tuple[int, ...],
         most: int,
         progress: Callable[[float], None],
+        judged: Pick = lambda pixels: pixels,
+        key: str = "",
     ) -> None:
         self._render = render
         self._request = request
         self._most = most
         self._progress = progress
         self._passes = 0
-        self.halves = Halves(np.zeros((2, *shape, 3)), [0, 0])
+        self._key = key
+        self.halves = Halves(np.zeros((2, *shape, 3)), [0, 0], judged)
 
     def run(self) -> Halves:
         """Render until there are enough samples, the error is small enough or time is up."""
@@ -170,6 +172,6 @@ class Sampler:
 
     def _add(self, half: int, samples: int) -> None:
         request = self._request
-        seed = pass_seed(request.seed, request.camera, self._passes)
+        seed = pass_seed(request.seed, request.camera, *filter(None, [self._key]), self._passes)
         self._passes += 1
         self.halves.add(half, self._render(samples, seed), samples)

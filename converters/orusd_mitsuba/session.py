@@ -2,32 +2,42 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property, partial
 from typing import Any, Final
 
 import mitsuba as mi
-import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd.channels import CHANNELS, RENDERED
+from openrooms_usd.channels import CHANNELS, RENDERED, each, numbered
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import Image, RenderRequest, View
 from openrooms_usd.render.contract import Bsdf
+from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
-from orusd_mitsuba.build import Builder, load_sensor
+from orusd_mitsuba.build import Builder
+from orusd_mitsuba.direct_light import DirectFilm
 from orusd_mitsuba.first_hits import first_hits
 from orusd_mitsuba.ground_truth import GroundTruth
+from orusd_mitsuba.hemispheres import HemisphereFilm, coarse
+from orusd_mitsuba.light_film import LightFilm
+from orusd_mitsuba.light_records import light_masks, light_records
+from orusd_mitsuba.path_film import PathFilm
+from orusd_mitsuba.probes import render_probes
 from orusd_mitsuba.rays import RayTracer
 from orusd_mitsuba.resolution import stage_resolution
-from orusd_mitsuba.sampling import Halves, Sampler
-from orusd_mitsuba.sensors import clipping_loss, describe_sensor
+from orusd_mitsuba.sampling import Halves
+from orusd_mitsuba.sensors import clipping_loss
+from orusd_mitsuba.sources import Filing, sources_of
+from orusd_mitsuba.takes import AROUND, PICTURE, RECEIVED, STRAIGHT, Film, Take, run_take
 from orusd_mitsuba.translate import translate
 from orusd_mitsuba.variants import Backend
+from orusd_mitsuba.white import white_first
 
 Progress = Callable[[float], None]
 
-# Paths in flight at once; each takes some 200 bytes of memory.
-_WAVEFRONT: Final = 1 << 22
+# Those that take less time first.
+_TAKES: Final = (PICTURE, RECEIVED, STRAIGHT, AROUND)
 # The part of the progress that geometry takes beside many samples.
 _GEOMETRY: Final = 0.02
 
@@ -56,7 +66,10 @@ class MitsubaSession:
         self._stage = stage
         self.bsdf = _affordable(bsdf, backend)
         self._scene = translate(stage, self.bsdf)
-        self._built = Builder(self._scene.origin).scene(self._scene)
+        self._builder = Builder(self._scene.origin)
+        self._built = self._builder.scene(self._scene)
+        self._sources = sources_of(self._scene)
+        self.lights = light_records(stage, self._scene, self._sources)
         self._tracer = RayTracer(self._scene, self._built)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
         self.advice = backend.advice
@@ -81,18 +94,15 @@ class MitsubaSession:
             StageError: The camera cannot make a picture.
         """
         self._activate()
-        _check(request)
+        _check(request, self._variant)
         progress(0.0)
         camera = self._camera(request)
-        kinds = {name: CHANNELS[name].kind for name in request.channels}
-        lit = [name for name, kind in kinds.items() if kind == "light"]
-        seen = [name for name, kind in kinds.items() if kind != "light"]
+        lit = [name for name in request.channels if CHANNELS[name].kind == "light"]
+        seen = [name for name in request.channels if name not in lit]
         images = self._seen(camera, request, seen)
         start = _GEOMETRY if seen and lit else 0.0
         if lit:
-            images |= self._radiance(
-                camera, request, lambda done: progress(start + (1.0 - start) * done)
-            )
+            images |= self._lit(camera, request, lit, lambda d: progress(start + (1.0 - start) * d))
         progress(1.0)
         return View(
             camera=request.camera,
@@ -101,8 +111,28 @@ class MitsubaSession:
             K=camera.K,
             world_from_camera=camera.world_from_camera,
             exposure=camera.exposure,
-            images={name: images[name] for name in request.channels},
+            images={name: images[name] for name in each(request.channels, len(self.lights))},
         )
+
+    def probe(
+        self, request: ProbeRequest, progress: Progress = lambda fraction: None
+    ) -> tuple[Image, ...]:
+        """Render the panoramas about points.
+
+        Args:
+            request: Where, and how.
+            progress: Called with the finished fraction, from 0 to 1.
+
+        Raises:
+            RenderError: The backend cannot.
+        """
+        self._activate()
+        if self._variant.startswith("scalar"):
+            raise RenderError(
+                f"the backend {self._variant} cannot make light probes",
+                remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
+            )
+        return render_probes(self._built, self._filing, self._scene.origin, request, progress)
 
     def _activate(self) -> None:
         # Variants are chosen for the whole thread; another session may have changed it.
@@ -128,37 +158,80 @@ class MitsubaSession:
         hits = first_hits(self._scene, self._tracer, camera, request.width, request.height)
         truth = GroundTruth(self._scene, camera, hits)
         shared = time.perf_counter() - start
-        images = {}
+        images: dict[str, Image] = {}
         for name in channels:
             start = time.perf_counter()
-            pixels = truth.channel(name)
-            images[name] = Image(pixels, 1, shared + time.perf_counter() - start, 0.0)
+            if name == "mask_i":
+                masks = light_masks(self._scene, self._sources, camera, hits)
+                made = {numbered(name, light): mask for light, mask in enumerate(masks)}
+            else:
+                made = {name: truth.channel(name)}
+            seconds = shared + time.perf_counter() - start
+            images |= {single: Image(pixels, 1, seconds, 0.0) for single, pixels in made.items()}
         return images
 
-    def _radiance(
-        self, camera: PinholeCamera, request: RenderRequest, progress: Progress
+    def _lit(
+        self, camera: PinholeCamera, request: RenderRequest, channels: list[str], progress: Progress
     ) -> dict[str, Image]:
-        start = time.perf_counter()
-        film = _Film(self._built, camera, request, self._scene.origin)
-        most = max(1, _WAVEFRONT // (request.width * request.height))
-        shape = request.height, request.width
-        halves = Sampler(film, request, shape, most, progress).run()
-        replaced = int(film.broken.sum())
-        self._note(request, halves, replaced)
-        seconds = time.perf_counter() - start
-        return {"radiance": Image(halves.mean, halves.total, seconds, halves.error, replaced)}
+        """Channels of light: each take that is needed, in equal parts of the time."""
+        needed = [(take, found) for take in _TAKES if (found := take.gives(channels))]
+        seconds = None if request.seconds is None else request.seconds / len(needed)
+        part = replace(request, seconds=seconds)
+        images: dict[str, Image] = {}
+        for number, (take, found) in enumerate(needed):
+            film = self._film(take, camera, request, found)
+            share = partial(_share, progress, number, len(needed))
+            given, halves = run_take(take, film, part, found, len(self.lights), share)
+            images |= given
+            self._note(request, take.name, halves, int(film.broken.sum()))
+        return images
 
-    def _note(self, request: RenderRequest, halves: Halves, replaced: int) -> None:
+    def _film(
+        self, take: Take, camera: PinholeCamera, request: RenderRequest, channels: tuple[str, ...]
+    ) -> Film:
+        size = request.width, request.height
+        if self._variant.startswith("scalar"):
+            return PathFilm(self._built, camera, request, self._scene.origin)
+        if take is STRAIGHT:
+            return DirectFilm(
+                self._scene, self._built, self._sources, self._filing, self._white, camera, *size
+            )
+        if take is AROUND:
+            seen = replace(camera, K=coarse(camera, size, request.grid))
+            return HemisphereFilm(
+                self._scene, self._built, self._filing, self._tracer, seen, request.grid,
+                request.bounces + 1,
+            )  # fmt: skip
+        return LightFilm(
+            self._built, self._filing, camera, *size, self._scene.origin, request.bounces + 1,
+            by_light=any(CHANNELS[name].scope == "light" for name in channels),
+            first=self._white if take is RECEIVED else None,
+        )  # fmt: skip
+
+    @cached_property
+    def _filing(self) -> Filing:
+        return Filing(self._sources, self._built, self._scene.origin)
+
+    @cached_property
+    def _white(self) -> Callable[[Any], Any]:
+        return white_first(self._scene, self._built, self._builder)
+
+    def _note(self, request: RenderRequest, what: str, halves: Halves, replaced: int) -> None:
         where = request.camera or "framing camera"
         if request.error is not None and (halves.error or 0.0) > request.error:
             reason = (
-                f"estimated error {halves.error:.2g} after {halves.total} samples a pixel, "
+                f"{what}: estimated error {halves.error:.2g} after {halves.total} samples a pixel, "
                 f"not {request.error:g}"
             )
             self.report.add(where, "approximated", reason)
         if replaced:
-            reason = f"radiance was no number in {replaced} pixels, taken as 0"
+            reason = f"{what} was no number in {replaced} pixels, taken as 0"
             self.report.add(where, "approximated", reason)
+
+
+def _share(progress: Progress, number: int, count: int, done: float) -> None:
+    """The progress of one take as that of all."""
+    progress((number + done) / count)
 
 
 def _affordable(bsdf: Bsdf, backend: Backend) -> Bsdf:
@@ -166,56 +239,17 @@ def _affordable(bsdf: Bsdf, backend: Backend) -> Bsdf:
     return "preview" if bsdf == "auto" and backend.variant.startswith("scalar") else bsdf
 
 
-class _Film:
-    """Renders passes of a camera, in bands of rows where one pass would take too much memory.
-
-    Attributes:
-        broken: (height, width) bool, pixels in which a pass gave no number.
-    """
-
-    def __init__(
-        self, built: Any, camera: PinholeCamera, request: RenderRequest, origin: NDArray[np.float64]
-    ) -> None:
-        self._built = built
-        self._integrator = mi.load_dict({"type": "path", "max_depth": request.bounces + 1})
-        rows = max(1, _WAVEFRONT // request.width)
-        self._bands = [
-            load_sensor(
-                describe_sensor(
-                    camera,
-                    request.width,
-                    request.height,
-                    origin,
-                    (top, min(rows, request.height - top)),
-                ),
-                {"type": "independent"},
-            )
-            for top in range(0, request.height, rows)
-        ]
-        self.broken = np.zeros((request.height, request.width), dtype=bool)
-
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
-        bands = [
-            mi.render(
-                self._built,
-                sensor=sensor,
-                integrator=self._integrator,
-                spp=samples,
-                seed=(seed + number) & 0xFFFFFFFF,
-            ).numpy()
-            for number, sensor in enumerate(self._bands)
-        ]
-        pixels = np.concatenate(bands)
-        finite = np.isfinite(pixels)
-        self.broken |= ~finite.all(axis=2)
-        return np.where(finite, pixels, np.float32(0.0))
-
-
-def _check(request: RenderRequest) -> None:
+def _check(request: RenderRequest, variant: str) -> None:
     unknown = sorted(set(request.channels) - set(RENDERED))
     if unknown:
         raise RenderError(
             f"Mitsuba gives no channel {', '.join(unknown)}", remedy=f"one of {', '.join(RENDERED)}"
+        )
+    simple = variant.startswith("scalar")
+    if many := [n for n in request.channels if simple and CHANNELS[n].extra and n != "mask_i"]:
+        raise RenderError(
+            f"the backend {variant} cannot give {', '.join(many)}",
+            remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
         )
     if request.width < 1 or request.height < 1 or request.bounces < 0:
         raise RenderError(

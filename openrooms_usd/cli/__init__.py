@@ -24,6 +24,8 @@ _COMMANDS: Final = {
     "validate": ("validating", "validate", "Check a USD stage."),
     "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
     "dataset": ("datasets", "dataset", "Write renders as the files of a published dataset."),
+    "relight": ("lighting", "relight", "Turn the lights of a finished render."),
+    "probe": ("lighting", "probe", "Make light probes: panoramas and spherical harmonics."),
     "annotate": ("annotating", "annotate", "Write what a render shows as COCO or boxes."),
     "library": ("libraries", "library", "Furniture: a list of it, or a picture."),
     "materials": ("materials", "materials", "Procedural materials: a list, or pictures."),

@@ -1,11 +1,14 @@
 """The command ``dataset``."""
 
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
 from openrooms_usd.cli.console import json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.render.datasets import DatasetSummary
 
 
 @click.command()
@@ -52,10 +55,15 @@ def dataset(
     summary = writer.write([read_render(folder) for folder in renders], out, options)
     if as_json:
         print_json(summary.as_dict())
-        return
+    else:
+        print_dataset(summary)
+
+
+def print_dataset(summary: "DatasetSummary") -> None:
+    """Say what a dataset has received."""
     for name, reason in sorted(summary.missing.items()):
         click.echo(f"no {name}: {reason}")
     for note in summary.notes:
         click.echo(f"note: {note}")
     views = sum(map(len, summary.frames.values()))
-    click.echo(f"wrote {out}: {summary.files} files of {views} views")
+    click.echo(f"wrote {summary.root}: {summary.files} files of {views} views")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import click
 
 from openrooms_usd.cli.console import json_option, print_json
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, Bsdf
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES, Bsdf
 
 if TYPE_CHECKING:
     from openrooms_usd.render import Progress, RenderSummary
@@ -32,10 +32,17 @@ def _resolution(
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
 @click.option("--camera", "cameras", multiple=True, metavar="NAME_OR_PATH", help="Repeatable.")
-@click.option("--channels", default="all", show_default=True, help="Names with commas, or all.")
+@click.option(
+    "--channels", default="usual", show_default=True,
+    help="Names with commas; usual: those without + in `orusd channels`; all: every one.",
+)  # fmt: skip
 @click.option(
     "--resolution", metavar="WxH", callback=_resolution, help="By default what the stage says."
 )
+@click.option(
+    "--grid", metavar="WxH", callback=_resolution, help="Hemispheres of environment; 160x120."
+)
+@click.option("--error-maps", is_flag=True, help="Write the estimated error of every pixel too.")
 @click.option("--spp", type=int, help=f"Samples a pixel; {DEFAULT_SAMPLES} by default.")
 @click.option("--error", type=float, help="Stop at this estimated relative error.")
 @click.option("--time", "seconds", type=float, help="Stop each view after these seconds.")
@@ -51,6 +58,10 @@ def _resolution(
     help="auto: OpenRooms' model where a material carries it, else UsdPreviewSurface.",
 )
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
+@click.option(
+    "--dataset", "root", type=click.Path(path_type=Path), metavar="ROOT",
+    help="Also write OpenRooms' files there, as `orusd dataset` does.",
+)  # fmt: skip
 @json_option
 def render(
     stage: Path,
@@ -58,6 +69,8 @@ def render(
     cameras: tuple[str, ...],
     channels: str,
     resolution: tuple[int, int] | None,
+    grid: tuple[int, int] | None,
+    error_maps: bool,
     spp: int | None,
     error: float | None,
     seconds: float | None,
@@ -67,6 +80,7 @@ def render(
     renderer: str,
     bsdf: Bsdf,
     denoise: bool,
+    root: Path | None,
     as_json: bool,
 ) -> None:
     """Render the cameras of a USD stage with their ground truth.
@@ -74,9 +88,15 @@ def render(
     OUT receives a folder for every view, contact_sheet.png, manifest.json and timing.json. Ctrl-C
     keeps the views that are finished.
     """
+    from openrooms_usd import adapters
+    from openrooms_usd.cli.datasets import print_dataset
     from openrooms_usd.render import render_stage
+    from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
+    from openrooms_usd.render.reading import read_render
     from openrooms_usd.usd.diagnostics import quiet
 
+    # What cannot be written should not be rendered first.
+    writer: DatasetWriter | None = adapters.load(adapters.DATASETS, "openrooms") if root else None
     with quiet(), _progress_bar(hidden=as_json) as progress:
         summary = render_stage(
             stage,
@@ -84,6 +104,8 @@ def render(
             cameras=cameras,
             channels=_names(channels),
             resolution=resolution,
+            grid=grid or DEFAULT_GRID,
+            error_maps=error_maps,
             samples=spp,
             error=error,
             seconds=seconds,
@@ -95,14 +117,17 @@ def render(
             denoise=denoise,
             progress=progress,
         )
+    written = writer.write([read_render(out)], root, DatasetOptions()) if writer and root else None
     if as_json:
-        print_json(summary.as_dict())
-    else:
-        _print_summary(summary)
+        print_json(summary.as_dict() | ({"dataset": written.as_dict()} if written else {}))
+        return
+    _print_summary(summary)
+    if written:
+        print_dataset(written)
 
 
-def _names(text: str) -> list[str] | None:
-    return None if text == "all" else [name.strip() for name in text.split(",") if name.strip()]
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 @contextmanager
@@ -190,7 +215,10 @@ def _print_table() -> None:
 
     from openrooms_usd.channels import CHANNELS
 
-    table = Table("channel", "parts", "unit, frame", "meaning", box=box.SIMPLE)
+    table = Table(box=box.SIMPLE)
+    table.add_column("channel", no_wrap=True)
+    for title in ("parts", "unit, frame", "meaning"):
+        table.add_column(title)
     for row in CHANNELS.values():
         parts = f"{' '.join(row.components)} {row.storage}"
         unit = ", ".join(filter(None, (row.unit, row.frame)))

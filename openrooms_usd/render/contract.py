@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.convert import Report
+from openrooms_usd.render.estimates import Halves
+from openrooms_usd.render.lights import LightRecord
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
 DEFAULT_BOUNCES: Final = 7
 DEFAULT_SAMPLES: Final = 64
 DEFAULT_RESOLUTION: Final = (640, 480)
+DEFAULT_GRID: Final = (160, 120)
 
 Bsdf = Literal["auto", "openrooms", "preview"]
 """How surfaces reflect: as each material says, all by OpenRooms' microfacet model, or all as
@@ -37,6 +40,8 @@ class RenderRequest:
         seconds: Stop after about this time.
         seed: Fixes every random number, together with the camera's path.
         bounces: At most this many scatterings on the way from a light to the camera.
+        grid: Columns and rows of hemispheres for channels of the scope ``grid``.
+        halves: Whether images shall have their two halves.
     """
 
     camera: str | None
@@ -48,6 +53,8 @@ class RenderRequest:
     seconds: float | None = None
     seed: int = 0
     bounces: int = DEFAULT_BOUNCES
+    grid: tuple[int, int] = DEFAULT_GRID
+    halves: bool = False
 
 
 @dataclass(frozen=True)
@@ -55,12 +62,13 @@ class Image:
     """One channel of one camera.
 
     Attributes:
-        pixels: (height, width, components) float32, top row first.
+        pixels: (height, width, components) float32, top row first; of a grid the tiles'.
         samples: Samples a pixel.
         seconds: What it took to render.
         error: Estimated relative mean squared error; 0 where one ray is exact, None where a single
             sample gives no estimate.
         replaced: Pixels in which the renderer put 0 where it found no number.
+        halves: What it is the mean of, where that was asked for and there are two.
     """
 
     pixels: NDArray[np.float32]
@@ -68,6 +76,7 @@ class Image:
     seconds: float
     error: float | None
     replaced: int = 0
+    halves: Halves | None = None
 
 
 @dataclass(frozen=True)
@@ -81,7 +90,7 @@ class View:
         K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
         world_from_camera: (4, 4) from the OpenCV camera frame to the world, metres.
         exposure: What previews multiply radiance by; None fits it to the picture.
-        images: By channel name.
+        images: By channel name; a channel of every light once for each, such as ``direct_0``.
     """
 
     camera: str | None
@@ -133,6 +142,10 @@ class RenderSession(Protocol):
     """Width and height that the stage's render settings ask for, or `DEFAULT_RESOLUTION`."""
 
     legend: Legend
+
+    lights: tuple[LightRecord, ...]
+    """The lights that channels of the scope ``light`` are given for, by their numbers."""
+
     report: Report
     """What became of every prim; rendering may add what became of a camera's picture."""
 

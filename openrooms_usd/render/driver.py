@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from openrooms_usd import adapters
+from openrooms_usd.channels import each
 from openrooms_usd.convert import add_missing
-from openrooms_usd.render import folder, manifest
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, Bsdf, Renderer
+from openrooms_usd.render import folder, manifest, shading
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, Bsdf, Renderer, View
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
 from openrooms_usd.render.friction import FRICTION, FrictionMap, derivable, read_materials
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
+from openrooms_usd.render.shading import Shading
 
 Progress = Callable[[str, float], None]
 """Called with the view's name and the finished fraction of the whole run."""
@@ -51,6 +53,8 @@ def render_stage(
     cameras: Sequence[str] = (),
     channels: Sequence[str] | None = None,
     resolution: tuple[int, int] | None = None,
+    grid: tuple[int, int] = DEFAULT_GRID,
+    error_maps: bool = False,
     samples: int | None = None,
     error: float | None = None,
     seconds: float | None = None,
@@ -77,6 +81,8 @@ def render_stage(
         channels: Names from `openrooms_usd.channels.CHANNELS`; None for all the renderer gives, and
             what is made of them.
         resolution: Width and height in pixels; None for what the stage's render settings say.
+        grid: Columns and rows of hemispheres, where channels of them are asked for.
+        error_maps: Whether to write the estimated standard error of each pixel too.
         samples: Samples a pixel; `DEFAULT_SAMPLES` where neither ``error`` nor ``seconds`` is.
         error: Stop a view at this estimated error of its radiance.
         seconds: Stop a view after about this time.
@@ -104,13 +110,14 @@ def render_stage(
     # 1. Refuse what cannot work before anything slow begins.
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
     request = plan(
-        choose_channels(channels, (*adapter.channels, *derivable(adapter.channels))),
+        choose_channels(channels, _available(adapter.channels)),
         resolution,
         samples=samples,
         error=error,
         seconds=seconds,
         seed=seed,
         bounces=bounces,
+        grid=grid,
     )
     denoiser = load_denoiser(adapter.channels) if denoise else None
     asked = written = request.channels
@@ -120,6 +127,11 @@ def render_stage(
     before_friction = request.channels
     if FRICTION in asked:
         request = replace(request, channels=FrictionMap.needs(before_friction))
+    before_shading = request.channels
+    if Shading.makes(asked):
+        request = replace(request, channels=Shading.needs(before_shading))
+    # Errors of what is made of others are told by making it twice.
+    request = replace(request, halves=error_maps or Shading.makes(asked))
     folder.check_writable(out)
 
     # 2. Translate the stage.
@@ -132,7 +144,8 @@ def render_stage(
     views = choose_cameras(cameras, session.cameras)
     folder.check_replaceable(out, views)
     listed = replace(request, channels=written)
-    folder.check_space(out, raw_bytes(listed))
+    lights = len(session.lights)
+    folder.check_space(out, raw_bytes(listed, lights))
 
     # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
     entry = manifest.run_entry(path, renderer, session, listed)
@@ -142,7 +155,7 @@ def render_stage(
     if FRICTION in asked:
         friction = FrictionMap(read_materials(stage, session.legend.material))
         entry["friction"] = friction.entry()
-    run = Run(out, entry, session.report)
+    run = Run(out, entry, session.report, session.lights)
     run.timing |= {"machine": manifest.machine_entry(session.backend), "translation": translation}
     try:
         for index, (name, camera) in enumerate(views.items()):
@@ -150,15 +163,29 @@ def render_stage(
             began = time.perf_counter()
             view = session.render(replace(request, camera=camera), part)
             took = time.perf_counter() - began
+            if Shading.makes(asked):
+                view = Shading.complete(view, each(before_shading, lights))
             if friction:
-                view = friction.complete(view, before_friction)
+                view = friction.complete(view, each(before_friction, lights))
             if denoiser:
-                view = denoiser.complete(view, asked)
+                view = denoiser.complete(view, each(asked, lights))
+            if not error_maps:
+                view = _without_halves(view)
             shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
-            run.add(name, view, written, took, shown)
+            run.add(name, view, listed, took, shown)
     finally:
         run.finish()
     return RenderSummary(out, run.manifest, run.timing, session.advice)
+
+
+def _available(given: tuple[str, ...]) -> tuple[str, ...]:
+    """What a renderer gives, and what can be made of it."""
+    return (*given, *derivable(given), *shading.derivable(given))
+
+
+def _without_halves(view: View) -> View:
+    images = {name: replace(image, halves=None) for name, image in view.images.items()}
+    return replace(view, images=images)
 
 
 def _part(progress: Progress, name: str, index: int, count: int) -> Callable[[float], None]:

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import CHANNELS, definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd import imagefile
 
@@ -19,7 +19,7 @@ _CHROMATICITIES: Final = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 def exr_channels(name: str) -> list[str]:
     """The names in the EXR file of one of our channels: ``depth`` gives ``["depth.Y"]``."""
-    return [f"{name}.{component}" for component in CHANNELS[name].components]
+    return [f"{name}.{component}" for component in definition(name).components]
 
 
 def write_channels(path: Path, images: Mapping[str, NDArray[np.float32]]) -> None:
@@ -33,7 +33,7 @@ def write_channels(path: Path, images: Mapping[str, NDArray[np.float32]]) -> Non
         OutputError: The file cannot be written.
     """
     names = [part for channel in images for part in exr_channels(channel)]
-    storage = [CHANNELS[c].storage for c in images for _ in CHANNELS[c].components]
+    storage = [definition(c).storage for c in images for _ in definition(c).components]
     _write(path, names, storage, list(images.values()))
 
 

@@ -9,14 +9,38 @@ from pathlib import Path
 from typing import Any, Final
 
 from openrooms_usd.atomic import making, naming
+from openrooms_usd.channels import CHANNELS, definition
 from openrooms_usd.errors import OutputError, writing
 
 MANIFEST: Final = "manifest.json"
 TIMING: Final = "timing.json"
 SHEET: Final = "contact_sheet.png"
 CHANNELS_FILE: Final = "channels.exr"
+# What there is of every light.
+LIGHTS_FILE: Final = "lights.exr"
+# Estimated standard errors, pixel by pixel.
+ERRORS_FILE: Final = "errors.exr"
+LIGHTS_FOLDER: Final = "lights"
+# What the centres of openings see of the surroundings.
+OPENINGS_FOLDER: Final = "openings"
 # Channels that are also written as plain pictures, for any viewer.
 PLAIN_FILES: Final = {"radiance": "radiance.exr", "denoised": "denoised.exr"}
+
+
+def preview_file(channel: str) -> str:
+    """Where a channel's picture lies in the folder of its view."""
+    inside = f"{LIGHTS_FOLDER}/" if definition(channel).scope == "light" else ""
+    return f"{inside}{channel}.png"
+
+
+def grid_file(channel: str, *, errors: bool = False) -> str:
+    """Where the tiles of a channel of hemispheres lie in the folder of its view."""
+    return f"{channel}{'_errors' if errors else ''}.exr"
+
+
+def opening_file(name: str) -> str:
+    """Where the surroundings of an opening lie in the folder of a run."""
+    return f"{OPENINGS_FOLDER}/{name}.exr"
 
 
 def check_writable(out: Path) -> None:
@@ -67,7 +91,8 @@ def check_replaceable(out: Path, views: Iterable[str]) -> None:
 
 
 def _is_view(folder: Path) -> bool:
-    return (folder / CHANNELS_FILE).is_file()
+    grids = (grid_file(name) for name, row in CHANNELS.items() if row.scope == "grid")
+    return any((folder / file).is_file() for file in (CHANNELS_FILE, LIGHTS_FILE, *grids))
 
 
 @contextmanager

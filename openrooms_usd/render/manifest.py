@@ -7,7 +7,7 @@ import json
 import math
 import os
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
@@ -16,10 +16,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import __version__, atomic, names
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.render.contract import Image, Legend, RenderRequest, RenderSession, View
 from openrooms_usd.render.exr import exr_channels
-from openrooms_usd.render.folder import CHANNELS_FILE, PLAIN_FILES
+from openrooms_usd.render.folder import (
+    CHANNELS_FILE,
+    ERRORS_FILE,
+    LIGHTS_FILE,
+    PLAIN_FILES,
+    grid_file,
+    opening_file,
+    preview_file,
+)
+from openrooms_usd.render.lights import LightRecord, view_lights
 from openrooms_usd.render.previews import Preview
 
 FORMAT: Final = 1
@@ -64,8 +73,19 @@ def run_entry(stage: Path, renderer: str, session: RenderSession, request: Rende
         "stop": {name: value for name, value in asked.items() if value is not None},
         "conventions": CONVENTIONS,
         "channels": {name: _definition(name) for name in request.channels},
+        "lights": [_light(light, request) for light in session.lights],
         "legend": {part.name: dict(getattr(session.legend, part.name)) for part in fields(Legend)},
     }
+
+
+def by_light(request: RenderRequest) -> bool:
+    """Whether anything is asked for of every light."""
+    return any(CHANNELS[name].scope == "light" for name in request.channels)
+
+
+def _light(light: LightRecord, request: RenderRequest) -> Plain:
+    shown = light.environment is not None and by_light(request)
+    return {**light.as_dict(), **({"environment": opening_file(light.name)} if shown else {})}
 
 
 def _definition(name: str) -> Plain:
@@ -78,6 +98,7 @@ def view_entry(
     name: str,
     view: View,
     previews: Mapping[str, Preview],
+    lights: Sequence[LightRecord] = (),
     photograph: Mapping[str, str] | None = None,
 ) -> Plain:
     """A finished view: its camera, its files and how good each channel is.
@@ -86,10 +107,23 @@ def view_entry(
         name: The view's name, which is its folder.
         view: What was rendered.
         previews: By channel name.
+        lights: Those of the scene.
         photograph: What the view stands for in a capture: its ``file`` and ``id``.
     """
-    files = {"channels": f"{name}/{CHANNELS_FILE}"}
-    files |= {c: f"{name}/{file}" for c, file in PLAIN_FILES.items() if c in view.images}
+    files = {c: f"{name}/{file}" for c, file in PLAIN_FILES.items() if c in view.images}
+    scopes = {channel: definition(channel).scope for channel in view.images}
+    files |= {"channels": f"{name}/{CHANNELS_FILE}"} if "view" in scopes.values() else {}
+    files |= {"lights": f"{name}/{LIGHTS_FILE}"} if "light" in scopes.values() else {}
+    grids = [channel for channel, scope in scopes.items() if scope == "grid"]
+    files |= {channel: f"{name}/{grid_file(channel)}" for channel in grids}
+    known = [c for c, image in view.images.items() if image.halves]
+    files |= {"errors": f"{name}/{ERRORS_FILE}"} if {*known} - {*grids} else {}
+    files |= {f"{c}_errors": f"{name}/{grid_file(c, errors=True)}" for c in grids if c in known}
+    masks = {
+        light.number: view.images[mask].pixels
+        for light in lights
+        if (mask := numbered("mask_i", light.number)) in view.images
+    }
     return {
         **({"photograph": dict(photograph)} if photograph else {}),
         "camera": view.camera,
@@ -97,13 +131,16 @@ def view_entry(
         "K": view.K.tolist(),
         "world_from_camera": view.world_from_camera.tolist(),
         "exposure": view.exposure,
+        "lights": view_lights(
+            lights, view.K, view.world_from_camera, (view.width, view.height), masks
+        ),
         "files": files,
         "channels": {
             channel: {
                 "samples": image.samples,
                 "estimated_error": _number(image.error),
                 "nonfinite_pixels": nonfinite_pixels(channel, image),
-                "preview": f"{name}/{channel}.png",
+                "preview": f"{name}/{preview_file(channel)}",
                 "preview_shows": previews[channel].shows,
             }
             for channel, image in view.images.items()
@@ -114,7 +151,7 @@ def view_entry(
 def nonfinite_pixels(channel: str, image: Image) -> int:
     """How many pixels hold a NaN or an infinity as they are stored, or 0 in its place."""
     stored: NDArray[Any] = image.pixels
-    if CHANNELS[channel].storage == "half":
+    if definition(channel).storage == "half":
         with np.errstate(over="ignore", invalid="ignore"):
             stored = stored.astype(np.float16)
     return int((~np.isfinite(stored)).any(axis=-1).sum()) + image.replaced

@@ -7,8 +7,10 @@ from typing import Final
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.contract import DEFAULT_SAMPLES, RenderRequest
+from openrooms_usd.render.contract import DEFAULT_GRID, DEFAULT_SAMPLES, RenderRequest
 
+ALL: Final = "all"  # stands for all channels that can be had
+USUAL: Final = "usual"  # stands for those that need not be asked for
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
 _MOST_PIXELS: Final = 2**27
@@ -20,6 +22,8 @@ _MADE_FROM: Final = {
 _LIMITS: Final[dict[str, tuple[float, float]]] = {
     "width": (1, 2**15),
     "height": (1, 2**15),
+    "grid's width": (1, 2**11),
+    "grid's height": (1, 2**11),
     "samples (--spp)": (1, 2**20),
     "error (--error)": (1e-9, 1e3),
     "seconds (--time)": (1e-3, 1e7),
@@ -37,6 +41,7 @@ def plan(
     seconds: float | None,
     seed: int,
     bounces: int,
+    grid: tuple[int, int] = DEFAULT_GRID,
 ) -> RenderRequest:
     """The request that all views share, still without a camera.
 
@@ -48,6 +53,7 @@ def plan(
         seconds: See there.
         seed: See there.
         bounces: See there.
+        grid: See there.
 
     Raises:
         InputError: A number is absurd, or samples, error and seconds contradict each other.
@@ -59,7 +65,8 @@ def plan(
             f"{' and '.join(stops)} are given, but a render stops by one of them",
             remedy="give one of them",
         )
-    for name, value in {**given, "seed": seed, "bounces": bounces}.items():
+    sides = dict(zip(("grid's width", "grid's height"), grid, strict=True))
+    for name, value in {**given, **sides, "seed": seed, "bounces": bounces}.items():
         _check(name, value)
     request = RenderRequest(
         camera=None,
@@ -71,6 +78,7 @@ def plan(
         seconds=seconds,
         seed=seed,
         bounces=bounces,
+        grid=grid,
     )
     return sized(request, resolution) if resolution else request
 
@@ -102,14 +110,19 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
     """The channels to render, in the order of the table.
 
     Args:
-        asked: Names; None for everything that is given.
+        asked: Names; None or `USUAL` for what need not be asked for, `ALL` for all that is given.
         given: What the renderer gives, and what can be made of it.
 
     Raises:
         InputError: A name is unknown, or the renderer cannot give it.
     """
     if asked is None:
+        return tuple(name for name, row in CHANNELS.items() if name in given and not row.extra)
+    if ALL in asked:
         return tuple(name for name in CHANNELS if name in given)
+    if USUAL in asked:
+        usual = choose_channels(None, given)
+        return choose_channels([*usual, *(name for name in asked if name != USUAL)], given)
     for name in asked:
         if name not in CHANNELS:
             raise InputError(
@@ -119,7 +132,7 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
             raise InputError(
                 f"the channel {name!r} is made from others",
                 place="channels",
-                remedy=_MADE_FROM[name],
+                remedy=_MADE_FROM.get(name, "use a renderer that gives these"),
             )
         if name not in given:
             raise InputError(

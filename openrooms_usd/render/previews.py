@@ -11,12 +11,16 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import definition
+from openrooms_usd.geometry.hemisphere import tiled, untiled
 from openrooms_usd.render import color
 from openrooms_usd.usd import imagefile
 
 Pixels = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
+
+# Hemispheres across in the preview of a grid.
+_ACROSS: Final = 20
 
 
 @dataclass(frozen=True)
@@ -40,11 +44,20 @@ def preview(name: str, pixels: Pixels, exposure: float | None = None) -> Preview
         pixels: (height, width, components).
         exposure: What light is multiplied by; None fits it to the picture.
     """
-    channel = CHANNELS[name]
+    channel = definition(name)
+    if channel.scope == "grid":
+        pixels = _sparse(pixels)
     finite = np.asarray(np.isfinite(pixels).all(axis=-1))
     known = np.where(finite[..., None], pixels, np.float32(0))
     shown = _SHOWN[channel.unit, "".join(channel.components)](known, exposure)
     return shown if finite.all() else Preview(_marked(shown.pixels, ~finite), shown.shows)
+
+
+def _sparse(tiles: Pixels) -> Pixels:
+    """Every so many hemispheres of a grid, so that people see a few of them."""
+    grid = untiled(tiles)
+    step = max(1, grid.shape[1] // _ACROSS)
+    return tiled(grid[step // 2 :: step, step // 2 :: step])
 
 
 def _marked(pixels: Bytes, bad: NDArray[np.bool_]) -> Bytes:
@@ -97,9 +110,15 @@ def _label(pixels: Pixels, exposure: float | None) -> Preview:
     return Preview(color.palette(pixels[..., 0].astype(np.int64)), "a colour for every number")
 
 
+def _lux(pixels: Pixels, exposure: float | None) -> Preview:
+    # A camera's exposure is for radiance.
+    return _light(pixels, None)
+
+
 _Show = Callable[[Pixels, float | None], Preview]
 _SHOWN: Final[dict[tuple[str, str], _Show]] = {
     ("nit", "RGB"): _light,
+    ("lux", "RGB"): _lux,
     ("m", "Y"): _length,
     ("m", "XYZ"): _position,
     ("1", "XYZ"): _direction,

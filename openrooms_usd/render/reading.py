@@ -12,13 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.folder import CHANNELS_FILE, MANIFEST, listed_views
+from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
+from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, listed_views
 
 Pixels = NDArray[np.float32]
-
-LIGHTS_FILE: Final = "lights.exr"
-HEMISPHERE: Final = (16, 32)
-"""Rows of elevation and columns of azimuth of a hemisphere in a grid."""
 
 _NUMBERED: Final = re.compile(r"(.+)_(\d+)")
 
@@ -64,6 +61,9 @@ class RenderedView:
         Raises:
             InputError: The file is missing or is no image.
         """
+        # A view may have nothing but lights or grids.
+        if "channels" not in self.entry.get("files", ["channels"]):
+            return {}
         return read_layers(self.folder / CHANNELS_FILE)
 
     @cached_property
@@ -90,14 +90,14 @@ class RenderedView:
         if not path.exists():
             return None
         picture = read_picture(path)
-        down, across = HEMISPHERE
         height, width, depth = picture.shape
-        if height % down or width % across or depth != 3:
+        if height % HEMISPHERE.rows or width % HEMISPHERE.columns or depth != 3:
             raise InputError(
-                f"{width}x{height}x{depth} is no grid of hemispheres of {across}x{down}", place=path
+                f"{width}x{height}x{depth} is no grid of hemispheres of "
+                f"{HEMISPHERE.columns}x{HEMISPHERE.rows}",
+                place=path,
             )
-        cells = picture.reshape(height // down, down, width // across, across, depth)
-        return np.ascontiguousarray(cells.transpose(0, 2, 1, 3, 4))
+        return untiled(picture)
 
     def fit(self, name: str) -> Pixels | None:
         """A fit at the points of a grid, such as ``environment_sg``; None without one.

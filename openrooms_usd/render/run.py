@@ -1,26 +1,46 @@
 """One run on disk: views are added one by one, and what is there is whole at any moment."""
 
+import math
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import definition, each
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import RenderError
+from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.render import exr, folder, manifest, sheet
 from openrooms_usd.render.contract import RenderRequest, View
+from openrooms_usd.render.fits import write_fits
+from openrooms_usd.render.lights import LightRecord
 from openrooms_usd.render.previews import Preview, preview, write_png
 
+# The channel whose hemispheres are also fitted.
+FITTED: Final = "environment"
 
-def raw_bytes(request: RenderRequest) -> int:
-    """What one view's ``channels.exr`` takes before compression."""
+
+def raw_bytes(request: RenderRequest, lights: int) -> int:
+    """What one view's channels take before compression."""
     size = {"half": 2, "float": 4}
-    rows = [CHANNELS[name] for name in request.channels]
-    return request.width * request.height * sum(len(r.components) * size[r.storage] for r in rows)
+    return sum(
+        math.prod(shape_of(name, request)) * size[definition(name).storage]
+        for name in each(request.channels, lights)
+    )
+
+
+def shape_of(name: str, request: RenderRequest) -> tuple[int, int, int]:
+    """Height, width and components of a channel's image."""
+    row, depth = definition(name), len(definition(name).components)
+    if row.scope == "grid":
+        columns, rows = request.grid
+        return rows * HEMISPHERE.rows, columns * HEMISPHERE.columns, depth
+    return request.height, request.width, depth
 
 
 class Run:
@@ -30,13 +50,17 @@ class Run:
         out: The folder.
         entry: What all views share, from `manifest.run_entry`.
         report: What became of every prim; the manifest has what it says when a view is added.
+        lights: Those of the scene, by their numbers.
     """
 
-    def __init__(self, out: Path, entry: manifest.Plain, report: Report) -> None:
+    def __init__(
+        self, out: Path, entry: manifest.Plain, report: Report, lights: Sequence[LightRecord] = ()
+    ) -> None:
         self.manifest: manifest.Plain = {**entry, "views": {}}
         self.timing: manifest.Plain = {"views": {}}
         self._out = out
         self._report = report
+        self._lights = lights
         self._earlier = folder.earlier_views(out)
         self._rows: dict[str, list[sheet.Tile]] = {}
 
@@ -44,7 +68,7 @@ class Run:
         self,
         name: str,
         view: View,
-        channels: tuple[str, ...],
+        request: RenderRequest,
         seconds: float,
         photograph: Mapping[str, str] | None = None,
     ) -> None:
@@ -53,7 +77,7 @@ class Run:
         Args:
             name: The view's name, which is its folder.
             view: What was rendered.
-            channels: What was asked for.
+            request: What was asked for.
             seconds: What it took to render.
             photograph: What it stands for in a capture, if anything.
 
@@ -61,7 +85,7 @@ class Run:
             OutputError: It cannot be written.
             RenderError: The renderer did not give what was asked for.
         """
-        _check(name, view, channels)
+        _check(name, view, request, len(self._lights))
         began = time.perf_counter()
         # Where one of them finds no space, neither appears: the view first, then what lists it.
         with (
@@ -69,7 +93,9 @@ class Run:
             folder.replacing_folder(self._out / name) as beside,
         ):
             previews = write_view(beside, view)
-            entry = manifest.view_entry(name, view, previews, photograph)
+            entry = manifest.view_entry(name, view, previews, self._lights, photograph)
+            if FITTED in view.images:
+                entry["fits"] = _fit(beside, name, view)
             took = {
                 # Channels that share rays each count them: their sum may exceed the whole.
                 "channels": {channel: image.seconds for channel, image in view.images.items()},
@@ -78,11 +104,21 @@ class Run:
             }
             listed = _with_view(self.manifest, name, entry) | {"report": self._report.as_dict()}
             timed = _with_view(self.timing, name, took)
+            if manifest.by_light(request) and not self._rows:
+                self._write_openings(lists)
             manifest.write_json(lists / folder.MANIFEST, listed)
             manifest.write_json(lists / folder.TIMING, timed)
             self._rows[name] = sheet.tiles(name, previews)
             self.manifest, self.timing = listed, timed
         folder.remove_views(self._out, self._earlier - listed["views"].keys())
+
+    def _write_openings(self, target: Path) -> None:
+        """The surroundings as each opening sees them, the same for all views."""
+        for light in self._lights:
+            if light.environment is not None:
+                path = target / folder.opening_file(light.name)
+                path.parent.mkdir(exist_ok=True)
+                exr.write_rgb(path, light.environment)
 
     def finish(self) -> None:
         """Write the contact sheet of the views that were finished.
@@ -96,13 +132,37 @@ class Run:
             sheet.write_sheet(self._out / folder.SHEET, rows[: sheet.MOST_VIEWS])
 
 
+def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:
+    """What writes the estimated errors of pixels: functions and their arguments."""
+    known = {
+        name: image.halves.deviation.astype(np.float32)
+        for name, image in view.images.items()
+        if image.halves
+    }
+    tiles = {name: d for name, d in known.items() if definition(name).scope == "grid"}
+    pixels = {name: d for name, d in known.items() if name not in tiles}
+    jobs: list[tuple[Any, ...]] = [
+        (exr.write_rgb, target / folder.grid_file(name, errors=True), deviation)
+        for name, deviation in tiles.items()
+    ]
+    if pixels:
+        jobs.append((exr.write_channels, target / folder.ERRORS_FILE, pixels))
+    return jobs
+
+
+def _fit(target: Path, name: str, view: View) -> manifest.Plain:
+    """Write the fits of a view's environment maps; what the manifest says of them."""
+    found = write_fits(target, untiled(view.images[FITTED].pixels))
+    return found | {"files": {fit: f"{name}/{file}" for fit, file in found["files"].items()}}
+
+
 def _with_view(entry: manifest.Plain, name: str, view: manifest.Plain) -> manifest.Plain:
     return {**entry, "views": {**entry["views"], name: view}}
 
 
-def _check(name: str, view: View, channels: tuple[str, ...]) -> None:
-    for channel in channels:
-        shape = (view.height, view.width, len(CHANNELS[channel].components))
+def _check(name: str, view: View, request: RenderRequest, lights: int) -> None:
+    for channel in each(request.channels, lights):
+        shape = shape_of(channel, request)
         image = view.images.get(channel)
         if image is None or image.pixels.shape != shape:
             got = "nothing" if image is None else f"an array of shape {image.pixels.shape}"
@@ -124,14 +184,28 @@ def write_view(target: Path, view: View) -> dict[str, Preview]:
     """
     pixels = {n: np.asarray(image.pixels, np.float32) for n, image in view.images.items()}
 
+    by_scope: dict[str, dict[str, NDArray[np.float32]]] = {"view": {}, "light": {}, "grid": {}}
+    for name, image in pixels.items():
+        by_scope[definition(name).scope][name] = image
+    if by_scope["light"]:
+        (target / folder.LIGHTS_FOLDER).mkdir()
+
     def picture(name: str) -> Preview:
         shown = preview(name, pixels[name], view.exposure)
-        write_png(target / f"{name}.png", shown.pixels)
+        write_png(target / folder.preview_file(name), shown.pixels)
         return shown
 
     # Encoding leaves the interpreter's lock: the longest goes first, the rest beside it.
     with ThreadPoolExecutor(max_workers=4) as pool:
-        exact = [pool.submit(exr.write_channels, target / folder.CHANNELS_FILE, pixels)]
+        files = ((folder.CHANNELS_FILE, "view"), (folder.LIGHTS_FILE, "light"))
+        exact = [
+            pool.submit(exr.write_channels, target / file, by_scope[scope])
+            for file, scope in files
+            if by_scope[scope]
+        ]
+        for name, tiles in by_scope["grid"].items():
+            exact.append(pool.submit(exr.write_rgb, target / folder.grid_file(name), tiles))
+        exact += [pool.submit(*job) for job in _error_files(target, view)]
         for name, file in folder.PLAIN_FILES.items():
             if name in pixels:
                 exact.append(pool.submit(exr.write_rgb, target / file, pixels[name]))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.render import RenderRequest, View
+from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.materials import define_preview_surface
 from openrooms_usd.usd.surfaces import PreviewSurface
 from orusd_mitsuba import MitsubaRenderer, variants
@@ -98,9 +99,32 @@ class Build:
         return dome
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def build() -> type[Build]:
     return Build
+
+
+@pytest.fixture(scope="session")
+def half_hidden() -> Callable[..., Usd.Stage]:
+    """A stage with two lamps, one of which is hidden from a part of what is seen."""
+    return _half_hidden
+
+
+def _half_hidden(**looks: Any) -> Usd.Stage:
+    """A grey room with a panel over a board, and a ball."""
+    made = Build()
+    made.box("/Room", 2.0, inside=True, material=made.material(
+        "/Grey", **({"base_color": (0.5,) * 3} | looks)))  # fmt: skip
+    board = [(x, y, -0.5) for x, y in ((-0.6, -0.3), (0.1, -0.3), (0.1, 0.4), (-0.6, 0.4))]
+    made.quad("/Board", board, material="/Grey")
+    panel = [(-0.4, -0.2, 0.9), (-0.4, 0.3, 0.9), (0.1, 0.3, 0.9), (0.1, -0.2, 0.9)]
+    define_mesh_light(made.quad("/Panel", panel, material="/Grey").GetPrim(), nits=100.0)
+    ball = UsdLux.SphereLight.Define(made.stage, "/Ball")
+    ball.CreateRadiusAttr(0.2)
+    ball.CreateIntensityAttr(100.0)
+    ball.AddTranslateOp().Set((0.6, 0.5, -0.2))
+    made.camera((-0.9, -0.9, 0.0), (0.3, 0.4, -0.5), fov=70)
+    return made.stage
 
 
 @pytest.fixture(params=["scalar", "llvm"])
@@ -145,3 +169,55 @@ def save_picture() -> Callable[[Path, NDArray[Any]], str]:
         return str(path)
 
     return save
+
+
+class Lit:
+    """A stage with all that the films of light need, for the fastest backend here."""
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        import mitsuba as mi
+
+        mi.set_variant(variants.choose("auto").variant)
+        from orusd_mitsuba.build import Builder
+        from orusd_mitsuba.sources import Filing, sources_of
+        from orusd_mitsuba.translate import translate
+        from orusd_mitsuba.white import white_first
+
+        self.stage = stage
+        self.scene = translate(stage)
+        builder = Builder(self.scene.origin)
+        self.built = builder.scene(self.scene)
+        self.sources = sources_of(self.scene)
+        self.filing = Filing(self.sources, self.built, self.scene.origin)
+        self.first = white_first(self.scene, self.built, builder)
+        self._builder = builder
+
+    def camera(self, width: int, height: int, path: str = "/Camera") -> Any:
+        from openrooms_usd.usd.cameras import read_camera
+
+        return read_camera(self.stage.GetPrimAtPath(path), width, height)
+
+    def direct(
+        self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)
+    ) -> NDArray[np.float32]:
+        """(4 L, height, width, 3) of `DirectFilm`."""
+        from orusd_mitsuba.direct_light import DirectFilm
+
+        film = DirectFilm(self.scene, self.built, self.sources, self.filing, self.first,
+                          self.camera(*size), *size)  # fmt: skip
+        return film(samples, seed)
+
+    def lights(self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)) -> Any:
+        """The channels that `finish` makes of it, without the picture's axes."""
+        from orusd_mitsuba.control_variate import finish
+
+        found = finish(self.direct(samples, seed, size))
+        return {name: values.reshape(len(self.sources), -1, 3) for name, values in found.items()}
+
+
+@pytest.fixture(scope="session")
+def lit() -> type[Lit]:
+    """Skips where no vectorized backend works."""
+    if variants.choose("auto").variant == "scalar_rgb":
+        pytest.skip("no vectorized backend works here")
+    return Lit

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
-from openrooms_usd.channels import CHANNELS, RENDERED
+from openrooms_usd.channels import CHANNELS, DEFAULT
 
 GEOMETRY = (
     "depth", "distance", "position", "normal", "normal_geometric", "normal_camera", "valid",
@@ -127,7 +127,7 @@ def test_normals_are_unit_face_the_camera_and_turn_into_its_axes(build, shoot):
 
 
 def test_everything_is_zero_where_there_is_no_surface(build, shoot):
-    names = [name for name in RENDERED if CHANNELS[name].kind != "light"]
+    names = [name for name in DEFAULT if CHANNELS[name].kind != "light"]
     images = shoot(furnished(build), *names).images
     nothing = images["valid"].pixels[..., 0] == 0
     assert nothing.any()

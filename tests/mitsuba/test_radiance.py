@@ -7,10 +7,10 @@ import pytest
 from pxr import Gf, UsdGeom, UsdLux
 
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.estimates import relative_error
 from openrooms_usd.usd.lights import define_mesh_light
-from orusd_mitsuba import sampling
+from orusd_mitsuba import light_film, sampling
 from orusd_mitsuba.exporter import export_scene
-from orusd_mitsuba.sampling import relative_error
 
 ALBEDO = 0.6
 PATCH = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
@@ -323,7 +323,14 @@ def test_pixels_that_are_no_numbers_are_counted_and_reported(build, open_stage, 
             pixels[1, 2, 0], pixels[1, 2, 1], pixels[3, 4, 2] = np.nan, np.inf, -np.inf
             return pixels
 
+    def spoiled(*args):
+        planes = gather(*args)
+        planes[:, 1, 2, 0], planes[:, 1, 2, 1], planes[:, 3, 4, 2] = np.nan, np.inf, -np.inf
+        return planes
+
+    gather = light_film._image
     monkeypatch.setattr(mi, "render", lambda *args, **how: Spoiled(real(*args, **how)))
+    monkeypatch.setattr(light_film, "_image", spoiled)
     request = RenderRequest("/Camera", ("radiance",), 32, 24, samples=4)
     image = session.render(request).images["radiance"]
     assert np.isfinite(image.pixels).all()
@@ -338,7 +345,7 @@ def test_an_error_that_is_not_reached_is_reported(build, open_stage, monkeypatch
     request = RenderRequest("/Camera", ("radiance",), 32, 24, error=1e-9, bounces=1)
     image = session.render(request).images["radiance"]
     (row,) = [reason for path, _, reason in session.report.losses() if path == "/Camera"]
-    assert row == f"estimated error {image.error:.2g} after 16 samples a pixel, not 1e-09"
+    assert row == f"radiance: estimated error {image.error:.2g} after 16 samples a pixel, not 1e-09"
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from openrooms_usd import adapters
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.convert import Report
 from openrooms_usd.render import Image, Legend, RenderRequest, View
+from openrooms_usd.render.lights import LightRecord
 
 
 def numbers(name: str, height: int, width: int, seed: int) -> np.ndarray:
@@ -42,6 +43,7 @@ class FakeRenderer:
         instance={1: "/World/Room/Floor", 10: "/World/Furniture/desk", 2: "/World/Room/Ceiling"},
         category={10: "desk"},
     )
+    lights: tuple[LightRecord, ...] = ()
     exposure: float | None = None
     opened = 0
 

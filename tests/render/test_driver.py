@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.channels import CHANNELS, RENDERED, WRITTEN
+from openrooms_usd.channels import CHANNELS, DEFAULT, WRITTEN
 from openrooms_usd.errors import InputError, OutputError, RenderError
 from openrooms_usd.render import exr, folder, render_stage, run
 
@@ -37,7 +37,7 @@ def test_what_lies_there(renderer, scene, tmp_path):
 def test_pixels_reach_the_files(renderer, scene, tmp_path, numbers):
     render_stage(scene, tmp_path / "out", seed=5)
     back = exr.read_channels(tmp_path / "out" / "left" / "channels.exr")
-    for name in RENDERED:
+    for name in DEFAULT:
         assert np.allclose(back[name], numbers(name, 30, 40, 5), rtol=1e-3, atol=1e-6), name
 
     import OpenImageIO

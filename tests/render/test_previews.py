@@ -12,15 +12,15 @@ from openrooms_usd.render.sheet import tiles, write_sheet
 
 @pytest.mark.parametrize("name", CHANNELS)
 def test_every_channel_has_a_picture(name, numbers):
-    shown = preview(name, numbers(name, 12, 16, 0))
+    shown = preview(name, numbers(name, 32, 64, 0))
     assert shown.pixels.dtype == np.uint8
-    assert shown.pixels.shape[:2] == (12, 16)
+    assert shown.pixels.shape[:2] == (32, 64)
     assert shown.shows
 
 
 @pytest.mark.parametrize("name", CHANNELS)
 def test_nothing_but_zeros_and_what_is_not_finite(name):
-    pixels = np.zeros((6, 8, len(CHANNELS[name].components)), np.float32)
+    pixels = np.zeros((32, 64, len(CHANNELS[name].components)), np.float32)
     pixels[0, 0] = np.nan
     pixels[1, 2, -1] = np.inf
     shown = preview(name, pixels).pixels

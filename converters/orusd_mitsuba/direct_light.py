@@ -1,0 +1,252 @@
+"""What each light does straight: irradiance with and without occlusion, and their ratio.
+
+At the first surface, made white, two techniques are combined by the power heuristic (Veach 1997): a
+point on each lamp, or a direction to the surroundings, and one direction from the hemisphere by its
+cosine, which finds what is close by and large. Every sample counts twice: as if nothing stood
+between, and by what does. So their ratio, the visibility, is a mean of numbers in [0, 1] under
+common weights. Of a lamp with few faces the light without occlusion is known in closed form
+besides, and serves as a control variate.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.build import load_sensor
+from orusd_mitsuba.closed_form import factor
+from orusd_mitsuba.control_variate import TALLIED
+from orusd_mitsuba.lamp_faces import LampFaces
+from orusd_mitsuba.pictures import Array
+from orusd_mitsuba.receiver import Receiver, receive, unblocked
+from orusd_mitsuba.rectangles import Rectangles
+from orusd_mitsuba.scene import Scene
+from orusd_mitsuba.sensors import describe_sensor
+from orusd_mitsuba.sky_light import Sky
+from orusd_mitsuba.sources import Filing, Source
+from orusd_mitsuba.tallies import Tallies
+
+White = Callable[[Any], Any]
+
+# Faces up to which a lamp is summed in closed form, at every sample.
+_FEW: Final = 128
+# Floats that one pass may file, 4 bytes each, and paths that may be in flight.
+_ENTRIES: Final = 1 << 27
+_PATHS: Final = 1 << 21
+# What stands in the planes of a light that has no closed form.
+_NONE: Final = -1.0
+
+
+class DirectFilm:
+    """Renders passes of a camera: every light occluded, unoccluded, and in closed form.
+
+    Args:
+        scene: The arrays.
+        built: The same as a Mitsuba scene, its shapes in the order of the patches.
+        sources: Its lights.
+        filing: The same for arrays of rays.
+        first: What makes surfaces white; see `orusd_mitsuba.white.white_first`.
+        camera: The pinhole or lens.
+        width: Pixels.
+        height: Pixels.
+
+    Attributes:
+        planes: How many pictures a pass gives, four a light.
+        size: Height and width.
+        most: Samples a pixel that one pass may take at most.
+        broken: (height, width) bool, pixels in which a pass gave no number.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        built: Any,
+        sources: Sequence[Source],
+        filing: Filing,
+        first: White,
+        camera: PinholeCamera,
+        width: int,
+        height: int,
+    ) -> None:
+        self._scene, self._built = scene, built
+        self._filing, self._first, self._camera = filing, first, camera
+        self._width, self._height = width, height
+        self._faces = LampFaces(scene, built, sources)
+        sizes = np.diff(self._faces.starts)
+        self._closed = [
+            lamp
+            for lamp in range(len(self._faces))
+            if self._faces.even[lamp] and sizes[lamp] <= _FEW
+        ]
+        self._lights = filing.count
+        self.planes = TALLIED * self._lights
+        self.size = height, width
+        self._sky = None
+        if built.environment() is not None:
+            self._sky = Sky(built, filing, Rectangles(sources, scene.origin))
+        self._clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
+        fitting = min(_PATHS, _ENTRIES // (3 * self.planes))
+        self._rows = max(1, min(height, fitting // width))
+        self.most = max(1, fitting // (width * self._rows))
+        self.broken = np.zeros((height, width), dtype=bool)
+
+    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one pass; equal seeds give equal bits.
+
+        Returns:
+            (planes, height, width, 3) means over the samples, for
+            `orusd_mitsuba.control_variate.finish`.
+        """
+        tops = range(0, self._height, self._rows)
+        bands = [self._band(top, samples, (seed + i) & 0xFFFFFFFF) for i, top in enumerate(tops)]
+        pixels = np.concatenate(bands, axis=1)
+        finite = np.isfinite(pixels)
+        self.broken |= ~finite.all(axis=(0, 3))
+        return np.where(finite, pixels, np.float32(0.0))
+
+    def _band(self, top: int, samples: int, seed: int) -> NDArray[np.float32]:
+        rows = min(self._rows, self._height - top)
+        paths = self._width * rows * samples
+        sampler = mi.load_dict({"type": "independent"})
+        sampler.seed(seed, paths)
+        pixel = dr.arange(mi.UInt32, paths) // samples
+        corner = mi.Point2f(mi.Float(pixel % self._width), mi.Float(pixel // self._width))
+        at = (corner + sampler.next_2d()) / mi.Point2f(self._width, rows)
+        description = describe_sensor(
+            self._camera, self._width, self._height, self._scene.origin, (top, rows)
+        )
+        sensor = load_sensor(description, {"type": "independent"})
+        ray, _ = sensor.sample_ray(0.0, 0.5, at, sampler.next_2d())
+        tallies = Tallies(paths, self._lights, len(self._closed))
+        self._gather(ray, sampler, tallies)
+        means = dr.block_sum(tallies.entries, samples).numpy() / np.float32(samples)
+        means = means.reshape(-1, 3, rows, self._width)
+        whole = np.full((TALLIED, self._lights, *means.shape[1:]), _NONE)
+        whole[:2] = means[: 2 * self._lights].reshape(whole[:2].shape)
+        for lamp, closed in zip(self._closed, means[2 * self._lights :], strict=True):
+            light = self._faces.lights[lamp]
+            whole[2, light], whole[3, light] = closed, _moments(tallies, light, samples, rows)
+        return np.moveaxis(whole.reshape(self.planes, *means.shape[1:]), 1, 3).astype(np.float32)
+
+    def _gather(self, ray: Any, sampler: Any, tallies: Tallies) -> None:
+        at = receive(self._built, self._filing, self._first, sampler, ray, self._clear)
+        if len(self._faces):
+            _from_lamps(self._built, self._faces, at, sampler, tallies)
+        if self._closed:
+            lamps = mi.UInt32(np.array(self._closed, dtype=np.uint32))
+            _in_closed_form(self._faces, lamps, len(self._closed), at, tallies)
+        for sun in self._scene.suns:
+            self._from_sun(sun.direction, sun.irradiance, at, tallies)
+        if self._sky is not None:
+            self._sky.gather(at, sampler, tallies)
+        self._by_hemisphere(at, sampler, tallies)
+
+    def _by_hemisphere(self, at: Receiver, sampler: Any, tallies: Tallies) -> None:
+        direction, density = at.sample(sampler.next_2d())
+        if len(self._faces):
+            _meet_lamps(self._built, self._faces, at, direction, density, tallies)
+        if self._sky is not None:
+            self._sky.add(at, direction, density, at.active & (density > 0.0), tallies)
+
+    def _from_sun(self, along: Array, lux: Array, at: Receiver, tallies: Tallies) -> None:
+        direction = mi.Vector3f((-along).tolist())
+        light = self._filing.crossed(at.si.p, direction, mi.Float(dr.inf), at.crossed)
+        active = at.active & (at.cosine(direction) > 0.0)
+        seen = unblocked(self._built, at, at.si.spawn_ray(direction), active)
+        tallies.add(light, mi.Color3f(lux.tolist()) * at.cosine(direction), seen, active)
+
+
+@dr.syntax
+def _from_lamps(built: Any, faces: LampFaces, at: Receiver, sampler: Any, tallies: Tallies) -> None:
+    """A point on each lamp in turn."""
+    lamp = mi.UInt32(0)
+    while lamp < len(faces):
+        row, place, point = faces.sample(lamp, at.si.p, sampler.next_1d(), sampler.next_2d())
+        to = point - at.si.p
+        squared = dr.squared_norm(to)
+        direction = to * dr.rsqrt(squared)
+        turned = -dr.dot(faces.normal(row), direction)
+        cosine = at.cosine(direction)
+        active = at.active & (squared > 0.0) & (turned > 0.0) & (cosine > 0.0)
+        density = faces.density(row, lamp, at.si.p) * squared / turned
+        value = faces.radiance(row, place, active) * (cosine / density)
+        value *= heuristic(density, at.density(direction))
+        seen = unblocked(built, at, at.si.spawn_ray_to(point), active)
+        tallies.add(faces.light(lamp), value, seen, active)
+        lamp += 1
+
+
+@dr.syntax
+def _meet_lamps(
+    built: Any, faces: LampFaces, at: Receiver, direction: Any, density: Any, tallies: Tallies
+) -> None:
+    """All faces of lamps that a direction of the hemisphere meets, one behind the other."""
+    ray = at.si.spawn_ray(direction)
+    active = at.active & (density > 0.0)
+    while active:
+        si = faces.alone.ray_intersect(ray, active)
+        hit = active & si.is_valid()
+        row = si.prim_index
+        lamp = faces.lamp(row, hit)
+        turned = -dr.dot(faces.normal(row, hit), direction)
+        front = hit & (turned > 0.0)
+        squared = dr.squared_norm(si.p - at.si.p)
+        other = faces.density(row, lamp, at.si.p, front) * squared / turned
+        value = faces.radiance(row, _place(faces, row, si.p), front) * (
+            at.cosine(direction) / density * heuristic(density, other)
+        )
+        seen = unblocked(built, at, at.si.spawn_ray_to(si.p), front)
+        tallies.add(faces.light(lamp), value, seen, front)
+        ray = si.spawn_ray(direction)
+        active = hit
+
+
+@dr.syntax
+def _in_closed_form(
+    faces: LampFaces, lamps: Any, count: int, at: Receiver, tallies: Tallies
+) -> None:
+    """All faces of those lamps that have few."""
+    number = mi.UInt32(0)
+    while number < count:
+        row, last = faces.rows(dr.gather(mi.UInt32, lamps, number))
+        total = mi.Color3f(0.0)
+        while row <= last:
+            share = factor(faces.corners(row), at.si.p, at.normal, at.horizon)
+            total += faces.radiance(row, mi.Point2f(0.0)) * share
+            row += 1
+        tallies.add_closed(number, total, at.active)
+        number += 1
+
+
+def _place(faces: LampFaces, row: Any, point: Any) -> Any:
+    """Barycentric coordinates of a point of a row's plane."""
+    a, b, c = faces.corners(row)
+    u, v, w = b - a, c - a, point - a
+    normal = dr.cross(u, v)
+    squared = dr.maximum(dr.squared_norm(normal), 1e-30)
+    return mi.Point2f(
+        dr.dot(dr.cross(w, v), normal) / squared, dr.dot(dr.cross(u, w), normal) / squared
+    )
+
+
+def heuristic(used: Any, other: Any) -> Any:
+    """The power heuristic for two techniques, by their ratio: squares of densities overflow."""
+    return dr.select(used > 0.0, dr.rcp(1.0 + dr.square(other / used)), 0.0)
+
+
+def _moments(tallies: Tallies, light: int, samples: int, rows: int) -> NDArray[np.float32]:
+    """(3, rows, width) means of a light's unoccluded green squared, times occluded, and 0."""
+    paths, slot = tallies.paths, dr.arange(mi.UInt32, tallies.paths)
+    occluded, unoccluded = (
+        dr.gather(mi.Float, tallies.entries, slot + (3 * plane + 1) * paths)
+        for plane in (light, light + tallies.lights)
+    )
+    found = [
+        (dr.block_sum(unoccluded * other, samples) / samples).numpy().reshape(rows, -1)
+        for other in (unoccluded, occluded)
+    ]
+    return np.stack([*found, np.zeros_like(found[0])])

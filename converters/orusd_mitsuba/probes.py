@@ -1,0 +1,95 @@
+"""Panoramas of what arrives at points in free space."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.hemisphere import PANORAMA, Cells
+from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.probes import ProbeRequest
+from orusd_mitsuba.arriving import Arriving, Points
+from orusd_mitsuba.pictures import Array
+from orusd_mitsuba.sampling import Sampler
+from orusd_mitsuba.sources import Filing
+
+# Paths that one pass may follow.
+_PATHS: Final = 1 << 21
+
+
+class ProbeFilm:
+    """Renders passes of the panorama about a point.
+
+    Args:
+        built: The Mitsuba scene of a vectorized variant.
+        filing: Its lights.
+        position: (3,) metres, relative to Mitsuba's origin.
+        size: Height and width.
+        depth: At most this many segments of a path from a light to the point.
+
+    Attributes:
+        planes: 1.
+        size: Height and width.
+        most: Samples of each pixel that one pass may take at most.
+        broken: (height, width) bool, pixels in which a pass gave no number.
+    """
+
+    def __init__(
+        self, built: Any, filing: Filing, position: Array, size: tuple[int, int], depth: int
+    ) -> None:
+        cells = Cells(*size, np.pi)
+        point = Points(position[None], PANORAMA[None], np.zeros((1, 3)))
+        self._arriving = Arriving(built, filing, cells, point, depth)
+        self.planes, self.size = 1, size
+        self.most = max(1, _PATHS // cells.count)
+        self.broken = np.zeros(size, dtype=bool)
+
+    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one pass; equal seeds give equal bits.
+
+        Returns:
+            (1, height, width, 3).
+        """
+        pixels = self._arriving(samples, seed)[1]
+        finite = np.isfinite(pixels)
+        self.broken |= ~finite.all(axis=(0, 3))
+        return np.where(finite, pixels, np.float32(0.0))
+
+
+def render_probes(
+    built: Any, filing: Filing, origin: Array, request: ProbeRequest,
+    progress: Callable[[float], None],
+) -> tuple[Image, ...]:  # fmt: skip
+    """The panoramas of a request, in its order.
+
+    Args:
+        built: The Mitsuba scene of a vectorized variant.
+        filing: Its lights.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+        request: What to render.
+        progress: Called with the finished fraction.
+    """
+    size, count = (request.height, request.width), len(request.positions)
+    how = RenderRequest(
+        None, (), request.width, request.height, samples=request.samples, seed=request.seed
+    )
+    images = []
+    for number, position in enumerate(request.positions):
+        start = time.perf_counter()
+        film = ProbeFilm(built, filing, np.array(position) - origin, size, request.bounces + 1)
+        part = partial(_part, progress, number, count)
+        halves = Sampler(
+            film, how, (film.planes, *size), film.most, part,
+            lambda planes: np.asarray(planes[0]), f"probe {position}",
+        ).run()  # fmt: skip
+        seconds, replaced = time.perf_counter() - start, int(film.broken.sum())
+        images.append(Image(halves.mean[0], halves.total, seconds, halves.error, replaced))
+    return tuple(images)
+
+
+def _part(progress: Callable[[float], None], number: int, count: int, done: float) -> None:
+    """One panorama's progress as that of all."""
+    progress((number + done) / count)

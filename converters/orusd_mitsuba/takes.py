@@ -1,0 +1,183 @@
+"""Which passes give which channels of light.
+
+A take is one kind of pass with all channels that it gives. Those that a request needs share its
+time; each goes on until its own error is small enough where an error is asked for.
+"""
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.channels import CHANNELS, numbered
+from openrooms_usd.render import Image, RenderRequest
+from orusd_mitsuba import hemispheres
+from orusd_mitsuba.control_variate import TALLIED, finish
+from orusd_mitsuba.pictures import Array
+from orusd_mitsuba.sampling import Halves, Pick, Sampler
+from orusd_mitsuba.transport import KINDS
+
+Progress = Callable[[float], None]
+Images = dict[str, Image]
+
+
+class Film(Protocol):
+    """Renders passes of one camera."""
+
+    planes: int
+    """Pictures that a pass gives."""
+
+    size: tuple[int, int]
+    """Height and width of each, pixels or texels."""
+
+    most: int
+    """Samples that one pass may take at most."""
+
+    broken: NDArray[np.bool_]
+    """(height, width) where a pass gave no number."""
+
+    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+        """(planes, height, width, 3) means of one pass."""
+        ...
+
+
+@dataclass(frozen=True)
+class Take:
+    """One kind of pass.
+
+    Attributes:
+        name: For people.
+        key: Sets its random numbers apart; takes that share them have noise in common, which
+            then cancels in their differences.
+        judged: The picture whose error decides when it is enough.
+        picks: By channel, the picture in the planes of a pass; of every light, those from the
+            plane that the number is counted from.
+        fewer: How many samples of a pixel are one of this take: hemispheres have many cells.
+    """
+
+    name: str
+    key: str
+    judged: Pick
+    picks: dict[str, Callable[[Array, int], Array]]
+    fewer: int = 1
+
+    def gives(self, channels: Iterable[str]) -> tuple[str, ...]:
+        """Those of the channels that it gives."""
+        return tuple(name for name in channels if name in self.picks)
+
+
+def _kinds(*wanted: str, factor: float = 1.0) -> Callable[[Array, int], Array]:
+    rows = [KINDS.index(kind) for kind in wanted]
+    return lambda planes, light: np.asarray(factor * planes[rows].sum(axis=0))
+
+
+def _of_light(factor: float = 1.0) -> Callable[[Array, int], Array]:
+    return lambda planes, light: np.asarray(factor * planes[len(KINDS) + light])
+
+
+def _whole(planes: Array) -> Array:
+    return np.asarray(planes[: len(KINDS)].sum(axis=0))
+
+
+PICTURE: Final = Take(
+    "radiance",
+    "",
+    _whole,
+    {
+        "radiance": lambda planes, light: _whole(planes),
+        "emission": _kinds("emission"),
+        "direct": _kinds("direct"),
+        "indirect": _kinds("indirect"),
+        "radiance_i": _of_light(),
+    },
+)
+# Of a white surface: radiance x pi is irradiance.
+RECEIVED: Final = Take(
+    "irradiance",
+    "",
+    _whole,
+    {
+        "irradiance": _kinds("direct", "indirect", factor=np.pi),
+        "irradiance_direct": _kinds("direct", factor=np.pi),
+        "irradiance_indirect": _kinds("indirect", factor=np.pi),
+        "irradiance_i": _of_light(np.pi),
+    },
+)
+
+
+def _straight(name: str) -> Callable[[Array, int], Array]:
+    def pick(planes: Array, light: int) -> Array:
+        return np.asarray(finish(planes[light :: len(planes) // TALLIED])[name][0])
+
+    return pick
+
+
+def _row(number: int) -> Callable[[Array, int], Array]:
+    return lambda planes, light: np.asarray(planes[number])
+
+
+# What each light sends straight.
+STRAIGHT: Final = Take(
+    "direct light",
+    "direct",
+    lambda planes: np.asarray(planes[: len(planes) // TALLIED].sum(axis=0)),
+    {name: _straight(name) for name in ("direct_i", "unoccluded_i", "visibility_i")},
+)
+# What arrives from everywhere.
+AROUND: Final = Take(
+    "environment",
+    "environment",
+    lambda planes: np.asarray(planes[hemispheres.PLANES.index("environment")]),
+    {name: _row(row) for row, name in enumerate(hemispheres.PLANES)},
+    fewer=16,
+)
+
+
+def run_take(
+    take: Take,
+    film: Film,
+    request: RenderRequest,
+    channels: Sequence[str],
+    lights: int,
+    progress: Progress,
+) -> tuple[Images, Halves]:
+    """Render one take until the request is met.
+
+    Args:
+        take: What it is.
+        film: Renders its passes.
+        request: Says when it is enough.
+        channels: Those that it shall give.
+        lights: How many there are.
+        progress: Called with the finished fraction.
+
+    Returns:
+        The images by name, and what they come from.
+    """
+    start = time.perf_counter()
+    if request.samples is not None:
+        request = replace(request, samples=max(1, request.samples // take.fewer))
+    sampler = Sampler(
+        film, request, (film.planes, *film.size), film.most, progress, take.judged, take.key
+    )
+    halves = sampler.run()
+    mean, replaced = halves.mean.astype(np.float64), int(film.broken.sum())
+    images: Images = {}
+    for name in channels:
+        of_light = CHANNELS[name].scope == "light"
+        for light in range(lights) if of_light else (0,):
+
+            def pick(planes: Array, name: str = name, light: int = light) -> Array:
+                return take.picks[name](planes, light)
+
+            single = numbered(name, light) if of_light else name
+            pixels = np.asarray(pick(mean), dtype=np.float32)
+            pair = halves.of(pick)
+            error = pair.error if pair else None
+            kept = pair.single if pair and request.halves else None
+            images[single] = Image(pixels, halves.total, 0.0, error, replaced, kept)
+    seconds = time.perf_counter() - start
+    return {name: replace(image, seconds=seconds) for name, image in images.items()}, halves

@@ -1,0 +1,40 @@
+"""Sums by path of what each light does straight."""
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+
+class Tallies:
+    """Sums by path of every light: occluded, unoccluded, and in closed form.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Args:
+        paths: How many paths there are.
+        lights: How many lights.
+        closed: How many of them have a closed form.
+    """
+
+    def __init__(self, paths: int, lights: int, closed: int) -> None:
+        self.paths, self.lights = paths, lights
+        self.entries = dr.zeros(mi.Float, (2 * lights + closed) * 3 * paths)
+
+    def add(self, light: Any, value: Any, seen: Any, active: Any) -> None:
+        """File what a light sends, and that times the part which arrives."""
+        self._file(light, value * seen, active)
+        self._file(light + self.lights, value, active)
+
+    def add_closed(self, number: Any, value: Any, active: Any) -> None:
+        """File what a light sends by its closed form; ``number`` counts those that have one."""
+        self._file(number + 2 * self.lights, value, active)
+
+    def _file(self, plane: Any, value: Any, active: Any) -> None:
+        slot = dr.arange(mi.UInt32, self.paths)
+        for channel in range(3):
+            place = (plane * 3 + channel) * self.paths + slot
+            dr.scatter_reduce(
+                dr.ReduceOp.Add, self.entries, value[channel], place, active,
+                mode=dr.ReduceMode.NoConflicts,
+            )  # fmt: skip

@@ -1,0 +1,130 @@
+"""The commands ``relight`` and ``probe``."""
+
+import math
+import re
+from pathlib import Path
+
+import click
+
+from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
+
+Position = tuple[float, float, float]
+
+_WORDS = {"off": 0.0, "on": 1.0}
+
+
+def _pairs(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
+    """Numbers by name, from ``lamp_2=0.5``; the last of a name counts."""
+    found: dict[str, float] = {}
+    for text in values:
+        name, equals, value = text.partition("=")
+        try:
+            number = _WORDS.get(value.strip().lower())
+            found[name.strip()] = float(value) if number is None else number
+        except ValueError:
+            equals = ""
+        if not equals or not name.strip() or math.isnan(found[name.strip()]):
+            raise click.BadParameter(f"{text!r} is not like lamp_2=0.5 or lamp_2=off", ctx, param)
+    return found
+
+
+def _positions(
+    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> tuple[Position, ...]:
+    """Positions from ``x,y,z``."""
+    found: list[Position] = []
+    for text in values:
+        try:
+            x, y, z = (float(part) for part in text.split(","))
+        except ValueError:
+            raise click.BadParameter(f"{text!r} is not like 1.0,2.5,1.2", ctx, param) from None
+        found.append((x, y, z))
+    return tuple(found)
+
+
+def _resolution(ctx: click.Context, param: click.Parameter, value: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,9})[x×](\d{1,9})", value.strip().lower())
+    if found is None:
+        raise click.BadParameter(f"{value!r} is not a size like 256x128", ctx, param)
+    return int(found[1]), int(found[2])
+
+
+@click.command()
+@click.argument("view", type=click.Path(path_type=Path), metavar="VIEW")
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option("--light", "scales", multiple=True, callback=_pairs, metavar="NAME=FACTOR",
+              help="What a light is multiplied by: a number, off or on. Repeatable.")  # fmt: skip
+@click.option("--temperature", "kelvin", multiple=True, callback=_pairs, metavar="NAME=KELVIN",
+              help="A lamp's new colour temperature. Repeatable.")  # fmt: skip
+@json_option
+def relight(
+    view: Path, out: Path, scales: dict[str, float], kelvin: dict[str, float], as_json: bool
+) -> None:
+    """Turn the lights of a rendered VIEW, without rendering again.
+
+    VIEW is the folder of a view that was rendered with --channels radiance_i. OUT receives
+    radiance.exr, radiance.png and manifest.json.
+    """
+    from openrooms_usd.render.relight import Relighting
+    from openrooms_usd.render.relight import relight as turn
+
+    manifest = turn(view, out, Relighting(scales, kelvin))
+    if as_json:
+        print_json(manifest)
+        return
+    for light in manifest["lights"]:
+        factor = " ".join(f"{value:.3g}" for value in light["factor"])
+        click.echo(f"{light['name']:<16} x {factor}")
+    click.echo(f"wrote {out / 'radiance.exr'} and radiance.png")
+
+
+@click.command()
+@click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option("--at", multiple=True, callback=_positions, metavar="X,Y,Z",
+              help="A position, world, metres. Repeatable.")  # fmt: skip
+@click.option("--openings", is_flag=True, help="Also in the centre of every opening.")
+@click.option("--resolution", default="256x128", show_default=True, callback=_resolution,
+              metavar="WxH", help="Of the panoramas.")  # fmt: skip
+@click.option("--spp", type=int, default=DEFAULT_SAMPLES, show_default=True,
+              help="Paths for each pixel.")  # fmt: skip
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
+@click.option("--variant", default="auto", show_default=True, help="cuda or llvm.")
+@click.option("--renderer", default="mitsuba", show_default=True)
+@json_option
+def probe(
+    stage: Path,
+    out: Path,
+    at: tuple[Position, ...],
+    openings: bool,
+    resolution: tuple[int, int],
+    spp: int,
+    seed: int,
+    bounces: int,
+    variant: str,
+    renderer: str,
+    as_json: bool,
+) -> None:
+    """Make light probes in a USD stage, for real-time engines.
+
+    OUT receives probes.json (spherical harmonics of radiance and irradiance) and for every probe a
+    latitude-longitude EXR.
+    """
+    from openrooms_usd.render.probes import probe_stage
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        found = probe_stage(
+            stage, out, at=at, at_openings=openings, resolution=resolution, samples=spp, seed=seed,
+            bounces=bounces, renderer=renderer, variant=variant,
+        )  # fmt: skip
+    if as_json:
+        print_json(found)
+        return
+    for entry in found["probes"]:
+        error = entry["estimated_error"]
+        measured = "" if error is None else f"  estimated error {error:.2g}"
+        click.echo(f"{entry['name']:<16}{measured}")
+    click.echo(f"wrote {out / 'probes.json'} and {len(found['probes'])} panoramas")

@@ -1,0 +1,160 @@
+"""What is known of a light that ground truth is given for, in the world and in a camera."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render.coco import tight_box
+
+LightKind = Literal["lamp", "opening", "elsewhere"]
+Array = NDArray[np.float64]
+
+# Nearer to the camera's plane nothing is projected, metres.
+_NEAR: Final = 1e-3
+# OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
+_OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
+# The corners of a box about 0, and the pairs of them that are edges.
+_CORNERS: Final = np.array(
+    [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
+)
+_EDGES: Final = np.array([[i, i | bit] for i in range(8) for bit in (1, 2, 4) if not i & bit])
+
+
+@dataclass(frozen=True, eq=False)
+class Gaussian:
+    """A spherical Gaussian, ``amplitude exp(sharpness (axis . d - 1))``, part of a fit.
+
+    Attributes:
+        name: What it stands for: ``sun``, ``sky`` or ``ground``.
+        amplitude: (3,) nits along its axis.
+        axis: (3,) unit vector in the world.
+        sharpness: From 0, which is even.
+    """
+
+    name: str
+    amplitude: Array
+    axis: Array
+    sharpness: float
+
+
+@dataclass(frozen=True, eq=False)
+class LightRecord:
+    """A light, by the number under which channels are filed.
+
+    Attributes:
+        number: From 0.
+        name: For people and options; unique.
+        path: Its prim: a lamp's object or a portal; empty for ``elsewhere``.
+        kind: A lamp emits by itself, an opening lets the surroundings in, ``elsewhere`` is what
+            comes in past all openings.
+        on: Whether it gives any light.
+        world_from_box: (4, 4) a rigid motion: the middle and the axes of its box, metres. Of a lamp
+            its emitting faces' box along the object's axes; of an opening x runs along its width, y
+            along its height, z outwards.
+        size: (3,) of the box along its axes, metres; an opening's third is 0.
+        radiance: (3,) mean over the emitting faces, nits; of an opening the mean of the
+            surroundings over the directions that come in, by their cosine.
+        lumen: Luminous flux that it sends into the room if nothing stands in its way.
+        kelvin: Colour temperature that the stage gives; None where it gives none.
+        instance: The lamp's object in the channel ``instance``; 0 for openings.
+        gaussians: A fit of the surroundings as an opening sees them: sun, sky, ground.
+        fit_error: RMS of that fit over the RMS of the surroundings, on the outward hemisphere.
+        environment: (height, 2 height, 3) float32, what an opening's centre sees of the
+            surroundings, nits, as the texture of a dome whose pole is the world's Z.
+    """
+
+    number: int
+    name: str
+    path: str
+    kind: LightKind
+    on: bool
+    world_from_box: Array
+    size: Array
+    radiance: Array
+    lumen: float
+    kelvin: float | None = None
+    instance: int = 0
+    gaussians: tuple[Gaussian, ...] = ()
+    fit_error: float | None = None
+    environment: NDArray[np.float32] | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The record as plain data, without its picture."""
+        names = (field.name for field in fields(self) if field.name != "environment")
+        return {name: _plain(getattr(self, name)) for name in names}
+
+
+def view_lights(
+    records: Sequence[LightRecord],
+    K: NDArray[np.float64],
+    world_from_camera: NDArray[np.float64],
+    size: tuple[int, int],
+    masks: Mapping[int, NDArray[Any]],
+) -> list[dict[str, Any]]:
+    """The lights as one camera has them, for its entry of the manifest.
+
+    Args:
+        records: All lights.
+        K: (3, 3) intrinsics, pixels.
+        world_from_camera: (4, 4) from the OpenCV camera frame.
+        size: Width and height of the picture.
+        masks: By number, (height, width, 1) images of ``mask_i``, where they were asked for.
+
+    Returns:
+        For each light its ``number``; its box as ``camera_from_box`` in the OpenCV frame and
+        ``opengl_from_box`` in OpenGL's; ``box2d_projected``: left, top, right, bottom of the box as
+        if nothing hid it, cut off at the edges of the picture, empty where it is not in it; and
+        where there is a mask ``box2d`` of its pixels, right and bottom exclusive, empty where
+        there are none. ``elsewhere`` has no boxes.
+    """
+    camera_from_world: Array = np.linalg.inv(world_from_camera).astype(np.float64)
+    return [_in_view(record, K, camera_from_world, size, masks) for record in records]
+
+
+def _in_view(
+    record: LightRecord,
+    K: Array,
+    camera_from_world: Array,
+    size: tuple[int, int],
+    masks: Mapping[int, NDArray[Any]],
+) -> dict[str, Any]:
+    entry: dict[str, Any] = {"number": record.number}
+    if record.kind != "elsewhere":
+        pose = camera_from_world @ record.world_from_box
+        entry["camera_from_box"] = _plain(pose)
+        entry["opengl_from_box"] = _plain(_OPENGL @ pose)
+        corners = (_CORNERS * record.size) @ pose[:3, :3].T + pose[:3, 3]
+        entry["box2d_projected"] = _projected(corners[_EDGES], K, size)
+    if record.number in masks:
+        mask = masks[record.number][..., 0] > 0.5
+        entry["box2d"] = list(tight_box(mask)) if mask.any() else []
+    return entry
+
+
+def _projected(edges: Array, K: Array, size: tuple[int, int]) -> list[float]:
+    """Left, top, right, bottom of edges (E, 2, 3) in the picture; empty where none are."""
+    deep = edges[..., 2] >= _NEAR
+    crossing = edges[deep[:, 0] != deep[:, 1]]
+    share = (_NEAR - crossing[:, 0, 2]) / (crossing[:, 1, 2] - crossing[:, 0, 2])
+    cut = crossing[:, 0] + share[:, None] * (crossing[:, 1] - crossing[:, 0])
+    points = np.concatenate([edges[deep], cut]) @ K.T
+    if not len(points):
+        return []
+    places = points[:, :2] / points[:, 2:]
+    low, high = (np.clip(edge, 0.0, size) for edge in (places.min(axis=0), places.max(axis=0)))
+    inside = bool((places.max(axis=0) > 0.0).all() and (places.min(axis=0) < size).all())
+    box: list[float] = np.round([*low, *high], 3).tolist()
+    return box if inside else []
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
+    return value

@@ -1,0 +1,63 @@
+"""The commands ``relight`` and ``probe`` as a person meets them."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from openrooms_usd.cli import orusd
+from openrooms_usd.render import probes
+from openrooms_usd.render import relight as relighting
+
+
+def run(*arguments: str) -> Any:
+    return CliRunner().invoke(orusd, arguments)
+
+
+def test_relight_takes_words_and_numbers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    seen: list[Any] = []
+
+    def turned(view: Path, out: Path, how: Any) -> dict[str, Any]:
+        seen.append((view, how))
+        return {"lights": [{"name": "lamp_2", "factor": [0.0, 0.0, 0.0]}]}
+
+    monkeypatch.setattr(relighting, "relight", turned)
+    found = run("relight", "a/left", "-o", str(tmp_path), "--light", "lamp_2=off", "--light",
+                "window_0=2.0", "--light", "lamp_0=ON", "--temperature", "lamp_1=2700")  # fmt: skip
+    assert found.exit_code == 0, found.output
+    ((view, how),) = seen
+    assert view == Path("a/left")
+    assert how.scales == {"lamp_2": 0.0, "window_0": 2.0, "lamp_0": 1.0}
+    assert how.kelvin == {"lamp_1": 2700.0}
+    assert "lamp_2" in found.output
+
+
+@pytest.mark.parametrize("text", ["lamp_2", "=1", "lamp_2=bright", "lamp_2=", "lamp_2=nan"])
+def test_relight_refuses_what_is_no_pair(text: str, tmp_path: Path) -> None:
+    found = run("relight", "a/left", "-o", str(tmp_path), "--light", text)
+    assert found.exit_code == 2
+    assert "lamp_2=0.5" in found.output
+
+
+def test_probe_takes_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    seen: list[Any] = []
+
+    def made(stage: Path, out: Path, **how: Any) -> dict[str, Any]:
+        seen.append(how)
+        return {"probes": [{"name": "probe_0", "estimated_error": 0.01}]}
+
+    monkeypatch.setattr(probes, "probe_stage", made)
+    found = run("probe", "scene.usda", "-o", str(tmp_path), "--at", "-1,2,0.5", "--at", "0,0,1",
+                "--openings", "--resolution", "64x32", "--spp", "8")  # fmt: skip
+    assert found.exit_code == 0, found.output
+    (how,) = seen
+    assert how["at"] == ((-1.0, 2.0, 0.5), (0.0, 0.0, 1.0))
+    assert (how["at_openings"], how["resolution"], how["samples"]) == (True, (64, 32), 8)
+
+
+@pytest.mark.parametrize(
+    "option", [("--at", "1,2"), ("--at", "a,b,c"), ("--resolution", "big"), ("--spp", "many")]
+)
+def test_probe_refuses_what_it_cannot_read(option: tuple[str, str], tmp_path: Path) -> None:
+    assert run("probe", "scene.usda", "-o", str(tmp_path), *option).exit_code == 2

@@ -1,0 +1,72 @@
+"""Light of generated rooms, taken apart and added up again from the files."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from openrooms_usd import render_stage
+from openrooms_usd.render.reading import RenderedView, read_render
+
+Array = NDArray[np.float64]
+SIZE = (24, 18)
+CHANNELS = [
+    "radiance", "emission", "direct", "indirect", "irradiance", "irradiance_direct",
+    "irradiance_indirect", "diffuse", "specular", "residual", "base_color", "metallic", "valid",
+    "radiance_i", "direct_i", "unoccluded_i", "visibility_i", "irradiance_i",
+    "irradiance_unoccluded_i",
+]  # fmt: skip
+STRAIGHT = ["irradiance_direct", "direct_i"]
+
+
+def of_lights(view: RenderedView, name: str) -> Array:
+    """(L, height, width, 3)."""
+    found = view.lights[name]
+    return np.stack([found[number] for number in sorted(found)]).astype(np.float64)
+
+
+def assert_adds_up(view: RenderedView) -> None:
+    """All that holds for every pixel by itself."""
+    one = {name: pixels.astype(np.float64) for name, pixels in view.pixels.items()}
+    lights = {name: of_lights(view, name) for name in view.lights}
+    straight, free = lights["direct"], lights["unoccluded"]
+    for whole, parts in (
+        (one["radiance"], one["emission"] + one["direct"] + one["indirect"]),
+        (one["radiance"], lights["radiance"].sum(axis=0)),
+        (one["irradiance"], one["irradiance_direct"] + one["irradiance_indirect"]),
+        (one["irradiance"], lights["irradiance"].sum(axis=0)),
+        (one["direct"] + one["indirect"], one["diffuse"] + one["specular"]),
+        (one["radiance"], one["diffuse"] + one["residual"]),
+        (lights["irradiance_unoccluded"], lights["irradiance"] - straight + free),
+    ):
+        np.testing.assert_allclose(parts, whole, rtol=1e-4, atol=1e-5 * (1.0 + whole.mean()))
+    assert lights["visibility"].min() >= 0.0 and lights["visibility"].max() <= 1.0
+    assert not lights["visibility"][free == 0.0].any()
+    assert (straight <= free * (1.0 + 1e-5)).all()
+    nothing = one["valid"][..., 0] == 0.0
+    assert not one["diffuse"][nothing].any()
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("bedroom", 12), ("kitchen", 16), ("office", 19)])
+def test_light_that_was_taken_apart_adds_up(
+    kind: str, seed: int, generated: Callable[[str, int], Path], tmp_path: Path, fastest: str
+) -> None:
+    if fastest == "scalar":
+        pytest.skip("no vectorized backend works here")
+    scene = generated(kind, seed)
+    views = []
+    for channels, samples in ((CHANNELS, 16), (STRAIGHT, 512)):
+        out = tmp_path / str(samples)
+        how: dict[str, Any] = {"channels": channels, "samples": samples, "cameras": ["view_0"]}
+        render_stage(scene, out, resolution=SIZE, variant=fastest, **how)
+        views.append(read_render(out).views["view_0"])
+    assert_adds_up(views[0])
+    # By passes of their own; noise leaves less than a percent of the mean.
+    straight = of_lights(views[1], "direct").sum(axis=0)
+    received = views[1].pixels["irradiance_direct"].astype(np.float64)
+    np.testing.assert_allclose(straight.mean(axis=(0, 1)), received.mean(axis=(0, 1)), rtol=0.04)
+    ratio = straight[received > 0.0] / received[received > 0.0]
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.03)

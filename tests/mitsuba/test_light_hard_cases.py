@@ -1,0 +1,147 @@
+"""Light where it is hard to find: the rooms of the benchmark, and what must hold in each."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from openrooms_usd.render import RenderRequest
+
+ROOT = Path(__file__).parents[2]
+SIZE = (32, 24)
+EYE = "/World/Camera"
+Passes = NDArray[np.float64]
+
+
+@pytest.fixture
+def case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lit: Any) -> Any:
+    """Gives by name an opened room and the film of its camera."""
+    monkeypatch.syspath_prepend(str(ROOT))
+    from benchmarks.hard_light import CASES
+    from orusd_mitsuba.light_film import LightFilm
+
+    def open_case(name: str) -> tuple[Any, Any]:
+        chosen = CASES[name]
+        room = lit(chosen.build(tmp_path))
+        camera = room.camera(*SIZE, path=EYE)
+        film = LightFilm(
+            room.built, room.filing, camera, *SIZE, room.scene.origin, chosen.bounces + 1
+        )
+        return room, film
+
+    return open_case
+
+
+def passes(film: Any, count: int = 8, samples: int = 8, seed: int = 0) -> Passes:
+    """(count, planes, height, width, 3)."""
+    return np.stack([film(samples, seed + n) for n in range(count)]).astype(np.float64)
+
+
+def assert_alike(a: Passes, b: Passes) -> None:
+    """The means of quarters of the picture, in standard errors."""
+    parts = [x.reshape(len(x), 2, 12, 2, 16, 3).mean(axis=(2, 4, 5)).reshape(len(x), 4)
+             for x in (a, b)]  # fmt: skip
+    error = np.sqrt(sum(part.var(axis=0, ddof=1) / len(part) for part in parts))
+    difference = parts[0].mean(axis=0) - parts[1].mean(axis=0)
+    assert (np.abs(difference) <= 5.0 * error + 1e-9).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "bounces"),
+    [("mirror", 7), ("door ajar", 7), ("two openings", 7), ("slit", 7), ("50 lamps", 7),
+     ("three windows", 7), ("lamp at the wall", 7), ("white", 50), ("coincident", 7)],
+)  # fmt: skip
+def test_it_is_what_mitsubas_own_integrator_gives(case: Any, name: str, bounces: int) -> None:
+    from orusd_mitsuba.path_film import PathFilm
+
+    room, film = case(name)
+    request = RenderRequest(EYE, ("radiance",), *SIZE, samples=1, bounces=bounces)
+    theirs = PathFilm(room.built, room.camera(*SIZE, path=EYE), request, room.scene.origin)
+    found = passes(film)
+    assert_alike(found[:, :3].sum(axis=1), passes(theirs, seed=500)[:, 0])
+    np.testing.assert_allclose(found[:, :3].sum(axis=1), found[:, 3:].sum(axis=1), rtol=1e-4)
+    assert not film.broken.any()
+
+
+@pytest.fixture
+def plain(case: Any) -> Passes:
+    return passes(case("plain")[1], seed=300)
+
+
+@pytest.mark.parametrize("name", ["5 cm", "200 m", "far away", "zero area", "inverted"])
+def test_neither_size_nor_place_nor_winding_changes_what_is_seen(
+    case: Any, plain: Passes, name: str
+) -> None:
+    _, film = case(name)
+    found = passes(film)
+    assert_alike(found[:, :3].sum(axis=1), plain[:, :3].sum(axis=1))
+    assert not film.broken.any()
+
+
+def test_a_point_is_as_bright_as_the_lamp_of_its_flux(case: Any, plain: Passes) -> None:
+    """Lambert's point source: I cos cos / d^2, at the floor and the walls that it sees."""
+    from orusd_mitsuba.first_hits import first_hits
+    from orusd_mitsuba.ground_truth import GroundTruth
+    from orusd_mitsuba.rays import RayTracer
+
+    room, film = case("point lamp")
+    camera = room.camera(*SIZE, path=EYE)
+    hits = first_hits(room.scene, RayTracer(room.scene, room.built), camera, *SIZE)
+    truth = GroundTruth(room.scene, camera, hits)
+    place, normal, color = (
+        truth.channel(name).astype(np.float64) for name in ("position", "normal", "base_color")
+    )
+    way = np.array([-0.2, 0.1, 0.9]) - place
+    squared = (way**2).sum(axis=-1)
+    cosine = np.maximum((way * normal).sum(axis=-1), 0.0) / np.sqrt(squared)
+    intensity = 6e6 * 1e-6 * np.maximum(way[..., 2], 0.0) / np.sqrt(squared)
+    expected = color / np.pi * (intensity * cosine / squared)[..., None]
+    found = passes(film)[:, 1].mean(axis=0)
+    seen = (expected.min(axis=-1) > 0.02) & (found.min(axis=-1) > 0.0)
+    assert seen.mean() > 0.4
+    assert np.median(found[seen] / expected[seen]) == pytest.approx(1.0, abs=0.01)
+
+
+def test_black_walls_send_nothing_on(case: Any) -> None:
+    planes = passes(case("black")[1], count=2).mean(axis=0)
+    # The box alone is not black: what it sends to itself or by the walls is nothing.
+    assert planes[1].max() > 0.0 and planes[2].max() == 0.0
+
+
+def test_inside_a_closed_box_it_is_dark(case: Any) -> None:
+    assert passes(case("inside a sofa")[1], count=2).max() == 0.0
+
+
+def test_a_sun_leaves_the_lamp_its_own_picture(case: Any) -> None:
+    """1e9 nits beside 1: what is filed under the lamp is what it gives alone, in every digit."""
+    planes = passes(case("sun and lamp")[1])
+    lamp, window = planes[:, 3].mean(axis=0), planes[:, 4].mean(axis=0)
+    assert window.mean() > 1e3 * lamp.mean() > 0.0
+    spread = planes[:, 3].mean(axis=(1, 2, 3)).std(ddof=1) / planes[:, 3].mean()
+    assert spread < 0.2
+
+
+def test_the_wall_around_a_window_gets_nothing_from_it_at_once(case: Any) -> None:
+    room, film = case("window's plane")
+    planes = passes(film, count=2).mean(axis=0)
+    sky_seen = planes[0].mean(axis=-1) > 0.0
+    assert 0.05 < sky_seen.mean() < 0.95
+    # Whole pixels of the wall: none of their neighbours sees the sky or another wall.
+    assert planes[1][~sky_seen].max() >= 0.0
+    portal = room.scene.portals[0].world_from_portal
+    from orusd_mitsuba.first_hits import first_hits
+    from orusd_mitsuba.rays import RayTracer
+
+    camera = room.camera(*SIZE, path=EYE)
+    hits = first_hits(room.scene, RayTracer(room.scene, room.built), camera, *SIZE)
+    near = np.zeros(SIZE[0] * SIZE[1], dtype=bool)
+    near[hits.pixels] = np.abs((hits.position - portal[:3, 3]) @ portal[:3, 2]) < 1e-4
+    wall = near.reshape(SIZE[1], SIZE[0])
+    inner = wall.copy()
+    for axis, step in ((0, 1), (0, -1), (1, 1), (1, -1)):
+        inner &= np.roll(wall, step, axis)
+    inner[[0, -1]], inner[:, [0, -1]] = False, False
+    assert inner.sum() > 20
+    assert planes[1][inner].max() == 0.0

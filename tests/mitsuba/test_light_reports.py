@@ -1,0 +1,124 @@
+"""What a render says about its channels of light: errors, what was replaced, what cannot be had."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from openrooms_usd.channels import definition
+from openrooms_usd.render import RenderRequest
+from orusd_mitsuba import MitsubaRenderer, arriving, direct_light, light_film
+
+SIZE = {"width": 24, "height": 18, "grid": (6, 4)}
+# One of each kind of pass, and all that each gives.
+TAKES = {
+    "radiance": ("radiance", "emission", "direct", "indirect", "radiance_i"),
+    "irradiance": ("irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i"),
+    "direct light": ("direct_i", "unoccluded_i", "visibility_i"),
+    "environment": ("environment", "environment_direct"),
+}
+LIT = tuple(name for names in TAKES.values() for name in names)
+
+
+@pytest.fixture(scope="module")
+def session(half_hidden: Any, lit: Any) -> Any:
+    del lit
+    return MitsubaRenderer().open(half_hidden())
+
+
+def images(session: Any, *names: str, **how: Any) -> Any:
+    request = RenderRequest("/Camera", names, **(SIZE | {"samples": 32} | how))  # type: ignore[arg-type]
+    return session.render(request).images
+
+
+def distance(a: NDArray[Any], b: NDArray[Any], scale: NDArray[Any]) -> float:
+    """The mean squared difference by the conventions, relative to ``scale``."""
+    m, whole = scale.astype(np.float64), scale.mean(axis=(0, 1), dtype=np.float64)
+    wide = m**2 + 0.01 * whole**2
+    part = (a.astype(np.float64) - b) ** 2
+    return float(np.mean(np.divide(part, wide, out=np.zeros_like(part), where=wide > 0)))
+
+
+def lights_of(name: str, found: Any) -> list[str]:
+    return [single for single in found if definition(single).name == name]
+
+
+@pytest.fixture(scope="module")
+def renders(session: Any) -> list[Any]:
+    names = tuple(name for name in LIT if name not in TAKES["environment"])
+    few = [images(session, *names, samples=64, seed=seed) for seed in range(6)]
+    cells = [images(session, *TAKES["environment"], samples=256, seed=seed) for seed in range(6)]
+    return [a | b for a, b in zip(few, cells, strict=True)]
+
+
+@pytest.fixture(scope="module")
+def truth(session: Any) -> Any:
+    names = tuple(name for name in LIT if name not in TAKES["environment"])
+    many = images(session, *names, samples=640, seed=77)
+    return many | images(session, *TAKES["environment"], samples=2560, seed=77)
+
+
+# Of emission the edges of lamps are all there is: what hardly ever meets one has no estimate.
+@pytest.mark.parametrize("name", [name for name in LIT if name != "emission"])
+def test_the_estimated_error_is_the_error_that_was_made(
+    renders: list[Any], truth: Any, name: str
+) -> None:
+    """On the mean over some renders, for every light."""
+    for single in lights_of(name, truth):
+        exact = truth[single].pixels
+        # The reference has ten times the samples, and its own tenth of the error.
+        said = np.mean([found[single].error for found in renders]) + truth[single].error
+        made = np.mean([distance(found[single].pixels, exact, exact) for found in renders])
+        if single.endswith("_2"):  # Nothing comes in from elsewhere.
+            assert said == made == 0.0
+        else:
+            # In errors, not their squares: within a quarter.
+            assert 0.56 * made - 1e-9 <= said <= 1.56 * made + 1e-9, (single, said, made)
+
+
+def test_cutting_a_render_into_passes_and_bands_is_no_more_than_another_noise(
+    session: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = images(session, *LIT, samples=32)
+    monkeypatch.setattr(light_film, "_PATHS", 24 * 10)
+    monkeypatch.setattr(direct_light, "_PATHS", 24 * 10)
+    monkeypatch.setattr(arriving, "_PATHS", 512 * 16)
+    cut = images(session, *LIT, samples=32, seed=5)
+    for name, image in whole.items():
+        other = cut[name]
+        assert other.samples == image.samples
+        mean = 0.5 * (image.pixels + other.pixels)
+        made, said = distance(image.pixels, other.pixels, mean), image.error + other.error
+        # What a few pixels at edges decide is known to a factor.
+        assert made <= 5.0 * said + 1e-3, (name, said, made)
+        apart = (image.pixels - other.pixels).astype(np.float64).mean(axis=-1)
+        assert abs(apart.mean()) <= 5.0 * apart.std() / np.sqrt(apart.size), name
+
+
+@pytest.fixture
+def one_thread() -> Iterator[None]:
+    import drjit as dr
+
+    before = dr.thread_count()
+    dr.set_thread_count(1)
+    yield
+    dr.set_thread_count(before)
+
+
+def test_equal_seeds_give_equal_bits_of_every_channel_on_any_number_of_threads(
+    half_hidden: Any, session: Any, request: pytest.FixtureRequest
+) -> None:
+    first = images(session, *LIT)
+    request.getfixturevalue("one_thread")
+    again = MitsubaRenderer().open(half_hidden())
+    for names in TAKES.values():
+        for name, image in images(again, *names).items():
+            assert image.pixels.tobytes() == first[name].pixels.tobytes(), name
+    other = images(session, *LIT, seed=1)
+    assert all(
+        (other[name].pixels != image.pixels).any()
+        for name, image in first.items()
+        if not name.endswith("_2")
+    )

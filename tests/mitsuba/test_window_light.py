@@ -1,0 +1,140 @@
+"""What an opening sees of the surroundings: flux, panorama and the three lobes."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from openrooms_usd.library.sky import Air, daylight, sun_direction
+from openrooms_usd.library.solar import SunPosition
+from openrooms_usd.render.lights import Gaussian
+from openrooms_usd.usd.portals import Portal
+
+Array = NDArray[np.float64]
+# The picture's upper edge is the world's up, its middle looks along -Y.
+DOME = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], dtype=np.float64)
+SUN = SunPosition(azimuth=150.0, elevation=35.0, apparent=35.0, distance=1.0)
+
+
+def portal(outwards: tuple[float, float, float] = (0.0, -1.0, 0.0)) -> Portal:
+    z = np.array(outwards)
+    x = np.cross([0.0, 0.0, 1.0], z)
+    world = np.eye(4)
+    world[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    return Portal("/Portal", world, 1.0, 1.0)
+
+
+def around(pixels: Any, suns: tuple[Any, ...] = ()) -> Any:
+    from orusd_mitsuba.lamps import _pole_to_pole
+    from orusd_mitsuba.scene import Environment
+    from orusd_mitsuba.window_light import surroundings
+
+    whole = _pole_to_pole(pixels.astype(np.float32)) if len(pixels) > 1 else pixels
+    return surroundings(SimpleNamespace(environment=Environment(whole, DOME), suns=suns))  # type: ignore[arg-type]
+
+
+def lux(lobes: tuple[Gaussian, ...], outwards: Array) -> Array:
+    """What lobes send through a plane, by plain integration; sharp ones by their flux."""
+    from orusd_mitsuba.window_light import latlong
+
+    ways, weights = latlong(128)
+    total = np.zeros(3)
+    for lobe in lobes:
+        if lobe.sharpness > 1e4:
+            flux = 2.0 * np.pi / lobe.sharpness * lobe.amplitude
+            total += flux * max(0.0, float(lobe.axis @ outwards))
+        else:
+            shape = np.exp(lobe.sharpness * (ways @ lobe.axis - 1.0))
+            total += lobe.amplitude * float(
+                (shape * np.maximum(ways @ outwards, 0.0) * weights).sum()
+            )
+    return total
+
+
+def test_an_even_sky_sends_pi_l_through_every_window() -> None:
+    from orusd_mitsuba.window_light import passing
+
+    sky = around(np.full((1, 1, 3), 7.0))
+    for outwards in np.eye(3):
+        np.testing.assert_allclose(passing(sky, outwards), 7.0 * np.pi, rtol=5e-3)
+
+
+def test_a_panorama_has_the_flux_of_the_sky_and_the_sun_in_its_place() -> None:
+    from orusd_mitsuba.window_light import latlong, panorama, passing
+
+    sky = around(daylight(SUN, Air(), height=360))
+    window = portal()
+    outwards = window.world_from_portal[:3, 2]
+    for height in (64, 256):
+        found = panorama(sky, window, height).astype(np.float64)
+        ways, weights = latlong(height)
+        assert found.shape == (height, 2 * height, 3)
+        assert not found[ways @ outwards <= 0.0].any()
+        cosine = np.maximum(ways @ outwards, 0.0) * weights
+        np.testing.assert_allclose(
+            np.einsum("hw,hwc->c", cosine, found), passing(sky, outwards), rtol=0.02
+        )
+        brightest = np.unravel_index(int(found.sum(axis=2).argmax()), found.shape[:2])
+        assert ways[brightest] @ sun_direction(SUN, 0.0) > np.cos(np.pi / height)
+
+
+def test_parallel_light_comes_in_whole_and_only_from_its_side() -> None:
+    from orusd_mitsuba.scene import Sun
+    from orusd_mitsuba.window_fit import fit
+    from orusd_mitsuba.window_light import latlong, panorama, passing
+
+    way = np.array([0.0, -0.8, 0.6])
+    sky = around(np.ones((1, 1, 3)), (Sun(-way, np.array([100.0, 90.0, 80.0])),))
+    front, back = portal(), portal((0.0, 1.0, 0.0))
+    extra = passing(sky, np.array([0.0, -1.0, 0.0])) - passing(sky, np.array([0.0, 1.0, 0.0]))
+    np.testing.assert_allclose(extra, 0.8 * np.array([100.0, 90.0, 80.0]), rtol=1e-3)
+    _, weights = latlong(64)
+    excess = (panorama(sky, front, 64) - 1.0) * weights[..., None]
+    np.testing.assert_allclose(excess.max(axis=(0, 1)), [100.0, 90.0, 80.0], rtol=1e-3)
+    assert panorama(sky, back, 64).max() < 1.01
+    assert [lobe.name for lobe in fit(sky, front)[0]] == ["sun", "sky", "ground"]
+    assert [lobe.name for lobe in fit(sky, back)[0]] == ["sky", "ground"]
+
+
+def test_three_lobes_keep_the_sun_and_what_comes_in() -> None:
+    from orusd_mitsuba.window_fit import fit
+    from orusd_mitsuba.window_light import passing
+
+    sky = around(daylight(SUN, Air(), height=360))
+    outwards = portal().world_from_portal[:3, 2]
+    lobes, error = fit(sky, portal())
+    assert [lobe.name for lobe in lobes] == ["sun", "sky", "ground"]
+    assert lobes[0].axis @ sun_direction(SUN, 0.0) > np.cos(np.radians(0.2))
+    np.testing.assert_allclose(lux(lobes, outwards), passing(sky, outwards), rtol=0.03)
+    assert error < 0.45
+    assert all((lobe.amplitude >= 0.0).all() for lobe in lobes)
+    assert lobes[1].axis[2] >= 0.0 >= lobes[2].axis[2]
+
+
+def test_two_lobes_are_found_again() -> None:
+    from orusd_mitsuba.window_fit import fit
+    from orusd_mitsuba.window_light import latlong
+
+    ways, _ = latlong(128)
+    true = (
+        Gaussian("sky", np.array([3.0, 4.0, 5.0]), np.array([0.6, -0.64, 0.48]), 3.0),
+        Gaussian("ground", np.array([2.0, 1.5, 1.0]), np.array([-0.48, -0.64, -0.6]), 1.5),
+    )
+    pixels = sum(
+        lobe.amplitude * np.exp(lobe.sharpness * (ways @ lobe.axis - 1.0))[..., None]
+        for lobe in true
+    )
+    lobes, error = fit(around(np.asarray(pixels)), portal())
+    assert error < 0.01
+    for found, wanted in zip(lobes, true, strict=True):
+        assert found.axis @ wanted.axis > np.cos(np.radians(1.0))
+        assert found.sharpness == pytest.approx(wanted.sharpness, rel=0.03)
+        np.testing.assert_allclose(found.amplitude, wanted.amplitude, rtol=0.03)
+
+
+def test_a_black_sky_has_no_lobes() -> None:
+    from orusd_mitsuba.window_fit import fit
+
+    assert fit(around(np.zeros((1, 1, 3))), portal()) == ((), 0.0)
