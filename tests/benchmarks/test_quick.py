@@ -131,3 +131,20 @@ def test_the_hall_has_as_many_objects_as_asked_for(monkeypatch, tmp_path):
     room = load_room(tmp_path / "room.yaml")
     places = {item.at for item in room.alignment.objects}
     assert len(places) == 37
+
+
+def test_light(tmp_path):
+    pytest.importorskip("mitsuba")
+    from orusd_mitsuba import variants
+
+    if variants.choose("auto").variant == "scalar_rgb":
+        pytest.skip("no vectorized backend works here")
+    sections = ("--section", "radiance", "--section", "environment", "--section", "hard")
+    said, data = run("light", tmp_path / "l.json", *sections)
+    errors = {row["estimator"]: row["relative MSE"] for row in data["radiance"]}
+    assert errors.keys() == {"path", "path, tuned", "ours"}
+    assert all(0 < error < 1 for error in errors.values())
+    both, _, alone, _ = (row["relative MSE"] for row in data["environment"])
+    assert both < alone
+    assert all(row["finite"] == "yes" and not row["replaced pixels"] for row in data["hard"])
+    assert "to path" in said
