@@ -50,6 +50,7 @@ def assert_adds_up(view: RenderedView) -> None:
     assert not one["diffuse"][nothing].any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), [("bedroom", 12), ("kitchen", 16), ("office", 19)])
 def test_light_that_was_taken_apart_adds_up(
     kind: str, seed: int, generated: Callable[[str, int], Path], tmp_path: Path, fastest: str
