@@ -157,24 +157,21 @@ def render_stage(
         entry["friction"] = friction.entry()
     run = Run(out, entry, session.report, session.lights)
     run.timing |= {"machine": manifest.machine_entry(session.backend), "translation": translation}
-    try:
-        for index, (name, camera) in enumerate(views.items()):
-            part = _part(progress, name, index, len(views))
-            began = time.perf_counter()
-            view = session.render(replace(request, camera=camera), part)
-            took = time.perf_counter() - began
-            if Shading.makes(asked):
-                view = Shading.complete(view, each(before_shading, lights))
-            if friction:
-                view = friction.complete(view, each(before_friction, lights))
-            if denoiser:
-                view = denoiser.complete(view, each(asked, lights))
-            if not error_maps:
-                view = _without_halves(view)
-            shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
-            run.add(name, view, listed, took, shown)
-    finally:
-        run.finish()
+    for index, (name, camera) in enumerate(views.items()):
+        part = _part(progress, name, index, len(views))
+        began = time.perf_counter()
+        view = session.render(replace(request, camera=camera), part)
+        took = time.perf_counter() - began
+        if Shading.makes(asked):
+            view = Shading.complete(view, each(before_shading, lights))
+        if friction:
+            view = friction.complete(view, each(before_friction, lights))
+        if denoiser:
+            view = denoiser.complete(view, each(asked, lights))
+        if not error_maps:
+            view = _without_halves(view)
+        shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
+        run.add(name, view, listed, took, shown)
     return RenderSummary(out, run.manifest, run.timing, session.advice)
 
 

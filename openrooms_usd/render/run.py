@@ -108,8 +108,10 @@ class Run:
                 self._write_openings(lists)
             manifest.write_json(lists / folder.MANIFEST, listed)
             manifest.write_json(lists / folder.TIMING, timed)
-            self._rows[name] = sheet.tiles(name, previews)
-            self.manifest, self.timing = listed, timed
+            rows = {**self._rows, name: sheet.tiles(name, previews)}
+            if len(rows) <= sheet.MOST_VIEWS:
+                sheet.write_sheet(lists / folder.SHEET, list(rows.values()))
+            self._rows, self.manifest, self.timing = rows, listed, timed
         folder.remove_views(self._out, self._earlier - listed["views"].keys())
 
     def _write_openings(self, target: Path) -> None:
@@ -119,17 +121,6 @@ class Run:
                 path = target / folder.opening_file(light.name)
                 path.parent.mkdir(exist_ok=True)
                 exr.write_rgb(path, light.environment)
-
-    def finish(self) -> None:
-        """Write the contact sheet of the views that were finished.
-
-        Those are in the manifest on disk: an interruption may come while a view appears.
-        """
-        there = folder.listed_views(self._out)
-        entries = self.manifest["views"]
-        rows = [row for name, row in self._rows.items() if there.get(name) == entries[name]]
-        if rows:
-            sheet.write_sheet(self._out / folder.SHEET, rows[: sheet.MOST_VIEWS])
 
 
 def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:

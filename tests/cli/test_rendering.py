@@ -170,7 +170,11 @@ def test_ctrl_c_in_a_real_process(ball, tmp_path):
     out = tmp_path / "out"
     options = ["--variant", "scalar", "--resolution", "64x48", "--time", "2"]
     command = [sys.executable, "-c", MAIN, "render", str(ball), "-o", str(out)]
-    process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [*command, *options], stderr=subprocess.PIPE, text=True,
+        # A shell's background jobs ignore Ctrl-C, and so would what they start.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
     while not (out / "manifest.json").exists() and process.poll() is None:
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
