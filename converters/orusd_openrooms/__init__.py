@@ -3,8 +3,8 @@
 ``dataset`` is the story of a conversion. What writes: ``layout`` (where every file lies), ``frame``
 (a view on its way), ``framefiles`` and ``lightfiles`` (tables of what each file is made of),
 ``cameras``, ``lights`` and ``unoccluded``, and the forms ``rgbe``, ``images``, ``binary``,
-``environments``, ``fits`` and ``pickles``. What reads is ``readers``, with ``unpickling`` and what
-is ``admitted`` there; they share no code with the writers.
+``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code with the
+writers, and opens pickles by the core's ``unpickling``.
 """
 
 from orusd_openrooms.dataset import OpenRoomsDataset

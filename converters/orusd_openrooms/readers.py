@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError, MissingPackageError
-from orusd_openrooms.unpickling import read_pickled
+from openrooms_usd.unpickling import read_pickled
 
 Floats = NDArray[np.float32]
 

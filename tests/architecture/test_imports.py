@@ -33,14 +33,25 @@ RANKS = (
     ("generate",),
     ("library",),
     ("usd",),
-    ("description", "geometry", "adapters", "atomic", "capture", "channels", "draws"),
+    (
+        "description",
+        "geometry",
+        "adapters",
+        "atomic",
+        "capture",
+        "channels",
+        "draws",
+        "scan",
+        "unpickling",
+    ),
     ("errors", "names"),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
-    "usd", "geometry", "channels", "capture", "render", "convert", "errors", "names", "atomic",
+    "usd", "geometry", "scan", "channels", "capture", "render", "convert", "errors", "names",
+    "atomic", "unpickling",
 }  # fmt: skip
 HEAVY = {"pxr", "mitsuba", "drjit", "trimesh", "scipy", "shapely", "OpenImageIO", "embreex"}
 # Imported by `orusd --help`; numpy is in because the description and the command line need none.

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.unpickling import read_pickled
 from orusd_openrooms.pickles import pickled
-from orusd_openrooms.unpickling import read_pickled
 
 
 class Calls:
@@ -146,7 +146,7 @@ def test_random_damage_is_refused_or_harmless(tmp_path: Path) -> None:
 def test_a_file_that_is_too_large_is_not_even_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("orusd_openrooms.unpickling.LARGEST", 10)
+    monkeypatch.setattr("openrooms_usd.unpickling.LARGEST", 10)
     (tmp_path / "box0.dat").write_bytes(pickled([1.0] * 9))
     with pytest.raises(InputError, match="more than"):
         read_pickled(tmp_path / "box0.dat")

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from openrooms_usd.unpickling import read_pickled, unpickled
 from orusd_openrooms.pickles import pickled, write_pickled
-from orusd_openrooms.unpickling import read_pickled, unpickled
 
 BOX: dict[str, Any] = {
     "isWindow": True,

@@ -13,7 +13,15 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd.errors import InputError
-from orusd_openrooms.admitted import CALLS, NAMES, Blank, Name, RefusedError, filled, ordered
+from openrooms_usd.unpickling.admitted import (
+    CALLS,
+    NAMES,
+    Blank,
+    Name,
+    RefusedError,
+    filled,
+    ordered,
+)
 
 LARGEST: Final = 16 * 1024 * 1024  # bytes: that of a light has a few hundred
 # Deeper nesting than any such file has; it keeps what follows from running out of stack.
