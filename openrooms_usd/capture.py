@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError
+from openrooms_usd.scan.cloud import Cloud
 
 Confidence = Literal["low", "medium", "high"]
 
@@ -134,6 +135,7 @@ class Capture:
         boxes: Objects known by their boxes.
         models: CAD models that were aligned to the capture.
         frames: The photographs whose cameras are known, in the order they were taken.
+        cloud: The scanned points.
         notes: What was dropped or guessed, one sentence each.
         remedy: What to do where the floor is missing.
     """
@@ -146,6 +148,7 @@ class Capture:
     boxes: tuple[CapturedBox, ...] = ()
     models: tuple[CapturedModel, ...] = ()
     frames: tuple[CapturedFrame, ...] = ()
+    cloud: Cloud | None = None
     notes: tuple[str, ...] = ()
     remedy: str = "scan the room again, so that its walls close"
 

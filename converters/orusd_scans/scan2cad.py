@@ -9,7 +9,7 @@ scan at inv(M_scan) M_cad. Both are T R S, with quaternions w, x, y, z. (Avetisy
 import json
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -60,6 +60,7 @@ class Scan2CadImporter:
         "models": "The folder of ShapeNetCore.v2; boxes take the place of CADs that it lacks.",
         "frames": "Poses of the photographs: ScanNet's exported folder, a .sens file or JSON.",
         "polygon": "The floor in the frame of the scan, in metres: JSON or CSV.",
+        "official_centre": "yes: take the CADs' centres off, as the official scorer (default no).",
     }
     paths = frozenset({"models", "frames", "polygon"})
 
@@ -75,16 +76,11 @@ class Scan2CadImporter:
         """
         entry, notes = _entry(source, options.get("scan")), list[str]()
         folder = Path(options["models"]) if "models" in options else None
-        aligned = _aligned(entry)
+        aligned = _aligned(entry, official(options, source))
         plan = read_plan(Path(options["polygon"]), "Z") if "polygon" in options else None
         frame = _frame(plan, aligned, notes)
         floor = floor_in(frame, plan, "Z") if plan else None
-        models = tuple(one.model(frame, folder) for one in aligned)
-        if missing := sorted({m.id.partition("_")[2] for m in models if m.file is None}):
-            notes.append(
-                f"{len(missing)} CAD models are not there (such as {missing[0]}): the library "
-                "fills their boxes"
-            )
+        models = _models(aligned, frame, folder, notes)
         frames = read_scannet_frames(Path(options["frames"]), notes) if "frames" in options else ()
         return Capture(
             source=source.name,
@@ -103,7 +99,7 @@ class Scan2CadImporter:
         entry = _entry(source, options.get("scan"))
         scan = _name(entry.need("id_scan"))
         contents: dict[str, bytes | Path] = {f"{scan}.json": _annotation(entry)}
-        kept: dict[str, str] = {}
+        kept = {name: options[name] for name in ("official_centre",) if name in options}
         if "models" in options:
             contents |= _packed_models(Path(options["models"]), _aligned(entry))
             kept["models"] = "models"
@@ -115,6 +111,59 @@ class Scan2CadImporter:
             found = read_scannet_frames(Path(options["frames"]), [])
             contents["frames.json"] = _json(as_plain(found))
         return Packed(f"{scan}.json", contents, kept)
+
+
+def read_aligned(
+    source: Path,
+    scan: str,
+    frame: WorldFrame,
+    folder: Path | None,
+    official_centre: bool,
+    notes: list[str],
+) -> tuple[CapturedModel, ...]:
+    """The CADs of one scan, in the world.
+
+    Args:
+        source: The annotations.
+        scan: Which scan.
+        frame: The way from the scan to the world.
+        folder: The folder of ShapeNetCore.v2.
+        official_centre: Whether the CADs' centres are taken off.
+        notes: Receives a sentence about CADs that are not there.
+
+    Raises:
+        InputError: The annotations cannot be read, hold nonsense, or lack the scan.
+    """
+    return _models(_aligned(_entry(source, scan), official_centre), frame, folder, notes)
+
+
+def official(options: Mapping[str, str], source: Path) -> bool:
+    """Whether the CADs' centres are taken off, as ``EvaluateBenchmark.py`` of Scan2CAD does.
+
+    The annotation's own transforms put the CADs where they fit the scan; the scorer's lie off by
+    the scaled centre, some centimetres.
+
+    Raises:
+        InputError: The option is neither yes nor no.
+    """
+    asked = options.get("official_centre", "no").lower()
+    if asked not in ("yes", "no", "true", "false"):
+        raise InputError(
+            f"official_centre is yes or no, not {asked[:20]!r}", place=source, remedy="give yes"
+        )
+    return asked in ("yes", "true")
+
+
+def _models(
+    aligned: list["_Aligned"], frame: WorldFrame, folder: Path | None, notes: list[str]
+) -> tuple[CapturedModel, ...]:
+    models = tuple(one.model(frame, folder) for one in aligned)
+    if missing := sorted({m.id.partition("_")[2] for m in models if m.file is None}):
+        notes.append(
+            f"{len(missing)} CAD models are not there (such as {missing[0]}): the library "
+            "fills their boxes"
+        )
+    return models
 
 
 def _annotation(entry: Node) -> bytes:
@@ -178,6 +227,12 @@ class _Aligned:
             front="+Y",
         )
 
+    def without_centre(self) -> "_Aligned":
+        """The same, with the middle of the CAD's box put into its origin first."""
+        moved = self.scan_from_model.copy()
+        moved[:3, 3] -= moved[:3, :3] @ self.center
+        return replace(self, scan_from_model=moved)
+
     def base(self) -> float:
         """Height of the lowest corner of its box in the scan."""
         reach = np.abs(self.scan_from_model[2, :3]) @ self.half
@@ -185,11 +240,12 @@ class _Aligned:
         return float(middle - reach)
 
 
-def _aligned(entry: Node) -> list[_Aligned]:
+def _aligned(entry: Node, official_centre: bool = False) -> list[_Aligned]:
     annotation_from_scan = _trs(entry.need("trs"))
     before: Counter[str] = Counter()
     nodes = entry.items("aligned_models")
-    return [_one(node, before, annotation_from_scan) for node in nodes]
+    found = [_one(node, before, annotation_from_scan) for node in nodes]
+    return [one.without_centre() for one in found] if official_centre else found
 
 
 def _one(node: Node, before: Counter[str], annotation_from_scan: Array) -> _Aligned:

@@ -5,11 +5,9 @@ Only numbers are read: pictures are neither decoded nor copied. Poses take point
 pixels from the centre of the first one, so half a pixel is added to its principal points.
 """
 
-import os
-import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,15 +16,12 @@ from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.errors import InputError
 from orusd_scans.frames import intrinsics, read_frames
 from orusd_scans.jsonfile import Node
+from orusd_scans.sens import Sens
 from orusd_scans.worldframe import rigid
 
 Array = NDArray[np.float64]
 
-_VERSION: Final = 4
-_MOST_FRAMES: Final = 1_000_000
-_LONGEST_NAME: Final = 4096
 _LARGEST_TEXT: Final = 65_536  # bytes of a file with one matrix
-_SIDE: Final = 32_768  # pixels
 _PICTURES: Final = (".jpg", ".jpeg", ".png")
 _REMEDY: Final = "give a .sens file, a folder that the SensReader exported, or a frames JSON"
 
@@ -57,7 +52,9 @@ def read_scannet_frames(source: Path, notes: list[str]) -> tuple[CapturedFrame, 
         raise InputError("no frames can be read from this", place=source, remedy=_REMEDY)
     try:
         with file.open("rb") as stream:
-            return _Sens(stream, file).frames(notes)
+            sens = Sens(stream, file)
+            K = centred(sens.color_intrinsics())
+            return posed(sens.poses(), K, sens.color_size, {}, notes)
     except OSError as error:
         raise InputError(
             f"cannot read it: {error.strerror or error}", place=file, remedy="check the path"
@@ -65,7 +62,7 @@ def read_scannet_frames(source: Path, notes: list[str]) -> tuple[CapturedFrame, 
 
 
 def _exported(folder: Path, notes: list[str]) -> tuple[CapturedFrame, ...]:
-    K = _centred(intrinsics(Node(_square(folder / "intrinsic/intrinsic_color.txt", 3), folder)))
+    K = centred(intrinsics(Node(_square(folder / "intrinsic/intrinsic_color.txt", 3), folder)))
     poses = {int(path.stem): path for path in folder.glob("pose/*.txt") if path.stem.isdecimal()}
     if not poses:
         raise InputError("no pose/N.txt is here", place=folder, remedy=_REMEDY)
@@ -75,8 +72,8 @@ def _exported(folder: Path, notes: list[str]) -> tuple[CapturedFrame, ...]:
         if path.stem.isdecimal() and path.suffix.lower() in _PICTURES
     }
     resolution = _resolution(folder, pictures)
-    return _posed(
-        ((n, Node(_matrix(path, 4).tolist(), path)) for n, path in sorted(poses.items())),
+    return posed(
+        ((n, Node(matrix(path, 4).tolist(), path)) for n, path in sorted(poses.items())),
         K,
         resolution,
         {n: f"color/{name}" for n, name in pictures.items()},
@@ -84,7 +81,7 @@ def _exported(folder: Path, notes: list[str]) -> tuple[CapturedFrame, ...]:
     )
 
 
-def _posed(
+def posed(
     poses: Iterator[tuple[int, Node]],
     K: Array,
     resolution: tuple[int, int],
@@ -103,18 +100,18 @@ def _posed(
     return tuple(found)
 
 
-def _centred(K: Array) -> Array:
+def centred(K: Array) -> Array:
     """Intrinsics of pixels that are counted from the corner of the first, not from its centre."""
     half = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]])
     return np.asarray(K + half, dtype=np.float64)
 
 
 def _square(path: Path, size: int) -> list[list[float]]:
-    corner: list[list[float]] = _matrix(path, 4)[:size, :size].tolist()
+    corner: list[list[float]] = matrix(path, 4)[:size, :size].tolist()
     return corner
 
 
-def _matrix(path: Path, size: int) -> Array:
+def matrix(path: Path, size: int) -> Array:
     """A square matrix in a text file."""
     try:
         if path.stat().st_size > _LARGEST_TEXT:
@@ -141,7 +138,7 @@ def _resolution(folder: Path, pictures: dict[int, str]) -> tuple[int, int]:
         OpenImageIO.geterror()
     for path in (folder / f"{folder.resolve().name}.txt", folder / "_info.txt"):
         if path.is_file():
-            found = _settings(path)
+            found = settings(path)
             sizes = [found.get(k) or found.get(f"m_{k}") for k in ("colorWidth", "colorHeight")]
             if all(size and size.isdigit() for size in sizes):
                 return int(sizes[0] or 0), int(sizes[1] or 0)
@@ -152,63 +149,8 @@ def _resolution(folder: Path, pictures: dict[int, str]) -> tuple[int, int]:
     )
 
 
-def _settings(path: Path) -> dict[str, str]:
+def settings(path: Path) -> dict[str, str]:
     """The ``key = value`` lines of a file."""
     text = path.read_text("utf-8", "replace")[:_LARGEST_TEXT]
     pairs = (line.partition("=") for line in text.splitlines())
     return {key.strip(): value.strip() for key, _, value in pairs}
-
-
-class _Sens:
-    """A ``.sens`` file, version 4, that is read from its beginning; blobs are skipped."""
-
-    def __init__(self, stream: BinaryIO, path: Path) -> None:
-        self._stream = stream
-        self._path = path
-        self._size = os.fstat(stream.fileno()).st_size
-
-    def frames(self, notes: list[str]) -> tuple[CapturedFrame, ...]:
-        """All frames that have a pose.
-
-        Raises:
-            InputError: It is cut off, of another version, or holds nonsense.
-        """
-        (version,) = self._unpack("<I")
-        if version != _VERSION:
-            raise self._error(f"its version is {version}, not {_VERSION}")
-        (length,) = self._unpack("<Q")
-        self._skip(length, _LONGEST_NAME)
-        matrices = np.array(self._unpack("<64f"), dtype=np.float64).reshape(4, 4, 4)
-        self._unpack("<2i")  # how the pictures are compressed
-        width, height, *_ = self._unpack("<4I")
-        self._unpack("<f")  # the depth's unit
-        if not (0 < width <= _SIDE and 0 < height <= _SIDE):
-            raise self._error(f"pictures of {width}x{height} pixels make no sense")
-        K = _centred(intrinsics(Node(matrices[0, :3, :3].tolist(), self._path, "intrinsic_color")))
-        return _posed(self._poses(), K, (width, height), {}, notes)
-
-    def _poses(self) -> Iterator[tuple[int, Node]]:
-        (count,) = self._unpack("<Q")
-        if count > _MOST_FRAMES:
-            raise self._error(f"it says that it holds {count:,} frames")
-        for number in range(count):
-            pose = np.array(self._unpack("<16f"), dtype=np.float64).reshape(4, 4)
-            _, _, color, depth = self._unpack("<4Q")
-            self._skip(color, self._size)
-            self._skip(depth, self._size)
-            yield number, Node(pose.tolist(), self._path, f"frame {number}")
-
-    def _unpack(self, layout: str) -> tuple[int, ...]:
-        data = self._stream.read(struct.calcsize(layout))
-        if len(data) < struct.calcsize(layout):
-            raise self._error("it ends too early")
-        return struct.unpack(layout, data)
-
-    def _skip(self, length: int, most: int) -> None:
-        """Pass over bytes that must be there."""
-        if length > most or self._stream.tell() + length > self._size:
-            raise self._error("it ends too early, or a length in it is wrong")
-        self._stream.seek(length, os.SEEK_CUR)
-
-    def _error(self, message: str) -> InputError:
-        return InputError(message, place=self._path, remedy="download the .sens file again")

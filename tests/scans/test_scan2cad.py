@@ -86,6 +86,21 @@ def test_a_cad_lies_in_the_scan_at_the_inverse_of_the_scan_times_its_own(tmp_pat
     assert capture.models[0].file is None
 
 
+def test_the_official_centre_is_taken_off_on_request_only(tmp_path: Path) -> None:
+    source, floor = write(tmp_path, [annotation()]), polygon(tmp_path)
+    plain = read(source, polygon=floor)
+    assert (
+        read(source, polygon=floor, official_centre="no").models[0].world_from_model
+        == plain.models[0].world_from_model
+    ).all()
+    official = read(source, polygon=floor, official_centre="yes")
+    for a, b in zip(plain.models, official.models, strict=True):
+        middle = a.world_from_model @ [0.0, 0.0, 0.0, 1.0]
+        assert b.world_from_model @ [*b.center, 1.0] == pytest.approx(middle)
+    with pytest.raises(InputError, match="yes or no"):
+        read(source, polygon=floor, official_centre="maybe")
+
+
 def test_the_world_stands_on_the_polygon(tmp_path: Path) -> None:
     opening = {
         "kind": "door",

@@ -1,0 +1,213 @@
+"""A plain point cloud or mesh becomes a Capture: PLY, PCD, OBJ, GLB, LAS, E57, text and NPZ."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.thinning import clean
+from orusd_scans.frames import in_world, read_frames
+from orusd_scans.laser import read_e57, read_las
+from orusd_scans.meshfile import read_mesh
+from orusd_scans.pcd import read_pcd
+from orusd_scans.ply import read_ply
+from orusd_scans.pointtext import read_npz, read_text
+from orusd_scans.scanned import Scanned
+from orusd_scans.surfaces import as_cloud
+from orusd_scans.worldframe import Z_UP, WorldFrame
+
+Array = NDArray[np.float64]
+
+READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
+    ".ply": read_ply,
+    ".pcd": read_pcd,
+    ".obj": read_mesh,
+    ".glb": read_mesh,
+    ".stl": read_mesh,
+    ".off": read_mesh,
+    ".las": read_las,
+    ".laz": read_las,
+    ".e57": read_e57,
+    ".xyz": read_text,
+    ".txt": read_text,
+    ".pts": read_text,
+    ".asc": read_text,
+    ".csv": read_text,
+    ".npz": read_npz,
+}
+UNITS: Final = {"m": 1.0, "mm": 0.001}
+UNDETERMINED: Final = (
+    "a scan says nothing of its floor: let it be found, by `layout: {from: scan, scan: FILE}`"
+)
+# Scans of rooms are smaller than this in metres, and larger in millimetres.
+_LARGEST_SITE: Final = 250.0
+# The part of the points whose extent counts: outliers do not.
+_WITHIN: Final = (1.0, 99.0)
+_SAMPLE: Final = 100_000
+# What is farther than this from the source's origin is moved to an origin of its own, metres.
+_FAR: Final = 1000.0
+
+
+class ScanImporter:
+    """Reads point clouds and meshes by the ending of their names."""
+
+    options: Mapping[str, str] = {
+        "unit": "The unit of the coordinates: m, mm, or auto: guessed by their extent (default m).",
+        "up": "The direction that is up, as x,y,z or an axis (default z; y for GLB).",
+        "frames": "A JSON file with the cameras of photographs.",
+    }
+    paths = frozenset({"frames"})
+
+    def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
+        """Read a point cloud or a mesh.
+
+        Args:
+            source: The file.
+            options: See `options`.
+
+        Raises:
+            InputError: It is missing, of an unknown kind, or holds nonsense; names the place.
+            MissingPackageError: Its kind needs a package that is not installed.
+        """
+        scanned = read_scanned(source)
+        notes = list(scanned.notes)
+        unit = unit_of(scanned.cloud, options.get("unit", "m"), source, notes)
+        frame = _frame(scanned, unit, options.get("up"), source)
+        frames: tuple[CapturedFrame, ...] = ()
+        if "frames" in options:
+            frames = in_world(read_frames(Path(options["frames"])), frame, notes)
+        return Capture(
+            source=source.name,
+            source_from_world=frame.source_from_world(),
+            frames=frames,
+            cloud=with_eyes(cloud_in(frame, scanned, source, notes), frames),
+            notes=tuple(notes),
+            remedy=UNDETERMINED,
+        )
+
+
+def read_scanned(source: Path) -> Scanned:
+    """Read a point cloud or a mesh in its own frame and unit.
+
+    Raises:
+        InputError: It is missing, of an unknown kind, or holds nonsense.
+    """
+    reader = READERS.get(source.suffix.lower())
+    if reader is None:
+        raise InputError(
+            f"files that end in {source.suffix!r} are no scans that can be read",
+            place=source,
+            remedy=f"known are: {', '.join(READERS)}",
+        )
+    return reader(source)
+
+
+def cloud_in(frame: WorldFrame, scanned: Scanned, source: Path, notes: list[str]) -> Cloud:
+    """The points in the world, metres: surfaces become points, broken ones are dropped.
+
+    Args:
+        frame: The way to the world.
+        scanned: What was read.
+        source: The file, for messages.
+        notes: Receives a sentence for what was dropped.
+
+    Raises:
+        InputError: No point is left.
+    """
+    given = scanned.cloud
+    cloud = replace(
+        given,
+        points=frame.points(given.points),
+        normals=None if given.normals is None else (given.normals @ frame.rotation.T).astype("f4"),
+        eyes=None if given.eyes is None else frame.points(given.eyes),
+    )
+    if scanned.faces is not None:
+        cloud, told = as_cloud(cloud, scanned.faces)
+        notes.extend(told)
+    cloud, dropped = clean(cloud)
+    notes.extend(dropped.notes())
+    if len(cloud) == 0:
+        raise InputError("no point has finite coordinates", place=source)
+    return cloud
+
+
+def with_eyes(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Cloud:
+    """A cloud that was seen from its photographs, where nothing better is known."""
+    if cloud.eyes is not None or not frames:
+        return cloud
+    return replace(cloud, eyes=np.array([frame.world_from_camera[:3, 3] for frame in frames]))
+
+
+def unit_of(cloud: Cloud, asked: str, source: Path, notes: list[str]) -> float:
+    """Metres for one unit of the source.
+
+    Raises:
+        InputError: The unit is not known.
+    """
+    if asked not in (*UNITS, "auto"):
+        raise InputError(
+            f"the unit {asked[:20]!r} is not known", place=source, remedy="give m, mm or auto"
+        )
+    low, high = _range(cloud.points)
+    extent = float((high - low).max())
+    large = extent > _LARGEST_SITE
+    if asked == "auto":
+        chosen = "mm" if large else "m"
+        notes.append(f"the scan is {extent:.4g} units wide: {chosen} is taken for their unit")
+        return UNITS[chosen]
+    if asked == "m" and large:
+        notes.append(f"the scan is {extent:.4g} m wide: are these millimetres (unit: mm)?")
+    return UNITS[asked]
+
+
+def _frame(scanned: Scanned, unit: float, up: str | None, source: Path) -> WorldFrame:
+    """The source's own axes, upright; its own origin unless that is far away."""
+    rotation = Z_UP[scanned.up] if up is None else upright(up, source)
+    low, high = _range(scanned.cloud.points)
+    middle = 0.5 * (low + high)
+    far = unit * float(np.abs(middle).max()) > _FAR
+    return WorldFrame(rotation, np.floor(middle) if far else np.zeros(3), unit)
+
+
+def _range(points: Array) -> tuple[Array, Array]:
+    """(3,) between what most coordinates lie."""
+    some = points[:: max(len(points) // _SAMPLE, 1)]
+    some = some[np.isfinite(some).all(axis=1)]
+    if len(some) == 0:
+        return np.zeros(3), np.zeros(3)
+    low, high = np.percentile(some, _WITHIN, axis=0)
+    return low, high
+
+
+def upright(up: str, source: Path) -> Array:
+    """(3, 3) the least rotation that turns a direction up.
+
+    Args:
+        up: Three numbers with commas between them, or x, y or z.
+        source: The file, for messages.
+
+    Raises:
+        InputError: It is no direction.
+    """
+    axes = {"x": "1,0,0", "y": "0,1,0", "z": "0,0,1"}
+    try:
+        vector = np.array([float(word) for word in axes.get(up.lower(), up).split(",")])
+    except ValueError:
+        vector = np.zeros(0)
+    length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
+    if not 0.0 < length < np.inf:
+        raise InputError(
+            f"the direction {up[:40]!r} is none", place=source, remedy="give up as 0,0,1 or as z"
+        )
+    x, y, z = vector / length
+    if z < -1.0 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    # Rodrigues' formula for the rotation about up x z.
+    cross = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
+    return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + z))

@@ -1,0 +1,116 @@
+"""Points as text (XYZ, PTS, CSV), and as the arrays of an NPZ file."""
+
+import re
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orusd_scans.scanned import MOST_POINTS, Scanned, broken, cloud_of, opened, table
+
+# What columns without a header mean, by their number; more are passed over.
+_BY_WIDTH: Final[dict[int, tuple[str, ...]]] = {
+    3: ("x", "y", "z"),
+    4: ("x", "y", "z", "intensity"),
+    6: ("x", "y", "z", "red", "green", "blue"),
+    7: ("x", "y", "z", "intensity", "red", "green", "blue"),
+}
+_NORMALS: Final = ("x", "y", "z", "nx", "ny", "nz")
+_LONGEST_LINE: Final = 1 << 16
+_UNIT: Final = 1e-2
+# Arrays of an NPZ file that are (N, 3), and what their columns are.
+_TRIPLES: Final = {
+    "points": ("x", "y", "z"),
+    "xyz": ("x", "y", "z"),
+    "pc": ("x", "y", "z"),
+    "normals": ("nx", "ny", "nz"),
+    "colors": ("red", "green", "blue"),
+}
+_SINGLES: Final = ("label", "instance", "confidence")
+_MOST_BYTES: Final = 64 * MOST_POINTS
+
+
+def read_text(path: Path) -> Scanned:
+    """Read one point a line: numbers between spaces, commas or semicolons.
+
+    A first line of words names the columns. Without one, three columns are x, y and z, four have an
+    intensity, and six a colour, or a normal where those numbers have unit length; a first line with
+    a single number is the count of points that PTS files begin with.
+
+    Raises:
+        InputError: It is no such table.
+    """
+    with opened(path) as stream:
+        first = stream.readline(_LONGEST_LINE).decode("latin-1").strip().lstrip("#/ ")
+        words = re.split(r"[\s,;]+", first)
+        named = not _is_number(words[0])
+        if not named and len(words) > 1:
+            stream.seek(0)
+        values = table((re.sub(rb"[,;]", b" ", line) for line in stream), path)
+    if len(values) == 0:
+        raise broken(path, "it holds no points")
+    names = tuple(word.strip('"').lower() for word in words) if named else _names(values, path)
+    if len(names) > values.shape[1]:
+        raise broken(path, f"{len(names)} columns are named, but {values.shape[1]} are there")
+    notes: list[str] = []
+    columns = {name: values[:, i] for i, name in enumerate(names)}
+    return Scanned(cloud_of(columns, path, notes), notes=tuple(notes))
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _names(values: NDArray[np.float64], path: Path) -> tuple[str, ...]:
+    width = values.shape[1]
+    if width < 3:
+        raise broken(path, f"{width} columns are no points", "give x, y and z in each line")
+    names = _BY_WIDTH.get(width, _BY_WIDTH[3])
+    if width == 6 and (np.abs(np.linalg.norm(values[:, 3:], axis=1) - 1.0) < _UNIT).all():
+        return _NORMALS
+    return names
+
+
+def read_npz(path: Path) -> Scanned:
+    """Read the arrays ``points``, ``normals``, ``colors`` (N, 3), ``label`` and ``instance`` (N,).
+
+    Raises:
+        InputError: It is no NPZ file, holds objects, or its arrays do not fit each other.
+    """
+    with opened(path) as stream:
+        try:
+            with zipfile.ZipFile(stream) as archive:
+                if sum(info.file_size for info in archive.infolist()) > _MOST_BYTES:
+                    raise broken(path, "its arrays are too large for a scan")
+            stream.seek(0)
+            with np.load(stream, allow_pickle=False) as arrays:
+                known = {*_TRIPLES, *_SINGLES}
+                found = {name: arrays[name] for name in arrays.files if name in known}
+        except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+            raise broken(path, f"this is no NPZ file of numbers: {error}") from error
+    notes: list[str] = []
+    return Scanned(cloud_of(_columns(found, path), path, notes), notes=tuple(notes))
+
+
+def _columns(arrays: Mapping[str, NDArray[Any]], path: Path) -> dict[str, NDArray[Any]]:
+    columns: dict[str, NDArray[Any]] = {}
+    for name, values in arrays.items():
+        if values.dtype.kind not in "buif":
+            raise broken(path, f"{name!r} holds no numbers")
+        wide = name in _TRIPLES
+        if values.ndim != 1 + wide or (wide and values.shape[1] < 3):
+            raise broken(path, f"{name!r} has the shape {values.shape}")
+        for i, column in enumerate(_TRIPLES.get(name, ())):
+            columns[column] = values[:, i]
+        if not wide:
+            columns[name] = values
+    if len({len(values) for values in columns.values()}) > 1:
+        raise broken(path, "its arrays differ in length")
+    return columns

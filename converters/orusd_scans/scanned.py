@@ -1,0 +1,182 @@
+"""What a reader of points or meshes hands over, and how it opens files that it cannot trust."""
+
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.cloud import Cloud
+from orusd_scans.plan import Up
+
+Array = NDArray[np.float64]
+Columns = Mapping[str, NDArray[Any]]
+
+MOST_POINTS: Final = 200_000_000
+LONGEST_HEADER: Final = 1 << 16  # bytes
+# Classes and numbers of objects.
+_LARGEST_NUMBER: Final = 1 << 24
+_NYU40: Final = 40
+
+_PLACE: Final = (("x", "y", "z"),)
+_NORMAL: Final = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
+_COLOR: Final = (
+    ("red", "green", "blue"),
+    ("r", "g", "b"),
+    ("diffuse_red", "diffuse_green", "diffuse_blue"),
+)
+# The scalar fields of CloudCompare carry a prefix.
+_LABEL: Final = ("label", "labels", "semantic", "scalar_label", "scalar_labels")
+_INSTANCE: Final = ("instance", "instance_id", "object_id", "objectid", "scalar_instance")
+_CONFIDENCE: Final = ("confidence", "scalar_confidence")
+
+
+@dataclass(frozen=True, eq=False)
+class Scanned:
+    """Points in the frame and the unit of their file.
+
+    Attributes:
+        cloud: The points; its coordinates are not metres yet.
+        faces: (F, 3) triangles of points; None where there is no surface.
+        up: The vertical axis where the format fixes it.
+        notes: What was left out, one sentence each.
+    """
+
+    cloud: Cloud
+    faces: NDArray[np.int64] | None = None
+    up: Up = "Z"
+    notes: tuple[str, ...] = ()
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """A file to read bytes from.
+
+    Raises:
+        InputError: It cannot be read, or is empty.
+    """
+    try:
+        with path.open("rb") as stream:
+            if path.stat().st_size == 0:
+                raise broken(path, "the file is empty")
+            yield stream
+    except OSError as error:
+        raise InputError(
+            f"cannot read it: {error.strerror or error}", place=path, remedy="check the path"
+        ) from error
+
+
+def broken(path: Path, message: str, remedy: str = "export the scan again") -> InputError:
+    """An error about the contents of a file."""
+    return InputError(message, place=path, remedy=remedy)
+
+
+def counted(path: Path, text: str, what: str = "points") -> int:
+    """A count in a header.
+
+    Raises:
+        InputError: It is none, or absurd.
+    """
+    if not text.isdecimal() or len(text) > 12 or int(text) > MOST_POINTS:
+        raise broken(path, f"{text[:20]!r} is no number of {what} (at most {MOST_POINTS:,})")
+    return int(text)
+
+
+def table(lines: Iterable[bytes], path: Path, most: int | None = None) -> Array:
+    """(N, C) the numbers of lines, between spaces; none without lines.
+
+    Args:
+        lines: As they are read from the file.
+        path: The file, for messages.
+        most: How many lines are read; all by default.
+
+    Raises:
+        InputError: A line holds something else, or another number of them.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that there are no lines: callers know their number
+            return np.loadtxt(lines, ndmin=2, comments=None, encoding="latin-1", max_rows=most)
+    except ValueError as error:
+        raise broken(path, f"a line is no row of numbers: {error}") from error
+
+
+def cloud_of(columns: Columns, path: Path, notes: list[str]) -> Cloud:
+    """The cloud of named columns, each (N,).
+
+    Args:
+        columns: By names in lower case; unknown ones are passed over.
+        path: The file, for messages.
+        notes: Receives sentences about what was left out.
+
+    Raises:
+        InputError: There are no points or coordinates, or a label is no whole number.
+    """
+    places = _three(columns, _PLACE)
+    if places is None:
+        raise broken(path, "points have no coordinates: x, y and z are expected")
+    if len(places[0]) == 0:
+        raise broken(path, "it holds no points")
+    normals, colors = _three(columns, _NORMAL), _three(columns, _COLOR)
+    return Cloud(
+        points=np.column_stack(places).astype(np.float64, copy=False),
+        normals=None if normals is None else _single(np.column_stack(normals)),
+        colors=None if colors is None else np.column_stack([_byte(c, path) for c in colors]),
+        label=_numbers(columns, _LABEL, path, notes, _NYU40),
+        instance=_numbers(columns, _INSTANCE, path, notes),
+        confidence=_confidence(columns, notes),
+    )
+
+
+def _three(columns: Columns, names: tuple[tuple[str, ...], ...]) -> list[NDArray[Any]] | None:
+    found = next((trio for trio in names if all(name in columns for name in trio)), None)
+    return None if found is None else [columns[name] for name in found]
+
+
+def _single(values: NDArray[Any]) -> NDArray[np.float32]:
+    with np.errstate(over="ignore"):  # what becomes infinite is dropped with other broken normals
+        return values.astype(np.float32)
+
+
+def _byte(values: NDArray[Any], path: Path) -> NDArray[np.uint8]:
+    """Colours as bytes: fractions are scaled up, 16 bits down."""
+    if values.dtype == np.uint8:
+        return values
+    if not np.isfinite(values).all():
+        raise broken(path, "a colour is no number")
+    top = float(values.max(initial=0.0))
+    is_fraction = values.dtype.kind == "f" and top <= 1.0
+    scale = 255.0 if is_fraction else 255.0 / 65535.0 if top > 255.0 else 1.0
+    return np.asarray(np.rint(values * scale).clip(0, 255), dtype=np.uint8)
+
+
+def _numbers(
+    columns: Columns, names: tuple[str, ...], path: Path, notes: list[str], usual: int | None = None
+) -> NDArray[np.int32] | None:
+    """Whole numbers of the points; what is negative, or no number, means that there is none."""
+    name = next((name for name in names if name in columns), None)
+    if name is None:
+        return None
+    given = columns[name]
+    values = np.where(np.isfinite(given) & (given > 0), given, 0)
+    if values.max(initial=0) > _LARGEST_NUMBER or (values % 1 != 0).any():
+        raise broken(path, f"{name!r} must hold whole numbers below {_LARGEST_NUMBER:,}")
+    if usual is not None and (beyond := int(np.count_nonzero(values > usual))):
+        notes.append(f"{beyond} points have labels beyond {usual}: NYU40 classes were expected")
+    return values.astype(np.int32)
+
+
+def _confidence(columns: Columns, notes: list[str]) -> NDArray[np.float32] | None:
+    name = next((name for name in _CONFIDENCE if name in columns), None)
+    if name is None:
+        return None
+    values = _single(columns[name])
+    if not ((values >= 0.0) & (values <= 1.0)).all():
+        notes.append("the confidence is not from 0 to 1: it was left out")
+        return None
+    return values

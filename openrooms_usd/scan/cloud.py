@@ -1,0 +1,60 @@
+"""The points of a scanned room, and what is known of each."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Points of a scan, metres; what is None is not known.
+
+    Attributes:
+        points: (N, 3) double precision, because scans may lie a million metres from the origin.
+        normals: (N, 3) unit vectors, to the side that was seen where that is known.
+        colors: (N, 3) uint8, sRGB.
+        label: (N,) NYU40 classes; 0 where there is none.
+        instance: (N,) numbers of objects; 0 where there is none.
+        confidence: (N,) from 0 to 1.
+        eyes: (V, 3) where the scanner stood, not of each point.
+    """
+
+    points: Array
+    normals: NDArray[np.float32] | None = None
+    colors: NDArray[np.uint8] | None = None
+    label: NDArray[np.int32] | None = None
+    instance: NDArray[np.int32] | None = None
+    confidence: NDArray[np.float32] | None = None
+    eyes: Array | None = None
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def take(self, rows: NDArray[Any]) -> "Cloud":
+        """Some of the points: numbers of rows, or a mask."""
+        return self._each(lambda values: values[rows])
+
+    def moved(self, matrix: Array) -> "Cloud":
+        """The cloud after a similarity or rigid motion (4, 4)."""
+        linear = matrix[:3, :3]
+        turn = linear / np.cbrt(np.linalg.det(linear))
+        normals, eyes = self.normals, self.eyes
+        return replace(
+            self,
+            points=self.points @ linear.T + matrix[:3, 3],
+            normals=None if normals is None else (normals @ turn.T).astype(np.float32),
+            eyes=None if eyes is None else eyes @ linear.T + matrix[:3, 3],
+        )
+
+    def _each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Cloud":
+        kept = {
+            field.name: change(values)
+            for field in fields(self)
+            if field.name != "eyes" and (values := getattr(self, field.name)) is not None
+        }
+        return replace(self, **kept)

@@ -1,0 +1,124 @@
+"""The importer of plain scans: units, up, origins far away, broken points."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from openrooms_usd.capture import read_capture
+from openrooms_usd.errors import InputError
+from orusd_scans.plainscan import upright
+
+ROOM = np.random.default_rng(0).uniform(0, 1, (3000, 3)) * [5.0, 4.0, 2.5]
+
+
+def stored(path: Path, points: np.ndarray, **more: np.ndarray) -> Path:
+    np.savez(path / "scan.npz", points=points, **more)
+    return path / "scan.npz"
+
+
+def test_metres_and_z_up_stay_as_they_are(tmp_path: Path) -> None:
+    capture = read_capture("scan", stored(tmp_path, ROOM))
+    assert (capture.cloud.points == ROOM).all()
+    assert (capture.source_from_world == np.eye(4)).all()
+    assert capture.notes == ()
+    assert capture.floor is None
+    assert "from: scan" in capture.remedy
+
+
+@pytest.mark.parametrize(("unit", "note"), [("mm", ""), ("auto", "mm is taken for their unit")])
+def test_millimetres(tmp_path: Path, unit: str, note: str) -> None:
+    capture = read_capture("scan", stored(tmp_path, 1000 * ROOM), {"unit": unit})
+    assert capture.cloud.points == pytest.approx(ROOM)
+    assert note in " ".join(capture.notes)
+    back = capture.cloud.points @ capture.source_from_world[:3, :3].T
+    assert back + capture.source_from_world[:3, 3] == pytest.approx(1000 * ROOM)
+
+
+@pytest.mark.parametrize("scale", [0.25, 1.0, 10.0])
+def test_metres_are_guessed_from_a_bathroom_to_a_site(tmp_path: Path, scale: float) -> None:
+    points = np.concatenate([ROOM * scale, [[9e5, 0, 0]]])  # an outlier is no extent
+    capture = read_capture("scan", stored(tmp_path, points), {"unit": "auto"})
+    assert "m is taken" in capture.notes[0]
+    assert capture.cloud.points[:-1] == pytest.approx(ROOM * scale)
+
+
+def test_what_looks_like_millimetres_is_asked_about_but_left(tmp_path: Path) -> None:
+    capture = read_capture("scan", stored(tmp_path, 1000 * ROOM))
+    assert "are these millimetres" in capture.notes[0]
+    assert np.ptp(capture.cloud.points, axis=0).max() > 4000
+
+
+def test_coordinates_of_a_map_keep_their_digits(tmp_path: Path) -> None:
+    far = np.array([651234.0, 5431234.0, 812.0])
+    capture = read_capture("scan", stored(tmp_path, ROOM + far))
+    assert np.abs(capture.cloud.points).max() < 10
+    assert np.ptp(capture.cloud.points, axis=0) == pytest.approx(np.ptp(ROOM, axis=0), abs=1e-8)
+    back = capture.cloud.points + capture.source_from_world[:3, 3]
+    assert back == pytest.approx(ROOM + far, abs=1e-9)
+
+
+@pytest.mark.parametrize("up", ["y", "0,1,0", "0,-2,0.2", "0,0,-1", "1,1,1", "z"])
+def test_up_becomes_z(tmp_path: Path, up: str) -> None:
+    normals = np.tile(np.array([[0.0, 0.6, 0.8]], "f4"), (len(ROOM), 1))
+    capture = read_capture("scan", stored(tmp_path, ROOM, normals=normals), {"up": up})
+    axes = {"y": [0, 1, 0], "z": [0, 0, 1]}
+    given = np.array(axes.get(up) or [float(w) for w in up.split(",")])
+    world_from_source = np.linalg.inv(capture.source_from_world)[:3, :3]
+    assert world_from_source @ given / np.linalg.norm(given) == pytest.approx([0, 0, 1])
+    assert np.linalg.det(world_from_source) == pytest.approx(1.0)
+    assert capture.cloud.points == pytest.approx(ROOM @ world_from_source.T)
+    assert capture.cloud.normals[0] == pytest.approx(world_from_source @ [0, 0.6, 0.8], abs=1e-6)
+
+
+def test_the_least_turn_is_taken() -> None:
+    tilt = np.radians(5.0)
+    turn = upright(f"0,{np.sin(tilt)},{np.cos(tilt)}", Path("s"))
+    assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"unit": "ft"}, "unit 'ft' is not known"),
+        ({"up": "0,0,0"}, "direction"),
+        ({"up": "up"}, "direction"),
+        ({"up": "0,0,nan"}, "direction"),
+        ({"up": "1,2"}, "direction"),
+        ({"color": "red"}, "no option 'color'"),
+    ],
+)
+def test_options_that_mean_nothing_are_refused(tmp_path: Path, options: dict, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        read_capture("scan", stored(tmp_path, ROOM), options)
+
+
+def test_broken_points_are_dropped_and_counted(tmp_path: Path) -> None:
+    points = np.concatenate([ROOM, ROOM[:100], np.full((7, 3), np.nan)])
+    capture = read_capture("scan", stored(tmp_path, points))
+    assert len(capture.cloud) == len(ROOM)
+    assert capture.notes == (
+        "7 points without a finite place were dropped",
+        "100 duplicated points were dropped",
+    )
+    with pytest.raises(InputError, match="no point has finite coordinates"):
+        read_capture("scan", stored(tmp_path, np.full((7, 3), np.nan)))
+
+
+def test_photographs_come_along_as_eyes(tmp_path: Path) -> None:
+    pose = [[1, 0, 0, 2500], [0, 0, 1, 1000], [0, -1, 0, 1400], [0, 0, 0, 1]]
+    frames = tmp_path / "frames.json"
+    K = "[[500, 0, 320], [0, 500, 240], [0, 0, 1]]"
+    frames.write_text(
+        f'[{{"id": "7", "resolution": [640, 480], "K": {K}, "world_from_camera": {pose}}}]'
+    )
+    options = {"frames": str(frames), "unit": "mm"}
+    capture = read_capture("scan", stored(tmp_path, 1000 * ROOM), options)
+    assert [frame.id for frame in capture.frames] == ["7"]
+    assert capture.cloud.eyes == pytest.approx(np.array([[2.5, 1.0, 1.4]]))
+
+
+def test_unknown_endings_name_the_known_ones(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"'\.docx'") as caught:
+        read_capture("scan", tmp_path / "a.docx")
+    assert ".ply" in caught.value.remedy

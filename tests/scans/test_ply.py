@@ -1,0 +1,156 @@
+"""PLY files: by an independent writer, by our own bytes, and damaged in every way."""
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from openrooms_usd.errors import InputError
+from orusd_scans.ply import read_ply
+
+VERTICES = np.array([[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 3.5]], float)
+FACES = np.array([[0, 1, 2], [0, 2, 3]])
+HEAD = (
+    "ply\nformat {form} 1.0\ncomment made by hand\nelement camera 1\nproperty float view\n"
+    "element vertex 4\nproperty double x\nproperty double y\nproperty double z\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+    "property ushort label\nproperty int instance\n"
+    "element face {faces}\nproperty uchar flags\nproperty list uchar int vertex_indices\n"
+    "end_header\n"
+)
+ROWS = [(*VERTICES[i], 10 * i, 20, 255, i + 1, 7 - i) for i in range(4)]
+
+
+def written(path: Path, form: str, polygons: list[list[int]]) -> Path:
+    """A file with elements before the points, and faces of any length."""
+    out = HEAD.format(form=form, faces=len(polygons)).encode()
+    if form == "ascii":
+        lines = ["1.5", *(" ".join(f"{v:g}" for v in row) for row in ROWS)]
+        lines += [f"0 {len(p)} {' '.join(map(str, p))}" for p in polygons]
+        path.write_bytes(out + "\n".join(lines).encode() + b"\n")
+        return path
+    order = "<" if "little" in form else ">"
+    out += struct.pack(order + "f", 1.5)
+    out += b"".join(struct.pack(order + "3d3BHi", *row) for row in ROWS)
+    out += b"".join(struct.pack(f"{order}BB{len(p)}i", 0, len(p), *p) for p in polygons)
+    path.write_bytes(out)
+    return path
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("polygons", [[[0, 1, 2], [0, 2, 3]], [[0, 1, 2, 3], [0, 1, 3]]])
+def test_all_forms_give_the_same(tmp_path: Path, form: str, polygons: list[list[int]]) -> None:
+    scanned = read_ply(written(tmp_path / "a.ply", form, polygons))
+    cloud = scanned.cloud
+    assert (cloud.points == VERTICES).all()
+    assert cloud.colors.tolist() == [[10 * i, 20, 255] for i in range(4)]
+    assert cloud.label.tolist() == [1, 2, 3, 4]
+    assert cloud.instance.tolist() == [7, 6, 5, 4]
+    fans = {tuple(sorted(face)) for face in scanned.faces.tolist()}
+    triangles = (
+        {(0, 1, 2), (0, 2, 3)} if len(polygons[0]) == 3 else {(0, 1, 2), (0, 2, 3), (0, 1, 3)}
+    )
+    assert fans == triangles
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "binary"])
+def test_what_trimesh_writes(tmp_path: Path, encoding: str) -> None:
+    mesh = trimesh.Trimesh(VERTICES, FACES, process=False)
+    mesh.visual.vertex_colors = np.arange(16, dtype="u1").reshape(4, 4)
+    (tmp_path / "t.ply").write_bytes(trimesh.exchange.ply.export_ply(mesh, encoding=encoding))
+    scanned = read_ply(tmp_path / "t.ply")
+    assert scanned.cloud.points == pytest.approx(VERTICES, abs=1e-6)
+    assert (scanned.faces == FACES).all()
+    assert (scanned.cloud.colors == mesh.visual.vertex_colors[:, :3]).all()
+
+
+def test_every_cut_is_refused(tmp_path: Path) -> None:
+    for form in ("ascii", "binary_little_endian"):
+        for polygons in ([[0, 1, 2], [0, 2, 3]], [[0, 1, 2, 3], [0, 1, 3]]):
+            whole = written(tmp_path / "whole.ply", form, polygons).read_bytes()
+            for length in [*range(0, len(whole) - 3, 7), len(whole) - 3]:
+                (tmp_path / "cut.ply").write_bytes(whole[:length])
+                with pytest.raises(InputError, match=r"cut\.ply"):
+                    read_ply(tmp_path / "cut.ply")
+
+
+def test_no_byte_that_changes_ends_in_a_traceback(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    for form in ("ascii", "binary_big_endian"):
+        whole = written(tmp_path / "whole.ply", form, [[0, 1, 2, 3], [0, 1, 3]]).read_bytes()
+        for _ in range(150):
+            data = bytearray(whole)
+            data[rng.integers(len(data))] = rng.integers(256)
+            (tmp_path / "hit.ply").write_bytes(data)
+            try:
+                read_ply(tmp_path / "hit.ply")
+            except InputError as error:
+                assert "hit.ply" in error.place
+
+
+def head(*lines: str) -> bytes:
+    return "\n".join(["ply", "format ascii 1.0", *lines, "end_header", ""]).encode()
+
+
+XYZ = ("property float x", "property float y", "property float z")
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"", "empty"),
+        (b"PK\x03\x04 not this", "no PLY file"),
+        (b"ply\n" + b"comment long\n" * 9000, "header does not end"),
+        (b"ply\n" + b"x" * 200_000, "header does not end"),
+        (head("element vertex 1", *XYZ).replace(b"format", b"formt"), "none of PLY"),
+        (head("element vertex 99999999999", *XYZ), "no number of elements"),
+        (head("element vertex -3", *XYZ), "no number of elements"),
+        (head("element vertex 100000000", *XYZ) + b"0 0 0\n", "ends too early"),
+        (head("element vertex 2", *XYZ) + b"0 0 0\n0 zero 0\n", "no row of numbers"),
+        (head("element vertex 2", *XYZ) + b"0 0 0\n", "ends too early"),
+        (head("element vertex 2", *XYZ) + b"0 0 0 0\n0 0 0 0\n", "2 lines of 3 numbers"),
+        (head("element vertex 0", *XYZ), "no points"),
+        (head("element vertex 1", *XYZ[:2]) + b"0 0\n", "no coordinates"),
+        (head(*XYZ), "before the first element"),
+        (head("element vertex 1", *XYZ, XYZ[0]) + b"0 0 0 0\n", "repeats the property"),
+        (head("element face 0", "property list uchar int vertex_indices"), "no vertices"),
+        (head("element vertex 1", *XYZ, "property float label") + b"0 0 0 1.5\n", "whole numbers"),
+        (
+            head("element vertex 3", *XYZ, "element face 1", "property list uchar int vertex_index")
+            + b"0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n",
+            "a vertex that is not there",
+        ),
+    ],
+)
+def test_nonsense_is_refused(tmp_path: Path, data: bytes, said: str) -> None:
+    (tmp_path / "bad.ply").write_bytes(data)
+    with pytest.raises(InputError, match=said) as caught:
+        read_ply(tmp_path / "bad.ply")
+    assert "bad.ply" in str(caught.value)
+
+
+def test_an_absurd_count_takes_no_memory(tmp_path: Path) -> None:
+    for form in ("binary_little_endian", "ascii"):
+        lines = f"ply\nformat {form} 1.0\nelement vertex 199999999\n" + "\n".join(XYZ)
+        (tmp_path / "b.ply").write_bytes(lines.encode() + b"\nend_header\n" + bytes(1000))
+        with pytest.raises(InputError, match="ends too early"):
+            read_ply(tmp_path / "b.ply")
+
+
+def test_labels_that_are_unknown_mean_none(tmp_path: Path) -> None:
+    text = head("element vertex 3", *XYZ, "property float label")
+    (tmp_path / "l.ply").write_bytes(text + b"0 0 0 nan\n0 0 0 -1\n0 0 0 41\n")
+    scanned = read_ply(tmp_path / "l.ply")
+    assert scanned.cloud.label.tolist() == [0, 0, 41]
+    assert scanned.notes == ("1 points have labels beyond 40: NYU40 classes were expected",)
+
+
+def test_colours_of_other_types(tmp_path: Path) -> None:
+    for kind, row in (("float", "0.5 1 0"), ("ushort", "32896 65535 0"), ("uchar", "128 255 0")):
+        rgb = [f"property {kind} {c}" for c in ("red", "green", "blue")]
+        (tmp_path / "c.ply").write_bytes(
+            head("element vertex 1", *XYZ, *rgb) + f"0 0 0 {row}\n".encode()
+        )
+        assert read_ply(tmp_path / "c.ply").cloud.colors.tolist() == [[128, 255, 0]]
