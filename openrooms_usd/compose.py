@@ -16,6 +16,7 @@ from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.draft import Draft, drafting
+from openrooms_usd.stages.reports import gather
 
 State = Literal["written", "unchanged"]
 
@@ -105,7 +106,7 @@ def compose_room(
         runner.write_scene(draft)
         if any(summary.state == "written" for summary in summaries):
             runner.check(draft)
-    files = _extras(out / names.SCENE, flatten, usdz)
+    files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz))
     return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans_of(out))
 
 

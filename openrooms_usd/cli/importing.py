@@ -57,6 +57,27 @@ lights:
 cameras:
 {cameras}
 """
+_SCANNED: Final = """\
+# Made from {file} by: orusd import {kind}
+# Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
+name: {name}
+room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
+seed: 0
+
+layout:
+{source}
+
+alignment:
+  # Every labelled instance of the scan; a folder of your own meshes: `cad: FOLDER`.
+  from: scan
+
+lights:
+  # What shines in by the openings: lux on level ground under the open sky.
+  environment: {{from: constant, illuminance: 10000}}
+
+cameras:
+{cameras}
+"""
 _SELECTED: Final = """\
   resolution: [640, 480]
   views:
@@ -113,7 +134,7 @@ def _command(kind: str) -> click.Command:
         if as_json:
             print_json(report)
             return
-        for key in ("walls", "openings", "objects", "models", "frames"):
+        for key in ("walls", "openings", "objects", "models", "frames", "points"):
             click.echo(f"{key:<9} {report[key]}")
         for note in report["notes"]:
             click.echo(f"note: {note}")
@@ -155,19 +176,15 @@ def import_capture(
     try:
         asked = checked_options(kind, importer, options)
         capture = importer.read(source, asked)
-        if capture.floor is None:
-            raise InputError(
-                "the capture has no floor, and no walls that enclose one",
-                place=source,
-                remedy=capture.remedy,
-            )
+        _check_usable(capture, source)
         packed = _packed(kind, importer, source, asked)
         _check_names(packed)
     except OSError as error:
         raise _unreadable(source, error) from error
     with writing(out):
         _refuse_to_replace(out, packed.contents)
-    text = describe(kind, capture, packed.file, packed.options)
+    described = describe if capture.floor is not None else describe_scan
+    text = described(kind, capture, packed.file, packed.options)
     parse_room(text, str(out / ROOM))
     with filling(out) as folder:
         for name, content in packed.contents.items():
@@ -176,6 +193,22 @@ def import_capture(
                 write_bytes(folder / name, data)
         write_text(folder / ROOM, text)
     return capture
+
+
+def _check_usable(capture: Capture, source: Path) -> None:
+    """Refuse what no room can be made of."""
+    if capture.floor is None and capture.cloud is None:
+        raise InputError(
+            "the capture has no floor, and no walls that enclose one",
+            place=source,
+            remedy=capture.remedy,
+        )
+    if capture.floor is None and source.is_dir():
+        raise InputError(
+            "a folder of a scan is not copied",
+            place=source,
+            remedy="import the mesh or point cloud in it",
+        )
 
 
 def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Packed:
@@ -256,6 +289,31 @@ def describe(
     )
 
 
+def describe_scan(
+    kind: str, capture: Capture, file: str, options: Mapping[str, str] = NO_OPTIONS
+) -> str:
+    """The text of a room.yaml for a capture of points, in which the room must be found.
+
+    Args:
+        kind: The name of the importer.
+        capture: What it read, with points.
+        file: The captured file, relative to the description.
+        options: What the importer is asked; paths are relative to the description.
+    """
+    lines = ["from: scan", f"scan: {_quoted(file)}"]
+    lines += [] if kind == "scan" else [f"importer: {_quoted(kind)}"]
+    if options:
+        pairs = (f"{_quoted(name)}: {_quoted(value)}" for name, value in options.items())
+        lines.append(f"options: {{{', '.join(pairs)}}}")
+    return _SCANNED.format(
+        kind=kind,
+        name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
+        file=_quoted(file),
+        source="\n".join(f"  {line}" for line in lines),
+        cameras=_cameras(capture),
+    )
+
+
 def _section(kind: str, file: str, options: Mapping[str, str]) -> str:
     """The first lines of a section that comes from the capture."""
     known = kind in CAPTURES
@@ -301,6 +359,7 @@ def summary(capture: Capture, out: Path) -> dict[str, Any]:
         "objects": len(capture.boxes) + len(capture.models),
         "models": sum(model.file is not None for model in capture.models),
         "frames": len(capture.frames),
+        "points": 0 if capture.cloud is None else len(capture.cloud),
         "height": capture.height,
         "notes": list(capture.notes),
     }

@@ -15,11 +15,13 @@ from openrooms_usd.description.model import (
     Model,
     PrimName,
     by_source,
+    peek,
     peek_list,
     peek_text,
 )
 from openrooms_usd.description.naming import repeated_names, unique_names
 from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.scanned import ScannedObject
 from openrooms_usd.description.units import Angle, Length, PositiveLength
 
 Size = Annotated[
@@ -161,6 +163,32 @@ class BoxesAlignment(CapturedAlignment):
     source: Literal["boxes"] = Field(alias="from")
 
 
+class ScanAlignment(CheckedModel):
+    """The furniture of a scan, whose layout is found in it too."""
+
+    source: Literal["scan"] = Field(alias="from")
+    cad: str | None = None
+    """A folder of meshes, relative to this description, with an index.json if they have one; by
+    default furniture is built by the library."""
+    objects: tuple[ScannedObject, ...] | None = None
+    """What is known of objects; by default every labelled instance of the scan is taken."""
+    further: tuple[AlignedObject, ...] = ()
+    """Further objects that the scan does not show, such as a lamp."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Instances and names that repeat."""
+        further = peek_list(given, "further")
+        names = [peek_text(thing, "name") for thing in further]
+        yield from repeated_names(names, "further", "object")
+        seen: set[object] = set()
+        for index, thing in enumerate(peek_list(given, "objects")):
+            number = peek(thing, "instance")
+            if type(number) is int and number in seen:
+                yield Found(("objects", index, "instance"), f"the instance {number} is there twice")
+            seen.add(number if type(number) is int else None)
+
+
 class ImportedAlignment(ImportedSection, CapturedAlignment):
     """The objects that an installed importer reads."""
 
@@ -171,6 +199,7 @@ Alignment = Annotated[
     | Annotated[RoomPlanAlignment, Tag("roomplan")]
     | Annotated[Scan2CadAlignment, Tag("scan2cad")]
     | Annotated[BoxesAlignment, Tag("boxes")]
+    | Annotated[ScanAlignment, Tag("scan")]
     | Annotated[ImportedAlignment, Tag("capture")],
     by_source("objects"),
 ]

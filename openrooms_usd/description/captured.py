@@ -27,6 +27,11 @@ class CapturedSection(CheckedModel):
         """The name of the importer."""
         return self.source
 
+    @property
+    def asked(self) -> dict[str, str]:
+        """All that is asked of the importer."""
+        return self.options
+
 
 class ImportedSection(CapturedSection):
     """A section that an importer of some installed package fills."""

@@ -10,6 +10,7 @@ from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.model import (
     CheckedModel,
     Found,
+    Number,
     PrimName,
     Whole,
     by_source,
@@ -130,6 +131,42 @@ class BoxesLayout(CapturedLayout):
     source: Literal["boxes"] = Field(alias="from")
 
 
+Direction = Annotated[tuple[Number, Number, Number], Field(description="x, y and z")]
+
+
+class ScanLayout(CapturedLayout):
+    """A room that is found in a point cloud or a mesh."""
+
+    source: Literal["scan"] = Field(alias="from")
+    file: str = Field(alias="scan", min_length=1)
+    """The scan, relative to this description."""
+    importer: str = Field(default="scan", min_length=1)
+    """What reads it: `scan` for PLY, PCD, OBJ, GLB, LAS, E57 and the like, or another importer that
+    gives points, as `orusd import --help` lists them."""
+    unit: Literal["m", "mm", "auto"] = "m"
+    """The unit of the coordinates; `auto` guesses by the extent and says so."""
+    up: Direction | None = None
+    """Roughly upwards, in the scan's own frame; by default as the file format has it."""
+    simplicity: PositiveLength = Field(default=0.1, le=10)
+    """What a corner must save in missing wall to be worth its while; larger values give plainer
+    rooms."""
+    room: Whole = Field(default=0, ge=0)
+    """Which of several rooms becomes the layout: 0 is the largest. The report has all."""
+
+    @property
+    def reader(self) -> str:
+        """The name of the importer."""
+        return self.importer
+
+    @property
+    def asked(self) -> dict[str, str]:
+        """All that is asked of the importer."""
+        if self.importer != "scan":
+            return self.options
+        up = {"up": ",".join(map(repr, self.up))} if self.up else {}
+        return {"unit": self.unit, **up, **self.options}
+
+
 class ImportedLayout(ImportedSection, CapturedLayout):
     """A room that an installed importer reads."""
 
@@ -140,6 +177,7 @@ Layout = Annotated[
     | Annotated[RoomPlanLayout, Tag("roomplan")]
     | Annotated[Scan2CadLayout, Tag("scan2cad")]
     | Annotated[BoxesLayout, Tag("boxes")]
+    | Annotated[ScanLayout, Tag("scan")]
     | Annotated[ImportedLayout, Tag("capture")],
     by_source("polygon"),
 ]

@@ -16,11 +16,13 @@ from openrooms_usd.stages.captured import Captured
 from openrooms_usd.stages.catalogue import Catalogue
 from openrooms_usd.stages.placement import Placement, Source
 from openrooms_usd.stages.poses import author_pose
+from openrooms_usd.usd.frames import gf_matrix
 
 Array: TypeAlias = NDArray[np.float64]
 
 _TYPES: Final = Sdf.ValueTypeNames
 _SCALE: Final = "xformOp:scale"
+_PLACED: Final = "xformOp:transform:placed"
 # Columns: our right, back and up in the axes of a CAD with Y up, by where its front looks.
 _Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _FRONTS: Final = {"-Y": 0, "+X": 1, "+Y": 2, "-X": 3}  # quarter turns from -Y
@@ -87,10 +89,16 @@ def placed_model(
     )
 
 
-def author_aligned(prim: Sdf.PrimSpec, pose: Array) -> None:
+def author_aligned(prim: Sdf.PrimSpec, pose: Array, placed: Array | None = None) -> None:
     """Place an object by a (4, 4) rotation and translation after a scale along its own axes.
 
     The operations are those of `UsdGeom.XformCommonAPI`, which most editors write.
+
+    Args:
+        prim: The object.
+        pose: As it was measured.
+        placed: Where it can be; the motion from the one to the other is an operation of its own,
+            ``xformOp:transform:placed``, so that it can be seen and switched off.
     """
     scale = np.linalg.norm(pose[:3, :3], axis=0)
     author_pose(prim, pose @ np.diag([*(1.0 / scale), 1.0]))
@@ -99,3 +107,8 @@ def author_aligned(prim: Sdf.PrimSpec, pose: Array) -> None:
     )
     order = prim.attributes[UsdGeom.Tokens.xformOpOrder]
     order.default = Vt.TokenArray([*order.default, _SCALE])
+    if placed is not None and not np.array_equal(placed, pose):
+        motion = placed @ np.linalg.inv(pose)
+        attribute = Sdf.AttributeSpec(prim, _PLACED, _TYPES.Matrix4d, declaresCustom=False)
+        attribute.default = gf_matrix(motion)
+        order.default = Vt.TokenArray([_PLACED, *order.default])

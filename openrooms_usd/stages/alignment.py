@@ -11,13 +11,16 @@ from pxr import Kind, Sdf
 
 from openrooms_usd import names
 from openrooms_usd.description.alignment import (
+    AlignedObject,
     CapturedAlignment,
     FileObject,
     LibraryObject,
     ObjectList,
+    ScanAlignment,
     named_objects,
 )
 from openrooms_usd.description.generate import GeneratedAlignment
+from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, publish
@@ -46,10 +49,12 @@ class AlignmentStage:
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The capture, the user's mesh files and all files that these refer to."""
         alignment = _explicit(room)
-        files = [item.file for item in alignment.objects if isinstance(item, FileObject)]
-        captured = []
-        if isinstance(alignment, CapturedAlignment):
+        captured: list[str] = []
+        if isinstance(alignment, ScanAlignment):
+            captured = _scanned_inputs(alignment, room, source)
+        elif isinstance(alignment, CapturedAlignment):
             captured = capture_inputs(alignment, source)
+        files = [item.file for item in _described(alignment) if isinstance(item, FileObject)]
         return [
             *dict.fromkeys([*captured, *files]),
             *sorted(
@@ -78,15 +83,36 @@ class AlignmentStage:
         Following(context.stage, room, placements, stands, context.notes).author(by_hand)
 
 
-def _explicit(room: Room) -> ObjectList | CapturedAlignment:
+def _explicit(room: Room) -> ObjectList | CapturedAlignment | ScanAlignment:
     assert not isinstance(room.alignment, GeneratedAlignment), "it is expanded before"
     return room.alignment
+
+
+def _described(
+    alignment: ObjectList | CapturedAlignment | ScanAlignment,
+) -> tuple[AlignedObject, ...]:
+    """The objects that the description lists one by one."""
+    return alignment.further if isinstance(alignment, ScanAlignment) else alignment.objects
+
+
+def _scanned_inputs(alignment: ScanAlignment, room: Room, source: Path) -> list[str]:
+    """The scan, and all files of all CADs."""
+    layout = room.layout
+    scan = capture_inputs(layout, source) if isinstance(layout, ScanLayout) else []
+    if alignment.cad is None:
+        return scan
+    files = [path for path in (source / alignment.cad).rglob("*") if path.is_file()]
+    return [*scan, *sorted(os.path.relpath(path, source) for path in files)]
 
 
 def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
     """Captured objects, then those of the description, each with its asset."""
     alignment, catalogue = _explicit(context.room), Catalogue(context)
-    if isinstance(alignment, CapturedAlignment):
+    if isinstance(alignment, ScanAlignment):
+        from openrooms_usd.stages.furnished import furnish
+
+        yield from furnish(context, alignment, catalogue)
+    elif isinstance(alignment, CapturedAlignment):
         capture = with_boxes(capture_of(context, alignment))
         models = {model.id: model for model in capture.models if model.file}
         for thing in captured_objects(capture, floor, alignment.objects, context.notes):
@@ -94,7 +120,7 @@ def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
                 yield placed_model(context, catalogue, model, thing, capture.source)
             else:
                 yield _placed_capture(catalogue, thing, capture.source)
-    for name, item in named_objects(alignment.objects):
+    for name, item in named_objects(_described(alignment)):
         try:
             yield _placed(catalogue, name, item)
         except InputError as error:
@@ -173,8 +199,10 @@ def _author_furniture(
             stand = stands[name]
             if item.pose is None:
                 author_upright(prim, stand.x, stand.y, stand.z, stand.yaw)
-            else:
+            elif item.measured is None:
                 author_aligned(prim, item.pose)
+            else:
+                author_aligned(prim, item.measured, item.pose)
             if item.source:
                 _author_source(prim, item.source)
 

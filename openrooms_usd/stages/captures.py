@@ -25,7 +25,7 @@ def capture_of(context: StageContext, section: CapturedSection) -> Capture:
         InputError: It cannot be read, or there is no such importer or option.
     """
     path = context.input(section.file)
-    return read_capture(section.reader, path, section.options, context.source)
+    return read_capture(section.reader, path, section.asked, context.source)
 
 
 def capture_inputs(section: CapturedSection, source: Path) -> list[str]:
@@ -40,13 +40,13 @@ def capture_inputs(section: CapturedSection, source: Path) -> list[str]:
 
 def _named(section: CapturedSection, source: Path) -> Iterator[str]:
     """What the options name: files, and of folders the models that the capture finds in them."""
-    if not section.options:
+    if not section.asked:
         return
     paths = option_paths(adapters.load(adapters.IMPORTERS, section.reader))
-    named = [value for name, value in section.options.items() if name in paths]
+    named = [value for name, value in section.asked.items() if name in paths]
     yield from (value for value in named if not (source / value).is_dir())
     if any((source / value).is_dir() for value in named):
-        capture = read_capture(section.reader, source / section.file, section.options, source)
+        capture = read_capture(section.reader, source / section.file, section.asked, source)
         for file in sorted({model.file for model in capture.models if model.file}):
             for path in (file.resolve(), *dependencies(file)):
                 yield Path(os.path.relpath(path, source.resolve())).as_posix()

@@ -10,7 +10,7 @@ from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
 from openrooms_usd.capture import Capture
-from openrooms_usd.description.layout import CapturedLayout, PolygonLayout
+from openrooms_usd.description.layout import CapturedLayout, PolygonLayout, ScanLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.curves import signed_area
@@ -23,6 +23,7 @@ from openrooms_usd.geometry.windows import Window, window
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.stages.openings import Cut, captured_cuts, described_cuts
+from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.usd.frames import gf_matrix
 from openrooms_usd.usd.joints import author_joint
 from openrooms_usd.usd.meshes import define_mesh
@@ -107,7 +108,7 @@ def described_plan(layout: PolygonLayout) -> Plan:
 
 def captured_plan(layout: CapturedLayout, context: StageContext) -> Plan:
     """The plan of a captured room."""
-    capture = capture_of(context, layout)
+    capture = _capture(layout, context)
     context.notes.extend(capture.notes)
     place = context.source / layout.file
     if capture.floor is None:
@@ -127,6 +128,20 @@ def captured_plan(layout: CapturedLayout, context: StageContext) -> Plan:
     )
     cuts += described_cuts(layout.openings, walls, height, before=cuts)
     return Plan(corners, walls, height, layout.wall_thickness, tuple(cuts), capture)
+
+
+def _capture(layout: CapturedLayout, context: StageContext) -> Capture:
+    """What an importer read; of a scan what was found in it, with a report beside the layer."""
+    if not isinstance(layout, ScanLayout):
+        return capture_of(context, layout)
+    # What finds rooms in points takes a second to import.
+    from openrooms_usd.scan.reconstruction import layout_report
+    from openrooms_usd.stages.scanned import scanned_room
+
+    scanned = scanned_room(context, layout)
+    keep_report(context, layout_report(scanned.layout, scanned.scan_from_level))
+    keep_overlay(context, scanned.layout)
+    return scanned.capture
 
 
 def _author_room(stage: Usd.Stage, plan: Plan, room_type: str) -> None:

@@ -62,6 +62,7 @@ class Placement:
         level: Height of its base above the floor where it hangs on a wall, metres.
         pose: (4, 4) from the asset's frame to the room where that is more than upright: with a
             tilt, and a scale along each axis of the asset.
+        measured: (4, 4) the same before it was put where it can be; None where it is as measured.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Placement:
     relative_to: str | None = None
     level: float = 0.0
     pose: Array | None = field(default=None, compare=False)
+    measured: Array | None = field(default=None, compare=False)
 
     @property
     def carrier(self) -> str | None:

@@ -1,0 +1,71 @@
+"""What a description may know of an object in a scan: which CAD, and roughly where."""
+
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from openrooms_usd.description.model import (
+    CheckedModel,
+    Found,
+    Model,
+    Number,
+    Whole,
+    peek,
+    peek_list,
+)
+from openrooms_usd.description.units import Length, PositiveLength
+
+Position = Annotated[tuple[Length, Length, Length], Field(description="x, y and z, metres")]
+Turn = Annotated[
+    tuple[Number, Number, Number, Number], Field(description="a quaternion: w, x, y, z")
+]
+Scales = Annotated[
+    tuple[
+        Annotated[Number, Field(gt=0)], Annotated[Number, Field(gt=0)],
+        Annotated[Number, Field(gt=0)],
+    ],
+    Field(description="along the axes of the CAD"),
+]  # fmt: skip
+
+
+class ScannedPose(Model):
+    """A first guess: p = R diag(scale) p_cad + translation, in the scan's own frame, metres."""
+
+    translation: Position
+    rotation_wxyz: Turn = (1.0, 0.0, 0.0, 0.0)
+    scale: Scales = (1.0, 1.0, 1.0)
+
+
+class ScannedBox(Model):
+    """A box around an object, in the scan's own frame; its heading is known to a quarter turn."""
+
+    center: Position
+    size: tuple[PositiveLength, PositiveLength, PositiveLength]
+    """Along its own axes."""
+    rotation_wxyz: Turn = (1.0, 0.0, 0.0, 0.0)
+
+
+class ScannedObject(CheckedModel):
+    """What is known of one object of the scan."""
+
+    instance: Whole = Field(ge=1)
+    """Its number in the scan, or one of your choice where the scan has none."""
+    category: str | None = None
+    """What it is; by default as it is labelled."""
+    cad: str | None = None
+    """The id of its CAD; by default the one that fits best."""
+    pose: ScannedPose | None = None
+    """Where the CAD is, roughly."""
+    box: ScannedBox | None = None
+    """Where the object is, roughly."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """A rotation of length 0, and both a pose and a box."""
+        for key in ("pose", "box"):
+            turn = peek_list(peek(given, key), "rotation_wxyz")
+            if turn and not any(turn):
+                yield Found((key, "rotation_wxyz"), "a quaternion of length 0 is no rotation")
+        if peek(given, "pose") is not None and peek(given, "box") is not None:
+            yield Found(("box",), "give a pose or a box, not both")

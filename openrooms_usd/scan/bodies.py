@@ -1,0 +1,147 @@
+"""Meshes as solids: closed, wound outwards, whatever state a CAD comes in."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Open surfaces become sheets of twice this thickness, metres.
+_HALF_SHEET: Final = 0.001
+_WELD: Final = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A solid as it stands.
+
+    Attributes:
+        triangles: (T, 3, 3) of closed surfaces, wound outwards, metres.
+        axes: (2, 2) rows: the horizontal directions of its own sides.
+    """
+
+    triangles: Array
+    axes: Array
+
+    @cached_property
+    def low(self) -> Array:
+        """(3,) least coordinates."""
+        return np.asarray(self.triangles.min(axis=(0, 1)))
+
+    @cached_property
+    def high(self) -> Array:
+        """(3,) greatest coordinates."""
+        return np.asarray(self.triangles.max(axis=(0, 1)))
+
+    @cached_property
+    def outline(self) -> Array:
+        """(P, 2) the corners of its plan's convex hull."""
+        from scipy.spatial import ConvexHull, QhullError
+
+        plan = self.triangles.reshape(-1, 3)[:, :2]
+        try:
+            return np.asarray(plan[ConvexHull(plan).vertices])
+        except QhullError:
+            return np.unique(plan, axis=0)
+
+    def moved(self, shift: Array) -> "Body":
+        """The body after a shift (3,), metres."""
+        return Body(self.triangles + shift, self.axes)
+
+    def turned(self, rotation: Array) -> "Body":
+        """The body after a rotation (3, 3) about its middle."""
+        middle = 0.5 * (self.low + self.high)
+        axes = self.axes @ rotation[:2, :2].T
+        axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+        return Body((self.triangles - middle) @ rotation.T + middle, axes)
+
+
+def yaw(angle: float) -> Array:
+    """(3, 3) a turn about the vertical, radians, counter-clockwise from above."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def solid(vertices: Array, faces: NDArray[np.integer]) -> Array:
+    """Closed surfaces, wound outwards, from any mesh.
+
+    Each connected part that is closed is turned outwards as a whole. A part that is not becomes a
+    sheet of 2 mm.
+
+    Args:
+        vertices: (V, 3) metres.
+        faces: (F, 3) rows of ``vertices``.
+
+    Returns:
+        (T, 3, 3) triangles.
+    """
+    triangles = vertices[faces]
+    welded = _welded(triangles)
+    real = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
+    triangles, welded = triangles[real], welded[real]
+    part = _parts(welded)
+    count = int(part.max(initial=-1)) + 1
+    volume = np.bincount(part, _volumes(triangles), minlength=count)
+    open_ = _open(welded, part, count)[part]
+    inward = (volume[part] < 0.0) & ~open_
+    triangles[inward] = triangles[inward][:, ::-1]
+    return np.concatenate([triangles[~open_], _sheets(triangles[open_])])
+
+
+def _welded(triangles: Array) -> NDArray[np.int64]:
+    """(T, 3) the same number for corners at the same place."""
+    cells = np.round(triangles.reshape(-1, 3) / _WELD).astype(np.int64)
+    numbers = np.zeros(len(cells), dtype=np.int64)
+    # Column by column: sorting rows would be slow.
+    for column in cells.T:
+        _, rank = np.unique(column, return_inverse=True)
+        _, numbers = np.unique(numbers * (len(cells) + 1) + rank, return_inverse=True)
+    return numbers.reshape(-1, 3)
+
+
+def _parts(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(T,) the number of the connected part that each triangle belongs to."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    size = int(corners.max(initial=-1)) + 1
+    rows, columns = corners[:, [0, 1]].ravel(), corners[:, [1, 2]].ravel()
+    graph = coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), (size, size))
+    labels = connected_components(graph, directed=False)[1]
+    return np.asarray(labels[corners[:, 0]], dtype=np.int64)
+
+
+def _volumes(triangles: Array) -> Array:
+    a, b, c = np.moveaxis(triangles - triangles[:1, :1], 1, 0)
+    return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)))
+
+
+def _open(corners: NDArray[np.int64], part: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """Which parts have an edge that is not run along equally often in both directions."""
+    start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    owner = np.repeat(part, 3)
+    edge = np.minimum(start, end) * (corners.max(initial=0) + 1) + np.maximum(start, end)
+    _, number = np.unique(edge, return_inverse=True)
+    balance = np.bincount(number, np.where(start < end, 1, -1))
+    found = np.zeros(count, dtype=np.bool_)
+    found[owner[balance[number] != 0]] = True
+    return found
+
+
+def _sheets(triangles: Array) -> Array:
+    """Each triangle as a flat prism."""
+    if not len(triangles):
+        return triangles
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    lift = _HALF_SHEET * (normal / np.maximum(length, 1e-300))[:, None]
+    top, bottom = triangles + lift, triangles - lift
+    sides = []
+    for i, j in ((0, 1), (1, 2), (2, 0)):
+        sides += [np.stack([bottom[:, i], bottom[:, j], top[:, j]], axis=1),
+                  np.stack([bottom[:, i], top[:, j], top[:, i]], axis=1)]  # fmt: skip
+    return np.concatenate([top, bottom[:, ::-1], *sides])

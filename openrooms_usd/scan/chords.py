@@ -1,0 +1,176 @@
+"""Where lines run inside of a solid: the measure of how far two meshes reach into each other.
+
+The chords of two bodies on the same lines say for every shift along these lines at once whether
+the bodies overlap: a line carries an overlap at shift t where t lies between b0 - a1 and b1 - a0,
+[a0, a1] and [b0, b1] being chords. No convex pieces are asked for, and a chair under a table is
+just that.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+_FINEST: Final = 0.003
+# Rows of lines run at this slope, and each is set off along itself by another fraction of the
+# spacing: what is thin and level or upright, as most of furniture is, cannot hide between them.
+_SLOPE: Final = 0.3247179572447461
+_OFFSET: Final = 0.6180339887498949
+
+
+@dataclass(frozen=True, eq=False)
+class Lattice:
+    """Parallel lines, spread evenly over a rectangle, in rows.
+
+    Attributes:
+        low: (2,) least coordinates of the rectangle that they meet, metres.
+        high: (2,) its greatest.
+        axes: (3, 3) columns take points to the place along the lines, that along the rows, and
+            that across the rows.
+        corner: (2,) least coordinates along and across the rows, metres.
+        spacing: Metres between lines.
+        shape: How many lines in a row, and how many rows.
+    """
+
+    low: Array
+    high: Array
+    axes: Array
+    corner: Array
+    spacing: float
+    shape: tuple[int, int]
+
+    @classmethod
+    def over(cls, low: Array, high: Array, count: int) -> "Lattice":
+        """About ``count`` lines along the first axis, through a rectangle of the other two.
+
+        Args:
+            low: (2,) its least coordinates, metres.
+            high: (2,) its greatest.
+            count: How many lines, unless that would be finer than 3 mm.
+        """
+        spacing = max(_FINEST, float(np.sqrt(np.prod(high - low) / count)))
+        # Rows along the short side: slanted, they leave the rectangle the least.
+        short, long = np.argsort(high - low, kind="stable")
+        axes = np.eye(3)
+        across = axes[1 + long] + _SLOPE * axes[1 + short]
+        width = float(high[short] - low[short])
+        size = np.array([width, high[long] - low[long] + _SLOPE * width])
+        shape = np.maximum(np.ceil(size / spacing), 1).astype(int)
+        corner = np.array([low[short], low[long] + _SLOPE * low[short]])
+        slanted = np.stack([axes[0], axes[1 + short], across], axis=1)
+        return cls(low, high, slanted, corner, spacing, (int(shape[0]), int(shape[1])))
+
+
+@dataclass(frozen=True, eq=False)
+class Chords:
+    """Pieces of lines that lie inside of a solid, by lines and along them.
+
+    Attributes:
+        line: (C,) numbers of lines, ascending.
+        low: (C,) where each begins, metres along the line.
+        high: (C,) where it ends.
+    """
+
+    line: Numbers
+    low: Array
+    high: Array
+
+    def within(self, low: float, high: float) -> "Chords":
+        """Those that reach between two places."""
+        kept = (self.high > low) & (self.low < high)
+        return Chords(self.line[kept], self.low[kept], self.high[kept])
+
+
+def chords(triangles: Array, lattice: Lattice) -> Chords:
+    """The pieces of a lattice's lines inside of closed surfaces, which may overlap each other.
+
+    Args:
+        triangles: (T, 3, 3) wound counter-clockwise seen from outside, metres, in the frame of
+            the lattice.
+        lattice: The lines.
+    """
+    line, place, step = _crossings(_concerned(triangles, lattice) @ lattice.axes, lattice)
+    order = np.lexsort((-step, place, line))
+    line, place, step = line[order], place[order], step[order]
+    # Rounding may let a line through an edge count it twice or not at all: it says nothing.
+    sums = np.bincount(line, step, minlength=lattice.shape[0] * lattice.shape[1])
+    sound = sums[line] == 0
+    line, place, step = line[sound], place[sound], step[sound]
+    after = np.cumsum(step)
+    begins = (after > 0) & (after - step <= 0)
+    ends = (after <= 0) & (after - step > 0)
+    return Chords(line[begins], place[begins], place[ends])
+
+
+def _concerned(triangles: Array, lattice: Lattice) -> Array:
+    """The triangles that may meet lines."""
+    sides = triangles[..., 1:]
+    kept = (sides.min(axis=1) < lattice.high).all(axis=1)
+    kept &= (sides.max(axis=1) > lattice.low).all(axis=1)
+    return np.asarray(triangles[kept])
+
+
+def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]:
+    """Line, place along it, and +1 where it enters a surface or -1 where it leaves one.
+
+    Triangles are cut into their rows, and rows into lines; half-open both, so that a line through
+    a common edge meets one of two triangles.
+    """
+    plan = (local[..., 1:] - lattice.corner) / lattice.spacing
+    width, rows = lattice.shape
+    first, last = _whole(plan[..., 1].min(axis=1), plan[..., 1].max(axis=1), rows)
+    e, f = plan[:, 1] - plan[:, 0], plan[:, 2] - plan[:, 0]
+    area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
+    face, row = _counted(first, np.where(area != 0.0, last, first))
+    left, right = _spans(plan[face], local[face, :, 0], row)
+    offset = (_OFFSET * row) % 1.0
+    first, last = _whole(left[0] - offset, right[0] - offset, width)
+    span, column = _counted(first, last)
+    t = (column + offset[span] - left[0][span]) / (right[0] - left[0])[span]
+    place = left[1][span] + t * (right[1] - left[1])[span]
+    step = np.where(area[face[span]] < 0.0, 1, -1)
+    # Counter-clockwise or not depends on which side of the rectangle the rows run along.
+    step = step * np.sign(np.linalg.det(lattice.axes)).astype(np.int64)
+    return row[span] * width + column, place, step
+
+
+def _whole(low: Array, high: Array, count: int) -> tuple[Numbers, Numbers]:
+    """The first whole number of each half-open range, and that behind its last, in 0 .. count."""
+    first, last = np.ceil(low), np.ceil(high)
+    return (np.clip(first, 0, count).astype(np.int64), np.clip(last, 0, count).astype(np.int64))
+
+
+def _counted(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
+    """All whole numbers of ranges: which range each is of, and the number."""
+    counts = np.maximum(last - first, 0)
+    owner = np.repeat(np.arange(len(first)), counts)
+    number = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return owner, first[owner] + number
+
+
+def _spans(plan: Array, along: Array, row: Numbers) -> tuple[Array, Array]:
+    """(2, R) each: place in the row and along the lines where a row enters and leaves triangles."""
+    ends = np.empty((3, 2, len(row)))
+    above = plan[..., 1] > row[:, None]
+    for edge, (i, j) in enumerate(((0, 1), (1, 2), (0, 2))):
+        cut = above[:, i] != above[:, j]
+        rise = np.where(cut, plan[:, j, 1] - plan[:, i, 1], 1.0)
+        t = np.where(cut, (row - plan[:, i, 1]) / rise, np.nan)
+        ends[edge, 0] = plan[:, i, 0] + t * (plan[:, j, 0] - plan[:, i, 0])
+        ends[edge, 1] = along[:, i] + t * (along[:, j] - along[:, i])
+    # Each row cuts two edges of its triangle.
+    one = np.where(np.isnan(ends[0]), ends[1], ends[0])
+    two = np.where(np.isnan(ends[2]), ends[1], ends[2])
+    forth = one[0] <= two[0]
+    return np.where(forth, one, two), np.where(forth, two, one)
+
+
+def paired(a: Chords, b: Chords) -> tuple[Numbers, Numbers]:
+    """Rows of the chords of two bodies that lie on the same line, each with each."""
+    start = np.searchsorted(b.line, a.line, side="left")
+    stop = np.searchsorted(b.line, a.line, side="right")
+    return _counted(start, stop)

@@ -1,0 +1,73 @@
+"""The directions in which a room's walls run: one pair (Manhattan), several (Atlanta), or none."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.surfels import Surfels
+
+Array = NDArray[np.float64]
+
+# Normals of walls stand less than this off the horizontal, as a sine.
+UPRIGHT: Final = 0.25
+_BINS: Final = 360  # a quarter of a degree each, over 90 degrees
+_WIDTH: Final = 1.5  # of the smoothing, degrees
+_APART: Final = 12.0  # degrees
+_SHARE: Final = 0.12  # of the strongest direction
+# A direction prevails where it holds this many times the mean.
+_PROMINENCE: Final = 2.0
+_MOST: Final = 4
+
+
+def wall_directions(pieces: Surfels) -> tuple[float, ...]:
+    """Find the walls' directions.
+
+    Args:
+        pieces: Of a scan whose Z axis is up.
+
+    Returns:
+        Angles of walls (or, which is the same, of their normals) in degrees modulo 90, strongest
+        first. Empty where no direction prevails.
+    """
+    walls = pieces.take(np.abs(pieces.normals[:, 2]) < UPRIGHT)
+    if not len(walls):
+        return ()
+    angles = np.rad2deg(np.arctan2(walls.normals[:, 1], walls.normals[:, 0])) % 90.0
+    weight = 1.0 / (0.01 + walls.rough)
+    counts = np.bincount((angles * _BINS / 90.0).astype(int) % _BINS, weight, _BINS)
+    density = _smoothed(counts.astype(np.float64))
+    found: list[float] = []
+    for peak in np.argsort(-density):
+        angle = (peak + 0.5) * 90.0 / _BINS
+        if density[peak] < max(_PROMINENCE * density.mean(), _SHARE * density.max()):
+            break
+        local = density[peak] >= max(density[peak - 1], density[(peak + 1) % _BINS])
+        if local and all(apart(angle, other) > _APART for other in found):
+            found.append(_refined(angle, angles, weight))
+        if len(found) == _MOST:
+            break
+    return tuple(found)
+
+
+def apart(a: float | Array, b: float | Array, period: float = 90.0) -> Array:
+    """The angle between directions that repeat after a period, degrees."""
+    half = period / 2.0
+    return np.abs((np.asarray(a) - b + half) % period - half)
+
+
+def _smoothed(counts: Array) -> Array:
+    step = np.arange(_BINS)
+    degrees = np.minimum(step, _BINS - step) * 90.0 / _BINS
+    kernel = np.exp(-0.5 * (degrees / _WIDTH) ** 2)
+    spectrum = np.fft.rfft(counts) * np.fft.rfft(kernel / kernel.sum())
+    return np.asarray(np.fft.irfft(spectrum, _BINS))
+
+
+def _refined(angle: float, angles: Array, weight: Array) -> float:
+    """The mean shift of a direction to the middle of the normals around it."""
+    for width in (4.0, 3.0, 2.0, 2.0, 2.0):
+        off = (angles - angle + 45.0) % 90.0 - 45.0
+        kernel = weight * np.clip(1.0 - (off / (2.0 * width)) ** 2, 0.0, None) ** 2
+        angle += float((kernel * off).sum() / max(kernel.sum(), 1e-9))
+    return angle % 90.0

@@ -1,0 +1,84 @@
+"""The points of one object: those of its instance, or what lies in its box, without strays."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import KDTree
+
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.thinning import thin
+
+Array = NDArray[np.float64]
+
+# Points farther apart than this do not hang together, metres.
+_GAP: Final = 0.08
+# Pieces of less than this part of the largest one are strays.
+_STRAY: Final = 0.1
+# Points so near to the floor are the floor's, where the object is not as flat itself, metres.
+_FLOOR: Final = 0.025
+_FLAT: Final = 0.12
+# Between points: coarser for large objects, metres, and for how many points.
+_FINEST: Final = 0.012
+_MOST: Final = 5000
+_SEED: Final = 20100607
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """The points of an object.
+
+    Attributes:
+        points: (N, 3) metres, of about even density, in no order that matters.
+        spacing: Between them, metres.
+    """
+
+    points: Array
+    spacing: float
+
+    @cached_property
+    def tree(self) -> "KDTree[None]":
+        """Of all points."""
+        return KDTree(self.points)
+
+    def part(self, count: int) -> Array:
+        """About so many of the points."""
+        return self.points[:: max(len(self.points) // count, 1)]
+
+
+def gathered(points: Array, bounds: Array | None = None) -> Evidence:
+    """The points that belong together, thinned evenly.
+
+    Args:
+        points: (N, 3) of one instance, floor at z = 0; some are wrong.
+        bounds: (2, 3) least and greatest coordinates that they may have; None: any.
+    """
+    if bounds is not None:
+        points = points[((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)]
+    points = _together(points)
+    if len(points) and np.quantile(points[:, 2], 0.95) > _FLAT:
+        points = points[points[:, 2] > _FLOOR]
+    spacing = _FINEST
+    thinned = thin(Cloud(points), spacing).points
+    while len(thinned) > _MOST:
+        spacing *= 1.2
+        thinned = thin(Cloud(points), spacing).points
+    order = np.random.default_rng(_SEED).permutation(len(thinned))
+    return Evidence(thinned[order], max(spacing, 0.02))
+
+
+def _together(points: Array) -> Array:
+    """Without pieces that are small and apart from the rest."""
+    if not len(points):
+        return points
+    cells = np.floor((points - points.min(axis=0)) / _GAP).astype(np.int64)
+    full = np.zeros(cells.max(axis=0) + 1, dtype=np.bool_)
+    full[tuple(cells.T)] = True
+    pieces, _ = ndimage.label(full, np.ones((3, 3, 3)))
+    of_point = pieces[tuple(cells.T)]
+    counts = np.bincount(of_point)
+    kept = counts[of_point] >= _STRAY * counts.max()
+    return np.asarray(points[kept])

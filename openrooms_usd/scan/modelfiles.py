@@ -1,0 +1,190 @@
+"""Reads a folder of CADs: meshes of common formats, and what its ``index.json`` says of them."""
+
+import json
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.models import CadModel, Symmetry, Up
+
+Array = NDArray[np.float64]
+Known = TypeVar("Known")
+
+INDEX: Final = "index.json"
+_SUFFIXES: Final = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
+_LARGEST: Final = 1 << 28
+_LARGEST_INDEX: Final = 1 << 26
+# Spellings without case: ours, the group's, and Scan2CAD's.
+_SYMMETRIES: Final[dict[str, Symmetry]] = {
+    **dict.fromkeys(("none", "1", "c1", "__sym_none"), "none"),
+    **dict.fromkeys(("2", "c2", "__sym_rotate_up_2"), "2"),
+    **dict.fromkeys(("4", "c4", "__sym_rotate_up_4"), "4"),
+    **dict.fromkeys(("inf", "cinf", "__sym_rotate_up_inf"), "inf"),
+}
+_UPS: Final[dict[str, Up]] = {"x": "X", "y": "Y", "z": "Z"}
+
+
+def read_models(folder: Path, ids: Collection[str] | None = None) -> tuple[CadModel, ...]:
+    """Read the CADs of a folder and those below it.
+
+    A CAD's id is the name of its file without suffix; where several have the same (as ShapeNet's
+    ``model_normalized``), it is the first folder above that tells them apart. ``index.json`` may
+    give, by id or path, a category, or ``{category, symmetry, up}``.
+
+    Args:
+        folder: The folder.
+        ids: Only these; None: all.
+
+    Returns:
+        The CADs by id. Those that the index does not name have the category of their folder.
+
+    Raises:
+        InputError: The folder or the index cannot be read, or a mesh is broken.
+    """
+    if not folder.is_dir():
+        raise InputError("no such folder of CADs", place=folder, remedy="check alignment.cad")
+    index = _read_index(folder / INDEX)
+    return tuple(
+        _read(path, name, _entry(index, folder, path, name), folder)
+        for name, path in sorted(_named(folder).items())
+        if ids is None or name in ids
+    )
+
+
+def files_of(folder: Path) -> dict[str, Path]:
+    """The file of each CAD of a folder, by id."""
+    return _named(folder)
+
+
+def _named(folder: Path) -> dict[str, Path]:
+    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in _SUFFIXES)
+    paths = [path for path in paths if path.is_file()]
+    names = {path: path.relative_to(folder).with_suffix("").parts for path in paths}
+    stems = Counter(parts[-1] for parts in names.values())
+    return {
+        parts[-1] if stems[parts[-1]] == 1 else _distinct(parts, names.values()): path
+        for path, parts in names.items()
+    }
+
+
+def _distinct(parts: tuple[str, ...], all_parts: Collection[tuple[str, ...]]) -> str:
+    """The innermost folder that no other CAD of the same name lies in, else the whole path."""
+    same = [other for other in all_parts if other[-1] == parts[-1] and other != parts]
+    for folder in reversed(parts[:-1]):
+        if all(folder not in other[:-1] for other in same):
+            return folder
+    return "/".join(parts)
+
+
+def _read_index(path: Path) -> Mapping[str, Any]:
+    if not path.is_file():
+        return {}
+    try:
+        if path.stat().st_size > _LARGEST_INDEX:
+            raise ValueError("it is larger than 64 MiB")
+        index = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise InputError(
+            f"the index of the CADs cannot be read: {error}", place=path, remedy="mend the JSON"
+        ) from error
+    if not isinstance(index, dict):
+        raise InputError(
+            "the index of the CADs is no object",
+            place=path,
+            remedy='write {"<id>": {"category": "chair", "symmetry": "none"}}',
+        )
+    return index
+
+
+def _entry(index: Mapping[str, Any], folder: Path, path: Path, name: str) -> Mapping[str, Any]:
+    """What the index says of a CAD."""
+    relative = path.relative_to(folder)
+    for key in _keys(relative, name):
+        if key in index:
+            entry = index[key]
+            if isinstance(entry, str):
+                return {"category": entry}
+            if isinstance(entry, dict):
+                return entry
+            raise InputError(
+                f"the entry of {key!r} is neither a category nor an object",
+                place=folder / INDEX,
+                remedy='write {"category": "chair", "symmetry": "none"}',
+            )
+    return {}
+
+
+def _keys(relative: Path, name: str) -> Iterator[str]:
+    yield name
+    yield relative.as_posix()
+    yield relative.with_suffix("").as_posix()
+    yield relative.name
+
+
+def _read(path: Path, name: str, entry: Mapping[str, Any], folder: Path) -> CadModel:
+    vertices, faces = _mesh(path)
+    parent = path.parent.name if path.parent != folder else ""
+    return CadModel(
+        id=name,
+        category=str(entry.get("category", parent)),
+        vertices=vertices,
+        faces=faces,
+        symmetry=_chosen(_SYMMETRIES, entry, "symmetry", folder),
+        up=_chosen(_UPS, entry, "up", folder),
+    )
+
+
+def _chosen(
+    table: Mapping[str, Known], entry: Mapping[str, Any], key: str, folder: Path
+) -> Known | None:
+    value = entry.get(key)
+    if value is None:
+        return None
+    found = table.get(str(value).lower())
+    if found is None:
+        raise InputError(
+            f"{key} {value!r} is not known",
+            place=folder / INDEX,
+            remedy=f"write one of: {', '.join(sorted({str(v) for v in table.values()}))}",
+        )
+    return found
+
+
+def _mesh(path: Path) -> tuple[Array, NDArray[np.int32]]:
+    """Vertices and triangles of a file."""
+    import trimesh
+
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise ValueError("it is larger than 256 MiB")
+        vertices, faces = _joined(trimesh.load_scene(path, process=False, skip_materials=True))
+        if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
+            raise ValueError("it has no faces, or faces without corners")
+        if not vertices.any():
+            raise ValueError("all its corners lie in the origin; a compressed GLB needs DracoPy")
+    except Exception as error:
+        # trimesh's readers raise whatever a broken file leads them to.
+        raise InputError(
+            f"the CAD cannot be read: {error or type(error).__name__}",
+            place=path,
+            remedy="export it again as OBJ, PLY or uncompressed GLB",
+        ) from error
+    return vertices, faces
+
+
+def _joined(scene: Any) -> tuple[Array, NDArray[np.int32]]:
+    """One mesh of all that a scene shows."""
+    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int32)], 0
+    for node in scene.graph.nodes_geometry:
+        matrix, name = scene.graph[node]
+        mesh = scene.geometry[name]
+        if hasattr(mesh, "faces"):
+            vertices.append(np.asarray(mesh.vertices) @ matrix[:3, :3].T + matrix[:3, 3])
+            faces.append(np.asarray(mesh.faces, dtype=np.int32).reshape(-1, 3) + count)
+            count += len(mesh.vertices)
+    return np.concatenate(vertices), np.concatenate(faces)

@@ -1,0 +1,178 @@
+"""Doors and windows in the walls of a level scan: from labels where there are any, and from holes.
+
+Each wall is looked at as a picture (`wallgrid`); rectangles in which much speaks for an opening
+are proposed (`wallholes`), judged, and kept where they do not overlap a surer one.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.curtains import behind_curtain, curtain_weights, grown, under_curtains
+from openrooms_usd.scan.doorframes import frames
+from openrooms_usd.scan.results import FoundOpening
+from openrooms_usd.scan.sightlines import sight_of
+from openrooms_usd.scan.wallgrid import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.wallholes import (
+    ASKED,
+    DOOR,
+    WINDOW,
+    Proposal,
+    hole_weights,
+    kind_of,
+    label_weights,
+    measured,
+    rectangles,
+    without_casing,
+)
+
+Array = NDArray[np.float64]
+
+# Openings keep this distance from the corners of the room and from the ceiling, metres.
+MARGIN: Final = 0.05
+# Between openings, metres.
+APART: Final = 0.02
+# Walls of rooms without a ceiling are looked at up to this height, metres.
+_HIGHEST: Final = 3.0
+# Points so far from a room block no view in it, metres.
+_OUTSIDE: Final = 1.0
+# Least and greatest width and height, metres.
+_SIZES: Final = {"door": ((0.5, 4.0), (1.6, 3.2)), "window": ((0.25, 8.0), (0.25, 4.0))}
+_LEAST_CONFIDENCE: Final = 0.4
+# Walls of which less was seen show nothing.
+_LEAST_SHOWN: Final = 0.15
+# Doors of which this part is open let the floor behind them be seen.
+_AJAR: Final = 0.2
+# This part of the labelled returns must call an opening by its name.
+_NAMED: Final = 0.3
+# A door's foot may be hidden up to this height, metres.
+_HIDDEN_FOOT: Final = 0.6
+# Flat patches up to this size that are called a window are wrong labels; square metres.
+_BLOB: Final = 0.8
+_RELIEF: Final = 0.15
+# Curtains up to this width so near to a window are those of that one, metres.
+_BUNDLE: Final = 0.5
+_CURTAIN_PAIR: Final = 0.25
+
+
+def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[FoundOpening, ...]:
+    """Find the doors and windows of a room.
+
+    Args:
+        cloud: In the level frame: the floor at z = 0, metres.
+        corners: (N, 2) of the room at its walls' inner faces, counter-clockwise.
+        height: Of the ceiling, metres; None where it is not known.
+
+    Returns:
+        The openings, by wall and from left to right, in the level frame. None overlap.
+    """
+    if not len(cloud):
+        return ()
+    cloud = Cloud(cloud.points, normals=cloud.normals, label=cloud.label, eyes=cloud.eyes)
+    sight = sight_of(_around(cloud.points, corners), cloud.eyes)
+    labelled = cloud.label is not None and bool(np.isin(cloud.label, (DOOR, WINDOW)).any())
+    found: list[FoundOpening] = []
+    for grid in wall_grids(cloud, corners, height or _HIGHEST, ASKED, sight):
+        found += _in_wall(grid, labelled)
+    return tuple(found)
+
+
+def _around(points: Array, corners: Array) -> Array:
+    """The points in the box around a room."""
+    inside = np.ones(len(points), dtype=np.bool_)
+    for axis in (0, 1):
+        low, high = corners[:, axis].min() - _OUTSIDE, corners[:, axis].max() + _OUTSIDE
+        inside &= (points[:, axis] > low) & (points[:, axis] < high)
+    return points if inside.all() else points[inside]
+
+
+def _in_wall(grid: WallGrid, labelled: bool) -> Iterator[FoundOpening]:
+    proposals = [*_by_holes(grid, labelled), *_by_frames(grid)]
+    if labelled:
+        proposals += _by_labels(grid)
+    judged = [(confidence(p, labelled), p) for p in proposals if _sane(p)]
+    kept: list[Proposal] = []
+    for sure, proposal in sorted(judged, key=lambda pair: -pair[0]):
+        if sure >= _LEAST_CONFIDENCE and not any(_overlap(proposal, other) for other in kept):
+            kept.append(proposal)
+    for proposal in sorted(kept, key=lambda p: p.where.left):
+        yield _opening(grid, proposal, confidence(proposal, labelled))
+
+
+def _by_holes(grid: WallGrid, labelled: bool) -> Iterator[Proposal]:
+    """Holes; where there are labels, windows must be called so."""
+    if grid.solid.mean() < _LEAST_SHOWN:
+        return
+    for where in rectangles(grid, hole_weights(grid)):
+        proposal = measured(grid, kind_of(grid, where), where)
+        if proposal.kind == "door":
+            yield measured(grid, "door", replace(where, bottom=0))
+        elif not labelled or proposal.label > _NAMED:
+            yield proposal
+
+
+def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
+    for where, clear in frames(grid):
+        proposal = replace(measured(grid, "door", where), leaf=clear)
+        # Who looks through an open door sees the floor behind it.
+        if proposal.hole < _AJAR or proposal.threshold > 0.3:
+            yield proposal
+
+
+def _by_labels(grid: WallGrid) -> Iterator[Proposal]:
+    for where in rectangles(grid, label_weights(grid, "door"), _SIZES["door"][1][0]):
+        proposal = measured(grid, "door", where)
+        if proposal.label > _NAMED and proposal.sill < _HIDDEN_FOOT:
+            yield measured(grid, "door", without_casing(grid, replace(where, bottom=0)))
+    named: list[Proposal] = []
+    for where in rectangles(grid, label_weights(grid, "window")):
+        proposal = measured(grid, "window", under_curtains(grid, where))
+        flat = proposal.hole < _RELIEF and proposal.curtain < 0.5
+        if proposal.label > _NAMED and not (flat and proposal.width * proposal.height < _BLOB):
+            named.append(proposal)
+    yield from named
+    for where in rectangles(grid, curtain_weights(grid)):
+        hidden = replace(measured(grid, "window", behind_curtain(where)), curtain=1.0)
+        beside = replace(hidden, where=grown(where, _CURTAIN_PAIR))
+        reach = hidden if hidden.width > _BUNDLE else beside
+        if hidden.solid < 0.5 and not any(_overlap(reach, other) for other in named):
+            yield hidden
+
+
+def _sane(proposal: Proposal) -> bool:
+    wide, tall = _SIZES[proposal.kind]
+    fits = wide[0] <= proposal.width <= wide[1] and tall[0] <= proposal.height <= tall[1]
+    return fits and (proposal.kind == "window" or proposal.sill == 0.0)
+
+
+def confidence(proposal: Proposal, labelled: bool) -> float:
+    """How probable it is that an opening of this kind is there."""
+    p = proposal
+    if labelled and p.label > _NAMED:
+        return min(1.0, 0.5 + 0.4 * p.label + 0.2 * p.hole + (0.1 if p.leaf else 0.0))
+    if p.curtain == 1.0:
+        return 0.6
+    if p.leaf:
+        return 0.0 if labelled else 0.25 + 0.65 * p.leaf
+    if p.kind == "door":
+        return min(1.0, p.framed) * min(1.0, p.hole + 0.2) * (0.4 + 0.6 * p.threshold)
+    return min(1.0, p.framed) * min(1.0, 0.2 + 0.35 * p.hole + 3.0 * p.recess)
+
+
+def _overlap(a: Proposal, b: Proposal) -> bool:
+    apart = APART / CELL
+    beside = max(a.where.left, b.where.left) - min(a.where.right, b.where.right)
+    above = max(a.where.bottom, b.where.bottom) - min(a.where.top, b.where.top)
+    return max(beside, above) < apart
+
+
+def _opening(grid: WallGrid, p: Proposal, sure: float) -> FoundOpening:
+    length, top = grid.face.length, grid.shape[0] * CELL
+    left, right = np.clip([p.where.left * CELL, p.where.right * CELL], MARGIN, length - MARGIN)
+    low, high = p.where.bottom * CELL, min(p.where.top * CELL, top - MARGIN)
+    ring = np.array([[left, 0, low], [right, 0, low], [right, 0, high], [left, 0, high]])
+    return FoundOpening(p.kind, grid.face.to_level(ring), float(sure), grid.face.number)

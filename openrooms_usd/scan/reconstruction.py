@@ -1,0 +1,157 @@
+"""From a cloud to rooms and objects, and the report of what was found.
+
+Everything is found in the level frame (see `levelling`); the report is in the scan's own frame,
+metres.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.alignment import Rejected, align
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.hints import Hint
+from openrooms_usd.scan.layout import LayoutOptions, LayoutRoom, find_layout
+from openrooms_usd.scan.levelling import Level, level
+from openrooms_usd.scan.models import CadModel
+from openrooms_usd.scan.openings import find_openings
+from openrooms_usd.scan.placement import Unresolved, place
+from openrooms_usd.scan.results import FoundObject, FoundRoom
+from openrooms_usd.scan.thinning import thin
+
+Array = NDArray[np.float64]
+
+# Edge of the voxels that walls are found on, metres: finer than their noise.
+_VOXEL: Final = 0.02
+# Where a scan shows no ceiling, as OpenRooms has it, metres.
+USUAL_HEIGHT: Final = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class FoundLayout:
+    """The rooms of a scan.
+
+    Attributes:
+        level: How the scan stands.
+        cloud: The points in the level frame.
+        rooms: In the level frame, the largest first.
+    """
+
+    level: Level
+    cloud: Cloud
+    rooms: tuple[FoundRoom, ...]
+
+    @property
+    def notes(self) -> list[str]:
+        """What people should know, one sentence each."""
+        told = list(self.level.notes)
+        for number, room in enumerate(self.rooms):
+            if room.guessed:
+                walls = ", ".join(map(str, room.guessed))
+                told.append(f"room {number}: the scan does not show the walls {walls}: guessed")
+            if room.ceiling is None:
+                told.append(f"room {number}: no level ceiling was seen")
+        return told
+
+
+@dataclass(frozen=True, eq=False)
+class FoundFurniture:
+    """The objects of a scan.
+
+    Attributes:
+        objects: In the level frame, with where they were placed.
+        rejected: Instances without a CAD.
+        unresolved: What no small motion puts right.
+        notes: What people should know, one sentence each.
+    """
+
+    objects: tuple[FoundObject, ...]
+    rejected: tuple[Rejected, ...] = ()
+    unresolved: tuple[Unresolved, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+
+def find_rooms(
+    cloud: Cloud, options: LayoutOptions | None = None, up: Array | None = None
+) -> FoundLayout:
+    """Find the rooms of a scan with their openings.
+
+    Args:
+        cloud: Finite points, metres, anywhere.
+        options: What people may choose.
+        up: (3,) roughly upwards; None: Z.
+
+    Raises:
+        InputError: The scan shows too little of a room.
+    """
+    thinned = thin(cloud, _VOXEL)
+    stands = level(thinned, up)
+    flat = thinned.moved(stands.level_from_scan)
+    found = sorted(
+        find_layout(flat, stands, options or LayoutOptions()), key=lambda room: -_area(room.corners)
+    )
+    rooms = tuple(_room(room, flat, stands) for room in found)
+    return FoundLayout(stands, cloud.moved(stands.level_from_scan), rooms)
+
+
+def find_furniture(
+    layout: FoundLayout,
+    models: Sequence[CadModel],
+    hints: Sequence[Hint] | None = None,
+    categories: Mapping[int, Sequence[str]] | None = None,
+) -> FoundFurniture:
+    """Align CADs to the objects of a scan, and put them where they can be.
+
+    Args:
+        layout: The rooms.
+        models: CADs to choose from.
+        hints: The objects, in the level frame; None: every labelled instance.
+        categories: The CADs' categories that a label may mean, best first.
+    """
+    aligned = align(layout.cloud, hints, models, layout.rooms, categories)
+    placed = place(aligned.objects, {model.id: model for model in models}, layout.rooms)
+    return FoundFurniture(placed.objects, aligned.rejected, placed.unresolved, placed.notes)
+
+
+def layout_report(layout: FoundLayout, scan_from_level: Array) -> dict[str, Any]:
+    """The rooms in the form of the report."""
+    rooms = [room.moved(scan_from_level).as_dict() for room in layout.rooms]
+    return {"coverage": layout.level.coverage, "notes": layout.notes, "rooms": rooms}
+
+
+def furniture_report(found: FoundFurniture, scan_from_level: Array) -> dict[str, Any]:
+    """The objects in the form of the report."""
+    return {
+        "notes": list(found.notes),
+        "objects": [thing.moved(scan_from_level).as_dict() for thing in found.objects],
+        "rejected": [
+            {"instance": r.instance, "category": r.category, "reason": r.reason}
+            for r in found.rejected
+        ],
+        "unresolved": [
+            {"kind": u.kind, "instance": u.instance, "other": u.other, "depth": u.depth}
+            for u in found.unresolved
+        ],
+    }
+
+
+def _room(room: LayoutRoom, cloud: Cloud, stands: Level) -> FoundRoom:
+    height = room.ceiling or USUAL_HEIGHT
+    openings = find_openings(cloud, room.corners, height)
+    return FoundRoom(
+        normal=np.array([0.0, 0.0, 1.0]),
+        point=np.zeros(3),
+        corners=np.column_stack([room.corners, np.zeros(len(room.corners))]),
+        guessed=room.guessed,
+        ceiling=room.ceiling,
+        openings=openings,
+        measures={"coverage": room.coverage, "floor_residual": stands.residual},
+    )
+
+
+def _area(corners: Array) -> float:
+    x, y = corners.T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))

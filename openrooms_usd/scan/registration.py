@@ -1,0 +1,281 @@
+"""Fits a CAD to the points of an object: where it stands, how it is turned, and its scale.
+
+Both ways between the points and the CAD count, truncated: from every point to the CAD, and from
+what a scanner must have seen of the CAD to the points, which is what holds its silhouette and
+keeps it out of space that was seen to be free. Distances are to small discs, so along the surface
+where there is some and towards its edge beyond it. Kernels after Geman and McClure are narrowed
+step by step (graduated non-convexity); the priors of start and contacts are least squares.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.evidence import Evidence
+from openrooms_usd.scan.shape import Shape, directions, posed, turn_of, unposed
+from openrooms_usd.scan.surroundings import Surroundings, hidden_sides
+
+Array = NDArray[np.float64]
+
+# Distances that are as likely as one standard deviation of the priors, metres, and how many
+# independent ones the points of one object amount to.
+_NOISE: Final = 0.02
+_INDEPENDENT: Final = 250.0
+# Weight of what a scanner must have seen, against the points that it gave.
+_SEEN_WEIGHT: Final = 0.7
+# The same where it is not known what a scanner saw.
+_UNKNOWN_WEIGHT: Final = 0.35
+# Logarithms of scale: how much the axes of a CAD are stretched against each other, and what is
+# as good as equal.
+_STRETCH: Final = 0.15
+_KNOWN: Final = 0.003
+# No scale is more than so many deviations from what is known.
+_SANE: Final = 2.5
+_EVEN: Final = np.eye(3) - 1.0 / 3.0
+# How high a support reaches into the points of what stands on it, metres.
+_FOOT: Final = 0.04
+# How much of one step is taken again with the next one.
+_MOMENTUM: Final = 0.6
+# The farthest that one step goes: metres, radians, logarithm of scale.
+_STEP: Final = np.array([0.06, 0.06, 0.06, 0.12, 0.06, 0.06, 0.06])
+
+
+class Stage(NamedTuple):
+    """One step of narrowing.
+
+    Attributes:
+        width: Of the kernel, metres.
+        points: Of each side.
+        steps: How many.
+        disc: Radius of the disc that a point stands for, over the spacing of points: wide ones let
+            surfaces slide along each other, narrow ones hold their edges.
+    """
+
+    width: float
+    points: int
+    steps: int
+    disc: float
+
+
+ROUGH: Final = (Stage(0.12, 250, 6, 1.0), Stage(0.07, 250, 6, 1.0))
+FINE: Final = (
+    Stage(0.06, 900, 8, 1.0),
+    Stage(0.035, 1400, 5, 0.8),
+    Stage(0.02, 1400, 9, 0.5),
+)
+
+
+class _System(NamedTuple):
+    matrix: Array
+    vector: Array
+    energy: float
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What is known before.
+
+    Attributes:
+        parameters: (7,) of the shape.
+        deviation: (7,) how far from them the truth may be.
+        plain: (3,) the last three parameters at the CAD's own size in metres.
+    """
+
+    parameters: Array
+    deviation: Array
+    plain: Array
+
+    def rows(self, parameters: Array) -> "_System":
+        """Its normal equations about some parameters."""
+        off = parameters - self.parameters
+        off[3] = _wrapped(float(off[3]))
+        weight = self.deviation**-2.0
+        # A CAD is rather scaled than stretched.
+        stretch = _EVEN @ (parameters[4:] - self.plain)
+        matrix = np.diag(weight)
+        matrix[4:, 4:] += _EVEN / _STRETCH**2
+        vector = weight * off
+        vector[4:] += stretch / _STRETCH**2
+        energy = float(weight @ off**2 + stretch @ stretch / _STRETCH**2)
+        return _System(matrix, vector, energy)
+
+    def bounded(self, parameters: Array) -> Array:
+        """The parameters with a scale within sane limits of what is known."""
+        reach = _SANE * self.deviation[4:]
+        scale = np.clip(parameters[4:], self.parameters[4:] - reach, self.parameters[4:] + reach)
+        return np.concatenate([parameters[:4], scale])
+
+    def at(self, scale: Array) -> "Start":
+        """The same, but the last three parameters are known."""
+        parameters = np.concatenate([self.parameters[:4], scale])
+        return Start(
+            parameters, np.concatenate([self.deviation[:4], np.full(3, _KNOWN)]), self.plain
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A shape in the scan.
+
+    Attributes:
+        parameters: (7,).
+        energy: Half of it is the negative logarithm of how likely it is; for comparison only.
+    """
+
+    parameters: Array
+    energy: float
+
+
+def refined(
+    shape: Shape,
+    evidence: Evidence,
+    around: Surroundings,
+    prior: Start,
+    parameters: Array,
+    schedule: Sequence[Stage],
+) -> Fit:
+    """Improve a pose by Gauss-Newton steps.
+
+    Args:
+        shape: What is fitted.
+        evidence: To these points.
+        around: What else it touches.
+        prior: What is known before.
+        parameters: (7,) where to begin.
+        schedule: Widths of the kernel, narrowing.
+    """
+    for stage in schedule:
+        part, scan = shape.part(stage.points), evidence.part(stage.points)
+        weights, hidden = _seen(part, around, parameters)
+        velocity = np.zeros(7)
+        for _ in range(stage.steps):
+            system = _system(
+                part, evidence, scan, around, prior, parameters, stage, weights, hidden
+            )
+            # Nearest points hold surfaces back along themselves: what goes on is sped up.
+            velocity = _step(system) + _MOMENTUM * velocity
+            parameters = prior.bounded(parameters + velocity)
+    return Fit(parameters, energy(shape, evidence, around, prior, parameters, schedule[-1]))
+
+
+def energy(
+    shape: Shape,
+    evidence: Evidence,
+    around: Surroundings,
+    prior: Start,
+    parameters: Array,
+    stage: Stage,
+) -> float:
+    """How bad a pose is, as a stage sees it."""
+    part, scan = shape.part(stage.points), evidence.part(stage.points)
+    weights, hidden = _seen(part, around, parameters)
+    return _system(part, evidence, scan, around, prior, parameters, stage, weights, hidden).energy
+
+
+def _step(system: _System) -> Array:
+    """A damped Gauss-Newton step."""
+    damped = system.matrix + np.diag(1e-3 * np.diag(system.matrix) + 1e-9)
+    step = np.linalg.solve(damped, -system.vector)
+    return np.asarray(step * min(1.0, float((_STEP / np.maximum(np.abs(step), 1e-12)).min())))
+
+
+def _seen(shape: Shape, around: Surroundings, parameters: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """(N,) weights of the points of a shape by what a scanner saw, and (4,) its hidden sides."""
+    places = posed(shape.points, parameters)
+    # Where it stands, its points cannot be told from those of what is below it.
+    clear = places[:, 2] > (-np.inf if around.support is None else around.support + _FOOT)
+    if around.panoramas is None:
+        return _UNKNOWN_WEIGHT * clear.astype(np.float64), np.zeros(4, dtype=np.bool_)
+    visible = around.panoramas.visible(
+        places, directions(shape.normals, parameters), shape.two_sided
+    )
+    return _SEEN_WEIGHT * (visible & clear).astype(np.float64), hidden_sides(shape, visible)
+
+
+def _system(
+    shape: Shape,
+    evidence: Evidence,
+    scan: Array,
+    around: Surroundings,
+    prior: Start,
+    parameters: Array,
+    stage: Stage,
+    weights: Array,
+    hidden: NDArray[np.bool_],
+) -> _System:
+    """Normal equations of all terms about a pose."""
+    _, nearest = shape.tree.query(unposed(scan, parameters))
+    one = _data(
+        shape.points[nearest], shape.normals[nearest], scan, stage.disc * shape.spacing, parameters
+    )
+    used = weights > 0.0
+    places = posed(shape.points[used], parameters)
+    _, there = evidence.tree.query(places)
+    other = _data(
+        shape.points[used],
+        shape.normals[used],
+        evidence.points[there],
+        stage.disc * evidence.spacing,
+        parameters,
+    )
+    scale = _INDEPENDENT / _NOISE**2
+    first = one.robust(np.full(len(scan), scale / len(scan)), stage.width)
+    second = other.robust(scale / len(weights) * weights[used], stage.width)
+    contacts = around.rows(shape, parameters, hidden)
+    before = prior.rows(parameters)
+    return _System(
+        first.matrix + second.matrix + contacts.slope.T @ contacts.slope + before.matrix,
+        first.vector + second.vector + contacts.slope.T @ contacts.residual + before.vector,
+        first.energy + second.energy + contacts.energy + before.energy,
+    )
+
+
+class _Pairs(NamedTuple):
+    """Points of a shape against discs: across (unit, offset) and along (unit, offset)."""
+
+    across: Array
+    height: Array
+    along: Array
+    beyond: Array
+    lever: Array
+    local: Array
+    turn: Array
+
+    def robust(self, weights: Array, width: float) -> _System:
+        squared = self.height**2 + self.beyond**2
+        kernel = width**2 / (width**2 + squared)
+        w = weights * kernel**2
+        J, K = self._slopes(self.across), self._slopes(self.along)
+        return _System(
+            (J * w[:, None]).T @ J + (K * w[:, None]).T @ K,
+            J.T @ (w * self.height) + K.T @ (w * self.beyond),
+            float(weights @ (squared * kernel)),
+        )
+
+    def _slopes(self, u: Array) -> Array:
+        turning = u[:, 1] * self.lever[:, 0] - u[:, 0] * self.lever[:, 1]
+        return np.column_stack([u, turning, (u @ self.turn) * self.local])
+
+
+def _data(
+    points: Array, normals: Array, targets: Array, radius: float, parameters: Array
+) -> _Pairs:
+    """Pairs of a shape's points, its normals there, and points of the scan."""
+    turn = turn_of(parameters)
+    local = points * np.exp(parameters[4:])
+    lever = local @ turn.T
+    n = directions(normals, parameters)
+    e = lever + parameters[:3] - targets
+    height = np.einsum("ij,ij->i", e, n)
+    tangent = e - height[:, None] * n
+    length = np.sqrt(np.einsum("ij,ij->i", tangent, tangent))
+    beyond = np.maximum(length - radius, 0.0)
+    along = tangent * (beyond > 0.0)[:, None] / np.maximum(length, 1e-12)[:, None]
+    return _Pairs(n, height, along, beyond, lever, local, turn)
+
+
+def _wrapped(angle: float) -> float:
+    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

@@ -1,0 +1,160 @@
+"""What stands around an object: the floor or what it stands on, the walls, what was seen."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.results import FoundRoom
+from openrooms_usd.scan.shape import SIDES, Shape, turn_of
+from openrooms_usd.scan.visibility import Panoramas
+
+Array = NDArray[np.float64]
+
+# Standard deviations of contacts, metres: the base on its support, a hidden side at a wall, and
+# what is behind a wall.
+_STANDING: Final = 0.01
+_TOUCHING: Final = 0.02
+_INSIDE: Final = 0.01
+# A hidden side is at the wall if it is about so near to it, metres.
+_NEAR: Final = 0.08
+# Walls farther than this from the middle of an object are not its own, beyond its own radius.
+_REACH: Final = 0.4
+# Cosine of the angle within which a side is parallel to a wall.
+_PARALLEL: Final = 0.94
+# A side is hidden if less than this part of it was visible.
+_HIDDEN: Final = 0.15
+# What belongs to a side: within this part of the extent, normals within 45 degrees.
+_SKIN: Final = 0.15
+# How much likelier a side that is flat is at the wall than one with handles and corners.
+_BACK: Final = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """Straight walls.
+
+    Attributes:
+        starts: (W, 2) metres.
+        ends: (W, 2) metres.
+        normals: (W, 2) unit, into the room.
+    """
+
+    starts: Array
+    ends: Array
+    normals: Array
+
+    def near(self, place: Array, radius: float) -> "Walls":
+        """Those before whose inner side a disc lies at least in part."""
+        along = self.ends - self.starts
+        length = np.linalg.norm(along, axis=1)
+        unit = along / np.maximum(length, 1e-9)[:, None]
+        offset = place[:2] - self.starts
+        station = np.einsum("ij,ij->i", offset, unit)
+        depth = np.einsum("ij,ij->i", offset, self.normals)
+        kept = (station > -0.5 * radius) & (station < length + 0.5 * radius)
+        kept &= (depth > -0.5 * radius) & (depth < radius + _REACH)
+        return Walls(self.starts[kept], self.ends[kept], self.normals[kept])
+
+
+def walls_of(rooms: Sequence[FoundRoom]) -> Walls:
+    """All walls of some rooms."""
+    starts = [room.corners[:, :2] for room in rooms] or [np.empty((0, 2))]
+    ends = [np.roll(corners, -1, axis=0) for corners in starts]
+    a, b = np.concatenate(starts), np.concatenate(ends)
+    along = (b - a) / np.maximum(np.linalg.norm(b - a, axis=1), 1e-9)[:, None]
+    return Walls(a, b, np.stack([-along[:, 1], along[:, 0]], axis=1))
+
+
+NO_WALLS: Final = walls_of(())
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Linearised residuals, each over its standard deviation.
+
+    Attributes:
+        residual: (K,).
+        slope: (K, 7) by the parameters of the shape.
+        energy: Of all, with their robust kernels.
+    """
+
+    residual: Array
+    slope: Array
+    energy: float
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """What an object touches.
+
+    Attributes:
+        panoramas: What was seen; None: not known.
+        support: Height of what it stands on, metres; None: not known, or it hangs.
+        walls: Those near it.
+    """
+
+    panoramas: Panoramas | None = None
+    support: float | None = None
+    walls: Walls = field(default=NO_WALLS)
+
+    def rows(self, shape: Shape, parameters: Array, hidden: NDArray[np.bool_]) -> Rows:
+        """Contacts of a shape.
+
+        Args:
+            shape: The shape.
+            parameters: (7,) where it is.
+            hidden: (4,) which of its sides no camera saw (see `hidden_sides`).
+        """
+        residuals, slopes, energy = [0.0], [np.zeros(7)], 0.0
+        if self.support is not None:
+            residuals.append((parameters[2] - self.support) / _STANDING)
+            slopes.append(np.eye(7)[2] / _STANDING)
+            energy += residuals[-1] ** 2
+        half = 0.5 * shape.size * [1.0, 1.0, 0.0] * np.exp(parameters[4:])
+        turn = turn_of(parameters)
+        for start, inward in zip(self.walls.starts, self.walls.normals, strict=True):
+            n = np.array([*inward, 0.0])
+            room = float(n[:2] @ (parameters[:2] - start))
+            local = turn.T @ n
+            # The corner that is deepest in the wall.
+            corner = -half * np.sign(local)
+            depth = room + float(local @ corner)
+            if depth < 0.0:
+                residuals.append(depth / _INSIDE)
+                slopes.append(_slope(n, turn, corner) / _INSIDE)
+                energy += residuals[-1] ** 2
+            side = int((SIDES @ local).argmin())
+            if hidden[side] and SIDES[side] @ local < -_PARALLEL and depth > -_NEAR:
+                middle = half * SIDES[side]
+                gap = room + float(local @ middle)
+                trust = (_NEAR**2 / (_NEAR**2 + gap**2)) / _TOUCHING
+                if depth > 0.0:
+                    residuals.append(gap * trust)
+                    slopes.append(_slope(n, turn, middle) * trust)
+                near = _NEAR**2 / (_NEAR**2 + gap**2)
+                energy += (max(gap, 0.0) / _TOUCHING) ** 2 * near + _BACK * near * (
+                    1.0 - shape.flat[side]
+                )
+        return Rows(np.array(residuals), np.array(slopes), energy)
+
+
+def hidden_sides(shape: Shape, visible: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(4,) whether the sides +x, -x, +y and -y of a shape were hidden from all eyes.
+
+    Args:
+        shape: The shape.
+        visible: (N,) which of its points were not.
+    """
+    reach = shape.points @ SIDES.T / np.maximum(0.5 * np.abs(SIDES) @ shape.size, 1e-9)
+    of_side = (reach > 1.0 - 2.0 * _SKIN) & (shape.normals @ SIDES.T > np.sqrt(0.5))
+    seen = (of_side & visible[:, None]).sum(axis=0)
+    return np.asarray(seen <= _HIDDEN * of_side.sum(axis=0))
+
+
+def _slope(n: Array, turn: Array, local: Array) -> Array:
+    """(7,) how a point of a shape (scaled, not turned) moves along a direction."""
+    lever = turn @ local
+    return np.array([*n, n[1] * lever[0] - n[0] * lever[1], *((n @ turn) * local)])

@@ -1,0 +1,91 @@
+"""The inner faces of a room's walls, each with a frame of its own as seen from inside."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Returns up to this far from a wall are its own, in the room and behind it, metres.
+REACH: Final = 0.35
+# Which wall is nearest is known for cells of the plan, metres.
+_PLAN: Final = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class WallFace:
+    """The inner face of a wall in the plan.
+
+    Attributes:
+        number: From corner ``number`` of the room to the next.
+        left: (2,) its left end, seen from inside.
+        along: (2,) unit vector to the right.
+        length: Metres.
+    """
+
+    number: int
+    left: Array
+    along: Array
+    length: float
+
+    @property
+    def outward(self) -> Array:
+        """(2,) unit vector away from the room."""
+        return np.array([-self.along[1], self.along[0]])
+
+    def from_level(self, points: Array) -> Array:
+        """Take (N, 3) points of the level frame to the wall's."""
+        offset = points[:, :2] - self.left
+        return np.column_stack([offset @ self.along, offset @ self.outward, points[:, 2]])
+
+    def to_level(self, points: Array) -> Array:
+        """Take (N, 3) points of the wall's frame to the level frame."""
+        plan = self.left + points[:, :1] * self.along + points[:, 1:2] * self.outward
+        return np.column_stack([plan, points[:, 2]])
+
+
+def faces_of(corners: Array) -> tuple[WallFace, ...]:
+    """The inner faces of a room's walls.
+
+    Args:
+        corners: (N, 2) counter-clockwise, metres.
+    """
+    # Counter-clockwise edges run from right to left, seen from inside.
+    lefts = np.roll(corners, -1, axis=0)
+    lengths = np.linalg.norm(corners - lefts, axis=1)
+    return tuple(
+        WallFace(i, lefts[i], (corners[i] - lefts[i]) / max(lengths[i], 1e-9), float(lengths[i]))
+        for i in range(len(corners))
+    )
+
+
+def nearest_walls(points: Array, corners: Array, faces: Sequence[WallFace]) -> NDArray[np.int16]:
+    """The wall that each point is closest to in the plan.
+
+    Args:
+        points: (N, 3) in the level frame.
+        corners: (M, 2) of the room.
+        faces: Its walls.
+
+    Returns:
+        (N,) their numbers, to two centimetres; -1 where none is within reach.
+    """
+    low = corners.min(axis=0) - REACH - _PLAN
+    shape = np.ceil((corners.max(axis=0) + REACH - low) / _PLAN).astype(np.int64) + 1
+    x, y = (start + _PLAN * (np.arange(n) + 0.5) for start, n in zip(low, shape, strict=True))
+    places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    best = np.full(shape, REACH)
+    nearest = np.full(shape, -1, dtype=np.int16)
+    for face in faces:
+        along, out = (places - face.left) @ face.along, (places - face.left) @ face.outward
+        away = np.hypot(np.maximum(np.maximum(-along, along - face.length), 0.0), out)
+        closer = away < best
+        best[closer], nearest[closer] = away[closer], face.number
+    # The outermost cells are out of reach: what lies beyond them is put there.
+    cells = [
+        np.clip((points[:, i] - low[i]) / _PLAN, 0, shape[i] - 1).astype(np.int64) for i in (0, 1)
+    ]
+    return np.asarray(nearest[cells[0], cells[1]])

@@ -1,0 +1,130 @@
+"""What stages find in a scan: the room as a capture, the furniture as CADs at their poses."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.capture import Capture, CapturedFrame, CapturedOpening, Confidence, read_capture
+from openrooms_usd.description.layout import ScanLayout
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.layout import LayoutOptions
+from openrooms_usd.scan.reconstruction import USUAL_HEIGHT, FoundLayout, find_rooms
+from openrooms_usd.scan.results import FoundOpening, FoundRoom
+from openrooms_usd.stages.base import StageContext
+
+Array = NDArray[np.float64]
+
+# Confidences from these on are called so.
+_WORDS: Final[tuple[tuple[float, Confidence], ...]] = ((0.75, "high"), (0.4, "medium"))
+
+
+@dataclass(frozen=True, eq=False)
+class ScannedRoom:
+    """The room of a scan, in the level frame, which is the world of the composed stage.
+
+    Attributes:
+        capture: As of any other captured room.
+        layout: All that was found.
+        room: The one that was chosen.
+        scan_from_level: (4, 4) to the frame of reports: the scan's own axes, metres.
+    """
+
+    capture: Capture
+    layout: FoundLayout
+    room: FoundRoom
+    scan_from_level: Array
+
+
+def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
+    """Find the room of a scan.
+
+    Raises:
+        InputError: The scan cannot be read, or shows too little of a room.
+    """
+    path = context.input(layout.file)
+    asked = tuple(sorted(layout.asked.items()))
+    stamp = path.stat().st_mtime_ns, path.stat().st_size
+    found, capture = _found(layout.reader, layout.simplicity, path, asked, context.source, stamp)
+    if layout.room >= len(found.rooms):
+        raise InputError(
+            f"the scan shows {len(found.rooms)} rooms, there is no room {layout.room}",
+            place=path,
+            remedy="count from 0, the largest",
+        )
+    room = found.rooms[layout.room]
+    return ScannedRoom(
+        _as_capture(capture, found, room),
+        found,
+        room,
+        in_metres(capture.source_from_world) @ found.level.scan_from_level,
+    )
+
+
+@lru_cache(maxsize=1)
+def _found(
+    reader: str,
+    simplicity: float,
+    path: Path,
+    asked: tuple[tuple[str, str], ...],
+    source: Path,
+    stamp: tuple[int, int],
+) -> tuple[FoundLayout, Capture]:
+    """All rooms of a scan: two stages ask for the same, one after the other."""
+    capture = read_capture(reader, path, dict(asked), source)
+    if capture.cloud is None:
+        raise InputError(
+            f"the importer {reader!r} gives no points",
+            place=path,
+            remedy="use `importer: scan`, or one that reads point clouds",
+        )
+    try:
+        found = find_rooms(capture.cloud, LayoutOptions(simplicity=simplicity))
+    except InputError as error:
+        error.place = error.place or str(path)
+        raise
+    return found, capture
+
+
+def in_metres(source_from_world: Array) -> Array:
+    """(4, 4) the same motion, to the source's axes but in metres."""
+    unit = np.cbrt(abs(np.linalg.det(source_from_world[:3, :3])))
+    return np.asarray(np.diag([1.0, 1.0, 1.0, unit]) @ source_from_world / unit)
+
+
+def _as_capture(capture: Capture, found: FoundLayout, room: FoundRoom) -> Capture:
+    notes = [*capture.notes, *found.notes]
+    if len(found.rooms) > 1:
+        notes.append(f"the scan shows {len(found.rooms)} rooms; the report has all of them")
+    if room.ceiling is None:
+        notes.append(f"{USUAL_HEIGHT} m is taken for the room's height")
+    return replace(
+        capture,
+        source_from_world=capture.source_from_world @ found.level.scan_from_level,
+        floor=room.corners[:, :2],
+        height=room.ceiling or USUAL_HEIGHT,
+        openings=tuple(_opening(n, o) for n, o in enumerate(room.openings)),
+        frames=tuple(_frame(frame, found.level.level_from_scan) for frame in capture.frames),
+        cloud=found.cloud,
+        notes=tuple(notes),
+    )
+
+
+def _frame(frame: CapturedFrame, level_from_world: Array) -> CapturedFrame:
+    return replace(frame, world_from_camera=level_from_world @ frame.world_from_camera)
+
+
+def _opening(number: int, found: FoundOpening) -> CapturedOpening:
+    along, up = found.corners[1] - found.corners[0], found.corners[3] - found.corners[0]
+    return CapturedOpening(
+        id=str(number),
+        kind=found.type,
+        center=found.corners.mean(axis=0),
+        direction=along / np.linalg.norm(along),
+        width=float(np.linalg.norm(along)),
+        height=float(np.linalg.norm(up)),
+        confidence=next((word for least, word in _WORDS if found.confidence >= least), "low"),
+    )

@@ -1,0 +1,158 @@
+"""Objects that are hard to align: hidden, under others, mislabelled, tiny, in millimetres."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from openrooms_usd.scan.alignment import FEWEST, align
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.hints import Box, Hint, moved_pose
+from openrooms_usd.scan.results import Pose
+from tests.scan.alignment_cases import CABINET, CHAIR, EYES, TABLE, Placed, cad, errors, room, scan
+
+
+def near(pose: Pose) -> Pose:
+    """Some centimetres, degrees and per cent off."""
+    turn = Rotation.from_euler("z", 8.0, degrees=True)
+    rotation = turn * Rotation.from_quat(pose.rotation, scalar_first=True)
+    return Pose(
+        pose.translation + np.array([0.06, -0.06, 0.03]),
+        rotation.as_quat(scalar_first=True),
+        pose.scale * [1.1, 0.9, 0.9],
+    )
+
+
+def test_a_side_at_the_wall_that_nobody_saw_is_at_the_wall() -> None:
+    """The CAD says a wrong depth, so only the wall can tell it."""
+    true = Placed(CABINET, (0.5, 1.77, 0.0), 0.0, "Z", np.array([1.0, 1.3, 1.0]))
+    front = scan([true], np.array([[0.5, -1.0, 0.7], [0.3, -1.2, 0.8]]))
+    hint = Hint(1, cad="cabinet", pose=near(true.pose()))
+    model = cad("cabinet", CABINET, scale=true.scale)
+    with_wall = align(front, [hint], [model], [room()]).objects[0]
+    without = align(front, [hint], [model]).objects[0]
+    back = with_wall.pose.translation[1] + 0.22 / 1.3 * with_wall.pose.scale[1]
+    assert back == pytest.approx(2.0, abs=0.03)
+    assert errors(with_wall.pose, true.pose())[2] < 0.05 < errors(without.pose, true.pose())[2]
+
+
+def test_a_chair_under_a_table_keeps_its_place() -> None:
+    chair = Placed(CHAIR, (0.0, 0.15, 0.0), 0.1)
+    table = Placed(TABLE, (0.0, 0.45, 0.0), 0.0)
+    cloud = scan([chair, table], EYES)
+    hints = [
+        Hint(1, cad="chair", pose=near(chair.pose())),
+        Hint(2, cad="table", pose=near(table.pose())),
+    ]
+    found = align(cloud, hints, [cad("chair", CHAIR), cad("table", TABLE)], [room()])
+    for one, true in zip(found.objects, (chair, table), strict=True):
+        metres, degrees, scale = errors(one.pose, true.pose())
+        assert metres < 0.05
+        assert degrees < 5.0
+        assert scale < 0.05
+
+
+def test_labels_that_are_wrong_in_a_tenth_of_the_points_do_not_matter() -> None:
+    chair, cabinet = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7), Placed(CABINET, (0.85, 0.75, 0.0), 0.7)
+    cloud = scan([chair, cabinet], EYES)
+    assert cloud.instance is not None
+    wrong = cloud.instance.copy()
+    close = (wrong == 2) & (np.linalg.norm(cloud.points - [0.6, 0.55, 0.5], axis=1) < 0.3)
+    assert 0.05 < close.sum() / (wrong == 1).sum() < 0.6
+    wrong[close] = 1
+    spoiled = replace(cloud, instance=wrong)
+    hint = Hint(1, cad="chair", pose=near(chair.pose()))
+    found = align(spoiled, [hint], [cad("chair", CHAIR)], [room()]).objects[0]
+    metres, degrees, scale = errors(found.pose, chair.pose())
+    assert metres < 0.05
+    assert degrees < 5.0
+    assert scale < 0.05
+
+
+def test_a_cad_in_millimetres_is_scaled() -> None:
+    true = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7, "Y", 0.001)
+    cloud = scan([true], EYES)
+    vertices, _ = true.vertices()
+    box = Box(vertices.mean(axis=0), np.array([0.5, 0.5, 0.9]), Rotation.from_euler(
+        "z", 0.75
+    ).as_quat(scalar_first=True))  # fmt: skip
+    found = align(cloud, [Hint(1, cad="chair", box=box)], [cad("chair", CHAIR, "Y", 0.001)])
+    metres, degrees, scale = errors(found.objects[0].pose, true.pose())
+    assert (metres, degrees, scale) < (0.03, 5.0, 0.05)
+    assert scale < 0.05
+
+
+def test_what_stands_on_a_table_ends_at_its_top() -> None:
+    thing = (((-0.15, -0.10, 0.0), (0.15, 0.10, 0.35)), ((-0.15, 0.05, 0.35), (0.15, 0.10, 0.5)))
+    table, box = Placed(TABLE, (0.0, 0.6, 0.0), 0.2), Placed(thing, (0.1, 0.6, 0.74), 0.2)
+    cloud = scan([box, table], EYES)
+    found = align(cloud, [Hint(1, cad="box", pose=near(box.pose()))], [cad("box", thing)])
+    assert found.objects[0].pose.translation[2] == pytest.approx(0.74, abs=0.015)
+
+
+def test_few_points_are_refused_with_the_reason() -> None:
+    chair = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)
+    cloud = scan([chair], EYES)
+    assert cloud.instance is not None
+    rows = np.flatnonzero((cloud.instance == 1) & (cloud.points[:, 2] > 0.1))
+    others = np.flatnonzero(cloud.instance == 0)
+    few = cloud.take(np.concatenate([rows[:: len(rows) // 30][:30], others]))
+    hints = [Hint(1, "chair"), Hint(2, "sofa"), Hint(3, "chair", "chair_z")]
+    found = align(few, hints, [cad("chair", CHAIR)])
+    assert found.objects == ()
+    assert "points" in found.rejected[0].reason
+    assert str(FEWEST) in found.rejected[0].reason
+    assert "no points of this instance" in found.rejected[1].reason
+
+
+@pytest.mark.parametrize(
+    ("hint", "reason"),
+    [
+        (Hint(1, "piano"), "no CAD of the category piano"),
+        (Hint(1, "chair", "chair_z"), "no CAD 'chair_z'"),
+        (Hint(1, None), "no CAD of the category"),
+    ],
+)
+def test_what_has_no_cad_is_refused_with_the_reason(hint: Hint, reason: str) -> None:
+    cloud = scan([Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)], EYES)
+    labelled = replace(cloud, label=np.full(len(cloud), 5, dtype=np.int32))
+    found = align(labelled, [hint], [cad("chair", CHAIR)])
+    assert reason in found.rejected[0].reason
+
+
+def test_a_cad_that_is_nowhere_near_is_refused() -> None:
+    cloud = scan([Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)], EYES)
+    pole = cad("pole", (((-0.01, -0.01, 0.0), (0.01, 0.01, 3.0)),))
+    far = Pose(np.array([0.2, 0.5, 0.0]), np.array([1.0, 0.0, 0.0, 0.0]), np.ones(3))
+    found = align(cloud, [Hint(1, cad="pole", pose=far)], [pole])
+    assert "does not fit" in found.rejected[0].reason
+
+
+def test_points_without_instances_are_cut_out_by_the_hint() -> None:
+    chair = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)
+    cloud = scan([chair], EYES)
+    bare = Cloud(cloud.points, eyes=cloud.eyes)
+    hint = Hint(7, cad="chair", pose=near(chair.pose()))
+    found = align(bare, [hint], [cad("chair", CHAIR)], [room()]).objects[0]
+    assert errors(found.pose, chair.pose())[0] < 0.05
+    assert errors(found.pose, chair.pose())[1] < 5.0
+
+
+def test_hints_move_with_their_frame() -> None:
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_rotvec([0.1, -0.2, 0.7]).as_matrix()
+    matrix[:3, 3] = [4.0, -2.0, 1.0]
+    pose = Placed(CHAIR, (0.2, 0.5, 0.1), 0.7, "Y", 1.2).pose()
+    corner = np.array([0.3, 0.2, -0.1])
+    moved = moved_pose(pose, matrix)
+
+    def carried(one: Pose) -> np.ndarray:
+        turn = Rotation.from_quat(one.rotation, scalar_first=True)
+        return turn.apply(one.scale * corner) + one.translation
+
+    expected = matrix[:3, :3] @ carried(pose) + matrix[:3, 3]
+    assert carried(moved) == pytest.approx(expected, abs=1e-12)
+    back = Hint(1, pose=moved).moved(np.linalg.inv(matrix)).pose
+    assert back is not None
+    assert back.rotation == pytest.approx(pose.rotation, abs=1e-12)

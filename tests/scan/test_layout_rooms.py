@@ -1,0 +1,148 @@
+"""Rooms of exactly known corners, seen by points: what is found, what is guessed, what is left."""
+
+import numpy as np
+import pytest
+import shapely
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.layout import LayoutOptions, LayoutRoom, find_layout
+from openrooms_usd.scan.levelling import level
+from tests.scan.scanned_rooms import RoomScan, corner_error, motion
+
+RECTANGLE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
+FURNITURE = ((1.0, 0.6, 1.4, 0.8, 0.70, 0.74), (0.02, 1.3, 0.6, 1.2, 0.0, 2.0))
+ROOMS = {
+    "rectangle": RECTANGLE,
+    "L": ((0, 0), (4.5, 0), (4.5, 2.0), (2.4, 2.0), (2.4, 3.6), (0, 3.6)),
+    "niche": ((0, 0), (4, 0), (4, 3), (2.6, 3), (2.6, 3.4), (1.4, 3.4), (1.4, 3), (0, 3)),
+    "pier": ((0, 0), (4, 0), (4, 3), (2.4, 3), (2.4, 2.7), (2.0, 2.7), (2.0, 3), (0, 3)),
+    "bay": ((0, 0), (4, 0), (4, 3), (3, 3), (2.5, 3.6), (1.5, 3.6), (1, 3), (0, 3)),
+    "slanted": ((0, 0), (4, 0), (4, 3.7), (0, 2.8)),
+    "corridor": ((0, 0), (12, 0), (12, 1.5), (0, 1.5)),
+    "bathroom": ((0, 0), (2, 0), (2, 1.8), (0, 1.8)),
+}
+
+
+def layout(
+    cloud: Cloud, options: LayoutOptions | None = None
+) -> list[tuple[LayoutRoom, np.ndarray]]:
+    """The rooms, each with its corners back in the scan's plan."""
+    stand = level(cloud)
+    rooms = find_layout(cloud.moved(stand.level_from_scan), stand, options or LayoutOptions())
+    return [(room, room.found(stand).corners) for room in rooms]
+
+
+def only(cloud: Cloud) -> tuple[LayoutRoom, np.ndarray]:
+    rooms = layout(cloud)
+    assert len(rooms) == 1
+    return rooms[0]
+
+
+@pytest.mark.parametrize("name", ROOMS)
+def test_corners_lie_at_the_inner_faces(name):
+    truth = np.array(ROOMS[name], dtype=float)
+    room, corners = only(RoomScan(ROOMS[name], noise=0.006).cloud())
+    assert len(corners) == len(truth)
+    assert corner_error(corners[:, :2], truth) < 0.03
+    assert shapely.LinearRing(corners[:, :2]).is_ccw
+    assert shapely.LinearRing(corners[:, :2]).is_simple
+    assert room.guessed == ()
+    assert room.ceiling == pytest.approx(2.5, abs=0.01)
+
+
+@pytest.mark.parametrize("labels", ["given", "a fifth wrong", "absent"])
+def test_furniture_along_walls_is_no_wall(labels):
+    cloud = RoomScan(RECTANGLE, boxes=FURNITURE).cloud()
+    rng = np.random.default_rng(0)
+    label = cloud.label.copy()
+    wrong = rng.random(len(label)) < (0.2 if labels == "a fifth wrong" else 0.0)
+    label[wrong] = rng.choice([1, 2, 3, 5, 22], wrong.sum())
+    _, corners = only(Cloud(cloud.points, label=None if labels == "absent" else label))
+    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.04
+
+
+def test_a_moved_scan_gives_the_moved_room():
+    cloud = RoomScan(ROOMS["L"], boxes=((1.0, 0.6, 1.4, 0.8, 0.70, 0.74),)).cloud()
+    matrix = motion(8.0, 27.0, (3e5, 4e6, 50.0))
+    _, corners = only(cloud.moved(matrix))
+    back = (corners - matrix[:3, 3]) @ matrix[:3, :3]
+    assert corner_error(back[:, :2], np.array(ROOMS["L"])) < 0.03
+    assert np.abs(back[:, 2]).max() < 0.01
+
+
+def test_a_missing_wall_is_closed_and_said_to_be_guessed():
+    room, corners = only(RoomScan(RECTANGLE, missing=(1,)).cloud())
+    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.08
+    assert len(room.guessed) == 1
+    start = corners[room.guessed[0], :2]
+    end = corners[(room.guessed[0] + 1) % 4, :2]
+    np.testing.assert_allclose([start[0], end[0]], 4.2, atol=0.08)
+    assert room.coverage < 0.85
+
+
+def test_a_corridor_seen_through_a_door_is_not_the_room():
+    door = (1, 1.0, 1.9, 0.0, 2.05)
+    cloud = RoomScan(RECTANGLE, holes=(door,)).cloud()
+    beyond = RoomScan(((4.3, 0.4), (5.6, 0.0), (5.6, 2.9), (4.3, 2.5)), missing=(0, 2, 3)).cloud()
+    both = Cloud(np.concatenate([cloud.points, beyond.points]))
+    _, corners = only(both)
+    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.04
+
+
+def test_two_rooms_are_two_polygons():
+    door, other = (1, 1.0, 1.9, 0.0, 2.05), ((4.35, 0.2), (7.3, 0.2), (7.3, 3.4), (4.35, 3.4))
+    first = RoomScan(RECTANGLE, holes=(door,)).cloud()
+    second = RoomScan(other, holes=((3, 1.5, 2.4, 0.0, 2.05),)).cloud()
+    found = layout(Cloud(np.concatenate([first.points, second.points])))
+    assert len(found) == 2
+    for truth in (np.array(RECTANGLE), np.array(other)):
+        assert min(corner_error(corners[:, :2], truth) for _, corners in found) < 0.04
+
+
+def test_thirty_percent_outliers():
+    cloud = RoomScan(RECTANGLE, boxes=FURNITURE).cloud()
+    rng = np.random.default_rng(1)
+    stray = rng.uniform((-1.0, -1.0, -0.5), (5.2, 4.1, 3.0), (int(0.43 * len(cloud)), 3))
+    _, corners = only(Cloud(np.concatenate([cloud.points, stray])))
+    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.05
+
+
+def test_what_a_mirror_shows_is_not_the_room():
+    cloud = RoomScan(RECTANGLE, holes=((0, 1.0, 2.6, 0.8, 2.0),)).cloud()
+    seen = cloud.points[np.abs(cloud.points[:, 0] - 1.8) < 0.4 + 0.35 * cloud.points[:, 1]]
+    mirrored = seen[seen[:, 1] > 0.1] * [1.0, -1.0, 1.0]
+    _, corners = only(Cloud(np.concatenate([cloud.points, mirrored])))
+    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.05
+
+
+def test_ceilings_that_slope_or_are_missing_have_no_height():
+    cloud = RoomScan(RECTANGLE, ceiling=False).cloud()
+    assert only(cloud)[0].ceiling is None
+    plan = np.random.default_rng(2).uniform((0.0, 0.0), (4.2, 3.1), (12000, 2))
+    slope = np.column_stack([plan, 2.1 + 0.35 * plan[:, 1]])
+    low = cloud.points[cloud.points[:, 2] < 2.1 + 0.35 * cloud.points[:, 1]]
+    assert only(Cloud(np.concatenate([low, slope])))[0].ceiling is None
+
+
+@pytest.mark.parametrize("floor", [False, True])
+def test_one_wall_is_too_little(floor):
+    cloud = RoomScan(RECTANGLE, missing=(1, 2, 3), floor=floor, ceiling=False).cloud()
+    with pytest.raises(InputError, match="too little") as caught:
+        layout(cloud)
+    assert "scan the floor" in str(caught.value.remedy)
+
+
+def test_a_partial_view_is_closed_on_request():
+    view = RoomScan(RECTANGLE, missing=(1, 2, 3), ceiling=False).cloud()
+    room, corners = layout(view, LayoutOptions(partial=True))[0]
+    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.1
+    assert len(room.guessed) == 3
+
+
+def test_simplicity_drops_corners():
+    cloud = RoomScan(ROOMS["pier"]).cloud()
+    counts = [
+        len(layout(cloud, LayoutOptions(simplicity=value))[0][1]) for value in (0.02, 0.1, 2.0)
+    ]
+    assert counts == [8, 8, 4]

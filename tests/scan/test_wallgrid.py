@@ -1,0 +1,116 @@
+"""Walls as pictures: frames, what stands, what lies behind, and what was looked through."""
+
+import numpy as np
+import pytest
+
+from openrooms_usd.scan.sightlines import sight_of
+from openrooms_usd.scan.wallfaces import REACH, faces_of, nearest_walls
+from openrooms_usd.scan.wallgrid import CELL, WallGrid, wall_grids
+from tests.scan.walled_rooms import CORNERS, EYES, HEIGHT, WINDOW, Sheet, frame_of, room
+
+ELL = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 2.0], [2.0, 4.0], [0.0, 4.0]])
+
+
+def grids(*sheets: Sheet, eyes: np.ndarray | None = EYES) -> list[WallGrid]:
+    cloud = room(sheets)
+    sight = sight_of(cloud.points, eyes)
+    return list(wall_grids(cloud, CORNERS, HEIGHT, (WINDOW,), sight))
+
+
+def cells(values: np.ndarray, x: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
+    rows, columns = ([round(v / CELL) for v in span] for span in (z, x))
+    return values[slice(*rows), slice(*columns)]
+
+
+@pytest.mark.parametrize("corners", [CORNERS, ELL])
+def test_faces_are_seen_from_inside(corners: np.ndarray) -> None:
+    for face in faces_of(corners):
+        start, end = corners[face.number], corners[(face.number + 1) % len(corners)]
+        # A little before the middle of the edge, to its left, is inside a counter-clockwise room.
+        inside = (start + end) / 2 + 0.01 * np.array([-(end - start)[1], (end - start)[0]])
+        x, y, z = face.from_level(np.array([[*inside, 0.7]]))[0]
+        assert x == pytest.approx(face.length / 2)
+        assert y == pytest.approx(-0.01 * face.length)
+        assert z == 0.7
+        np.testing.assert_allclose(face.left, end)
+
+
+def test_frames_of_walls_go_there_and_back() -> None:
+    points = np.random.default_rng(0).normal(size=(50, 3))
+    for face in faces_of(ELL):
+        np.testing.assert_allclose(face.to_level(face.from_level(points)), points, atol=1e-12)
+        right, out = face.to_level(np.array([[1.0, 0, 0], [0, 1.0, 0]])) - [*face.left, 0]
+        # Right, outwards and up are right-handed.
+        np.testing.assert_allclose(np.cross(right, out), [0, 0, 1], atol=1e-12)
+
+
+def test_nearest_walls_are_those_of_the_exact_distance() -> None:
+    from shapely import LineString, Point
+
+    points = np.random.default_rng(1).uniform(-0.5, 4.5, (500, 3))
+    faces = faces_of(ELL)
+    edges = [LineString(np.roll(ELL, -i, axis=0)[:2]) for i in range(len(ELL))]
+    away = np.array([[edge.distance(Point(p[:2])) for edge in edges] for p in points])
+    found = nearest_walls(points, ELL, faces)
+    least = away.min(axis=1)
+    assert (found[least > REACH + 0.02] == -1).all()
+    own = least < REACH - 0.02
+    np.testing.assert_allclose(away[own, found[own]], least[own], atol=0.03)
+
+
+def test_a_recess_is_behind_and_a_hole_is_void() -> None:
+    grid = grids(*frame_of(1, (0.8, 2.0), (0.9, 2.1), depth=0.08, label=WINDOW))[1]
+    assert cells(grid.recess, (0.83, 1.98), (0.93, 0.95)).mean() > 0.9
+    assert cells(grid.void, (0.95, 1.85), (1.05, 1.95)).min() > 0.9
+    assert cells(grid.solid, (0.05, 0.75), (0.1, 2.5)).mean() > 0.99
+    assert not cells(grid.solid, (0.85, 1.95), (0.95, 2.05)).any()
+    assert cells(grid.labels[WINDOW], (0.8, 2.0), (0.9, 0.95)).sum() > 50
+
+
+def test_nothing_is_known_behind_furniture() -> None:
+    cut = Sheet(0, (1.0, 2.2), (0.0, 2.0))
+    front = Sheet(0, (1.0, 2.2), (0.0, 2.0), -0.5, 3, cuts=False)
+    # Wall 0 runs from right to left: the eye stands before the sheet's middle.
+    eye = np.array([[2.4, 2.5, 1.5]])
+    hidden = cells(grids(cut, front, eyes=eye)[0].void, (1.1, 2.1), (0.1, 1.7))
+    assert (hidden == 0).all()
+    assert cells(grids(cut, eyes=eye)[0].void, (1.1, 2.1), (0.1, 1.7)).min() > 0.3
+
+
+def test_relief_is_how_far_the_face_stands_out() -> None:
+    board = Sheet(2, (1.0, 1.5), (0.5, 1.5), -0.02)
+    relief = grids(board)[2].relief
+    wall = np.nanmedian(cells(relief, (2.0, 3.5), (0.5, 1.5)))
+    assert np.nanmedian(cells(relief, (1.05, 1.45), (0.55, 1.45))) - wall == pytest.approx(
+        0.02, abs=0.002
+    )
+
+
+def test_a_wall_that_stands_askew_is_taken_as_it_stands() -> None:
+    cloud = room(noise=0.0)
+    corners = CORNERS + np.array([[0.0, 0.04], [0.0, -0.03], [0.0, 0.0], [0.0, 0.0]])
+    grid = next(wall_grids(cloud, corners, HEIGHT, (), sight_of(cloud.points, EYES)))
+    assert np.abs(np.nanmedian(grid.relief[10:-10, 10:-10], axis=0)).max() < 0.004
+    assert grid.solid.mean() > 0.97
+
+
+def test_the_other_side_of_a_wall_is_not_its_recess() -> None:
+    cloud = room([Sheet(0, (0.0, 4.0), (0.0, HEIGHT), 0.1, cuts=False)])
+    assert cloud.normals is not None
+    back = cloud.points[:, 1] < -0.05
+    cloud.normals[back] *= -1
+    grid = next(wall_grids(cloud, CORNERS, HEIGHT, (), sight_of(cloud.points, EYES)))
+    assert not grid.recess.any()
+
+
+def test_eyes_see_what_nothing_hides() -> None:
+    z, y = (axis.ravel() for axis in np.meshgrid(np.arange(0, 2, 0.02), np.arange(-1, 1, 0.02)))
+    screen = np.column_stack([np.full(len(z), 1.0), y, z])
+    far = np.column_stack([np.full(len(z), 3.0), y, z])
+    sight = sight_of(np.concatenate([screen, far]), np.array([[0.0, 0.0, 1.0]]))
+    outward = np.array([1.0, 0.0, 0.0])
+    before, behind = np.array([[0.8, 0.0, 1.0]]), np.array([[2.0, 0.0, 1.0]])
+    assert sight.eyes_on(before, outward) == [1]
+    assert sight.eyes_on(behind, outward) == [0]
+    # From its back nobody looks at a surface.
+    assert sight.eyes_on(before, -outward) == [0]

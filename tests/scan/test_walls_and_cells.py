@@ -1,0 +1,111 @@
+"""Evidence along lines, cells between lines, and the minimum cut against trying every labelling."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from openrooms_usd.scan.candidates import wall_lines
+from openrooms_usd.scan.cells import Cells, cut_plan, inside_by_cut
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.directions import wall_directions
+from openrooms_usd.scan.surfels import surfels
+from openrooms_usd.scan.walls import Line, profile, upright
+from tests.scan.scanned_rooms import CABINET, RoomScan, motion
+
+RECTANGLE = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
+X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+
+
+def line(degrees: float, offset: float) -> Line:
+    normal = np.array([np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))])
+    return Line(normal, offset, -10.0, np.zeros(400), np.zeros(400))
+
+
+def test_pieces_of_a_plane_lie_on_it():
+    cloud = RoomScan(RECTANGLE, noise=0.0, floor=False, ceiling=False, missing=(1, 2, 3)).cloud()
+    turned = cloud.moved(motion(20.0, 30.0, (0.0, 0.0, 0.0)))
+    pieces = surfels(turned)
+    normal = motion(20.0, 30.0, (0, 0, 0))[:3, :3] @ [0.0, 1.0, 0.0]
+    assert np.abs(pieces.points @ normal).max() < 1e-9
+    assert np.abs(np.abs(pieces.normals @ normal) - 1.0).max() < 1e-9
+    assert pieces.rough.max() < 1e-6
+
+
+def test_a_wall_covers_its_line_but_not_its_gap():
+    cloud = RoomScan(RECTANGLE, holes=((0, 1.0, 2.0, 0.0, 2.5),)).cloud()
+    found = profile(upright(surfels(cloud)), Y, 0.0)
+    # The line runs along -x.
+    assert found.covered(-4.0, 0.0) == pytest.approx(3.0, abs=0.15)
+    assert found.covered(-1.9, -1.1) == pytest.approx(0.0, abs=0.01)
+    assert found.covered(0.0, -4.0) == pytest.approx(float(found.covered(-4.0, 0.0)))
+
+
+def test_furniture_is_evidence_against_a_wall():
+    cloud = RoomScan(RECTANGLE, boxes=((1.0, 1.2, 1.5, 0.6, 0.0, 2.0),)).cloud()
+    walls = upright(surfels(cloud))
+    assert profile(walls, Y, 1.2).cover.min() < 0.0
+    unlabelled = upright(surfels(Cloud(cloud.points)))
+    low = profile(unlabelled, Y, 1.2)
+    assert 0.0 < low.covered(-2.4, -1.1) < 0.6
+    assert (cloud.label == CABINET).any()
+
+
+def test_directions_and_lines_of_a_room_with_two_frames():
+    corners = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (1.5, 3.0), (0.0, 1.5))
+    pieces = surfels(RoomScan(corners).cloud())
+    directions = wall_directions(pieces)
+    assert directions[0] == pytest.approx(0.0, abs=0.3) or directions[0] == pytest.approx(
+        90.0, abs=0.3
+    )
+    assert directions[1] == pytest.approx(45.0, abs=0.5)
+    lines = wall_lines(upright(pieces), directions)
+    slanted = Line(np.array([-1.0, 1.0]) / np.sqrt(2.0), 1.5 / np.sqrt(2.0), 0.0, X, X)
+    apart = [
+        abs(abs(found.normal @ slanted.normal) - 1.0) + abs(abs(found.offset) - slanted.offset)
+        for found in lines
+    ]
+    assert min(apart) < 0.02
+
+
+def test_cells_of_lines_in_general_position_tile_the_box():
+    lines = [line(10.0, 0.3), line(75.0, -0.2), line(130.0, 0.1), line(35.0, -0.4)]
+    cells = cut_plan(lines, np.array([-9.0, -9.0]), np.array([9.0, 9.0]))
+    # n lines that all cross inside make 1 + n + n (n - 1) / 2 cells, each line n pieces.
+    assert len(cells) == 1 + 4 + 6
+    assert len(cells.pairs) == 4 * 4
+    assert sum(shape.area for shape in cells.shapes) == pytest.approx(18.0**2)
+    assert cells.rim.sum() == 2 * 4
+    owner = cells.owners(np.array([[0.0, 0.0], [20.0, 0.0]]))
+    assert owner[0] >= 0
+    assert owner[1] == -1
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_cut_is_the_cheapest_of_all_labellings(seed):
+    rng = np.random.default_rng(seed)
+    angles, offsets = rng.uniform(0.0, 180.0, 4), rng.uniform(-1.0, 1.0, 4)
+    lines = [line(a, o) for a, o in zip(angles, offsets, strict=True)]
+    cells = cut_plan(lines, np.array([-3.0, -3.0]), np.array([3.0, 3.0]))
+    covered = cells.length * rng.uniform(0.0, 1.0, len(cells.length))
+    cells = Cells(cells.shapes, cells.pairs, cells.length, covered, cells.rim)
+    gain = rng.normal(0.0, 1.5, len(cells))
+    none = np.zeros(len(cells), bool)
+    inner, outer = none.copy(), none.copy()
+    inner[0], outer[-1] = True, True
+
+    def cost(inside: np.ndarray) -> float:
+        a, b = cells.pairs.T
+        missing = (cells.length - covered)[inside[a] != inside[b]].sum()
+        return float(missing - gain[inside].sum())
+
+    found = inside_by_cut(cells, gain, inner, outer)
+    assert found[0]
+    assert not found[-1]
+    free = [i for i in range(len(cells)) if not (inner | outer)[i]]
+    least = np.inf
+    for bits in product((False, True), repeat=len(free)):
+        inside = inner.copy()
+        inside[free] = bits
+        least = min(least, cost(inside))
+    assert cost(found) == pytest.approx(least, abs=0.01)
