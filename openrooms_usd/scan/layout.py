@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 # room; and of what was not seen at all.
 _OWN: Final = 1.0
 _OTHER: Final = -1.0
+# A partial view has few walls to hold what it shows.
+_PARTIAL: Final = 6.0
 _UNSEEN: Final = -0.05
 _PASSES: Final = 2
 # Walls of which less was seen are guessed.
@@ -179,7 +181,7 @@ def _outline(
     """The outline of one of the spaces."""
     import shapely
 
-    worth = _worth(spaces, number)
+    worth = _worth(spaces, number, _PARTIAL if options.partial else _OWN)
     known = owner >= 0
     gain = np.bincount(owner[known], worth[known], len(cells)).astype(np.float64)
     inner = np.zeros(len(cells), bool)
@@ -197,12 +199,12 @@ def _outline(
     return outline
 
 
-def _worth(spaces: Spaces, number: int) -> Array:
+def _worth(spaces: Spaces, number: int, own: float = _OWN) -> Array:
     """(X * Y,) what each pixel is worth inside a room."""
     rooms = spaces.rooms.ravel()
     empty = np.where(spaces.seen.ravel(), 0.0, _UNSEEN)
     other = np.where(rooms == 0, empty, _OTHER)
-    return np.where(rooms == number, _OWN, other) * PIXEL**2
+    return np.where(rooms == number, own, other) * PIXEL**2
 
 
 def _described(outline: Outline, walls: Walls, pieces: Surfels) -> LayoutRoom:

@@ -104,14 +104,16 @@ def _in_wall(grid: WallGrid, labelled: bool) -> Iterator[FoundOpening]:
 
 
 def _by_holes(grid: WallGrid, labelled: bool) -> Iterator[Proposal]:
-    """Holes; where there are labels, windows must be called so."""
+    """Holes; where there are labels, windows must be called so, and doors need not."""
     if grid.solid.mean() < _LEAST_SHOWN:
         return
     for where in rectangles(grid, hole_weights(grid)):
         proposal = measured(grid, kind_of(grid, where), where)
         if proposal.kind == "door":
-            yield measured(grid, "door", replace(where, bottom=0))
-        elif not labelled or proposal.label > _NAMED:
+            proposal = measured(grid, "door", replace(where, bottom=0))
+        # A leaf that stands open hides a part of its hole, but not of its labels.
+        named = proposal.label > _NAMED
+        if not labelled or named == (proposal.kind == "window"):
             yield proposal
 
 
