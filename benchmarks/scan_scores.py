@@ -164,7 +164,8 @@ def opening_counts(
     found: Sequence[FoundOpening], true: Sequence[FoundOpening], limit: float = OPENING_IOU
 ) -> Counts:
     """Openings of the right type in the right place."""
-    overlap = np.array([[_overlap(a, b) for b in true] for a in found]).reshape(-1, len(true))
+    overlap = np.array([[_overlap(a, b) for b in true] for a in found])
+    overlap = overlap.reshape(len(found), len(true))
     rows, _ = matched(1.0 - overlap, 1.0 - limit)
     return Counts(len(rows), len(found), len(true))
 
