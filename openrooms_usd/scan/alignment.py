@@ -53,7 +53,7 @@ _FINELY: Final = 4
 _HOPELESS: Final = (20.0, 1.6)
 _CADS: Final = 4
 # CADs have their true size if that costs no more than this.
-_TRUE: Final = 14.0
+_TRUE: Final = 9.0
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,10 @@ Array = NDArray[np.float64]
 
 # Points farther apart than this do not hang together, metres.
 _GAP: Final = 0.08
-# Pieces of less than this part of the largest one are strays.
+# Pieces of less than this part of the largest one are strays, where it is known about where the
+# object is, and where not.
 _STRAY: Final = 0.1
+_APART: Final = 0.3
 # Points so near to the floor are the floor's, where the object is not as flat itself, metres.
 _FLOOR: Final = 0.025
 _FLAT: Final = 0.12
@@ -58,7 +60,7 @@ def gathered(points: Array, bounds: Array | None = None) -> Evidence:
     """
     if bounds is not None:
         points = points[((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)]
-    points = _together(points)
+    points = _together(points, _STRAY if bounds is not None else _APART)
     if len(points) and np.quantile(points[:, 2], 0.95) > _FLAT:
         points = points[points[:, 2] > _FLOOR]
     spacing = _FINEST
@@ -70,8 +72,8 @@ def gathered(points: Array, bounds: Array | None = None) -> Evidence:
     return Evidence(thinned[order], max(spacing, 0.02))
 
 
-def _together(points: Array) -> Array:
-    """Without pieces that are small and apart from the rest."""
+def _together(points: Array, share: float) -> Array:
+    """Without pieces that are apart and smaller than this share of the largest one."""
     if not len(points):
         return points
     cells = np.floor((points - points.min(axis=0)) / _GAP).astype(np.int64)
@@ -80,5 +82,5 @@ def _together(points: Array) -> Array:
     pieces, _ = ndimage.label(full, np.ones((3, 3, 3)))
     of_point = pieces[tuple(cells.T)]
     counts = np.bincount(of_point)
-    kept = counts[of_point] >= _STRAY * counts.max()
+    kept = counts[of_point] >= share * counts.max()
     return np.asarray(points[kept])

@@ -28,9 +28,7 @@ _INDEPENDENT: Final = 250.0
 _SEEN_WEIGHT: Final = 0.7
 # The same where it is not known what a scanner saw.
 _UNKNOWN_WEIGHT: Final = 0.35
-# Logarithms of scale: how much the axes of a CAD are stretched against each other, and what is
-# as good as equal.
-_STRETCH: Final = 0.15
+# Logarithms of scale that are as good as equal.
 _KNOWN: Final = 0.003
 # No scale is more than so many deviations from what is known.
 _SANE: Final = 2.5
@@ -82,11 +80,13 @@ class Start:
         parameters: (7,) of the shape.
         deviation: (7,) how far from them the truth may be.
         plain: (3,) the last three parameters at the CAD's own size in metres.
+        stretch: How much the axes may be stretched against each other, logarithms of scale.
     """
 
     parameters: Array
     deviation: Array
     plain: Array
+    stretch: float = np.inf
 
     def rows(self, parameters: Array) -> "_System":
         """Its normal equations about some parameters."""
@@ -96,10 +96,10 @@ class Start:
         # A CAD is rather scaled than stretched.
         stretch = _EVEN @ (parameters[4:] - self.plain)
         matrix = np.diag(weight)
-        matrix[4:, 4:] += _EVEN / _STRETCH**2
+        matrix[4:, 4:] += _EVEN / self.stretch**2
         vector = weight * off
-        vector[4:] += stretch / _STRETCH**2
-        energy = float(weight @ off**2 + stretch @ stretch / _STRETCH**2)
+        vector[4:] += stretch / self.stretch**2
+        energy = float(weight @ off**2 + stretch @ stretch / self.stretch**2)
         return _System(matrix, vector, energy)
 
     def bounded(self, parameters: Array) -> Array:
@@ -112,7 +112,10 @@ class Start:
         """The same, but the last three parameters are known."""
         parameters = np.concatenate([self.parameters[:4], scale])
         return Start(
-            parameters, np.concatenate([self.deviation[:4], np.full(3, _KNOWN)]), self.plain
+            parameters,
+            np.concatenate([self.deviation[:4], np.full(3, _KNOWN)]),
+            self.plain,
+            self.stretch,
         )
 
 

@@ -22,6 +22,8 @@ _UNIT_REACH: Final = 0.25
 _HINTED: Final = np.array([0.12, 0.12, 0.12, 0.2, 0.12, 0.12, 0.12])
 # Those of a box about the points, which show only a part of the object.
 _SEEN: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25])
+# How much a CAD may be stretched to fill a box, logarithms of scale.
+_STRETCH: Final = 0.18
 _TURNS: Final = (0.0, 0.14, -0.14)
 _STRETCHES: Final = (-0.18, -0.1, 0.1, 0.18)
 _SHIFTS: Final = ((0.0, 0.0), (0.08, 0.0), (-0.08, 0.0), (0.0, 0.08), (0.0, -0.08))
@@ -71,7 +73,7 @@ def from_box(shape: Shape, box: Box, *, given: bool) -> list[Start]:
         lengths = size if quarter % 2 == 0 else size[[1, 0, 2]]
         scale = np.log(np.maximum(lengths, 0.01) / np.maximum(shape.size, 0.01))
         known = np.array([*base, heading + quarter * 0.5 * np.pi, *scale])
-        starts.append(Start(known, _HINTED if given else _SEEN, plain(shape)))
+        starts.append(Start(known, _HINTED if given else _SEEN, plain(shape), _STRETCH))
     return starts
 
 

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 # Cells of a panorama: about the angle of two centimetres in two metres.
 _COLUMNS: Final = 512
 _ROWS: Final = 256
-_EYES: Final = 16
+_EYES: Final = 20
 # A surface is seen if nothing lies nearer to the eye than this much before it, metres and share.
 _MARGIN: Final = 0.03
 _MARGIN_SHARE: Final = 0.01
