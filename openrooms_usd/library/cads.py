@@ -1,7 +1,6 @@
 """CADs to choose from for a scan: a folder of the user's meshes, or the library's furniture."""
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
@@ -15,19 +14,17 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.assets import Model
 from openrooms_usd.library.furniture import category, make
 from openrooms_usd.library.meshfile import read_model
+from openrooms_usd.scan.modelfiles import INDEX, CadFile, cad_files
+from openrooms_usd.scan.models import Symmetry
 
 Up = Literal["Y", "Z"]
 Front = Literal["+X", "-X", "+Y", "-Y"]
-Symmetry = Literal["none", "2", "4", "inf"]
 
-INDEX: Final = "index.json"
 # Files of other endings in the folder are textures and the like.
 _ENDINGS: Final = (".obj", ".glb", ".ply", ".usd", ".usda", ".usdc", ".usdz")
 _MOST: Final = 10_000
-_LONGEST: Final = 1 << 24  # bytes
-_CHOICES: Final[Mapping[str, tuple[str, ...]]] = {
-    "symmetry": get_args(Symmetry), "up": get_args(Up), "front": get_args(Front),
-}  # fmt: skip
+_UPS: Final[tuple[Up, ...]] = get_args(Up)
+_FRONTS: Final[tuple[Front, ...]] = get_args(Front)
 
 
 @dataclass(frozen=True)
@@ -76,72 +73,36 @@ def furniture_cads(categories: Iterator[str] | tuple[str, ...]) -> list[Cad]:
 
 
 def folder_cads(folder: Path) -> list[Cad]:
-    """The meshes below a folder, by their names; what ``index.json`` says of them comes first.
+    """The meshes of a folder and of those below it, with what its ``index.json`` says of them.
 
     Args:
-        folder: Holds meshes, at any depth; its index has by id ``category``, ``symmetry``, ``up``,
-            ``front`` and ``file``, each optional.
+        folder: Holds meshes; see `openrooms_usd.scan.modelfiles.cad_files`. The index may also say
+            where a CAD's ``front`` looks once its vertical is turned to Z.
 
     Raises:
         InputError: It is no folder, has no mesh, or its index is broken.
     """
-    if not folder.is_dir():
-        raise InputError("no such folder", place=folder, remedy="check `alignment.cad`")
-    files = sorted(path for path in folder.rglob("*") if path.suffix.lower() in _ENDINGS)
+    files = cad_files(folder, _ENDINGS)
     if not 0 < len(files) <= _MOST:
         raise InputError(
             f"it holds {len(files)} meshes, not 1 to {_MOST:,}",
             place=folder,
             remedy=f"put {', '.join(_ENDINGS)} files into it",
         )
-    index = _index(folder)
-    found = {path.stem: Cad(path.stem, "", path) for path in reversed(files)}
-    for name, entry in index.items():
-        found[name] = _described(folder, name, entry, found.get(name))
-    return [found[name] for name in sorted(found)]
+    return [_cad(file, folder / INDEX) for file in files]
 
 
-def _index(folder: Path) -> dict[str, Any]:
-    path = folder / INDEX
-    if not path.is_file():
-        return {}
-    try:
-        if path.stat().st_size > _LONGEST:
-            raise ValueError("it is too large")
-        data = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(
-            f"no readable index: {error}", place=path, remedy="JSON is expected"
-        ) from error
-    if not isinstance(data, dict) or not all(isinstance(row, dict) for row in data.values()):
-        raise InputError(
-            "an index has an object for each id", place=path,
-            remedy='such as {"chair_a": {"category": "chair", "symmetry": "none"}}',
-        )  # fmt: skip
-    return data
-
-
-def _described(folder: Path, name: str, entry: dict[str, Any], known: Cad | None) -> Cad:
-    place = f"{folder / INDEX}: {name}"
-    for key, choices in _CHOICES.items():
-        if entry.get(key) not in (None, *choices):
+def _cad(file: CadFile, index: Path) -> Cad:
+    front = file.entry.get("front", "-Y")
+    for key, value, choices in (("front", front, _FRONTS), ("up", file.up, (None, *_UPS))):
+        if value not in choices:
             raise InputError(
-                f"{key} is {entry[key]!r}", place=place, remedy=f"one of {', '.join(choices)}"
+                f"{key} is {value!r}",
+                place=f"{index}: {file.id}",
+                remedy=f"one of {', '.join(filter(None, choices))}",
             )
-    file = known.file if known else None
-    if isinstance(given := entry.get("file"), str):
-        file = folder / given
-        if not file.resolve().is_relative_to(folder.resolve()):
-            raise InputError(
-                "the file lies outside the folder", place=place, remedy="move it there"
-            )
-    if file is None or not file.is_file():
-        raise InputError("there is no mesh of this id", place=place, remedy="give its `file`")
-    kind = entry.get("category")
-    return Cad(
-        name, kind if isinstance(kind, str) else "", file,
-        symmetry=entry.get("symmetry"), up=entry.get("up"), front=entry.get("front") or "-Y",
-    )  # fmt: skip
+    up: Up | None = "Y" if file.up == "Y" else "Z" if file.up == "Z" else None
+    return Cad(file.id, file.category, file.path, symmetry=file.symmetry, up=up, front=front)
 
 
 def merged(model: Model, frame: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[np.int32]]:

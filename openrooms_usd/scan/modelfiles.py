@@ -3,6 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
@@ -29,6 +30,54 @@ _SYMMETRIES: Final[dict[str, Symmetry]] = {
 _UPS: Final[dict[str, Up]] = {"x": "X", "y": "Y", "z": "Z"}
 
 
+@dataclass(frozen=True)
+class CadFile:
+    """A mesh file of a folder of CADs, and what the folder's index says of it.
+
+    Attributes:
+        id: What hints and reports call it.
+        path: The file.
+        category: By the index, else the name of its folder; empty in the folder itself.
+        symmetry: About its vertical; None where nobody says it.
+        up: Its vertical axis; None where nobody says it.
+        entry: All that the index says.
+    """
+
+    id: str
+    path: Path
+    category: str
+    symmetry: Symmetry | None
+    up: Up | None
+    entry: Mapping[str, Any]
+
+
+def cad_files(folder: Path, suffixes: Collection[str] = _SUFFIXES) -> tuple[CadFile, ...]:
+    """The mesh files of a folder and of those below it, by id; see `read_models`.
+
+    Args:
+        folder: The folder.
+        suffixes: Of the files that count, in lower case.
+
+    Raises:
+        InputError: The folder or the index cannot be read.
+    """
+    if not folder.is_dir():
+        raise InputError("no such folder of CADs", place=folder, remedy="check alignment.cad")
+    index = _read_index(folder / INDEX)
+    return tuple(
+        _described(folder, path, name, _entry(index, folder, path, name))
+        for name, path in sorted(_named(folder, suffixes).items())
+    )
+
+
+def _described(folder: Path, path: Path, name: str, entry: Mapping[str, Any]) -> CadFile:
+    parent = path.parent.name if path.parent != folder else ""
+    return CadFile(
+        name, path, str(entry.get("category", parent)),
+        _chosen(_SYMMETRIES, entry, "symmetry", folder), _chosen(_UPS, entry, "up", folder), entry,
+    )  # fmt: skip
+
+
 def read_models(folder: Path, ids: Collection[str] | None = None) -> tuple[CadModel, ...]:
     """Read the CADs of a folder and those below it.
 
@@ -46,23 +95,16 @@ def read_models(folder: Path, ids: Collection[str] | None = None) -> tuple[CadMo
     Raises:
         InputError: The folder or the index cannot be read, or a mesh is broken.
     """
-    if not folder.is_dir():
-        raise InputError("no such folder of CADs", place=folder, remedy="check alignment.cad")
-    index = _read_index(folder / INDEX)
-    return tuple(
-        _read(path, name, _entry(index, folder, path, name), folder)
-        for name, path in sorted(_named(folder).items())
-        if ids is None or name in ids
-    )
+    return tuple(_read(file) for file in cad_files(folder) if ids is None or file.id in ids)
 
 
 def files_of(folder: Path) -> dict[str, Path]:
     """The file of each CAD of a folder, by id."""
-    return _named(folder)
+    return _named(folder, _SUFFIXES)
 
 
-def _named(folder: Path) -> dict[str, Path]:
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in _SUFFIXES)
+def _named(folder: Path, suffixes: Collection[str]) -> dict[str, Path]:
+    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in suffixes)
     paths = [path for path in paths if path.is_file()]
     names = {path: path.relative_to(folder).with_suffix("").parts for path in paths}
     stems = Counter(parts[-1] for parts in names.values())
@@ -126,17 +168,9 @@ def _keys(relative: Path, name: str) -> Iterator[str]:
     yield relative.name
 
 
-def _read(path: Path, name: str, entry: Mapping[str, Any], folder: Path) -> CadModel:
-    vertices, faces = _mesh(path)
-    parent = path.parent.name if path.parent != folder else ""
-    return CadModel(
-        id=name,
-        category=str(entry.get("category", parent)),
-        vertices=vertices,
-        faces=faces,
-        symmetry=_chosen(_SYMMETRIES, entry, "symmetry", folder),
-        up=_chosen(_UPS, entry, "up", folder),
-    )
+def _read(file: CadFile) -> CadModel:
+    vertices, faces = _mesh(file.path)
+    return CadModel(file.id, file.category, vertices, faces, file.symmetry, file.up)
 
 
 def _chosen(
