@@ -13,12 +13,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox
+from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.fusion import fuse
 from orusd_scans.arkit_path import captured_frames, depth_frames, read_path
 from orusd_scans.fields import text
 from orusd_scans.jsonfile import Node, read_json
+from orusd_scans.packing import packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_eyes
 from orusd_scans.ply import read_ply
 from orusd_scans.scanned import Scanned
@@ -29,6 +30,8 @@ Array = NDArray[np.float64]
 _MESH: Final = "*_3dod_mesh.ply"
 _BOXES: Final = "*_3dod_annotation.json"
 _TRAJECTORY: Final = "lowres_wide.traj"
+_POSED: Final = (_TRAJECTORY, "lowres_wide_intrinsics/*.pincam")
+_DEPTH: Final = ("lowres_depth/*.png", "confidence/*.png")
 _LARGEST: Final = 1e3  # metres
 _SQUARE: Final = 1e-2
 _EVERY: Final = 10
@@ -80,6 +83,16 @@ class ARKitScenesImporter:
             notes=tuple(notes),
             remedy=UNDETERMINED,
         )
+
+    def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
+        """The mesh or the depth that is fused, the boxes, and the camera's path."""
+        mesh, folder = _one(source, _MESH), _frames_folder(source)
+        fused = "fuse" in options or mesh is None
+        files = [None if fused else mesh, _one(source, _BOXES)]
+        if folder is not None:
+            kinds = (*_POSED, *(_DEPTH if fused else ()))
+            files += [path for kind in kinds for path in sorted(folder.glob(kind))]
+        return packed_folder(source, files, options)
 
 
 def _one(source: Path, pattern: str) -> Path | None:

@@ -11,6 +11,7 @@ in the frame and the unit of the capture; K is in pixels, and the centre of the 
 (0.5, 0.5).
 """
 
+import json
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -99,6 +100,11 @@ def in_world(
     if oblong:
         notes.append(f"{oblong} frames have skew or pixels that are not square: fx counts for both")
     return found
+
+
+def as_text(frames: Iterable[CapturedFrame]) -> bytes:
+    """Frames as a JSON file that `read_frames` reads back as the same frames."""
+    return (json.dumps(as_plain(frames), indent=1, allow_nan=False) + "\n").encode()
 
 
 def as_plain(frames: Iterable[CapturedFrame]) -> list[dict[str, Any]]:

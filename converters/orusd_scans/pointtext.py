@@ -3,6 +3,7 @@
 import re
 import zipfile
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -81,6 +82,8 @@ def _names(values: NDArray[np.float64], path: Path) -> tuple[str, ...]:
 def read_npz(path: Path) -> Scanned:
     """Read the arrays ``points``, ``normals``, ``colors`` (N, 3), ``label`` and ``instance`` (N,).
 
+    ``eyes`` (V, 3) may say where the points were seen from.
+
     Raises:
         InputError: It is no NPZ file, holds objects, or its arrays do not fit each other.
     """
@@ -93,10 +96,16 @@ def read_npz(path: Path) -> Scanned:
             with np.load(stream, allow_pickle=False) as arrays:
                 known = {*_TRIPLES, *_SINGLES}
                 found = {name: arrays[name] for name in arrays.files if name in known}
+                eyes = arrays["eyes"] if "eyes" in arrays.files else None
         except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise broken(path, f"this is no NPZ file of numbers: {error}") from error
     notes: list[str] = []
-    return Scanned(cloud_of(_columns(found, path), path, notes), notes=tuple(notes))
+    cloud = cloud_of(_columns(found, path), path, notes)
+    if eyes is not None:
+        if eyes.dtype.kind != "f" or eyes.ndim != 2 or eyes.shape[1] != 3:
+            raise broken(path, f"'eyes' has the shape {eyes.shape}")
+        cloud = replace(cloud, eyes=eyes[np.isfinite(eyes).all(axis=1)].astype(np.float64))
+    return Scanned(cloud, notes=tuple(notes))
 
 
 def _columns(arrays: Mapping[str, NDArray[Any]], path: Path) -> dict[str, NDArray[Any]]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel, Packed
 from openrooms_usd.errors import InputError
 from orusd_scans.fields import text
-from orusd_scans.frames import as_plain, in_world
+from orusd_scans.frames import as_text, in_world
 from orusd_scans.jsonfile import Node, read_json
 from orusd_scans.plan import DrawnPlan, floor_in, frame_along, openings_in, read_plan
 from orusd_scans.scannet_frames import read_scannet_frames
@@ -109,7 +109,7 @@ class Scan2CadImporter:
         if "frames" in options:
             kept["frames"] = "frames.json"
             found = read_scannet_frames(Path(options["frames"]), [])
-            contents["frames.json"] = _json(as_plain(found))
+            contents["frames.json"] = as_text(found)
         return Packed(f"{scan}.json", contents, kept)
 
 

@@ -13,14 +13,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, CapturedModel
+from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, CapturedModel, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.fusion import DepthFrame, Fused, fuse
-from orusd_scans.frames import in_world
+from orusd_scans.frames import as_text, in_world
 from orusd_scans.jsonfile import Node
+from orusd_scans.packing import packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_eyes
 from orusd_scans.ply import read_ply
-from orusd_scans.scan2cad import official, read_aligned
+from orusd_scans.scan2cad import Scan2CadImporter, official, read_aligned
 from orusd_scans.scanned import Scanned, opened
 from orusd_scans.scannet_frames import centred, read_scannet_frames, settings
 from orusd_scans.scannet_labels import read_annotation
@@ -46,6 +47,32 @@ class _Scene:
         """The first of its files that is there."""
         paths = (self.folder / f"{self.name}{ending}" for ending in endings)
         return next((path for path in paths if path.is_file()), None)
+
+    @property
+    def stem(self) -> str:
+        """How the mesh's name goes on after the scene's."""
+        assert self.mesh is not None
+        return self.mesh.name.removesuffix(".ply").removeprefix(self.name)
+
+    @property
+    def segments(self) -> Path | None:
+        """The segment of each vertex."""
+        return self.file(f"{self.stem}.0.010000.segs.json", f"{self.stem}.segs.json")
+
+    @property
+    def aggregation(self) -> Path | None:
+        """The segments of each object."""
+        usual = (".aggregation.json",) if self.stem == "_vh_clean_2" else ()
+        return self.file(*usual, f"{self.stem}.aggregation.json")
+
+    @property
+    def labelled(self) -> Path | None:
+        """The mesh with a class at each vertex."""
+        return self.file(f"{self.stem}.labels.ply")
+
+    def annotated(self) -> tuple[Path | None, ...]:
+        """The mesh and what is said of it."""
+        return self.mesh, self.segments, self.aggregation, self.labelled
 
 
 class ScanNetImporter:
@@ -84,6 +111,26 @@ class ScanNetImporter:
             notes=tuple(notes),
             remedy=UNDETERMINED,
         )
+
+    def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
+        """The mesh with what is said of it, or the depth that is fused; poses without pictures."""
+        scene = _scene(source)
+        fused = "fuse" in options or scene.mesh is None
+        kept = {name: options[name] for name in ("fuse", "official_centre") if name in options}
+        more: dict[str, bytes | Path] = {}
+        if fused:
+            more[f"{scene.name}/{scene.name}.sens"] = _needed_sens(scene, options)
+        elif frames := _frames(scene, options, []):
+            kept["frames"], more["frames.json"] = "frames.json", as_text(frames)
+        if "labels" in options:
+            kept["labels"], more["labels.tsv"] = "labels.tsv", Path(options["labels"])
+        if "annotation" in options:
+            models = {"scan": scene.name} | {n: options[n] for n in ("models",) if n in options}
+            aligned = Scan2CadImporter().pack(Path(options["annotation"]), models)
+            more |= aligned.contents
+            kept |= {"annotation": aligned.file} | dict(aligned.options)
+        files = [scene.file(".txt"), *([] if fused else scene.annotated())]
+        return packed_folder(scene.folder, files, kept, scene.name, more)
 
 
 def _scene(source: Path) -> _Scene:
@@ -134,14 +181,8 @@ def _frames(
 
 def _scanned(scene: _Scene, options: Mapping[str, str], notes: list[str]) -> Scanned:
     """The points in the frame of the scan: the labelled mesh, or fused depth."""
-    sens = _sens(scene, options)
-    if "fuse" in options or (scene.mesh is None and sens is not None):
-        if sens is None:
-            raise InputError(
-                "no .sens file is here, whose depth could be fused",
-                place=scene.folder,
-                remedy="give it by --frames, or leave --fuse out",
-            )
+    if "fuse" in options or (scene.mesh is None and _sens(scene, options) is not None):
+        sens = _needed_sens(scene, options)
         fused = fuse_sens(sens, _whole(options.get("fuse", str(_EVERY)), sens))
         notes.extend(fused.notes)
         return Scanned(fused.cloud)
@@ -152,15 +193,12 @@ def _scanned(scene: _Scene, options: Mapping[str, str], notes: list[str]) -> Sca
             remedy="give the folder of one scene of ScanNet",
         )
     scanned = read_ply(scene.mesh)
-    stem = scene.mesh.name.removesuffix(".ply").removeprefix(scene.name)
     labels = Path(options["labels"]) if "labels" in options else None
     found = read_annotation(
         count=len(scanned.cloud),
-        segments=scene.file(f"{stem}.0.010000.segs.json", f"{stem}.segs.json"),
-        aggregation=scene.file(
-            *((".aggregation.json",) if stem == "_vh_clean_2" else ()), f"{stem}.aggregation.json"
-        ),
-        labelled=scene.file(f"{stem}.labels.ply"),
+        segments=scene.segments,
+        aggregation=scene.aggregation,
+        labelled=scene.labelled,
         table=labels,
         notes=notes,
     )
@@ -172,6 +210,17 @@ def _scanned(scene: _Scene, options: Mapping[str, str], notes: list[str]) -> Sca
 def _sens(scene: _Scene, options: Mapping[str, str]) -> Path | None:
     given = Path(options.get("frames", ""))
     return given if given.suffix.lower() == ".sens" else scene.file(".sens")
+
+
+def _needed_sens(scene: _Scene, options: Mapping[str, str]) -> Path:
+    sens = _sens(scene, options)
+    if sens is None:
+        raise InputError(
+            "no .sens file is here, whose depth could be fused",
+            place=scene.folder,
+            remedy="give it by --frames, or leave --fuse out",
+        )
+    return sens
 
 
 def fuse_sens(path: Path, every: int = _EVERY) -> Fused:

@@ -15,12 +15,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame
+from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.scan.fusion import DepthFrame, FusionOptions, fuse
 from orusd_scans.depthpicture import picture_size, read_sixteen_bits
 from orusd_scans.jsonfile import Node
+from orusd_scans.packing import packed_folder, there
 from orusd_scans.plainscan import UNDETERMINED, cloud_in
 from orusd_scans.scanned import Scanned, broken
 from orusd_scans.sunrgbd_files import (
@@ -39,6 +40,14 @@ from orusd_scans.worldframe import WorldFrame
 Array = NDArray[np.float64]
 
 _VOTENET: Final = ("depth", "calib")
+_VOTENET_FILES: Final = (
+    ("calib", ".txt"), ("label", ".txt"), ("depth", ".mat"), ("depth", ".png"), ("image", ".jpg"),
+)  # fmt: skip
+# What is read of the folder of a raw frame.
+_RAW: Final = (
+    "intrinsics.txt", "extrinsics/*.txt", "depth_bfx/*.png", "depth/*.png", "image/*.jpg",
+    "annotation3Dfinal/index.json",
+)  # fmt: skip
 # The camera (x right, y down, z forward) as x right, y forward, z up.
 _LEVEL: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # A single picture is averaged over small voxels, metres.
@@ -92,6 +101,19 @@ class SunRgbdImporter:
             remedy=UNDETERMINED,
         )
 
+    def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
+        """The files of the one frame."""
+        if source.suffix.lower() == ".pkl":
+            entry = _chosen(read_index(source), options.get("frame"), source)
+            points = there(*_beside(source, entry.points))[:1]
+            contents = {path.relative_to(source.parent).as_posix(): path for path in points}
+            return Packed(source.name, {source.name: source, **contents}, options)
+        if (source / "intrinsics.txt").is_file():
+            return packed_folder(source, (f for kind in _RAW for f in source.glob(kind)), options)
+        frame = _frame_of(source, options.get("frame"))
+        files = [source / folder / f"{frame}{ending}" for folder, ending in _VOTENET_FILES]
+        return packed_folder(source, there(*files), options)
+
 
 _Read = tuple[Cloud, CapturedFrame, tuple[CapturedBox, ...]]
 
@@ -127,16 +149,22 @@ def _beside(source: Path, name: str) -> list[Path]:
     return [source.parent / name, source.parent / "points" / name]
 
 
-def _votenet(source: Path, asked: str | None, notes: list[str]) -> _Read:
+def _frame_of(source: Path, asked: str | None) -> str:
+    """The frame that is meant, of those in VoteNet's folder."""
     ids = sorted(path.stem for path in (source / "calib").glob("*.txt"))
     if asked is None and len(ids) == 1:
-        asked = ids[0]
-    if asked not in ids:
+        return ids[0]
+    if asked is None or asked not in ids:
         raise InputError(
             f"no frame is named {asked!r}" if asked else f"the folder holds {len(ids)} frames",
             place=source,
             remedy=f"give --frame ID, such as: {', '.join(ids[:3]) or 'none is in calib/'}",
         )
+    return asked
+
+
+def _votenet(source: Path, asked: str | None, notes: list[str]) -> _Read:
+    asked = _frame_of(source, asked)
     tilt, K = read_calibration(source / "calib" / f"{asked}.txt")
     picture = source / "image" / f"{asked}.jpg"
     size = _size(picture, K, notes)

@@ -1,15 +1,16 @@
 """The command ``import``: a capture becomes a folder with a room.yaml beside what was read."""
 
-import json
+import filecmp
 import re
+import shutil
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
 
 import click
 
 from openrooms_usd.adapters import IMPORTERS, available, find, load
-from openrooms_usd.atomic import filling, write_bytes, write_text
+from openrooms_usd.atomic import filling, replacing, write_bytes, write_text
 from openrooms_usd.capture import (
     NO_OPTIONS,
     Capture,
@@ -18,82 +19,14 @@ from openrooms_usd.capture import (
     checked_options,
     option_paths,
 )
+from openrooms_usd.cli.captured_text import describe, describe_scan
 from openrooms_usd.cli.console import json_option, print_json
-from openrooms_usd.description.captured import CAPTURES
 from openrooms_usd.errors import InputError, OutputError, writing
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    pass
 
 ROOM: Final = "room.yaml"
-# About how many cameras a capture with photographs begins with.
-_CAMERAS: Final = 5
-# What a lamp in the middle of the room needs around it, metres.
-_CLEAR: Final = 0.3
-
-_TEMPLATE: Final = """\
-# Made from {file} by: orusd import {kind}
-# Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
-name: {name}
-room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
-seed: 0
-
-layout:
-{source}
-{openings}
-alignment:
-{source}
-  objects:
-    # The scan knows no lamps: one hangs in the middle of the room.
-    - {{name: ceiling_lamp, category: ceiling_lamp, at: [{x:.2f}, {y:.2f}]}}
-
-lights:
-  # What shines in by the openings: lux on level ground under the open sky.
-  environment: {{from: constant, illuminance: 10000}}
-  lamps:
-    ceiling_lamp: {{lumen: 3000, kelvin: 4000}}
-
-cameras:
-{cameras}
-"""
-_SCANNED: Final = """\
-# Made from {file} by: orusd import {kind}
-# Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
-name: {name}
-room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
-seed: 0
-
-layout:
-{source}
-
-alignment:
-  # Every labelled instance of the scan; a folder of your own meshes: `cad: FOLDER`.
-  from: scan
-
-lights:
-  # What shines in by the openings: lux on level ground under the open sky.
-  environment: {{from: constant, illuminance: 10000}}
-
-cameras:
-{cameras}
-"""
-_SELECTED: Final = """\
-  resolution: [640, 480]
-  views:
-    # The best of many views along the walls.
-    - {from: select, count: 3}
-"""
-_FRAMES: Final = """\
-  # The cameras of the photographs: one in {every} of {count}.
-  from: capture
-  every: {every}
-"""
-_OPENINGS: Final = """\
-  # Captured: {captured}. Further ones, by the number of their wall (0 to {last}):
-  # openings:
-  #   - {{kind: window, wall: 0, width: 120 cm, height: 130 cm, sill: 90 cm}}
-"""
 
 
 class ImporterGroup(click.Group):
@@ -189,8 +122,7 @@ def import_capture(
     with filling(out) as folder:
         for name, content in packed.contents.items():
             if not (out / name).exists():
-                data = _bytes(content) if isinstance(content, Path) else content
-                write_bytes(folder / name, data)
+                _copy(content, folder / name)
         write_text(folder / ROOM, text)
     return capture
 
@@ -202,12 +134,6 @@ def _check_usable(capture: Capture, source: Path) -> None:
             "the capture has no floor, and no walls that enclose one",
             place=source,
             remedy=capture.remedy,
-        )
-    if capture.floor is None and source.is_dir():
-        raise InputError(
-            "a folder of a scan is not copied",
-            place=source,
-            remedy="import the mesh or point cloud in it",
         )
 
 
@@ -221,7 +147,9 @@ def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, s
     if packed.file.isprintable() and packed.file != ROOM:
         return packed
     name = f"{kind}{Path(packed.file).suffix}"
-    contents = {name if key == packed.file else key: v for key, v in packed.contents.items()}
+    # The file itself, or the folder that the files lie in.
+    own = re.compile(re.escape(packed.file) + "(?=/|$)")
+    contents = {own.sub(name, key, count=1): v for key, v in packed.contents.items()}
     return Packed(name, contents, packed.options)
 
 
@@ -237,9 +165,17 @@ def _check_names(packed: Packed) -> None:
             )
 
 
-def _bytes(path: Path) -> bytes:
+def _copy(content: bytes | Path, target: Path) -> None:
+    if isinstance(content, bytes):
+        write_bytes(target, content)
+        return
+    with _opened(content) as source, replacing(target) as beside, beside.open("wb") as copy:
+        shutil.copyfileobj(source, copy)
+
+
+def _opened(path: Path) -> BinaryIO:
     try:
-        return path.read_bytes()
+        return path.open("rb")
     except OSError as error:
         raise _unreadable(path, error) from error
 
@@ -257,97 +193,14 @@ def _refuse_to_replace(out: Path, contents: Mapping[str, bytes | Path]) -> None:
     if (out / ROOM).exists():
         raise OutputError("there is a room already", place=out / ROOM, remedy=remedy)
     for name, content in contents.items():
-        data = _bytes(content) if isinstance(content, Path) else content
-        if (out / name).exists() and _bytes(out / name) != data:
+        if (out / name).exists() and not _equal(content, out / name):
             raise OutputError("another capture has that name", place=out / name, remedy=remedy)
 
 
-def describe(
-    kind: str, capture: Capture, file: str, options: Mapping[str, str] = NO_OPTIONS
-) -> str:
-    """The text of a room.yaml for a capture.
-
-    Args:
-        kind: The name of the importer.
-        capture: What it read, with a floor.
-        file: The captured file, relative to the description.
-        options: What the importer is asked; paths are relative to the description.
-    """
-    assert capture.floor is not None
-    x, y = _middle(capture.floor)
-    kinds = [opening.kind for opening in capture.openings]
-    captured = ", ".join(f"{kinds.count(k)} {k}" for k in dict.fromkeys(kinds)) or "no openings"
-    return _TEMPLATE.format(
-        kind=kind,
-        name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
-        file=_quoted(file),
-        source=_section(kind, file, options),
-        openings=_OPENINGS.format(captured=captured, last=len(capture.floor) - 1),
-        x=x,
-        y=y,
-        cameras=_cameras(capture),
-    )
-
-
-def describe_scan(
-    kind: str, capture: Capture, file: str, options: Mapping[str, str] = NO_OPTIONS
-) -> str:
-    """The text of a room.yaml for a capture of points, in which the room must be found.
-
-    Args:
-        kind: The name of the importer.
-        capture: What it read, with points.
-        file: The captured file, relative to the description.
-        options: What the importer is asked; paths are relative to the description.
-    """
-    lines = ["from: scan", f"scan: {_quoted(file)}"]
-    lines += [] if kind == "scan" else [f"importer: {_quoted(kind)}"]
-    if options:
-        pairs = (f"{_quoted(name)}: {_quoted(value)}" for name, value in options.items())
-        lines.append(f"options: {{{', '.join(pairs)}}}")
-    return _SCANNED.format(
-        kind=kind,
-        name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
-        file=_quoted(file),
-        source="\n".join(f"  {line}" for line in lines),
-        cameras=_cameras(capture),
-    )
-
-
-def _section(kind: str, file: str, options: Mapping[str, str]) -> str:
-    """The first lines of a section that comes from the capture."""
-    known = kind in CAPTURES
-    lines = [f"from: {kind}"] if known else ["from: capture", f"importer: {_quoted(kind)}"]
-    lines.append(f"file: {_quoted(file)}")
-    if options:
-        pairs = (f"{_quoted(name)}: {_quoted(value)}" for name, value in options.items())
-        lines.append(f"options: {{{', '.join(pairs)}}}")
-    return "\n".join(f"  {line}" for line in lines)
-
-
-def _quoted(text: str) -> str:
-    """A JSON string, which is a YAML string."""
-    return json.dumps(text, ensure_ascii=False)
-
-
-def _cameras(capture: Capture) -> str:
-    count = len(capture.frames)
-    if not count:
-        return _SELECTED.rstrip("\n")
-    return _FRAMES.format(count=count, every=max(1, count // _CAMERAS)).rstrip("\n")
-
-
-def _middle(floor: "NDArray[np.float64]") -> tuple[float, float]:
-    """The centroid of a floor, or where it is widest if the centroid is not well inside."""
-    import shapely
-
-    polygon = shapely.Polygon(floor)
-    centroid = polygon.centroid
-    if polygon.contains(centroid) and polygon.exterior.distance(centroid) > _CLEAR:
-        return centroid.x, centroid.y
-    widest = shapely.maximum_inscribed_circle(polygon, tolerance=0.01)
-    x, y = shapely.get_coordinates(widest)[0]
-    return float(x), float(y)
+def _equal(content: bytes | Path, target: Path) -> bool:
+    if isinstance(content, bytes):
+        return target.is_file() and target.read_bytes() == content
+    return target.is_file() and filecmp.cmp(content, target, shallow=False)
 
 
 def summary(capture: Capture, out: Path) -> dict[str, Any]:

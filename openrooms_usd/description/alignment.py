@@ -21,7 +21,7 @@ from openrooms_usd.description.model import (
 )
 from openrooms_usd.description.naming import repeated_names, unique_names
 from openrooms_usd.description.nearest import did_you_mean
-from openrooms_usd.description.scanned import ScannedObject
+from openrooms_usd.description.scanned import ScannedObject, unsupported
 from openrooms_usd.description.units import Angle, Length, PositiveLength
 
 Size = Annotated[
@@ -177,7 +177,7 @@ class ScanAlignment(CheckedModel):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """Instances and names that repeat."""
+        """Instances and names that repeat, and supports that do not exist."""
         further = peek_list(given, "further")
         names = [peek_text(thing, "name") for thing in further]
         yield from repeated_names(names, "further", "object")
@@ -187,6 +187,7 @@ class ScanAlignment(CheckedModel):
             if type(number) is int and number in seen:
                 yield Found(("objects", index, "instance"), f"the instance {number} is there twice")
             seen.add(number if type(number) is int else None)
+        yield from unsupported(peek_list(given, "objects"))
 
 
 class ImportedAlignment(ImportedSection, CapturedAlignment):

@@ -150,6 +150,9 @@ class ScanLayout(CapturedLayout):
     simplicity: PositiveLength = Field(default=0.1, le=10)
     """What a corner must save in missing wall to be worth its while; larger values give plainer
     rooms."""
+    partial: bool = False
+    """Take a scan that shows little of the room, such as a single view; walls that it does not show
+    are guessed."""
     room: Whole = Field(default=0, ge=0)
     """Which of several rooms becomes the layout: 0 is the largest. The report has all."""
 

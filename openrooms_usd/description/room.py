@@ -98,7 +98,8 @@ def _source(section: Any) -> Any:
 
 def _cameras_of_nothing(given: Any) -> Iterator[Found]:
     """Cameras from a capture in a room that comes from none."""
-    if any(peek(peek(given, section), "file") for section in ("layout", "alignment")):
+    named = [("layout", "file"), ("layout", "scan"), ("alignment", "file")]
+    if any(peek(peek(given, section), key) for section, key in named):
         return
     cameras = peek(given, "cameras")
     views = [(("cameras", "views", i), v) for i, v in enumerate(peek_list(cameras, "views"))]

@@ -1,7 +1,7 @@
 """What a description may know of an object in a scan: which CAD, and roughly where."""
 
-from collections.abc import Iterator
-from typing import Annotated, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -59,6 +59,9 @@ class ScannedObject(CheckedModel):
     """Where the CAD is, roughly."""
     box: ScannedBox | None = None
     """Where the object is, roughly."""
+    support: Literal["floor", "wall", "ceiling"] | Annotated[Whole, Field(ge=1)] | None = None
+    """What carries it: floor, wall, ceiling, or the instance that it stands on; by default what is
+    found."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -69,3 +72,34 @@ class ScannedObject(CheckedModel):
                 yield Found((key, "rotation_wxyz"), "a quaternion of length 0 is no rotation")
         if peek(given, "pose") is not None and peek(given, "box") is not None:
             yield Found(("box",), "give a pose or a box, not both")
+
+
+def unsupported(objects: Sequence[Any]) -> Iterator[Found]:
+    """Supports that are no hinted instance, and those that go round in a circle.
+
+    Args:
+        objects: Hints as they were given.
+    """
+    carriers = {
+        number: peek(thing, "support")
+        for thing in objects
+        if type(number := peek(thing, "instance")) is int
+    }
+    for index, thing in enumerate(objects):
+        place, under = ("objects", index, "support"), peek(thing, "support")
+        if type(under) is not int:
+            continue
+        if under not in carriers:
+            yield Found(place, f"no object of this list has the instance {under}")
+        elif _returns(peek(thing, "instance"), carriers):
+            yield Found(place, "goes round in a circle; something must stand on the floor")
+
+
+def _returns(number: Any, carriers: Mapping[int, Any]) -> bool:
+    """Whether what carries an instance, and what carries that, and so on, is the instance again."""
+    under = carriers.get(number)
+    for _ in carriers:
+        if under == number or type(under) is not int:
+            break
+        under = carriers.get(under)
+    return type(under) is int and under == number

@@ -84,15 +84,20 @@ class StageContext:
         return input_file(self.source, relative)
 
 
-def input_file(source: Path, relative: str) -> Path:
+def input_file(source: Path, relative: str, *, folders: bool = False) -> Path:
     """A file that a description names, relative to the description's folder.
+
+    Args:
+        source: The description's folder.
+        relative: What it names.
+        folders: Whether a folder will do.
 
     Raises:
         InputError: It does not exist, or cannot be looked at.
     """
     path = source / relative
     with _reading(path):
-        there = path.is_file()
+        there = path.is_file() or (folders and path.is_dir())
     if not there:
         raise InputError(
             "no such file",

@@ -9,7 +9,7 @@ from openrooms_usd.capture import Capture, option_paths, read_capture
 from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
 from openrooms_usd.library.meshfile import dependencies
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StageContext, input_file
 
 
 def captured_section(room: Room) -> CapturedSection | None:
@@ -24,8 +24,17 @@ def capture_of(context: StageContext, section: CapturedSection) -> Capture:
     Raises:
         InputError: It cannot be read, or there is no such importer or option.
     """
-    path = context.input(section.file)
+    path = capture_path(context, section)
     return read_capture(section.reader, path, section.asked, context.source)
+
+
+def capture_path(context: StageContext, section: CapturedSection) -> Path:
+    """The file or folder that a section's capture is read from.
+
+    Raises:
+        InputError: It does not exist, or cannot be looked at.
+    """
+    return input_file(context.source, section.file, folders=True)
 
 
 def capture_inputs(section: CapturedSection, source: Path) -> list[str]:
@@ -35,7 +44,13 @@ def capture_inputs(section: CapturedSection, source: Path) -> list[str]:
         section: The section.
         source: The description's folder.
     """
-    return list(dict.fromkeys([section.file, *_named(section, source)]))
+    own = _below(source, section.file) if (source / section.file).is_dir() else [section.file]
+    return list(dict.fromkeys([*own, *_named(section, source)]))
+
+
+def _below(source: Path, folder: str) -> list[str]:
+    files = (path for path in (source / folder).rglob("*") if path.is_file())
+    return sorted(path.relative_to(source).as_posix() for path in files)
 
 
 def _named(section: CapturedSection, source: Path) -> Iterator[str]:

@@ -24,9 +24,9 @@ from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, fu
 from openrooms_usd.scan.results import FoundObject, Pose
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.catalogue import Catalogue
-from openrooms_usd.stages.placement import Placement, Source
+from openrooms_usd.stages.placement import Measured, Placement, Source
 from openrooms_usd.stages.reports import keep_overlay, keep_report
-from openrooms_usd.stages.scanned import ScannedRoom, scanned_room
+from openrooms_usd.stages.scanned import ScannedRoom, captured_hints, scanned_room
 from openrooms_usd.stages.substitutes import substitute
 from openrooms_usd.usd.taxonomies import CLASSES, NYU40, UNLABELED, class_of
 
@@ -62,8 +62,10 @@ def furnish(
     context.notes.extend(_told(found))
     labels = [(thing.category, str(thing.instance)) for thing in found.objects]
     taken = {name for name, _ in named_objects(alignment.further)}
-    for name, thing in zip(captured_names(labels, taken), found.objects, strict=True):
-        yield shelf.placement(catalogue, name, thing)
+    names = captured_names(labels, taken)
+    by_instance = {str(o.instance): name for o, name in zip(found.objects, names, strict=True)}
+    for name, thing in zip(names, found.objects, strict=True):
+        yield shelf.placement(catalogue, name, thing, by_instance.get(thing.support))
 
 
 def _told(found: FoundFurniture) -> Iterator[str]:
@@ -115,7 +117,8 @@ class _Shelf:
 
     def _wanted(self) -> set[str]:
         """Those of the library's categories that the scan may show."""
-        hinted = {thing.category for thing in self.alignment.objects or ()} - {None}
+        hints = self.hints(self.alignment.objects) or ()
+        hinted = {hint.category for hint in hints} - {None}
         cloud = self.scanned.layout.cloud
         if cloud.label is not None:
             labels = {NYU40[n] for n in np.unique(cloud.label).tolist() if n < len(NYU40)}
@@ -126,12 +129,14 @@ class _Shelf:
     def hints(self, objects: Iterable[ScannedObject] | None) -> list[Hint] | None:
         """What the description knows, in the level frame."""
         if objects is None:
-            return None
+            return captured_hints(self.scanned)
         level_from_scan: Array = np.linalg.inv(self.scanned.scan_from_level).astype(np.float64)
         return [_hint(thing, level_from_scan) for thing in objects]
 
-    def placement(self, catalogue: Catalogue, name: str, thing: FoundObject) -> Placement:
-        """An object where it was placed, with where it was measured."""
+    def placement(
+        self, catalogue: Catalogue, name: str, thing: FoundObject, carrier: str | None
+    ) -> Placement:
+        """An object where it was placed, with where it was measured and what it stands on."""
         cad, built = self.cads[thing.cad], self.built[thing.cad]
         measured = thing.pose.matrix @ built.file_from_object
         asset, emits = self._asset(catalogue, cad, thing, measured)
@@ -148,7 +153,10 @@ class _Shelf:
         source = Source(self.scanned.capture.source, str(thing.instance))
         return Placement(
             name, asset, (width, depth, height), x, y, z, yaw, emits=emits, source=source,
-            pose=pose, measured=measured,
+            pose=pose, measured=Measured(
+                measured, thing.residual, thing.coverage, thing.symmetry,
+                "object" if carrier else thing.support, carrier,
+            ),
         )  # fmt: skip
 
     def _asset(
@@ -192,7 +200,8 @@ def _hint(thing: ScannedObject, level_from_scan: Array) -> Hint:
         middle = Pose(np.array(thing.box.center), _unit(thing.box.rotation_wxyz), np.ones(3))
         level = middle.moved(level_from_scan)
         box = Box(level.translation, np.array(thing.box.size), level.rotation)
-    return Hint(thing.instance, thing.category, thing.cad, pose, box)
+    support = "" if thing.support is None else str(thing.support)
+    return Hint(thing.instance, thing.category, thing.cad, pose, box, support)
 
 
 def _unit(quaternion: tuple[float, ...]) -> Array:

@@ -158,7 +158,7 @@ def _author_room(stage: Usd.Stage, plan: Plan, room_type: str) -> None:
         room.AddAppliedSchema(names.SOURCE_API)
         _set(room, names.SOURCE_FILE, _TYPES.String, plan.capture.source)
         matrix = gf_matrix(plan.capture.source_from_world)
-        _set(room, "openrooms:source:fromWorld", _TYPES.Matrix4d, matrix)
+        _set(room, names.SOURCE_FROM_WORLD, _TYPES.Matrix4d, matrix)
 
 
 def _set(prim: Usd.Prim, name: str, type_name: Sdf.ValueTypeName, value: object) -> None:

@@ -1,6 +1,7 @@
 """The photographs of a capture as cameras, so that each view stands for one of them."""
 
 import re
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -10,6 +11,7 @@ from pxr import Sdf, Usd
 from openrooms_usd import names
 from openrooms_usd.capture import Capture, CapturedFrame
 from openrooms_usd.description.cameras import FrameCameras
+from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_of, captured_section
@@ -37,7 +39,20 @@ def photographs(context: StageContext) -> Capture | None:
             place=context.source / section.file,
             remedy="import it with --frames, or describe the cameras",
         )
+    if isinstance(section, ScanLayout):
+        capture = replace(capture, frames=_standing(context, capture))
     return capture
+
+
+def _standing(context: StageContext, capture: Capture) -> tuple[CapturedFrame, ...]:
+    """The photographs of a scan, as the room stands that was found in it."""
+    room = context.stage.GetPrimAtPath(names.ROOM)
+    source_from_room = np.array(room.GetAttribute(names.SOURCE_FROM_WORLD).Get()).T
+    room_from_scan = np.linalg.inv(source_from_room) @ capture.source_from_world
+    return tuple(
+        replace(frame, world_from_camera=room_from_scan @ frame.world_from_camera)
+        for frame in capture.frames
+    )
 
 
 def frame_name(prefix: str, frame: CapturedFrame, taken: set[str]) -> str:

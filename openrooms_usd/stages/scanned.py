@@ -7,14 +7,18 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from openrooms_usd.capture import Capture, CapturedFrame, CapturedOpening, Confidence, read_capture
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
+from openrooms_usd.scan.hints import Box, Hint
 from openrooms_usd.scan.layout import LayoutOptions
 from openrooms_usd.scan.reconstruction import USUAL_HEIGHT, FoundLayout, find_rooms
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.captures import capture_path
+from openrooms_usd.stages.substitutes import substitute
 
 Array = NDArray[np.float64]
 
@@ -45,10 +49,11 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
     Raises:
         InputError: The scan cannot be read, or shows too little of a room.
     """
-    path = context.input(layout.file)
+    path = capture_path(context, layout)
     asked = tuple(sorted(layout.asked.items()))
     stamp = path.stat().st_mtime_ns, path.stat().st_size
-    found, capture = _found(layout.reader, layout.simplicity, path, asked, context.source, stamp)
+    options = LayoutOptions(simplicity=layout.simplicity, partial=layout.partial)
+    found, capture = _found(layout.reader, options, path, asked, context.source, stamp)
     if layout.room >= len(found.rooms):
         raise InputError(
             f"the scan shows {len(found.rooms)} rooms, there is no room {layout.room}",
@@ -67,7 +72,7 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
 @lru_cache(maxsize=1)
 def _found(
     reader: str,
-    simplicity: float,
+    options: LayoutOptions,
     path: Path,
     asked: tuple[tuple[str, str], ...],
     source: Path,
@@ -82,11 +87,28 @@ def _found(
             remedy="use `importer: scan`, or one that reads point clouds",
         )
     try:
-        found = find_rooms(capture.cloud, LayoutOptions(simplicity=simplicity))
+        found = find_rooms(capture.cloud, options)
     except InputError as error:
         error.place = error.place or str(path)
         raise
     return found, capture
+
+
+def captured_hints(scanned: ScannedRoom) -> list[Hint] | None:
+    """The boxes of a capture whose points have no instances, in the level frame.
+
+    Returns:
+        None where the points say themselves what is an object, or the capture has no boxes.
+    """
+    instances, boxes = scanned.layout.cloud.instance, scanned.capture.boxes
+    if not boxes or (instances is not None and instances.any()):
+        return None
+    hints = []
+    for number, box in enumerate(boxes, 1):
+        turn = Rotation.from_matrix(box.rotation).as_quat(scalar_first=True)
+        around = Box(box.center, box.size, turn).moved(scanned.layout.level.level_from_scan)
+        hints.append(Hint(number, substitute(box.label, {}, 0.0) or box.label, None, box=around))
+    return hints
 
 
 def in_metres(source_from_world: Array) -> Array:

@@ -9,7 +9,7 @@ from click.testing import CliRunner, Result
 
 from openrooms_usd.capture import Capture
 from openrooms_usd.cli import orusd
-from openrooms_usd.cli.importing import describe
+from openrooms_usd.cli.captured_text import describe
 from openrooms_usd.description import load_room, parse_room
 from openrooms_usd.errors import InputError, OutputError
 

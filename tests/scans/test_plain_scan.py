@@ -122,3 +122,13 @@ def test_unknown_endings_name_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"'\.docx'") as caught:
         read_capture("scan", tmp_path / "a.docx")
     assert ".ply" in caught.value.remedy
+
+
+def test_where_points_were_seen_from(tmp_path: Path) -> None:
+    points, eyes = np.eye(3) * 1000.0, np.array([[0, 0, 1500.0], [np.nan, 0, 0]])
+    np.savez(tmp_path / "scan.npz", points=points, eyes=eyes)
+    cloud = read_capture("scan", tmp_path / "scan.npz", {"unit": "mm"}).cloud
+    np.testing.assert_allclose(cloud.eyes, [[0, 0, 1.5]])
+    np.savez(tmp_path / "bad.npz", points=points, eyes=eyes[:, :2])
+    with pytest.raises(InputError, match="'eyes' has the shape"):
+        read_capture("scan", tmp_path / "bad.npz")

@@ -1,0 +1,209 @@
+"""The text of a room.yaml for what was captured: short, commented, and to be changed."""
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel
+from openrooms_usd.description.captured import CAPTURES
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+# About how many cameras a capture with photographs begins with.
+_CAMERAS: Final = 5
+# What a lamp in the middle of the room needs around it, metres.
+_CLEAR: Final = 0.3
+# Objects that are known beside the scan are numbered from here: its own instances are fewer.
+_FIRST: Final = 100_001
+
+_TEMPLATE: Final = """\
+# Made from {file} by: orusd import {kind}
+# Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
+name: {name}
+room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
+seed: 0
+
+layout:
+{source}
+{openings}
+alignment:
+{source}
+  objects:
+    # The scan knows no lamps: one hangs in the middle of the room.
+    - {{name: ceiling_lamp, category: ceiling_lamp, at: [{x:.2f}, {y:.2f}]}}
+
+lights:
+  # What shines in by the openings: lux on level ground under the open sky.
+  environment: {{from: constant, illuminance: 10000}}
+  lamps:
+    ceiling_lamp: {{lumen: 3000, kelvin: 4000}}
+
+cameras:
+{cameras}
+"""
+_SCANNED: Final = """\
+# Made from {file} by: orusd import {kind}
+# Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
+name: {name}
+room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
+seed: 0
+
+layout:
+{source}
+
+alignment:
+{furniture}
+
+lights:
+  # What shines in by the openings: lux on level ground under the open sky.
+  environment: {{from: constant, illuminance: 10000}}
+
+cameras:
+{cameras}
+"""
+_SELECTED: Final = """\
+  resolution: [640, 480]
+  views:
+    # The best of many views along the walls.
+    - {from: select, count: 3}
+"""
+_FRAMES: Final = """\
+  # The cameras of the photographs: one in {every} of {count}.
+  from: capture
+  every: {every}
+"""
+_OPENINGS: Final = """\
+  # Captured: {captured}. Further ones, by the number of their wall (0 to {last}):
+  # openings:
+  #   - {{kind: window, wall: 0, width: 120 cm, height: 130 cm, sill: 90 cm}}
+"""
+
+
+def describe(
+    kind: str, capture: Capture, file: str, options: Mapping[str, str] = NO_OPTIONS
+) -> str:
+    """The text of a room.yaml for a capture.
+
+    Args:
+        kind: The name of the importer.
+        capture: What it read, with a floor.
+        file: The captured file, relative to the description.
+        options: What the importer is asked; paths are relative to the description.
+    """
+    assert capture.floor is not None
+    x, y = _middle(capture.floor)
+    kinds = [opening.kind for opening in capture.openings]
+    captured = ", ".join(f"{kinds.count(k)} {k}" for k in dict.fromkeys(kinds)) or "no openings"
+    return _TEMPLATE.format(
+        kind=kind,
+        name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
+        file=_quoted(file),
+        source=_section(kind, file, options),
+        openings=_OPENINGS.format(captured=captured, last=len(capture.floor) - 1),
+        x=x,
+        y=y,
+        cameras=_cameras(capture),
+    )
+
+
+def describe_scan(
+    kind: str, capture: Capture, file: str, options: Mapping[str, str] = NO_OPTIONS
+) -> str:
+    """The text of a room.yaml for a capture of points, in which the room must be found.
+
+    Args:
+        kind: The name of the importer.
+        capture: What it read, with points.
+        file: The captured file, relative to the description.
+        options: What the importer is asked; paths are relative to the description.
+    """
+    lines = ["from: scan", f"scan: {_quoted(file)}"]
+    lines += [] if kind == "scan" else [f"importer: {_quoted(kind)}"]
+    lines += _options(options)
+    if len(capture.frames) == 1:
+        lines += ["# A single view shows little of a room: the rest is guessed.", "partial: true"]
+    return _SCANNED.format(
+        kind=kind,
+        name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
+        file=_quoted(file),
+        source=_indented(lines),
+        furniture=_indented(_furniture(capture, options)),
+        cameras=_cameras(capture),
+    )
+
+
+def _furniture(capture: Capture, options: Mapping[str, str]) -> Iterator[str]:
+    """The section of objects: every one of the scan, or the CADs that were aligned to it."""
+    known = [model for model in capture.models if model.file is not None]
+    if "models" not in options or not known:
+        yield "# Every labelled instance of the scan; a folder of your own meshes: `cad: FOLDER`."
+        yield "from: scan"
+        return
+    yield from ("from: scan", f"cad: {_quoted(options['models'])}")
+    yield "# The CADs that were aligned to the scan. Without these: every labelled instance."
+    yield "objects:"
+    for number, model in enumerate(known, _FIRST):
+        label, cad = _quoted(model.label), _quoted(model.id.partition("_")[2])
+        yield f"  - {{instance: {number}, category: {label}, cad: {cad}, pose: {{"
+        yield f"      {_pose(capture, model)}}}}}"
+
+
+def _pose(capture: Capture, model: CapturedModel) -> str:
+    """A pose in the scan's own axes, metres."""
+    import numpy as np
+    from scipy.spatial.transform import Rotation
+
+    from openrooms_usd.stages.scanned import in_metres
+
+    matrix = in_metres(capture.source_from_world) @ model.world_from_model
+    scale = np.linalg.norm(matrix[:3, :3], axis=0)
+    turn = Rotation.from_matrix(matrix[:3, :3] / scale).as_quat(scalar_first=True)
+    parts = {"translation": matrix[:3, 3], "rotation_wxyz": turn, "scale": scale}
+    written = (f"{name}: {np.round(values, 6).tolist()}" for name, values in parts.items())
+    return ", ".join(written)
+
+
+def _section(kind: str, file: str, options: Mapping[str, str]) -> str:
+    """The first lines of a section that comes from the capture."""
+    known = kind in CAPTURES
+    lines = [f"from: {kind}"] if known else ["from: capture", f"importer: {_quoted(kind)}"]
+    return _indented([*lines, f"file: {_quoted(file)}", *_options(options)])
+
+
+def _options(options: Mapping[str, str]) -> Iterator[str]:
+    if options:
+        pairs = (f"{_quoted(name)}: {_quoted(value)}" for name, value in options.items())
+        yield f"options: {{{', '.join(pairs)}}}"
+
+
+def _indented(lines: Iterable[str]) -> str:
+    return "\n".join(f"  {line}" for line in lines)
+
+
+def _quoted(text: str) -> str:
+    """A JSON string, which is a YAML string."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _cameras(capture: Capture) -> str:
+    count = len(capture.frames)
+    if not count:
+        return _SELECTED.rstrip("\n")
+    return _FRAMES.format(count=count, every=max(1, count // _CAMERAS)).rstrip("\n")
+
+
+def _middle(floor: "NDArray[np.float64]") -> tuple[float, float]:
+    """The centroid of a floor, or where it is widest if the centroid is not well inside."""
+    import shapely
+
+    polygon = shapely.Polygon(floor)
+    centroid = polygon.centroid
+    if polygon.contains(centroid) and polygon.exterior.distance(centroid) > _CLEAR:
+        return centroid.x, centroid.y
+    widest = shapely.maximum_inscribed_circle(polygon, tolerance=0.01)
+    x, y = shapely.get_coordinates(widest)[0]
+    return float(x), float(y)
