@@ -43,7 +43,7 @@ unit: .venv/installed-dev
 
 benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks
-	for name in first_picture compose generate materials friction light; do \
+	for name in first_picture compose generate materials friction light scan; do \
 		$(BIN)/python -m benchmarks.$$name --json out/benchmarks/$$name.json || exit 1; done
 	$(BIN)/python -m benchmarks.radiance --denoise --json out/benchmarks/radiance.json
 

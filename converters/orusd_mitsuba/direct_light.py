@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.usd.cameras import PinholeCamera
-from orusd_mitsuba.build import load_sensor
+from orusd_mitsuba.bands import Band, BandedFilm
 from orusd_mitsuba.closed_form import factor
 from orusd_mitsuba.control_variate import TALLIED
 from orusd_mitsuba.lamp_faces import LampFaces
@@ -25,7 +25,6 @@ from orusd_mitsuba.pictures import Array
 from orusd_mitsuba.receiver import Receiver, receive, unblocked
 from orusd_mitsuba.rectangles import Rectangles
 from orusd_mitsuba.scene import Scene
-from orusd_mitsuba.sensors import describe_sensor
 from orusd_mitsuba.sky_light import Sky
 from orusd_mitsuba.sources import Filing, Source
 from orusd_mitsuba.tallies import Tallies
@@ -34,15 +33,14 @@ White = Callable[[Any], Any]
 
 # Faces up to which a lamp is summed in closed form, at every sample.
 _FEW: Final = 128
-# Floats that one pass may file, 4 bytes each, and paths that may be in flight.
-_ENTRIES: Final = 1 << 27
-_PATHS: Final = 1 << 21
 # What stands in the planes of a light that has no closed form.
 _NONE: Final = -1.0
 
 
-class DirectFilm:
+class DirectFilm(BandedFilm):
     """Renders passes of a camera: every light occluded, unoccluded, and in closed form.
+
+    A pass is for `orusd_mitsuba.control_variate.finish`: four pictures a light.
 
     Args:
         scene: The arrays.
@@ -53,12 +51,6 @@ class DirectFilm:
         camera: The pinhole or lens.
         width: Pixels.
         height: Pixels.
-
-    Attributes:
-        planes: How many pictures a pass gives, four a light.
-        size: Height and width.
-        most: Samples a pixel that one pass may take at most.
-        broken: (height, width) bool, pixels in which a pass gave no number.
     """
 
     def __init__(
@@ -73,8 +65,7 @@ class DirectFilm:
         height: int,
     ) -> None:
         self._scene, self._built = scene, built
-        self._filing, self._first, self._camera = filing, first, camera
-        self._width, self._height = width, height
+        self._filing, self._first = filing, first
         self._faces = LampFaces(scene, built, sources)
         sizes = np.diff(self._faces.starts)
         self._closed = [
@@ -83,53 +74,24 @@ class DirectFilm:
             if self._faces.even[lamp] and sizes[lamp] <= _FEW
         ]
         self._lights = filing.count
-        self.planes = TALLIED * self._lights
-        self.size = height, width
+        super().__init__(camera, width, height, scene.origin, TALLIED * self._lights)
         self._sky = None
         if built.environment() is not None:
             self._sky = Sky(built, filing, Rectangles(sources, scene.origin))
         self._clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
-        fitting = min(_PATHS, _ENTRIES // (3 * self.planes))
-        self._rows = max(1, min(height, fitting // width))
-        self.most = max(1, fitting // (width * self._rows))
-        self.broken = np.zeros((height, width), dtype=bool)
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
-        """Render one pass; equal seeds give equal bits.
-
-        Returns:
-            (planes, height, width, 3) means over the samples, for
-            `orusd_mitsuba.control_variate.finish`.
-        """
-        tops = range(0, self._height, self._rows)
-        bands = [self._band(top, samples, (seed + i) & 0xFFFFFFFF) for i, top in enumerate(tops)]
-        pixels = np.concatenate(bands, axis=1)
-        finite = np.isfinite(pixels)
-        self.broken |= ~finite.all(axis=(0, 3))
-        return np.where(finite, pixels, np.float32(0.0))
-
-    def _band(self, top: int, samples: int, seed: int) -> NDArray[np.float32]:
-        rows = min(self._rows, self._height - top)
-        paths = self._width * rows * samples
-        sampler = mi.load_dict({"type": "independent"})
-        sampler.seed(seed, paths)
-        pixel = dr.arange(mi.UInt32, paths) // samples
-        corner = mi.Point2f(mi.Float(pixel % self._width), mi.Float(pixel // self._width))
-        at = (corner + sampler.next_2d()) / mi.Point2f(self._width, rows)
-        description = describe_sensor(
-            self._camera, self._width, self._height, self._scene.origin, (top, rows)
-        )
-        sensor = load_sensor(description, {"type": "independent"})
-        ray, _ = sensor.sample_ray(0.0, 0.5, at, sampler.next_2d())
-        tallies = Tallies(paths, self._lights, len(self._closed))
+    def _band(self, band: Band) -> NDArray[np.float32]:
+        sampler = band.sampler()
+        ray = band.ray(sampler.next_2d(), sampler.next_2d())
+        tallies = Tallies(band.paths, self._lights, len(self._closed))
         self._gather(ray, sampler, tallies)
-        means = dr.block_sum(tallies.entries, samples).numpy() / np.float32(samples)
-        means = means.reshape(-1, 3, rows, self._width)
+        means = band.means(tallies.entries)
         whole = np.full((TALLIED, self._lights, *means.shape[1:]), _NONE)
         whole[:2] = means[: 2 * self._lights].reshape(whole[:2].shape)
         for lamp, closed in zip(self._closed, means[2 * self._lights :], strict=True):
             light = self._faces.lights[lamp]
-            whole[2, light], whole[3, light] = closed, _moments(tallies, light, samples, rows)
+            whole[2, light] = closed
+            whole[3, light] = _moments(tallies, light, band.samples, band.rows)
         return np.moveaxis(whole.reshape(self.planes, *means.shape[1:]), 1, 3).astype(np.float32)
 
     def _gather(self, ray: Any, sampler: Any, tallies: Tallies) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
 from openrooms_usd.render import RenderRequest
-from orusd_mitsuba import MitsubaRenderer, arriving, direct_light, light_film
+from orusd_mitsuba import MitsubaRenderer, arriving, bands
 
 SIZE = {"width": 24, "height": 18, "grid": (6, 4)}
 # One of each kind of pass, and all that each gives.
@@ -82,8 +82,7 @@ def test_cutting_a_render_into_passes_and_bands_is_no_more_than_another_noise(
     session: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = images(session, *LIT, samples=32)
-    monkeypatch.setattr(light_film, "_PATHS", 24 * 10)
-    monkeypatch.setattr(direct_light, "_PATHS", 24 * 10)
+    monkeypatch.setattr(bands, "_PATHS", 24 * 10)
     monkeypatch.setattr(arriving, "_PATHS", 512 * 16)
     cut = images(session, *LIT, samples=32, seed=5)
     for name, image in whole.items():

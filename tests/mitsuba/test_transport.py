@@ -131,11 +131,11 @@ def test_equal_seeds_give_equal_bits_and_others_do_not(build: Any, lit: Any, sun
 def test_bands_and_passes_agree_within_their_noise(
     build: Any, lit: Any, sun: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from orusd_mitsuba import light_film
+    from orusd_mitsuba import bands
 
     room = lit(little_room(build, sun))
     whole = passes(film_of(room))
-    monkeypatch.setattr(light_film, "_PATHS", 32 * 5)
+    monkeypatch.setattr(bands, "_PATHS", 32 * 5)
     banded = film_of(room)
     assert banded.most == 1
     many = passes(banded, count=48, samples=1, seed=700)
