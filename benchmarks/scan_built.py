@@ -200,6 +200,10 @@ def _models() -> Mapping[str, Cad]:
     sofa: list[Box] = [((-0.9, -0.4, 0), (0.9, 0.4, 0.42)), ((-0.9, 0.2, 0.42), (0.9, 0.4, 0.85))]
     sofa += [((x, -0.4, 0.42), (x + 0.15, 0.4, 0.6)) for x in (-0.9, 0.75)]
     table: list[Box] = [((-0.7, -0.4, 0.70), (0.7, 0.4, 0.74)), *_legs(0.68, 0.38, 0.70, 0.05)]
+    pendant: list[Box] = [((-0.15, -0.15, 0.0), (0.15, 0.15, 0.2))]
+    pendant += [((-0.02, -0.02, 0.2), (0.02, 0.02, 0.8))]
+    sectional: list[Box] = [((-1, 0.2, 0), (1, 1, 0.42)), ((0.2, -1, 0), (1, 0.2, 0.42))]
+    sectional += [((-1, 0.8, 0.42), (1, 1, 0.8)), ((0.8, -1, 0.42), (1, 0.8, 0.8))]
     models = [
         _cad("chair", "chair", chair),
         _cad("table", "table", table),
@@ -207,6 +211,12 @@ def _models() -> Mapping[str, Cad]:
         _cad("shelf", "bookshelf", shelf),
         _cad("cube", "box", [((-0.3, -0.3, 0.0), (0.3, 0.3, 0.6))]),
         _cad("cabinet", "cabinet", [((-0.5, -0.2, 0.0), (0.5, 0.2, 0.8))]),
+        _cad("carton", "box", [((-0.13, -0.1, 0.0), (0.13, 0.1, 0.25))]),
+        _cad("counter", "counter", [((-0.3, -0.3, 0.0), (0.3, 0.3, 0.9))]),
+        _cad("rug", "rug", [((-1.2, -0.9, 0.0), (1.2, 0.9, 0.012))]),
+        _cad("television", "television", [((-0.5, -0.03, 0.0), (0.5, 0.03, 0.58))]),
+        _cad("pendant", "ceiling_lamp", pendant),
+        _cad("sectional", "sofa", sectional),
     ]
     return {model.id: model for model in models}
 

@@ -88,8 +88,9 @@ def contacts(
         beside = [other for number, other in models.items() if number != body.instance]
         hangs = bool(models) and _gap_below(model, beside, rooms) > ABOVE
         others = [other for other in bodies if other is not body]
-        gap = _gap_beside(body, rooms) if hangs else _gap_below(body, others, rooms)
-        floating[body.instance] = gap
+        # A lamp on a cord hangs below its ceiling in truth, too.
+        hung = max(_gap_beside(body, rooms) - _gap_beside(model, rooms), 0.0) if hangs else 0.0
+        floating[body.instance] = hung if hangs else _gap_below(body, others, rooms)
     return Contacts(tuple(pairs), in_walls, floating)
 
 

@@ -23,8 +23,8 @@ NEAR: Final = 0.3
 GRAZING: Final = 0.25
 # Glass gives no return, but for this part of the rays.
 GLINT: Final = 0.08
-# Nothing is seen so far inside and so far outside of a wall that the scan missed, metres.
-MISSED: Final = (0.1, 0.4)
+# Above this height below the ceiling nothing is seen where the ceiling was missed, metres.
+CEILING: Final = 0.25
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,8 @@ class Scanner:
         fewest: Cells with fewer returns are dropped.
         wrong_labels: The part of labels that are wrong.
         ceiling: Whether the ceiling is seen.
-        missing_walls: How many walls are not seen.
+        missing_walls: How many walls are not seen: what is on them, and what is behind them.
+        blind: How far before those nothing is seen either, metres.
         single: One view instead of a path.
     """
 
@@ -57,6 +58,7 @@ class Scanner:
     wrong_labels: float = 0.07
     ceiling: bool = True
     missing_walls: int = 0
+    blind: float = 0.01
     single: bool = False
 
 
@@ -96,12 +98,14 @@ def take(
     length = np.linalg.norm(rays, axis=1)
     distance, triangle, cosine = trace(room, caster, camera[:3, 3], directions, random)
     depth = distance / length
+    unseen = hidden(room, missed, camera[:3, 3], camera[:3, 3] + depth[:, None] * directions, how)
     kept = (triangle >= 0) & (depth > NEAR) & (depth < how.reach)
     part = np.where(triangle >= 0, room.part[triangle], -1)
     if how.noise:
         kept &= random.random(len(depth)) < np.clip(np.abs(cosine) / GRAZING, 0, 1) ** 1.5
         depth = noisy(depth, how.noise, random)
-    kept &= ~hidden(room, missed, camera[:3, 3] + depth[:, None] * directions, how)
+    walls = np.array([p.wall for p in room.parts])[part]
+    kept &= ~(unseen | np.isin(walls, list(missed)))
     shape = (height, width)
     return View(
         np.where(kept, depth, 0.0).reshape(shape).astype(np.float32),
@@ -157,20 +161,23 @@ def depth_sigma(depth: Array) -> Array:
 
 
 def hidden(
-    room: SimulatedRoom, missed: frozenset[int], points: Array, how: Scanner
+    room: SimulatedRoom, missed: frozenset[int], eye: Array, points: Array, how: Scanner
 ) -> NDArray[np.bool_]:
-    """(R,) whether returns are of the ceiling or of walls that the scan shall not show."""
+    """(R,) whether returns are of the ceiling, or beyond walls, that the scan shall not show."""
     found = np.zeros(len(points), dtype=np.bool_)
     layout = room.truth.rooms[0]
     if not how.ceiling and layout.ceiling is not None:
-        found |= points[:, 2] > layout.corners[0, 2] + layout.ceiling - 0.25
+        found |= points[:, 2] > layout.corners[0, 2] + layout.ceiling - CEILING
     for wall in missed:
         a, b = room.floor[wall], room.floor[(wall + 1) % len(room.floor)]
         along = (b - a) / np.linalg.norm(b - a)
-        away = (points[:, :2] - a) @ np.array([along[1], -along[0]])
-        run = (points[:, :2] - a) @ along
-        near = (run > 0) & (run < np.linalg.norm(b - a))
-        found |= near & (away > -MISSED[0]) & (away < MISSED[1])
+        across = np.array([along[1], -along[0]])
+        away, before = (points[:, :2] - a) @ across, (eye[:2] - a) @ across
+        # Where the ray goes through the wall; else where it ends.
+        crossing = np.clip(before / np.minimum(before - away, -1e-9), 0.0, 1.0)
+        run = (eye[:2] + crossing[:, None] * (points[:, :2] - eye[:2]) - a) @ along
+        within = (run > 0) & (run < np.linalg.norm(b - a)) & (before < 0)
+        found |= within & (away > -how.blind)
     return found
 
 

@@ -11,10 +11,11 @@ from typing import Any, Final
 import numpy as np
 
 from benchmarks.scan_built import Hole, Thing, built
-from benchmarks.scan_methods import Reconstruction
 from benchmarks.scan_rooms import SimulatedRoom
 from benchmarks.scan_symmetry import surface_samples
 from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.reconstruction import find_rooms
+from openrooms_usd.scan.thinning import clean
 
 SIZES: Final = (10_000, 100_000, 300_000, 1_000_000, 10_000_000)
 QUICK_SIZES: Final = (10_000, 100_000)
@@ -22,7 +23,7 @@ NOISE: Final = 0.005
 
 
 def growth(quick: bool) -> list[dict[str, Any]]:
-    """One row for each number of points: seconds of each step and the peak of memory."""
+    """One row for each number of points: seconds and the peak of memory."""
     return [_apart(size) for size in (QUICK_SIZES if quick else SIZES)]
 
 
@@ -73,13 +74,11 @@ def measured(size: int) -> dict[str, Any]:
     """Seconds from points to rooms, and the peak of this process's memory."""
     cloud = sampled(size)
     before = _peak()
-    ours = Reconstruction(cloud)
     began, worked = time.perf_counter(), time.process_time()
-    rooms = len(ours.rooms)
+    rooms = find_rooms(clean(cloud)[0]).rooms
     seconds, cpu = time.perf_counter() - began, time.process_time() - worked
-    steps = {f"{step}_s": value for step, value in ours.seconds.items()}
     return {
-        "points": size, "rooms": rooms, "seconds": seconds, "cpu_s": cpu, **steps,
+        "points": size, "rooms": len(rooms), "seconds": seconds, "cpu_s": cpu,
         "memory_MB": _peak(), "cloud_MB": before,
     }  # fmt: skip
 

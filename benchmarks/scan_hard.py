@@ -30,7 +30,7 @@ def _row(case: HardCase) -> dict[str, Any]:
         return {"as_it_should": not case.usable, "outcome": f"refused: {error.message}"}
     if not rooms:
         return {"as_it_should": not case.usable, "outcome": "no room"}
-    (score, *_) = score_rooms(rooms, case.scan.truth.rooms)
+    score = min(score_rooms(rooms, case.scan.truth.rooms), key=lambda room: room.iou)
     return {
         "as_it_should": case.usable,
         "outcome": f"{len(rooms)} room{'s' * (len(rooms) > 1)}",

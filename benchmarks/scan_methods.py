@@ -18,8 +18,9 @@ from openrooms_usd.scan.levelling import Level, level
 from openrooms_usd.scan.models import CadModel
 from openrooms_usd.scan.openings import find_openings
 from openrooms_usd.scan.placement import Placement, place
+from openrooms_usd.scan.reconstruction import USUAL_HEIGHT, VOXEL
 from openrooms_usd.scan.results import FoundObject, FoundRoom
-from openrooms_usd.scan.thinning import clean
+from openrooms_usd.scan.thinning import clean, thin
 
 Array = NDArray[np.float64]
 
@@ -42,9 +43,15 @@ class Reconstruction:
         return self._timed("clean", lambda: clean(self.scan)[0])
 
     @cached_property
+    def thinned(self) -> Cloud:
+        """Means over the voxels that rooms are found on."""
+        cloud = self.cloud
+        return self._timed("thin", lambda: thin(cloud, VOXEL))
+
+    @cached_property
     def level(self) -> Level:
         """How it stands."""
-        cloud = self.cloud
+        cloud = self.thinned
         return self._timed("level", lambda: level(cloud))
 
     @cached_property
@@ -55,9 +62,9 @@ class Reconstruction:
     @cached_property
     def rooms(self) -> tuple[FoundRoom, ...]:
         """Rooms with openings in the level frame."""
-        still = self.still
-        found = self._timed("layout", lambda: find_layout(still, self.level))
-        return self._timed("openings", lambda: tuple(self._with_openings(r) for r in found))
+        flat = self.thinned.moved(self.level.level_from_scan)
+        found = self._timed("layout", lambda: find_layout(flat, self.level))
+        return self._timed("openings", lambda: tuple(_with_openings(r, flat) for r in found))
 
     @property
     def scan_rooms(self) -> tuple[FoundRoom, ...]:
@@ -77,17 +84,18 @@ class Reconstruction:
         rooms = self.rooms
         return self._timed("placement", lambda: place(objects, models, rooms))
 
-    def _with_openings(self, room: LayoutRoom) -> FoundRoom:
-        corners = np.column_stack([room.corners, np.zeros(len(room.corners))])
-        holes = find_openings(self.still, room.corners, room.ceiling)
-        up = np.array([0.0, 0.0, 1.0])
-        return FoundRoom(up, np.zeros(3), corners, tuple(room.guessed), room.ceiling, holes)
-
     def _timed(self, step: str, work: Callable[[], Any]) -> Any:
         began = time.perf_counter()
         done = work()
         self.seconds[step] = time.perf_counter() - began
         return done
+
+
+def _with_openings(room: LayoutRoom, cloud: Cloud) -> FoundRoom:
+    corners = np.column_stack([room.corners, np.zeros(len(room.corners))])
+    holes = find_openings(cloud, room.corners, room.ceiling or USUAL_HEIGHT)
+    up = np.array([0.0, 0.0, 1.0])
+    return FoundRoom(up, np.zeros(3), corners, tuple(room.guessed), room.ceiling, holes)
 
 
 def model_of(cad: Cad) -> CadModel:

@@ -14,6 +14,7 @@ import numpy as np
 import OpenImageIO
 
 from benchmarks.scenes import orusd
+from docs.scan_picture import scanned
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.render.previews import write_png
@@ -27,6 +28,8 @@ SHOWN = (
     ("game_room", 1), ("office", 2), ("apartment", 1),
 )  # fmt: skip
 COLUMNS = 3
+# The room that is scanned.
+SCANNED = ("bedroom", 2)
 # Substances of the library in the documentation.
 SUBSTANCES = ("wood", "fabric", "specular_stone")
 
@@ -118,6 +121,8 @@ def main() -> None:
     if not options.all:
         orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise")
         light(options.folder, options.spp)
+        tiles = scanned(options.folder, *SCANNED, (480, 360), quality[:3])
+        write_sheet(Path("docs/scan.png"), [tiles[:2], tiles[2:]])
         write_png(Path("docs/materials.png"), materials(options.folder / "materials", *quality[:3]))
 
 

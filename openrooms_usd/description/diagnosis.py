@@ -173,12 +173,17 @@ def _look_up(data: reading.Mapping, path: Steps, kind: str) -> tuple[Steps, Plac
             last = kind == "extra_forbidden" and depth == len(path) - 1
             place = (found.keys_at if last else found.values_at)[str(step)]
             found = found[str(step)]
-        elif isinstance(found, reading.Sequence) and int(step) < len(found):
+        elif isinstance(found, reading.Sequence) and _is_row(step, len(found)):
             place, found = found.values_at[int(step)], found[int(step)]
         else:
             nested = isinstance(found, (reading.Mapping, reading.Sequence))
             return (path if nested else path[:depth]), place, found
     return path, place, found
+
+
+def _is_row(step: int | str, count: int) -> bool:
+    """Whether a step leads into a list; those through a choice of types have names."""
+    return str(step).isdecimal() and int(step) < count
 
 
 def _text(row: ErrorDetails, spot: _Spot, found: Any) -> str:

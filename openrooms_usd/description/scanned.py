@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from openrooms_usd.description.model import (
     CheckedModel,
@@ -27,6 +27,13 @@ Scales = Annotated[
     ],
     Field(description="along the axes of the CAD"),
 ]  # fmt: skip
+
+
+Support = Annotated[
+    Annotated[Literal["floor", "wall", "ceiling"], Tag("word")]
+    | Annotated[Whole, Field(ge=1), Tag("instance")],
+    Discriminator(lambda given: "instance" if type(given) is int else "word"),
+]
 
 
 class ScannedPose(Model):
@@ -59,7 +66,7 @@ class ScannedObject(CheckedModel):
     """Where the CAD is, roughly."""
     box: ScannedBox | None = None
     """Where the object is, roughly."""
-    support: Literal["floor", "wall", "ceiling"] | Annotated[Whole, Field(ge=1)] | None = None
+    support: Support | None = None
     """What carries it: floor, wall, ceiling, or the instance that it stands on; by default what is
     found."""
 
@@ -89,7 +96,7 @@ def unsupported(objects: Sequence[Any]) -> Iterator[Found]:
         place, under = ("objects", index, "support"), peek(thing, "support")
         if type(under) is not int:
             continue
-        if under not in carriers:
+        if under > 0 and under not in carriers:
             yield Found(place, f"no object of this list has the instance {under}")
         elif _returns(peek(thing, "instance"), carriers):
             yield Found(place, "goes round in a circle; something must stand on the floor")

@@ -17,9 +17,11 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.retrieval import ranked
 from openrooms_usd.scan.shape import Shape, directions, posed, shaped, unposed, upright_of
 from openrooms_usd.scan.starts import box_of, from_box, from_pose, stretched, true_size, varied
-from openrooms_usd.scan.surroundings import Surroundings, Walls, walls_of
+from openrooms_usd.scan.surroundings import Surroundings
 from openrooms_usd.scan.symmetry import symmetry_of
+from openrooms_usd.scan.undersides import supports
 from openrooms_usd.scan.visibility import Panoramas, likely_eyes, look_around
+from openrooms_usd.scan.wallsides import Walls, walls_of
 
 Array = NDArray[np.float64]
 
@@ -34,14 +36,8 @@ _COVERAGE: Final = 0.15
 # would come along. The labels (NYU40) of what is no object: wall, floor, ceiling.
 _CROPPED: Final = 0.08
 _ROOM: Final = (1, 2, 22)
-# What ends so near above the floor stands on it, metres: its foot may be hidden.
-_STANDS: Final = 0.18
-# Layers of level points on which something may stand: so far from where it seems to end and
-# outside its outline, metres; cosine of what is level; points that are a layer.
-_BELOW: Final = 0.07
-_RIM: Final = 0.05
-_LEVEL: Final = 0.8
-_LAYER: Final = 15
+# Classes (NYU40) that the layout finds.
+_SHELL: Final = {1: "wall", 2: "floor", 8: "door", 9: "window", 22: "ceiling"}
 # Points for what was seen from where; more say the same.
 _LOOK: Final = 300_000
 # How starts are compared, how many variations of each are refined roughly, how many of all are
@@ -52,6 +48,10 @@ _ROUGHLY: Final = 2
 _FINELY: Final = 4
 _HOPELESS: Final = (20.0, 1.6)
 _CADS: Final = 4
+# Fits whose parameters are as near to each other as this are one, metres or radians.
+_SAME: Final = 0.02
+# What standing on anything but the likeliest support must save.
+_DOUBT: Final = 9.0
 # CADs have their true size if that costs no more than this.
 _TRUE: Final = 9.0
 
@@ -146,18 +146,24 @@ class _Scene:
 
     def aligned(self, hint: Hint) -> FoundObject:
         rows = self._rows(hint)
-        evidence = gathered(self.cloud.points[rows], bounds_of(hint, self.models))
+        bounds = bounds_of(hint, self.models)
+        evidence = gathered(self.cloud.points[rows], bounds, self.walls)
         if len(evidence.points) < FEWEST:
             raise _RefusedError(
                 f"only {len(evidence.points)} points (at 1.2 cm) belong to it; {FEWEST} are needed"
             )
-        support = self._support(hint, evidence, rows)
-        box = hint.box or box_of(evidence, support)
+        corners = corners_of(hint, self.models)
+        bottom = None if corners is None else float(corners[:, 2].min())
+        possible = supports(self.cloud, rows, evidence, bottom)
+        box = hint.box or box_of(evidence, possible[0])
         chosen = self._candidates(hint, rows, evidence, box)
         trials = [
             trial
             for model, upright in chosen
-            for trial in self._tried(hint, model, upright, evidence, box, support)
+            for rank, support in enumerate(possible)
+            for trial in self._tried(
+                hint, model, upright, evidence, box, support, _DOUBT * (rank > 0)
+            )
         ]
         best = _finished(trials, evidence)
         return _found(hint, best, evidence)
@@ -183,29 +189,6 @@ class _Scene:
         alike = cropped[np.isin(label, meant)]
         return alike if len(alike) >= FEWEST else cropped[~np.isin(label, _ROOM)]
 
-    def _support(self, hint: Hint, evidence: Evidence, rows: NDArray[np.intp]) -> float | None:
-        """Height of what an object stands on: the floor, or level points below it."""
-        low, high = np.quantile(evidence.points, [0.02, 0.98], axis=0)
-        corners = corners_of(hint, self.models)
-        bottom = None if corners is None else float(corners[:, 2].min())
-        if (low[2] if bottom is None else min(bottom, low[2])) < _STANDS:
-            return 0.0
-        others = np.ones(len(self.cloud), dtype=np.bool_)
-        others[rows] = False
-        near = others & (np.abs(self.cloud.points[:, 2] - low[2]) < _BELOW)
-        for k in range(2):
-            near &= (self.cloud.points[:, k] > low[k] - _RIM) & (
-                self.cloud.points[:, k] < high[k] + _RIM
-            )
-        if self.cloud.normals is not None:
-            near &= self.cloud.normals[:, 2] > _LEVEL
-        heights = self.cloud.points[near, 2]
-        if len(heights) < _LAYER:
-            return None
-        counts, edges = np.histogram(heights, np.arange(low[2] - _BELOW, low[2] + _BELOW, 0.01))
-        middle = float(edges[counts.argmax()] + 0.005)
-        return float(np.median(heights[np.abs(heights - middle) < 0.02]))
-
     def _candidates(
         self, hint: Hint, rows: NDArray[np.intp], evidence: Evidence, box: Box
     ) -> list[tuple[CadModel, Array]]:
@@ -218,7 +201,7 @@ class _Scene:
             wanted = self._wanted(hint, rows)
             fitting = [model for model in self.models if model.category in wanted]
             if not fitting:
-                raise _RefusedError(f"there is no CAD of the category {' or '.join(wanted) or '?'}")
+                raise _RefusedError(self._unknown(wanted, rows))
         if hint.pose is not None and hint.cad is not None:
             rotation = Rotation.from_quat(hint.pose.rotation, scalar_first=True).as_matrix()
             return [(fitting[0], upright_of(rotation))]
@@ -233,8 +216,22 @@ class _Scene:
             return (hint.category,)
         if self.cloud.label is None:
             return sorted({model.category for model in self.models})
-        label = int(np.bincount(np.maximum(self.cloud.label[rows], 0)).argmax())
-        return self.categories.get(label, ())
+        return self.categories.get(self._label(rows), ())
+
+    def _label(self, rows: NDArray[np.intp]) -> int:
+        """The class of most points of an object; 0 without labels."""
+        if self.cloud.label is None:
+            return 0
+        return int(np.bincount(np.maximum(self.cloud.label[rows], 0)).argmax())
+
+    def _unknown(self, wanted: Sequence[str], rows: NDArray[np.intp]) -> str:
+        """Why there is no CAD to choose."""
+        if wanted:
+            return f"there is no CAD of the category {' or '.join(wanted)}"
+        label = self._label(rows)
+        if label in _SHELL:
+            return f"its points are labelled {_SHELL[label]}, which the layout finds"
+        return f"there is no CAD of the category that its points' label means (NYU40: {label})"
 
     def _tried(
         self,
@@ -244,6 +241,7 @@ class _Scene:
         evidence: Evidence,
         box: Box,
         support: float | None,
+        doubt: float,
     ) -> list[_Trial]:
         """The best starts of one CAD, roughly refined."""
         if hint.pose is not None and hint.cad is not None:
@@ -254,12 +252,12 @@ class _Scene:
             starts = from_box(shape, box, given=hint.box is not None)
         radius = 0.5 * float(np.linalg.norm(shape.size[:2]))
         around = Surroundings(
-            self.panoramas, support, self.walls.near(starts[0].parameters, radius)
+            self.panoramas, support, self.walls.near(starts[0].parameters, radius), doubt
         )
-        return [_roughly(shape, evidence, around, start) for start in starts]
+        return [trial for start in starts for trial in _roughly(shape, evidence, around, start)]
 
 
-def _roughly(shape: Shape, evidence: Evidence, around: Surroundings, start: Start) -> _Trial:
+def _roughly(shape: Shape, evidence: Evidence, around: Surroundings, start: Start) -> list[_Trial]:
     """The best of what varies one start, roughly refined."""
     surveyed: list[tuple[float, int, Array]] = []
     for parameters in varied(start):
@@ -267,20 +265,35 @@ def _roughly(shape: Shape, evidence: Evidence, around: Surroundings, start: Star
             parameters[2] = around.support
         cost = energy(shape, evidence, around, start, parameters, _SURVEY)
         surveyed.append((cost, len(surveyed), parameters))
-    fits = [
-        refined(shape, evidence, around, start, parameters, ROUGH)
+    return [
+        _Trial(shape, start, around, refined(shape, evidence, around, start, parameters, ROUGH))
         for _, _, parameters in sorted(surveyed)[:_ROUGHLY]
     ]
-    return _Trial(shape, start, around, min(fits, key=lambda fit: fit.energy))
 
 
 def _finished(trials: Sequence[_Trial], evidence: Evidence) -> _Trial:
     """The best trial, finely refined, and at its true size if that fits about as well."""
-    order = sorted(range(len(trials)), key=lambda row: trials[row].fit.energy)
+    order = _different(trials, sorted(range(len(trials)), key=lambda row: trials[row].fit.energy))
     limit = _HOPELESS[0] + _HOPELESS[1] * trials[order[0]].fit.energy
     hopeful = [row for row in order[:_FINELY] if trials[row].fit.energy < limit]
     fine = [_settled(trials[row], evidence) for row in hopeful]
     return min(fine, key=lambda trial: trial.fit.energy)
+
+
+def _different(trials: Sequence[_Trial], order: Sequence[int]) -> list[int]:
+    """Those rows that lead elsewhere than an earlier one of the same start."""
+    kept: list[int] = []
+    for row in order:
+        trial = trials[row]
+        same = [
+            other
+            for other in kept
+            if trials[other].start is trial.start
+            and np.abs(trials[other].fit.parameters - trial.fit.parameters).max() < _SAME
+        ]
+        if not same:
+            kept.append(row)
+    return kept
 
 
 def _settled(trial: _Trial, evidence: Evidence) -> _Trial:

@@ -10,7 +10,7 @@ from openrooms_usd.scan.bodies import Body, solid
 from openrooms_usd.scan.enclosure import Enclosure
 from openrooms_usd.scan.models import CadModel
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
-from openrooms_usd.scan.support import Support
+from openrooms_usd.scan.support import Support, is_rug
 
 Array = NDArray[np.float64]
 
@@ -27,6 +27,7 @@ class Arrangement:
         bodies: As they stand now.
         motions: (4, 4) each, rigid: from where an object was measured to where it stands.
         rooms: What encloses each.
+        given: What is known to carry some, by rows.
         supports: What carries each, once that is known.
         notes: What people should know, one sentence each.
     """
@@ -35,6 +36,7 @@ class Arrangement:
     bodies: list[Body]
     motions: list[Array]
     rooms: list[Enclosure]
+    given: Mapping[int, Support] = field(default_factory=dict)
     supports: list[Support] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -59,10 +61,15 @@ class Arrangement:
         self.bodies[row] = body.turned(rotation)
         self.motions[row] = motion @ self.motions[row]
 
+    def carrier(self, row: int) -> int:
+        """The row of the object that takes another one along; -1: none, as a rug does not."""
+        under = self.supports[row].number
+        return -1 if under < 0 or is_rug(self.bodies[under], self.rooms[under].floor) else under
+
     def carried(self, row: int) -> Iterator[int]:
-        """The rows of what stands on an object, and on that, and so on."""
-        for other, support in enumerate(self.supports):
-            if support.number == row:
+        """The rows of what goes along with an object, and with that, and so on."""
+        for other in range(len(self.supports)):
+            if self.carrier(other) == row:
                 yield other
                 yield from self.carried(other)
 

@@ -5,7 +5,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.scan.outline import Outline
 from openrooms_usd.scan.spaces import PIXEL, Spaces
+from openrooms_usd.scan.surfels import Surfels
 from openrooms_usd.scan.walls import COLUMN, Line
 
 Array = NDArray[np.float64]
@@ -17,6 +19,15 @@ _FACING: Final = 0.9  # cosine
 _WALL: Final = 0.4  # of the cover
 _LEAST_RUN: Final = 0.3  # metres
 _MOST_ENDS: Final = 30
+# Of a wall that was missed: how far from its first place what was seen may end, metres;
+_SEARCH: Final = 0.3
+# which part of its columns, of this width, metres, must show such an end; and which of the ends
+# is taken, because a scan that ends in a wavering line reached the wall at its farthest.
+_ENDED: Final = 0.4
+_STRIP: Final = 0.1
+_FARTHEST: Final = 0.8
+# The wall itself stands behind what was seen, never before it, metres.
+_BEHIND: Final = 0.03
 
 
 def border_lines(spaces: Spaces, directions: tuple[float, ...]) -> list[tuple[Array, float]]:
@@ -61,6 +72,42 @@ def end_lines(lines: list[Line], directions: tuple[float, ...]) -> list[tuple[Ar
                 ends += [(b - a, line.along, line.start + COLUMN * place) for place in (a, b)]
     ends.sort(key=lambda end: -end[0])
     return [(along, float(place)) for _, along, place in ends[:_MOST_ENDS]]
+
+
+def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -> Outline:
+    """Walls that were missed moved behind the floor, ceiling and furniture before them.
+
+    Args:
+        outline: The room.
+        unseen: (N,) which of its walls were missed.
+        pieces: All of the level scan.
+
+    Returns:
+        The outline; the one that was given where the moved walls bound no simple polygon.
+    """
+    starts, offsets = outline.corners(), outline.offsets.copy()
+    ends = np.roll(starts, -1, axis=0)
+    for wall in np.flatnonzero(unseen):
+        normal = outline.normals[wall]
+        along = np.array([-normal[1], normal[0]])
+        away = pieces.points[:, :2] @ normal - offsets[wall]
+        place = (pieces.points[:, :2] - starts[wall]) @ along
+        length = float((ends[wall] - starts[wall]) @ along)
+        near = (np.abs(away) < 2.0 * _SEARCH) & (place > 0.0) & (place < length)
+        offsets[wall] += _end(place[near], away[near], int(length / _STRIP))
+    moved = Outline(outline.normals, offsets)
+    return moved if moved.valid() else outline
+
+
+def _end(place: Array, away: Array, columns: int) -> float:
+    """How far the wall behind what ends in so many columns stands; 0 where too little ends."""
+    farthest = np.full(columns + 1, -np.inf)
+    np.maximum.at(farthest, np.minimum((place / _STRIP).astype(int), columns), away)
+    # Where the view goes on, as through a door, nothing ends.
+    ending = farthest[np.abs(farthest) < _SEARCH]
+    if len(ending) < max(_ENDED * columns, 3):
+        return 0.0
+    return float(np.quantile(ending, _FARTHEST)) + _BEHIND
 
 
 def _edges(offsets: Array) -> list[float]:

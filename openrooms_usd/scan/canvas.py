@@ -3,7 +3,7 @@
 import struct
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -18,6 +18,11 @@ Pixels = NDArray[np.uint8]
 Color = tuple[int, int, int]
 
 PAPER: Final[Color] = (255, 255, 255)
+# Where words go whose place is taken: half their width and their height aside, nearest first.
+_STEPS_ASIDE: Final = sorted(
+    ((right, down) for right in range(-3, 4) for down in range(-5, 6)),
+    key=lambda step: (4 * abs(step[0]) + 2 * abs(step[1]), step),
+)
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 
 
@@ -29,11 +34,13 @@ class Canvas:
         pixels: (H, W, 3) sRGB, drawn upon.
         low: (2,) the plan's coordinates at the lower left corner, metres.
         scale: Pixels a metre.
+        words: Left, top, right and bottom of what was written, which later words keep clear of.
     """
 
     pixels: Pixels
     low: Array
     scale: float
+    words: list[tuple[int, int, int, int]] = field(default_factory=list)
 
     @classmethod
     def over(cls, low: Array, high: Array, most: int, finest: float) -> "Canvas":
@@ -48,13 +55,15 @@ class Canvas:
         at = (points - self.low) * self.scale
         return np.column_stack([at[:, 0], len(self.pixels) - at[:, 1]])
 
-    def counts(self, points: Array) -> NDArray[np.int64]:
-        """(H, W) how many points of the plan lie in each pixel."""
+    def counts(self, points: Array, grain: int = 1) -> NDArray[np.int64]:
+        """(H, W) how many points of the plan lie in each pixel's block of so many pixels a side."""
         height, width = self.pixels.shape[:2]
-        column, row = np.floor(self.place(points)).T.astype(np.int64)
-        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-        flat = row[inside] * width + column[inside]
-        return np.bincount(flat, minlength=height * width).reshape(height, width)
+        rows, columns = -(-height // grain), -(-width // grain)
+        column, row = np.floor(self.place(points) / grain).T.astype(np.int64)
+        inside = (column >= 0) & (column < columns) & (row >= 0) & (row < rows)
+        flat = row[inside] * columns + column[inside]
+        blocks = np.bincount(flat, minlength=rows * columns).reshape(rows, columns)
+        return np.repeat(np.repeat(blocks, grain, axis=0), grain, axis=1)[:height, :width]
 
     def line(
         self, start: Array, end: Array, color: Color, width: float,
@@ -85,12 +94,26 @@ class Canvas:
             self.line(start, end, color, width)
 
     def write(self, text: str, middle: Array, color: Color, size: int = 2) -> None:
-        """Write words about a point of the plan, with paper around the letters."""
+        """Write words about a point of the plan or near it, with paper around the letters."""
         column, row = self.place(np.asarray(middle, float)[None])[0]
         ink = np.pad(lettered(text, size), size)
-        left, top = int(column) - ink.shape[1] // 2, int(row) - ink.shape[0] // 2
+        height, width = ink.shape
+        left, top = self._clear_place(int(column) - width // 2, int(row) - height // 2, ink.shape)
+        self.words.append((left, top, left + width, top + height))
         self.stamp(_swollen(ink, size), left, top, PAPER)
         self.stamp(ink, left, top, color)
+
+    def _clear_place(self, left: int, top: int, shape: tuple[int, ...]) -> tuple[int, int]:
+        """The nearest place for words where none are yet; the given one where there is none."""
+        height, width = shape
+        for right, down in _STEPS_ASIDE:
+            x, y = left + right * width // 2, top + down * height
+            if not any(
+                x < other[2] and other[0] < x + width and y < other[3] and other[1] < y + height
+                for other in self.words
+            ):
+                return x, y
+        return left, top
 
     def stamp(self, ink: NDArray[np.bool_], column: int, row: int, color: Color) -> None:
         """Put ink on the picture; what lies beyond its edges is cut off."""
@@ -112,14 +135,14 @@ def _swollen(ink: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
     return np.asarray(ndimage.binary_dilation(ink, around))
 
 
-def stacked(pictures: Sequence[Pixels]) -> Pixels:
-    """Pictures below each other, on paper as wide as the widest."""
-    width = max(picture.shape[1] for picture in pictures)
-    wide = [
-        np.pad(p, ((0, 0), (0, width - p.shape[1]), (0, 0)), constant_values=PAPER[0])
+def beside(pictures: Sequence[Pixels]) -> Pixels:
+    """Pictures beside each other, on paper as high as the highest."""
+    height = max(picture.shape[0] for picture in pictures)
+    high = [
+        np.pad(p, ((0, height - p.shape[0]), (0, 0), (0, 0)), constant_values=PAPER[0])
         for p in pictures
     ]
-    return np.concatenate(wide)
+    return np.concatenate(high, axis=1)
 
 
 def png(pixels: Pixels) -> bytes:

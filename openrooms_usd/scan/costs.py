@@ -13,9 +13,9 @@ Array = NDArray[np.float64]
 
 # What a metre of wall that stands inside, away from the outline, costs, metres.
 _UNEXPLAINED: Final = 2.0
-# Walls shorter than this are rather window reveals, and cost so much more, metres.
-_SHORT: Final = 0.2
-_JOG: Final = 0.4
+# Walls shorter than this are rather window reveals, or drift of the scan, and cost so much more,
+# metres.
+_SHORT: Final = ((0.2, 0.4), (0.08, 2.0))
 
 
 class Cost:
@@ -46,7 +46,8 @@ class Cost:
         for i in range(len(outline)):
             line = self._line(outline.normals[i], float(outline.offsets[i]))
             a, b = corners[i] @ line.along, corners[(i + 1) % len(corners)] @ line.along
-            missing += float(abs(b - a) - line.covered(a, b)) + _JOG * float(abs(b - a) < _SHORT)
+            missing += float(abs(b - a) - line.covered(a, b))
+            missing += sum(cost for length, cost in _SHORT if abs(b - a) < length)
         polygon = shapely.Polygon(corners)
         shapely.prepare(polygon)
         held = self._worth[shapely.contains_xy(polygon, self._centres)].sum()

@@ -9,7 +9,8 @@ from scipy import ndimage
 
 from openrooms_usd.scan.rectangles import Rectangle
 from openrooms_usd.scan.wallgrid import CELL, WallGrid
-from openrooms_usd.scan.wallholes import BLINDS, CURTAIN, around
+from openrooms_usd.scan.wallholes import BLINDS, CURTAIN
+from openrooms_usd.scan.walllabels import around
 
 Array = NDArray[np.float64]
 
@@ -17,6 +18,9 @@ Array = NDArray[np.float64]
 # is behind one if this part of it is.
 _CURTAIN_MORE: Final = (0.12, 0.1)
 _VEILED: Final = 0.3
+# Curtains that end lower than this reach the floor, and where their windows' sills may be, metres.
+_TO_THE_FLOOR: Final = 0.3
+_ANY_SILL: Final = 0.5
 # Curtains that are drawn aside are up to this wide, metres.
 _BUNDLE: Final = 0.6
 
@@ -29,11 +33,18 @@ def curtain_weights(grid: WallGrid) -> Array:
 
 
 def behind_curtain(where: Rectangle) -> Rectangle:
-    """Where a window probably is that a curtain hides: curtains are a little larger."""
+    """Where a window probably is that a curtain hides: curtains are a little larger.
+
+    Those that reach the floor hide French windows as well as usual ones: half the way up to a
+    usual sill overlaps most with either.
+    """
     side, end = (round(length / CELL) for length in _CURTAIN_MORE)
     wide, tall = where.right - where.left > 4 * side, where.top - where.bottom > 4 * end
+    bottom = where.bottom + end * tall
+    if where.bottom * CELL < _TO_THE_FLOOR:
+        bottom = max(bottom, round(_ANY_SILL / CELL))
     return Rectangle(
-        where.bottom + end * tall, where.top - end * tall,
+        min(bottom, where.top - 1), where.top - end * tall,
         where.left + side * wide, where.right - side * wide,
     )  # fmt: skip
 

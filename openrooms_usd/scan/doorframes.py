@@ -1,9 +1,9 @@
-"""Frames of doors in a wall's relief: what is left of a closed door where nothing is labelled.
+"""Frames of doors in a wall's relief and colour: what is left of closed ones without labels.
 
 A leaf that closes flush with its wall makes no hole. But a frame stands out by a centimetre or two
 around it, or the leaf lies that much deeper than the wall, along two upright lines that reach the
 floor and one across at the height of a door. Means over such long lines show steps far smaller
-than the noise of a point.
+than the noise of a point. Where the scan has colours, a leaf may also differ from its wall by them.
 """
 
 from collections.abc import Callable, Iterator
@@ -38,6 +38,8 @@ _LEAST_SUM: Final = 12.0
 _SMALLEST: Final = 0.0008
 # What a step counts for that a leaf hides from one side.
 _AJAR: Final = 0.5
+# Doors are farther apart than the two sides of one's casing, metres.
+_APART: Final = 0.25
 # This part of a line must have returned.
 _SEEN: Final = 0.3
 
@@ -46,23 +48,27 @@ def frames(grid: WallGrid) -> Iterator[tuple[Rectangle, float]]:
     """The doors that their frames betray: clear openings, and how clear they are from 0 to 1."""
     if grid.shape[0] <= round(_TOPS[0] / CELL):
         return
+    apart = round(_APART / CELL)
     taken = np.zeros(grid.shape[1], dtype=np.bool_)
-    # What stands out is a frame; what lies deeper may be a panel of the leaf as well.
-    for step in (_proud, _sunken):
-        for where, score in sorted(_pairs(grid, step), key=lambda pair: -pair[1]):
+    # What stands out is a frame; what lies deeper may be a panel of the leaf as well; what has
+    # another colour may be anything that is as large as a door.
+    for step, picture in (
+        (_proud, grid.relief), (_sunken, grid.relief), (_sunken, grid.tint), (_sunken, -grid.tint),
+    ):  # fmt: skip
+        for where, score in sorted(_pairs(picture, step), key=lambda pair: -pair[1]):
             if not taken[where.columns].any():
-                taken[where.columns] = True
+                taken[max(where.left - apart, 0) : where.right + apart] = True
                 yield where, min(1.0, score / (3.0 * _LEAST_SUM))
 
 
-def _uprights(grid: WallGrid, step: Step, turn: int) -> tuple[Array, Array]:
+def _uprights(picture: Array, step: Step, turn: int) -> tuple[Array, Array]:
     """Steps at the boundaries between columns: in metres, and how clear they are.
 
     Those that end above the floor are not clear at all: they are of windows and pictures.
     """
     parts = []
     for low, high in (_UPRIGHTS, *_PARTS):
-        profile = _profile(grid.relief[round(low / CELL) : round(high / CELL)], axis=0)
+        profile = _profile(picture[round(low / CELL) : round(high / CELL)], axis=0)
         parts.append(step(profile[::turn])[::turn])
     whole = parts[0]
     unseen = np.sum([np.isnan(part) for part in parts[1:]], axis=0) > _PARTS_UNSEEN
@@ -103,24 +109,24 @@ def _sunken(values: Array) -> Array:
     return _window(values, -_BESIDE, 0) - _window(values, 1, 1 + _BESIDE)
 
 
-def _pairs(grid: WallGrid, step: Step) -> Iterator[tuple[Rectangle, float]]:
-    (left_size, left), (right_size, right) = (_uprights(grid, step, turn) for turn in (1, -1))
+def _pairs(picture: Array, step: Step) -> Iterator[tuple[Rectangle, float]]:
+    (left_size, left), (right_size, right) = (_uprights(picture, step, turn) for turn in (1, -1))
     least, most = (round(width / CELL) for width in _WIDTHS)
     for a in np.flatnonzero(left > _LEAST):
         for b in np.flatnonzero(right[a + least : a + most + 1] > _LEAST) + a + least:
-            top, score, size = _head(grid, int(a), int(b), step)
+            top, score, size = _head(picture, int(a), int(b), step)
             total = score + float(left[a] + right[b])
             sizes = (float(left_size[a]), float(right_size[b]), size)
             if score > _LEAST and total > _LEAST_SUM and min(sizes) > _ALIKE * max(sizes):
                 yield Rectangle(0, top, int(a), int(b)), total
 
 
-def _head(grid: WallGrid, left: int, right: int, step: Step) -> tuple[int, float, float]:
+def _head(picture: Array, left: int, right: int, step: Step) -> tuple[int, float, float]:
     """The row of the upper edge, how clear its step is, and how large, metres."""
     low, high = (round(height / CELL) for height in _TOPS)
-    rows = _profile(grid.relief[:, left + 2 : right - 2], axis=1)
+    rows = _profile(picture[:, left + 2 : right - 2], axis=1)
     steps = step(rows[::-1])[::-1]
-    clear = _relative(steps)[low : min(high, grid.shape[0] - _BAND)]
+    clear = _relative(steps)[low : min(high, len(picture) - _BAND)]
     if not clear.any():
         return 0, 0.0, 0.0
     top = low + int(clear.argmax())

@@ -20,6 +20,8 @@ _NEAR: Final = 0.3
 _STEP: Final = 0.004
 _INSIDE: Final = 2e-4
 _LOST: Final = 0.4
+# What would still be outside by more than this, metres, has nothing to gain by moving.
+_HOPELESS: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ class Enclosure:
         """The walls that points (P, 2) must come out of, and how far, by the least motion.
 
         Outside a reflex corner one of its two walls is enough; in other corners both are needed.
-        What is more than 0.4 m beyond walls is not brought back.
+        What is more than 0.4 m beyond walls is not brought back, nor is what does not fit.
         """
         out = points[self.beyond(points) > _INSIDE]
         if not len(out):
@@ -105,7 +107,7 @@ class Enclosure:
         walls = np.flatnonzero(close.any(axis=1)).tolist()
         choices = [*combinations(walls, 1), *combinations(walls, 2)]
         ways = [self._way(choice, depth, points) for choice in choices]
-        ways = [way for way in ways if max(way[0].values()) < _LOST]
+        ways = [w for w in ways if max(w[0].values()) < _LOST and w[1] < _HOPELESS]
         # What is still outside afterwards counts more than the length of the way.
         return min(ways, key=lambda way: (round(way[1], 3), way[2]), default=({}, 0.0, 0.0))[0]
 

@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.scan.thinning import thin
+from openrooms_usd.scan.wallsides import NO_WALLS, Walls
 
 Array = NDArray[np.float64]
 
@@ -23,6 +24,14 @@ _APART: Final = 0.3
 # Points so near to the floor are the floor's, where the object is not as flat itself, metres.
 _FLOOR: Final = 0.025
 _FLAT: Final = 0.12
+# Points so near to a wall that face as it does are the wall's, metres and cosine, and so are those
+# beyond it; unless that is most of what there is, as of a picture.
+_WALL: Final = 0.05
+_BEYOND: Final = (-0.5, -0.03)
+_FACING: Final = 0.85
+_MOSTLY: Final = 0.5
+_ALONG: Final = 0.1
+_NEIGHBOURS: Final = 12
 # Between points: coarser for large objects, metres, and for how many points.
 _FINEST: Final = 0.012
 _MOST: Final = 5000
@@ -51,12 +60,13 @@ class Evidence:
         return self.points[:: max(len(self.points) // count, 1)]
 
 
-def gathered(points: Array, bounds: Array | None = None) -> Evidence:
+def gathered(points: Array, bounds: Array | None = None, walls: Walls = NO_WALLS) -> Evidence:
     """The points that belong together, thinned evenly.
 
     Args:
         points: (N, 3) of one instance, floor at z = 0; some are wrong.
         bounds: (2, 3) least and greatest coordinates that they may have; None: any.
+        walls: Of the room, whose points may be among them.
     """
     if bounds is not None:
         points = points[((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)]
@@ -68,8 +78,34 @@ def gathered(points: Array, bounds: Array | None = None) -> Evidence:
     while len(thinned) > _MOST:
         spacing *= 1.2
         thinned = thin(Cloud(points), spacing).points
+    thinned = _off_walls(thinned, walls)
     order = np.random.default_rng(_SEED).permutation(len(thinned))
     return Evidence(thinned[order], max(spacing, 0.02))
+
+
+def _off_walls(points: Array, walls: Walls) -> Array:
+    """Without points of the walls, which wrong labels give to what stands before them."""
+    if not len(walls.starts) or len(points) <= _NEIGHBOURS:
+        return points
+    normals = _normals(points)
+    walled = np.zeros(len(points), dtype=np.bool_)
+    along = walls.ends - walls.starts
+    for start, way, inward in zip(walls.starts, along, walls.normals, strict=True):
+        length = float(np.linalg.norm(way))
+        station = (points[:, :2] - start) @ way / max(length, 1e-9)
+        depth = (points[:, :2] - start) @ inward
+        beside = (station > -_ALONG) & (station < length + _ALONG)
+        facing = np.abs(normals[:, :2] @ inward) > _FACING
+        at = (np.abs(depth) < _WALL) & facing
+        walled |= beside & (at | ((depth > _BEYOND[0]) & (depth < _BEYOND[1])))
+    return points[~walled] if walled.mean() < _MOSTLY else points
+
+
+def _normals(points: Array) -> Array:
+    """(N, 3) least axes of the nearest points."""
+    _, near = KDTree(points).query(points, k=_NEIGHBOURS)
+    off = points[near] - points[near].mean(axis=1, keepdims=True)
+    return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", off, off))[1][:, :, 0])
 
 
 def _together(points: Array, share: float) -> Array:

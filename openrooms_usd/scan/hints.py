@@ -64,6 +64,8 @@ class Hint:
         cad: The CAD's id; None: one of the category.
         pose: A first guess of where the CAD is.
         box: A box around it, whose heading is known to a quarter turn.
+        support: What carries it: ``floor``, ``wall``, ``ceiling`` or the number of an instance, as
+            text; empty where that is to be found.
     """
 
     instance: int
@@ -71,6 +73,7 @@ class Hint:
     cad: str | None = None
     pose: Pose | None = None
     box: Box | None = None
+    support: str = ""
 
     def moved(self, matrix: Array) -> "Hint":
         """The hint after a rigid motion (4, 4)."""

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.borders import border_lines, end_lines
+from openrooms_usd.scan.borders import border_lines, end_lines, moved_behind
 from openrooms_usd.scan.candidates import wall_lines
-from openrooms_usd.scan.ceilings import ceiling_height
+from openrooms_usd.scan.ceilings import ceiling_height, ceiling_slopes
 from openrooms_usd.scan.cells import Cells, cut_plan, inside_by_cut
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.scan.costs import Cost
@@ -24,6 +24,7 @@ from openrooms_usd.scan.outline import Outline, outline_of, simplified
 from openrooms_usd.scan.piers import with_piers
 from openrooms_usd.scan.refit import refitted
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
+from openrooms_usd.scan.shown import distances, shown_parts
 from openrooms_usd.scan.spaces import PIXEL, Spaces, find_spaces
 from openrooms_usd.scan.surfels import Surfels, surfels
 from openrooms_usd.scan.walls import Line, Walls, profile, upright
@@ -80,6 +81,7 @@ class LayoutRoom:
         ceiling: Height of a level ceiling, metres; None where none was seen, or where it slopes.
         coverage: The part of the outline that was seen.
         residual: Root of the mean squared distance of the walls' pieces to them, metres.
+        slopes: Planes of a ceiling that is not level: normal (3,) into the room, and a point (3,).
     """
 
     corners: Array
@@ -88,6 +90,7 @@ class LayoutRoom:
     ceiling: float | None
     coverage: float
     residual: float
+    slopes: tuple[tuple[Array, Array], ...] = ()
 
     def found(self, level: Level, openings: tuple[FoundOpening, ...] = ()) -> FoundRoom:
         """The room in the scan's own frame.
@@ -105,8 +108,9 @@ class LayoutRoom:
         }
         told = {name: value for name, value in measures.items() if np.isfinite(value)}
         return FoundRoom(
-            level.normal, level.point, corners, self.guessed, self.ceiling, openings, told
-        )
+            level.normal, level.point, corners, self.guessed, self.ceiling, openings, told,
+            tuple((back[:3, :3] @ n, back[:3, :3] @ p + back[:3, 3]) for n, p in self.slopes),
+        )  # fmt: skip
 
 
 def find_layout(
@@ -138,6 +142,7 @@ def find_layout(
     refused = 0.0
     for number in range(1, len(spaces.middles) + 1):
         outline = _outline(number, cells, owner, spaces, walls, level, options)
+        outline = moved_behind(outline, shown_parts(outline, walls) < _GUESSED, pieces)
         room = _described(outline, walls, pieces)
         if not _enough(room, options):
             refused = max(refused, room.coverage)
@@ -212,24 +217,17 @@ def _described(outline: Outline, walls: Walls, pieces: Surfels) -> LayoutRoom:
 
     corners = outline.corners()
     length = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    shown = np.zeros(len(outline))
-    squares = []
-    for i in range(len(outline)):
-        normal, offset = outline.normals[i], float(outline.offsets[i])
-        line = profile(walls, normal, offset)
-        a, b = corners[i] @ line.along, corners[(i + 1) % len(corners)] @ line.along
-        shown[i] = float(line.shown(a, b)) / length[i]
-        place, across = walls.points @ line.along, walls.points @ normal - offset
-        squares.append(across[(place > a) & (place < b) & (np.abs(across) < walls.reach)] ** 2)
-    inside = shapely.contains_xy(shapely.Polygon(corners), pieces.points[:, :2])
-    near = np.concatenate(squares)
+    shown, near = shown_parts(outline, walls), distances(outline, walls)
+    own = pieces.take(shapely.contains_xy(shapely.Polygon(corners), pieces.points[:, :2]))
+    ceiling = ceiling_height(own)
     return LayoutRoom(
         corners=corners,
         shown=shown,
         guessed=tuple(int(i) for i in np.flatnonzero(shown < _GUESSED)),
-        ceiling=ceiling_height(pieces.take(inside)),
+        ceiling=ceiling,
         coverage=float((shown * length).sum() / length.sum()),
-        residual=float(np.sqrt(near.mean())) if len(near) else float("nan"),
+        residual=float(np.sqrt((near**2).mean())) if len(near) else float("nan"),
+        slopes=() if ceiling is not None else ceiling_slopes(own),
     )
 
 

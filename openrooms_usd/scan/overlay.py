@@ -7,35 +7,42 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.canvas import PAPER, Canvas, Color, Pixels, stacked, write_png
+from openrooms_usd.scan.canvas import Canvas, Color, Pixels, beside, write_png
+from openrooms_usd.scan.captions import (
+    DASH,
+    FLOOR,
+    INK,
+    MEASURED,
+    OPENINGS,
+    PLACED,
+    ROOM,
+    THINGS,
+    WIDTHS,
+    Stroke,
+    captions,
+    panel,
+)
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.scan.lettering import lettered
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
 
 Array = NDArray[np.float64]
 
-_MOST: Final = 1600  # pixels of the longer side
-_FINEST: Final = 160.0  # pixels a metre
+_MOST: Final = 1300  # pixels of the longer side
+_FINEST: Final = 260.0  # pixels a metre
 _EDGE: Final = 0.4  # paper around what is drawn, metres
+# Points are drawn in blocks of about this size, so that they make surfaces, metres.
+_GRAIN: Final = 0.018
 # Returns this far below the ceiling, and above a room that shows none, are left out, metres.
 _UNDER: Final = 0.15
 _HIGHEST: Final = 2.3
 _BELOW: Final = -0.2
-# Points of a pixel that print as black, relative to the usual number of those that have any.
-_BLACK: Final = 12.0
-_DASH: Final = (9.0, 7.0)
-
-_INK: Final[Color] = (20, 20, 20)
-_ROOM: Final[Color] = (200, 30, 30)
-_DOOR: Final[Color] = (20, 150, 60)
-_WINDOW: Final[Color] = (30, 110, 230)
-_MEASURED: Final[Color] = (240, 150, 30)
-_PLACED: Final[Color] = (150, 40, 170)
-_OPENINGS: Final = {"door": _DOOR, "window": _WINDOW}
-_LEGEND: Final = (
-    ("wall", _ROOM), ("- - guessed wall", _ROOM), ("door", _DOOR), ("window", _WINDOW),
-    ("object measured", _MEASURED), ("object placed", _PLACED),
-)  # fmt: skip
+# Returns up to this high are of the floor, metres.
+_FLOOR: Final = 0.06
+# Points of a block that print in full, relative to the usual number of those that have any.
+_FULL: Final = 8.0
+# How far from its wall words begin, pixels.
+_ASIDE: Final = 12.0
 
 
 def write_overlay(
@@ -72,8 +79,13 @@ def overlay(
         _draw_object(canvas, item, bounds.get(item.cad), origin, plan)
     for room in rooms:
         _draw_room(canvas, room, origin, plan)
+    for item in objects:
+        _number(canvas, item, bounds.get(item.cad), origin, plan)
+    for room in rooms:
+        _name_walls(canvas, room, origin, plan)
     _draw_scale(canvas)
-    return stacked((canvas.pixels, _legend()))
+    words = captions(rooms, objects)
+    return beside((canvas.pixels, panel(words, len(canvas.pixels))))
 
 
 def plan_axes(normal: Array) -> Array:
@@ -102,63 +114,96 @@ def _extent(
 
 
 def _draw_points(canvas: Canvas, points: Array, rooms: Sequence[FoundRoom]) -> None:
-    """Points without the ceiling's in grey: walls are many above each other, and dark."""
+    """The floor's points, over them all others but the ceiling's: walls are many, and dark."""
     ceilings = [room.ceiling for room in rooms if room.ceiling is not None]
     top = min(ceilings) - _UNDER if ceilings else _HIGHEST
-    shown = points[(points[:, 2] > _BELOW) & (points[:, 2] < top), :2]
-    counts = canvas.counts(shown)
-    if not counts.any():
-        return
+    z = points[:, 2]
+    for low, high, color in ((_BELOW, _FLOOR, FLOOR), (_FLOOR, top, THINGS)):
+        shown = points[(z > low) & (z < high), :2]
+        counts = canvas.counts(shown, max(1, round(_GRAIN * canvas.scale)))
+        if counts.any():
+            canvas.pixels[:] = _printed(canvas.pixels, counts, color)
+
+
+def _printed(paper: Pixels, counts: NDArray[np.int64], color: Color) -> Pixels:
+    """Paper with ink where points are: full where they are many, darker where they are more."""
     usual = float(np.median(counts[counts > 0]))
-    ink = np.log1p(counts / usual) / np.log1p(_BLACK)
-    canvas.pixels[:] = np.round(PAPER[0] * (1.0 - 0.85 * np.minimum(ink, 1.0)))[..., None]
+    ink = np.minimum(np.log1p(counts / usual) / np.log1p(_FULL), 1.0)[..., None]
+    most = np.where(ink > 0.7, np.array(color) * (1.7 - ink), color)
+    return np.asarray(np.round(paper + np.sqrt(ink) * (most - paper)).astype(np.uint8))
 
 
 def _draw_room(canvas: Canvas, room: FoundRoom, origin: Array, plan: Array) -> None:
     corners = ((room.corners - origin) @ plan)[:, :2]
     for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
-        guessed = number in room.guessed
-        canvas.line(start, end, _ROOM, 2.5, _DASH if guessed else None)
-        _number_wall(canvas, start, end, number)
+        stroke: Stroke = "dashed" if number in room.guessed else "line"
+        canvas.line(start, end, ROOM, WIDTHS[stroke], DASH if stroke == "dashed" else None)
     for hole in room.openings:
-        _draw_opening(canvas, hole, origin, plan)
+        left, right = ((hole.corners[:2] - origin) @ plan)[:, :2]
+        canvas.line(left, right, OPENINGS[hole.type], WIDTHS["thick"])
 
 
-def _number_wall(canvas: Canvas, start: Array, end: Array, number: int) -> None:
+def _name_walls(canvas: Canvas, room: FoundRoom, origin: Array, plan: Array) -> None:
+    """Numbers outside of walls, and how sure openings are inside of theirs."""
+    corners = ((room.corners - origin) @ plan)[:, :2]
+    for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        _write_beside(canvas, f"wall {number}", start, end, ROOM)
+    for hole in room.openings:
+        left, right = ((hole.corners[:2] - origin) @ plan)[:, :2]
+        _write_beside(canvas, _sure(hole), left, right, OPENINGS[hole.type])
+
+
+def _sure(hole: FoundOpening) -> str:
+    return f"{hole.type} {100 * hole.confidence:.0f}%"
+
+
+def _write_beside(canvas: Canvas, text: str, start: Array, end: Array, color: Color) -> None:
+    """Words at the right-hand side of a line, as one goes along it."""
     along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
-    outward = np.array([along[1], -along[0]])
-    canvas.write(str(number), (start + end) / 2 + 0.25 * outward, _ROOM)
-
-
-def _draw_opening(canvas: Canvas, hole: FoundOpening, origin: Array, plan: Array) -> None:
-    left, right = ((hole.corners[:2] - origin) @ plan)[:, :2]
-    color = _OPENINGS[hole.type]
-    canvas.line(left, right, color, 7.0)
-    along = (right - left) / max(float(np.linalg.norm(right - left)), 1e-9)
-    inward = np.array([along[1], -along[0]])
-    canvas.write(f"{100 * hole.confidence:.0f}%", (left + right) / 2 + 0.15 * inward, color)
+    right = np.array([along[1], -along[0]])
+    height, width = lettered(text, 2).shape
+    reach = 0.5 * (abs(right[0]) * width + abs(right[1]) * height)
+    aside = (_ASIDE + reach) / canvas.scale
+    canvas.write(text, (start + end) / 2 + aside * right, color)
 
 
 def _draw_object(
     canvas: Canvas, item: FoundObject, bounds: Array | None, origin: Array, plan: Array
 ) -> None:
     for pose, color, width in (
-        (item.pose, _MEASURED, 1.5), (item.placed or item.pose, _PLACED, 2.5),
+        (item.pose, MEASURED, WIDTHS["thin"]), (item.placed or item.pose, PLACED, WIDTHS["line"]),
     ):  # fmt: skip
         for start, end in _outline(pose, bounds):
             ends = (np.stack([start, end]) - origin) @ plan
             canvas.line(ends[0, :2], ends[1, :2], color, width)
+
+
+def _number(
+    canvas: Canvas, item: FoundObject, bounds: Array | None, origin: Array, plan: Array
+) -> None:
+    """An object's number in its middle; its name stands beside the plan."""
     middle = (_box(item.placed or item.pose, bounds).mean(axis=0) - origin) @ plan
-    canvas.write(f"{item.instance} {item.category}", middle[:2], _INK)
+    canvas.write(str(item.instance), middle[:2], INK, 3)
 
 
 def _box(pose: Pose, bounds: Array | None) -> Array:
-    """(8, 3) corners of a CAD's box as it stands; all at its origin where the box is not known."""
-    low, high = bounds if bounds is not None else np.zeros((2, 3))
-    corners = np.array([[x, y, z] for z in (low[2], high[2])
-                        for x, y in ((low[0], low[1]), (high[0], low[1]),
-                                     (high[0], high[1]), (low[0], high[1]))])  # fmt: skip
+    """(8, 3) corners of a CAD's box as it stands, a ring at each end of what is its vertical there.
+
+    All are at its origin where the box is not known.
+    """
+    ends = bounds if bounds is not None else np.zeros((2, 3))
+    up = _vertical(pose)
+    ring = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    sides = np.zeros((8, 3), np.int64)
+    sides[:, [(up + 1) % 3, (up + 2) % 3]] = np.tile(ring, (2, 1))
+    sides[4:, up] = 1
+    corners = np.take_along_axis(ends, sides, axis=0)
     return turned(pose.rotation, corners * pose.scale) + pose.translation
+
+
+def _vertical(pose: Pose) -> int:
+    """Which axis of a CAD stands upright, nearly."""
+    return int(np.abs(turned(pose.rotation, np.eye(3))[:, 2]).argmax())
 
 
 def turned(rotation: Array, points: Array) -> Array:
@@ -173,24 +218,18 @@ def _outline(pose: Pose, bounds: Array | None) -> Iterator[tuple[Array, Array]]:
     box = _box(pose, bounds)
     for ring in (box[:4], box[4:]):
         yield from zip(ring, np.roll(ring, -1, axis=0), strict=True)
-    # Fronts face -Y in the CAD's frame.
+    if _vertical(pose) != 2:
+        return
+    # Fronts face -Y in the frame of a CAD whose vertical is Z; of others nothing is known.
     yield box[:4].mean(axis=0), box[:2].mean(axis=0)
 
 
 def _draw_scale(canvas: Canvas) -> None:
-    """A metre, at the lower left."""
+    """A metre with its ends, at the lower left."""
     start = canvas.low + 0.15
-    canvas.line(start, start + np.array([1.0, 0.0]), _INK, 3.0)
-    canvas.write("1 m", start + np.array([0.5, 0.12]), _INK)
-
-
-def _legend() -> Pixels:
-    words = [(lettered(text, 2), color) for text, color in _LEGEND]
-    gap, height = 24, 26
-    width = sum(ink.shape[1] for ink, _ in words) + gap * (len(words) + 1)
-    canvas = Canvas(np.full((height, width, 3), PAPER, np.uint8), np.zeros(2), 1.0)
-    column = gap
-    for ink, color in words:
-        canvas.stamp(ink, column, (height - ink.shape[0]) // 2, color)
-        column += ink.shape[1] + gap
-    return canvas.pixels
+    end = start + np.array([1.0, 0.0])
+    half = np.array([0.0, 6.0 / canvas.scale])
+    canvas.line(start, end, INK, 3.0)
+    for place in (start, end):
+        canvas.line(place - half, place + half, INK, 3.0)
+    canvas.write("1 m", (start + end) / 2 + 3 * half, INK)

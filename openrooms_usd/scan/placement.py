@@ -20,11 +20,11 @@ from openrooms_usd.scan.settling import (
     find_supports,
     gap_below,
     lay_along_walls,
-    lower,
     set_upright,
+    settle_again,
 )
 from openrooms_usd.scan.spreading import Spread
-from openrooms_usd.scan.support import CEILING, FLOOR, WALL, Support
+from openrooms_usd.scan.support import CEILING, FLOOR, OBJECT, WALL, Support
 
 Array = NDArray[np.float64]
 
@@ -82,21 +82,25 @@ def place(
     """Put objects where they can be, by the least motion.
 
     Args:
-        objects: In the level frame: Z up, metres. A ``support`` that is given is kept.
+        objects: In the level frame: Z up, metres; their order changes nothing. A ``support`` that
+            is given is kept.
         models: CADs by their ids.
         rooms: In the same frame; their walls and ceilings bound the objects.
         reach: How far other objects may push one, metres.
     """
-    state = arranged(objects, models, rooms)
+    rows = sorted(range(len(objects)), key=lambda row: objects[row].instance)
+    state = arranged([objects[row] for row in rows], models, rooms)
+    state.given = _given(state)
     set_upright(state)
-    find_supports(state, _given(objects))
+    find_supports(state)
     lay_along_walls(state)
     for row, shift in enumerate(Spread(state, reach).run()):
         if np.abs(shift).max() > _STILL:
             state.shift(row, np.append(shift, 0.0))
-    for row in range(len(state)):
-        lower(state, row)
-    return Placement(_placed(state), tuple(_unresolved(state)), tuple(state.notes))
+    settle_again(state)
+    placed = dict(zip(rows, _placed(state), strict=True))
+    in_order = tuple(placed[row] for row in range(len(objects)))
+    return Placement(in_order, tuple(_unresolved(state)), tuple(state.notes))
 
 
 def correction(found: FoundObject) -> Array:
@@ -108,11 +112,34 @@ def correction(found: FoundObject) -> Array:
     return motion
 
 
-def _given(objects: Sequence[FoundObject]) -> dict[int, Support]:
-    rows = {str(found.instance): row for row, found in enumerate(objects)}
+def moved_by(found: FoundObject) -> dict[str, float]:
+    """How far an object was moved, ``metres`` of its origin, and turned, ``degrees``."""
+    from scipy.spatial.transform import Rotation
+
+    placed = found.placed or found.pose
+    turn = Rotation.from_matrix(correction(found)[:3, :3]).magnitude()
+    away = np.linalg.norm(placed.translation - found.pose.translation)
+    return {"metres": float(away), "degrees": float(np.degrees(turn))}
+
+
+def _given(state: Arrangement) -> dict[int, Support]:
+    """What is known to carry objects, by rows: no instance that is not there, and no circle."""
+    numbers = {str(found.instance): row for row, found in enumerate(state.objects)}
     known = {kind: Support(kind) for kind in (FLOOR, WALL, CEILING)}
-    known |= {name: Support("object", row) for name, row in rows.items()}
-    return {row: known[o.support] for row, o in enumerate(objects) if o.support in known}
+    known |= {name: Support(OBJECT, row) for name, row in numbers.items()}
+    given: dict[int, Support] = {}
+    for row, found in enumerate(state.objects):
+        support = known.get(found.support)
+        above = support.number if support else -1
+        while above >= 0 and above != row:
+            above = given.get(above, Support(FLOOR)).number
+        if support and above != row:
+            given[row] = support
+        elif found.support:
+            why = "was not found" if support is None else "stands on it"
+            name, under = found.instance, found.support
+            state.notes.append(f"instance {name} cannot stand on {under}, which {why}")
+    return given
 
 
 def _placed(state: Arrangement) -> tuple[FoundObject, ...]:
@@ -131,11 +158,9 @@ def _unresolved(state: Arrangement) -> list[Unresolved]:
         beyond = float(room.beyond(room.footprint(body)).max())
         if beyond > _GAP:
             found.append(Unresolved("in a wall", name, None, beyond))
-        gap = gap_below(state, i)
-        if state.supports[i].kind == "nothing":
-            gap = float(body.low[2] - room.floor)
-        if gap is not None and abs(gap) > _GAP:
-            found.append(Unresolved("floats", name, None, abs(gap)))
+        gap = _floating(state, i)
+        if gap > _GAP:
+            found.append(Unresolved("floats", name, None, gap))
         for j in range(i):
             if near(body, state.bodies[j], -_OVERLAP):
                 overlap = penetration(body, state.bodies[j], _OVERLAP, FINE)
@@ -143,3 +168,15 @@ def _unresolved(state: Arrangement) -> list[Unresolved]:
                     other = state.objects[j].instance
                     found.append(Unresolved("overlaps", name, other, overlap.depth))
     return found
+
+
+def _floating(state: Arrangement, row: int) -> float:
+    """How far an object is from what carries it, metres."""
+    kind, body, room = state.supports[row].kind, state.bodies[row], state.rooms[row]
+    if kind == WALL:
+        facing = room.facing(body, np.inf)
+        return max(facing.gap, 0.0) if facing else float(body.low[2] - room.floor)
+    gap = gap_below(state, row)
+    if gap is None:
+        return 0.0 if kind == CEILING else float(body.low[2] - room.floor)
+    return abs(gap)

@@ -5,7 +5,7 @@ metres.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -18,14 +18,14 @@ from openrooms_usd.scan.layout import LayoutOptions, LayoutRoom, find_layout
 from openrooms_usd.scan.levelling import Level, level
 from openrooms_usd.scan.models import CadModel
 from openrooms_usd.scan.openings import find_openings
-from openrooms_usd.scan.placement import Unresolved, place
+from openrooms_usd.scan.placement import Unresolved, moved_by, place
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.thinning import thin
 
 Array = NDArray[np.float64]
 
 # Edge of the voxels that walls are found on, metres: finer than their noise.
-_VOXEL: Final = 0.02
+VOXEL: Final = 0.02
 # Where a scan shows no ceiling, as OpenRooms has it, metres.
 USUAL_HEIGHT: Final = 3.0
 
@@ -53,7 +53,8 @@ class FoundLayout:
                 walls = ", ".join(map(str, room.guessed))
                 told.append(f"room {number}: the scan does not show the walls {walls}: guessed")
             if room.ceiling is None:
-                told.append(f"room {number}: no level ceiling was seen")
+                slopes = f", but {len(room.slopes)} slopes" if room.slopes else ""
+                told.append(f"room {number}: no level ceiling was seen{slopes}")
         return told
 
 
@@ -87,7 +88,7 @@ def find_rooms(
     Raises:
         InputError: The scan shows too little of a room.
     """
-    thinned = thin(cloud, _VOXEL)
+    thinned = thin(cloud, VOXEL)
     stands = level(thinned, up)
     flat = thinned.moved(stands.level_from_scan)
     found = sorted(
@@ -112,7 +113,9 @@ def find_furniture(
         categories: The CADs' categories that a label may mean, best first.
     """
     aligned = align(layout.cloud, hints, models, layout.rooms, categories)
-    placed = place(aligned.objects, {model.id: model for model in models}, layout.rooms)
+    known = {hint.instance: hint.support for hint in hints or ()}
+    objects = [replace(o, support=known.get(o.instance, "")) for o in aligned.objects]
+    placed = place(objects, {model.id: model for model in models}, layout.rooms)
     return FoundFurniture(placed.objects, aligned.rejected, placed.unresolved, placed.notes)
 
 
@@ -126,7 +129,10 @@ def furniture_report(found: FoundFurniture, scan_from_level: Array) -> dict[str,
     """The objects in the form of the report."""
     return {
         "notes": list(found.notes),
-        "objects": [thing.moved(scan_from_level).as_dict() for thing in found.objects],
+        "objects": [
+            {**thing.moved(scan_from_level).as_dict(), "moved": moved_by(thing)}
+            for thing in found.objects
+        ],
         "rejected": [
             {"instance": r.instance, "category": r.category, "reason": r.reason}
             for r in found.rejected
@@ -149,6 +155,7 @@ def _room(room: LayoutRoom, cloud: Cloud, stands: Level) -> FoundRoom:
         ceiling=room.ceiling,
         openings=openings,
         measures={"coverage": room.coverage, "floor_residual": stands.residual},
+        slopes=room.slopes,
     )
 
 

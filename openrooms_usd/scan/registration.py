@@ -33,8 +33,10 @@ _KNOWN: Final = 0.003
 # No scale is more than so many deviations from what is known.
 _SANE: Final = 2.5
 _EVEN: Final = np.eye(3) - 1.0 / 3.0
-# How high a support reaches into the points of what stands on it, metres.
+# How high a support reaches into the points of what stands on it, metres, and at most which share
+# of its height.
 _FOOT: Final = 0.04
+_FOOT_SHARE: Final = 0.3
 # How much of one step is taken again with the next one.
 _MOMENTUM: Final = 0.6
 # The farthest that one step goes: metres, radians, logarithm of scale.
@@ -189,7 +191,8 @@ def _seen(shape: Shape, around: Surroundings, parameters: Array) -> tuple[Array,
     """(N,) weights of the points of a shape by what a scanner saw, and (4,) its hidden sides."""
     places = posed(shape.points, parameters)
     # Where it stands, its points cannot be told from those of what is below it.
-    clear = places[:, 2] > (-np.inf if around.support is None else around.support + _FOOT)
+    foot = min(_FOOT, _FOOT_SHARE * float(shape.size[2] * np.exp(parameters[6])))
+    clear = places[:, 2] > (-np.inf if around.support is None else around.support + foot)
     if around.panoramas is None:
         return _UNKNOWN_WEIGHT * clear.astype(np.float64), np.zeros(4, dtype=np.bool_)
     visible = around.panoramas.visible(

@@ -48,6 +48,7 @@ class FoundRoom:
         ceiling: Height above the floor, metres; None where the scan shows none.
         openings: What is in the walls.
         measures: Inlier ratios, residuals and the like, for people.
+        slopes: Planes of a ceiling that is not level: normal (3,) into the room, and a point (3,).
     """
 
     normal: Array
@@ -57,6 +58,7 @@ class FoundRoom:
     ceiling: float | None = None
     openings: tuple[FoundOpening, ...] = ()
     measures: Mapping[str, float] = field(default_factory=dict)
+    slopes: tuple[tuple[Array, Array], ...] = ()
 
     def moved(self, matrix: Array) -> "FoundRoom":
         """The room after a rigid motion (4, 4)."""
@@ -66,6 +68,7 @@ class FoundRoom:
             point=_points(matrix, self.point),
             corners=_points(matrix, self.corners),
             openings=tuple(opening.moved(matrix) for opening in self.openings),
+            slopes=tuple((matrix[:3, :3] @ n, _points(matrix, p)) for n, p in self.slopes),
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -75,6 +78,7 @@ class FoundRoom:
             "corners": self.corners.tolist(),
             "guessed_walls": list(self.guessed),
             "ceiling_height": self.ceiling,
+            "ceiling_planes": [{"normal": n.tolist(), "point": p.tolist()} for n, p in self.slopes],
             "openings": [
                 {"type": o.type, "corners": o.corners.tolist(), "confidence": o.confidence,
                  "wall": o.wall}

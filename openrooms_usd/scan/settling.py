@@ -1,6 +1,6 @@
 """Objects upright, on what carries them, and flat against the walls that they reach into."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -13,8 +13,10 @@ from openrooms_usd.scan.penetration import near
 from openrooms_usd.scan.support import (
     CEILING,
     DEEP,
+    FARTHEST,
     FLOATING,
     FLOOR,
+    OBJECT,
     SUNK,
     WALL,
     Support,
@@ -68,23 +70,32 @@ def _righted(state: Arrangement, row: int) -> tuple[Array, float]:
     return np.asarray(turn.as_matrix()), float(np.degrees(angle))
 
 
-def find_supports(state: Arrangement, given: Mapping[int, Support]) -> None:
-    """Find what carries each object, and put it there exactly, what is below before the rest.
-
-    Args:
-        state: Changed.
-        given: Supports that are known, by rows.
-    """
+def find_supports(state: Arrangement) -> None:
+    """Find what carries each object, and put it there exactly, what is below before the rest."""
     state.supports = [Support("nothing")] * len(state)
     done: list[int] = []
-    for row in order(state.bodies, [room.floor for room in state.rooms]):
-        category, room = state.objects[row].category, state.rooms[row]
-        known = given.get(row)
-        state.supports[row] = known or support_of(row, category, state.bodies, done, room)
-        if state.supports[row].kind in ("object", "nothing") and known is None:
+    for row in _carriers_first(state):
+        state.supports[row] = state.given.get(row) or _found(state, row, done)
+        if state.supports[row].kind in (OBJECT, "nothing"):
             _bring_over(state, row, done)
         lower(state, row)
         done.append(row)
+
+
+def _found(state: Arrangement, row: int, below: Sequence[int]) -> Support:
+    category, room = state.objects[row].category, state.rooms[row]
+    return support_of(row, category, state.bodies, below, room)
+
+
+def _carriers_first(state: Arrangement) -> list[int]:
+    """All rows from below, but what is known to carry others before these."""
+    rows: dict[int, None] = {}
+    for row in order(state.bodies, [room.floor for room in state.rooms]):
+        chain = [row]
+        while (under := state.given.get(chain[-1], Support("nothing")).number) >= 0:
+            chain.append(under)
+        rows |= dict.fromkeys(reversed(chain))
+    return list(rows)
 
 
 def _bring_over(state: Arrangement, row: int, below: Sequence[int]) -> None:
@@ -104,16 +115,32 @@ def _bring_over(state: Arrangement, row: int, below: Sequence[int]) -> None:
                 and there.gap < FLOATING
                 and there.share > (_STABLE if step else _ENOUGH)
             ):
-                state.supports[row] = Support("object", other)
+                state.supports[row] = Support(OBJECT, other)
                 if step > 0.0:
                     state.shift(row, np.append(nudge, 0.0))
                 return
 
 
+def settle_again(state: Arrangement) -> None:
+    """Put every object on what carries it, or on something else where it was moved off that."""
+    done: list[int] = []
+    for row in _carriers_first(state):
+        on_object = state.supports[row].kind == OBJECT and row not in state.given
+        if on_object and gap_below(state, row) is None:
+            state.supports[row] = _found(state, row, done)
+        lower(state, row)
+        done.append(row)
+
+
 def lower(state: Arrangement, row: int) -> None:
-    """Move an object up or down until it touches what carries it."""
+    """Move an object up or down until it touches what carries it.
+
+    What is far below the ceiling hangs on something that its CAD does not have: it stays.
+    """
     gap = gap_below(state, row)
-    if gap is not None and abs(gap) > (0.0 if state.has_moved(row) else _TOUCHING):
+    if gap is None or abs(gap) <= (0.0 if state.has_moved(row) else _TOUCHING):
+        return
+    if state.supports[row].kind != CEILING or abs(gap) < FARTHEST or row in state.given:
         state.shift(row, gap * _DOWN)
 
 
@@ -124,9 +151,10 @@ def gap_below(state: Arrangement, row: int) -> float | None:
         return float(body.low[2] - room.floor)
     if support.kind == CEILING:
         return None if room.ceiling is None else float(body.high[2] - room.ceiling)
-    if support.kind == "object":
+    if support.kind == OBJECT:
         under = state.bodies[support.number]
-        found = [there.gap for sunk in (SUNK, DEEP) if (there := rest(body, under, sunk=sunk))]
+        depths = (SUNK, DEEP, np.inf) if row in state.given else (SUNK, DEEP)
+        found = [there.gap for sunk in depths if (there := rest(body, under, sunk=sunk))]
         return min(found, key=abs, default=None)
     return None
 

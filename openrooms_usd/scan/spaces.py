@@ -1,7 +1,7 @@
 """Where a scan shows space to walk in: a map of pixels, cut into rooms at narrow places."""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ PIXEL: Final = 0.05
 # Nothing narrower than twice this is a room, and rooms end where they are narrower, metres.
 _NARROW: Final = 0.5
 _LEAST_AREA: Final = 1.0
+# Columns and lamps are smaller, metres.
+_FREE: Final = 0.8
 _MARGIN: Final = 0.6
 _COURSE: Final = 0.1
 _TOP: Final = 0.5
@@ -81,7 +83,7 @@ def find_spaces(pieces: Surfels, walls: Walls, eyes: Array | None = None) -> Spa
         seen |= _visible(barrier, (eyes[:, :2] - low) / PIXEL)
     seen |= _holes(seen, barrier)
     free = ndimage.binary_opening(seen & ~barrier, _disc(1))
-    rooms, middles = _rooms(free, low)
+    rooms, middles = _rooms(free, barrier, low)
     return Spaces(low, seen, _standing(walls, low, shape), rooms, middles)
 
 
@@ -157,23 +159,70 @@ def _standing(walls: Walls, low: Array, shape: tuple[int, ...]) -> Array:
     return np.asarray(pieces * PIXEL**2 / (walls.top - base))
 
 
-def _rooms(free: Mask, low: Array) -> tuple[NDArray[np.int32], Array]:
+def _flooded(distance: Array, markers: NDArray[np.integer[Any]], count: int) -> NDArray[np.int32]:
+    """Each pixel's marker: that which it reaches without passing a narrower place than needed.
+
+    A watershed as a minimum spanning forest (Cousty et al., "Watershed cuts", 2009).
+
+    Args:
+        distance: (X, Y) to the nearest border, metres; 0 where there is no space.
+        markers: (X, Y) numbers from 1 in connected pieces; else 0.
+        count: Of the markers.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+
+    number = np.arange(distance.size).reshape(distance.shape)
+    pairs = [(number[1:], number[:-1]), (number[:, 1:], number[:, :-1])]
+    a, b = (np.concatenate([pair[i].ravel() for pair in pairs]) for i in (0, 1))
+    narrow = np.minimum(distance.ravel()[a], distance.ravel()[b])
+    a, b, narrow = a[narrow > 0], b[narrow > 0], narrow[narrow > 0]
+    chosen = [int((markers == i).argmax()) for i in range(1, count + 1)]
+    # A root that is nearest to all markers: the tree falls into their pieces without it.
+    root = np.full(count, distance.size)
+    rows, columns = np.concatenate([a, root]), np.concatenate([b, chosen])
+    # Among ways that are as narrow, the one towards the wider place.
+    wide = np.maximum(distance.ravel()[a], distance.ravel()[b])
+    steep = 1.0 + 2.0 * distance.max() - narrow - 1e-3 * wide
+    weights = np.concatenate([steep, np.full(count, 0.5)])
+    graph = csr_array((weights, (rows, columns)), shape=(distance.size + 1,) * 2)
+    tree = minimum_spanning_tree(graph).tocoo()
+    kept = (tree.row < distance.size) & (tree.col < distance.size)
+    forest = csr_array((tree.data[kept], (tree.row[kept], tree.col[kept])), shape=graph.shape)
+    _, piece = connected_components(forest, directed=False)
+    names = np.zeros(len(piece), np.int32)
+    names[piece[chosen]] = np.arange(1, count + 1)
+    return np.asarray(np.where(distance > 0, names[piece[:-1]].reshape(distance.shape), 0))
+
+
+def _parting(barrier: Mask) -> Mask:
+    """The barriers that may part rooms: what stands free and is small does not, nor what hangs."""
     from scipy import ndimage
 
-    padded = np.pad(free, 1)
-    distance = ndimage.distance_transform_edt(padded)[1:-1, 1:-1] * PIXEL
-    markers, count = ndimage.label(distance > _NARROW)
-    depth = np.clip(255.0 - distance * 80.0, 0, 254).astype(np.uint8)
-    depth[~free] = 255
-    flooded = ndimage.watershed_ift(depth, np.where(free, markers, 0).astype(np.int32))
-    flooded[~free] = 0
+    groups, count = ndimage.label(barrier, np.ones((3, 3)))
+    places = ndimage.find_objects(groups)
+    extents = [max(rows.stop - rows.start for rows in place) for place in places]
+    large = np.array([False, *(extent * PIXEL > _FREE for extent in extents)])
+    return np.asarray(large[groups]) if count else barrier
+
+
+def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Array]:
+    from scipy import ndimage
+
+    # Rooms end where walls leave little way, not where little was seen.
+    walls = _parting(barrier)
+    walled = ndimage.distance_transform_edt(~walls) * PIXEL if walls.any() else 1e3 * free
+    width = np.where(free, walled, 0.0)
+    markers, count = ndimage.label(width > _NARROW)
+    flooded = _flooded(width, markers, count)
     area = np.bincount(flooded.ravel(), minlength=count + 1) * PIXEL**2
     large = [number for number in range(1, count + 1) if area[number] > _LEAST_AREA]
     large.sort(key=lambda number: -area[number])
+    depth = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
     rooms = np.zeros(free.shape, np.int32)
     middles = np.zeros((len(large), 2))
     for index, number in enumerate(large):
         rooms[flooded == number] = index + 1
-        deepest = np.where(markers == number, distance, -1.0).argmax()
+        deepest = np.where(markers == number, depth, -1.0).argmax()
         middles[index] = low + PIXEL * (np.array(np.unravel_index(deepest, free.shape)) + 0.5)
     return rooms, middles

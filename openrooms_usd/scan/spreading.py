@@ -70,6 +70,11 @@ class Spread:
             for room, body in zip(self.state.rooms, self.state.bodies, strict=True)
         ]
         self._ancestry = self.state.ancestry()
+        self._carrier = [self.state.carrier(row) for row in range(len(self.state))]
+        self._stuck = [
+            bool(room.beyond(points).max() > TOLERANCE and not room.leave(points))
+            for room, points in zip(self.state.rooms, self._footprints, strict=True)
+        ]
         self._out = [0.0] * len(self.state)
         self._weights = np.array([_weight(self.state, row) for row in range(len(self.state))])
 
@@ -119,7 +124,8 @@ class Spread:
         found = {}
         for pair in combinations(range(len(bodies)), 2):
             a, b = (bodies[row] for row in pair)
-            if near(a, b, -TOLERANCE):
+            # What cannot come into its room is no reason to move what is in it.
+            if near(a, b, -TOLERANCE) and not (self._stuck[pair[0]] or self._stuck[pair[1]]):
                 overlap = self._overlap((pair, lines), a, b, place[pair[0]] - place[pair[1]])
                 if overlap is not None:
                     found[pair] = overlap
@@ -184,13 +190,13 @@ class Spread:
     def _limits(self, walls: Walls) -> list[Condition]:
         """No object goes further by itself than its reach, except out of a wall."""
         conditions = []
-        for row, support in enumerate(self.state.supports):
+        for row in range(len(self.state)):
             self._out[row] = max(self._out[row], *walls[row].values(), 0.0)
             reach = self.reach + self._out[row]
             for direction in np.concatenate([np.eye(2), -np.eye(2)]):
                 parts = {row: direction}
-                if support.number >= 0:
-                    parts[support.number] = -direction
+                if self._carrier[row] >= 0:
+                    parts[self._carrier[row]] = -direction
                 conditions.append(Condition(parts, -reach, _REACH_SOFTNESS))
         return conditions
 

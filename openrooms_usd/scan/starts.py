@@ -22,8 +22,10 @@ _UNIT_REACH: Final = 0.25
 _HINTED: Final = np.array([0.12, 0.12, 0.12, 0.2, 0.12, 0.12, 0.12])
 # Those of a box about the points, which show only a part of the object.
 _SEEN: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25])
-# How much a CAD may be stretched to fill a box, logarithms of scale.
+# How much a CAD may be stretched to fill a box, logarithms of scale, and how much at most to fill
+# what points fill, among which may be strays.
 _STRETCH: Final = 0.18
+_FILLED: Final = 0.3
 _TURNS: Final = (0.0, 0.14, -0.14)
 _STRETCHES: Final = (-0.18, -0.1, 0.1, 0.18)
 _SHIFTS: Final = ((0.0, 0.0), (0.08, 0.0), (-0.08, 0.0), (0.0, 0.08), (0.0, -0.08))
@@ -72,6 +74,9 @@ def from_box(shape: Shape, box: Box, *, given: bool) -> list[Start]:
     for quarter in range(4):
         lengths = size if quarter % 2 == 0 else size[[1, 0, 2]]
         scale = np.log(np.maximum(lengths, 0.01) / np.maximum(shape.size, 0.01))
+        if not given:
+            usual = float(np.median(scale - plain(shape)))
+            scale = np.minimum(scale, plain(shape) + usual + _FILLED)
         known = np.array([*base, heading + quarter * 0.5 * np.pi, *scale])
         starts.append(Start(known, _HINTED if given else _SEEN, plain(shape), _STRETCH))
     return starts

@@ -1,6 +1,6 @@
 """What carries each object: the floor, another object, a wall or the ceiling."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,33 +16,50 @@ Array = NDArray[np.float64]
 FLOOR: Final = "floor"
 WALL: Final = "wall"
 CEILING: Final = "ceiling"
+OBJECT: Final = "object"
 
+_HUNG: Final = (
+    "blinds", "clock", "curtain", "kitchen_cabinet", "mirror", "picture", "radiator", "wall_lamp",
+    "wall_shelf", "whiteboard",
+)  # fmt: skip
+_STANDING: Final = (
+    "armchair", "bathtub", "bed", "bench", "bookshelf", "chair", "coffee_table", "counter", "desk",
+    "dishwasher", "dresser", "file_cabinet", "floor_lamp", "office_chair", "plant_pot",
+    "pool_table", "refrigerator", "side_table", "sofa", "stairs", "stool", "stove", "table",
+    "trash_bin", "wardrobe", "washing_machine",
+)  # fmt: skip
+_UPON: Final = (
+    "basket", "books", "bottle", "bowl", "box", "jar", "keyboard", "laptop", "microwave", "pillow",
+    "printer", "table_lamp", "telephone",
+)  # fmt: skip
 USUAL: Final[Mapping[str, str]] = {
-    "blinds": WALL,
-    "ceiling_fan": CEILING,
-    "ceiling_lamp": CEILING,
-    "chandelier": CEILING,
-    "clock": WALL,
-    "curtain": WALL,
-    "kitchen_cabinet": WALL,
-    "mirror": WALL,
-    "pendant_lamp": CEILING,
-    "picture": WALL,
-    "radiator": WALL,
-    "wall_lamp": WALL,
-    "wall_shelf": WALL,
-    "whiteboard": WALL,
+    **dict.fromkeys(_HUNG, WALL),
+    **dict.fromkeys(_STANDING, FLOOR),
+    **dict.fromkeys(_UPON, OBJECT),
+    **dict.fromkeys(("ceiling_fan", "ceiling_lamp", "chandelier", "pendant_lamp"), CEILING),
 }
-"""What carries the objects of some categories, wherever they were measured."""
+"""What carries the objects of some categories, wherever they were measured. What stands, on
+the floor or on an object, may stand on the other too, but hangs nowhere."""
 
 # How far below its support an object may have been measured, and how far above it, metres.
 SUNK: Final = 0.08
 FLOATING: Final = 0.12
-# What nothing carries within these may be further off, metres.
+# What nothing carries within these may be further off, metres: tall things by a part of their
+# height, for they are not hung as low as that.
 DEEP: Final = 0.16
-_FALL: Final = 0.4
-# How near to a wall or to the ceiling something without anything below it hangs there, metres.
+_FALL: Final = 0.2
+_FALL_SHARE: Final = 0.25
+FARTHEST: Final = 0.4
+# How near to a wall or to the ceiling something may hang there, metres; what is no panel must all
+# but touch its wall.
 _HANGS: Final = 0.2
+_BULKY_HANGS: Final = 0.06
+# Standing is likelier than hanging unless what is below is further away by this, metres; a panel
+# (thinner than this, and than a part of its other sides) is as likely to hang.
+_STANDS: Final = 0.1
+_PANEL_STANDS: Final = 0.03
+_PANEL: Final = 0.15
+_PANEL_SHARE: Final = 0.5
 # This part of what an object stands on must lie on its support.
 _SHARE: Final = 0.3
 # Where the floor is close below as well, this part.
@@ -55,8 +72,10 @@ _BASE: Final = 0.012
 # The very lowest corners, metres, and about how many of them are looked at.
 _TIP: Final = 0.003
 _TIPS: Final = 64
-# An object must be better by this than the floor to be what carries, metres.
+# The floor is likelier than other things by this, metres; but where a thing lies between an object
+# and the floor, as the lowest board of a shelf does, that is likelier than the floor.
 _PREFERENCE: Final = 0.02
+_BETWEEN: Final = 0.06
 _VERTICAL: Final = (2, 0, 1)
 
 
@@ -160,7 +179,7 @@ def is_rug(body: Body, floor: float) -> bool:
 def support_of(
     number: int, category: str, bodies: Sequence[Body], below: Sequence[int], room: Enclosure
 ) -> Support:
-    """What carries an object.
+    """What carries an object: of all that may, what asks for the least motion.
 
     Args:
         number: Its row.
@@ -169,26 +188,38 @@ def support_of(
         below: Rows of the objects that may carry it.
         room: The room that it stands in.
     """
-    usual = USUAL.get(category)
-    body = bodies[number]
+    usual, body = USUAL.get(category), bodies[number]
     if usual == CEILING or (usual == WALL and room.facing(body) is not None):
         return Support(usual)
-    standing = _standing(body, bodies, below, room, SUNK, FLOATING)
-    if standing is not None:
-        return standing
+    fall = min(max(_FALL, _FALL_SHARE * float(body.high[2] - body.low[2])), FARTHEST)
+    fall = FARTHEST if usual == FLOOR else fall
+    found = _standing(body, bodies, below, room, SUNK, FLOATING)
+    found = found or _standing(body, bodies, below, room, DEEP, fall)
+    if usual not in (FLOOR, OBJECT):
+        found += _hanging(body, room)
+    return min(found, key=lambda item: item[0])[1] if found else Support("nothing")
+
+
+def _hanging(body: Body, room: Enclosure) -> Iterator[tuple[float, Support]]:
+    """The wall and the ceiling, where they are near, and what speaks against each."""
     facing = room.facing(body)
     if facing is not None and abs(facing.gap) < _HANGS:
-        return Support(WALL)
+        normal = room.inward[facing.wall]
+        depth = float(np.ptp(body.outline @ normal))
+        width = float(np.ptp(body.outline @ np.array([-normal[1], normal[0]])))
+        smaller = min(width, float(body.high[2] - body.low[2]))
+        panel = depth < min(_PANEL, _PANEL_SHARE * smaller)
+        if panel or abs(facing.gap) < _BULKY_HANGS:
+            yield abs(facing.gap) + (_PANEL_STANDS if panel else _STANDS), Support(WALL)
     if room.ceiling is not None and abs(room.ceiling - body.high[2]) < _HANGS:
-        return Support(CEILING)
-    return _standing(body, bodies, below, room, DEEP, _FALL) or Support("nothing")
+        yield abs(room.ceiling - float(body.high[2])) + _STANDS, Support(CEILING)
 
 
 def _standing(
     body: Body, bodies: Sequence[Body], below: Sequence[int], room: Enclosure,
     sunk: float, floating: float,
-) -> Support | None:  # fmt: skip
-    """The floor, a rug on it, or the object whose top is nearest."""
+) -> list[tuple[float, Support]]:  # fmt: skip
+    """The floor, a rug on it, and the objects whose tops are near, and how far each is."""
     found: list[tuple[float, Support]] = []
     gap = float(body.low[2] - room.floor)
     on_floor = gap < floating
@@ -200,7 +231,7 @@ def _standing(
         if on_floor and is_rug(under, room.floor):
             there = rest(grounded, under)
             if there is not None and there.share > _RUG_SHARE:
-                return Support("object", other)
+                return [(abs(gap) - _PREFERENCE, Support(OBJECT, other))]
         if under.high[2] < body.low[2] - floating:
             continue
         there = rest(body, under, sunk=sunk)
@@ -209,5 +240,5 @@ def _standing(
             and there.gap < floating
             and there.share > (_INSTEAD if on_floor else _SHARE)
         ):
-            found.append((abs(there.gap), Support("object", other)))
-    return min(found, key=lambda item: item[0])[1] if found else None
+            found.append((abs(there.gap) - _BETWEEN * on_floor, Support(OBJECT, other)))
+    return found

@@ -1,15 +1,14 @@
 """What stands around an object: the floor or what it stands on, the walls, what was seen."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.shape import SIDES, Shape, turn_of
 from openrooms_usd.scan.visibility import Panoramas
+from openrooms_usd.scan.wallsides import NO_WALLS, Walls
 
 Array = NDArray[np.float64]
 
@@ -20,8 +19,6 @@ _TOUCHING: Final = 0.02
 _INSIDE: Final = 0.01
 # A hidden side is at the wall if it is about so near to it, metres.
 _NEAR: Final = 0.08
-# Walls farther than this from the middle of an object are not its own, beyond its own radius.
-_REACH: Final = 0.4
 # Cosine of the angle within which a side is parallel to a wall.
 _PARALLEL: Final = 0.94
 # A side is hidden if less than this part of it was visible.
@@ -30,45 +27,6 @@ _HIDDEN: Final = 0.15
 _SKIN: Final = 0.15
 # How much likelier a side that is flat is at the wall than one with handles and corners.
 _BACK: Final = 10.0
-
-
-@dataclass(frozen=True, eq=False)
-class Walls:
-    """Straight walls.
-
-    Attributes:
-        starts: (W, 2) metres.
-        ends: (W, 2) metres.
-        normals: (W, 2) unit, into the room.
-    """
-
-    starts: Array
-    ends: Array
-    normals: Array
-
-    def near(self, place: Array, radius: float) -> "Walls":
-        """Those before whose inner side a disc lies at least in part."""
-        along = self.ends - self.starts
-        length = np.linalg.norm(along, axis=1)
-        unit = along / np.maximum(length, 1e-9)[:, None]
-        offset = place[:2] - self.starts
-        station = np.einsum("ij,ij->i", offset, unit)
-        depth = np.einsum("ij,ij->i", offset, self.normals)
-        kept = (station > -0.5 * radius) & (station < length + 0.5 * radius)
-        kept &= (depth > -0.5 * radius) & (depth < radius + _REACH)
-        return Walls(self.starts[kept], self.ends[kept], self.normals[kept])
-
-
-def walls_of(rooms: Sequence[FoundRoom]) -> Walls:
-    """All walls of some rooms."""
-    starts = [room.corners[:, :2] for room in rooms] or [np.empty((0, 2))]
-    ends = [np.roll(corners, -1, axis=0) for corners in starts]
-    a, b = np.concatenate(starts), np.concatenate(ends)
-    along = (b - a) / np.maximum(np.linalg.norm(b - a, axis=1), 1e-9)[:, None]
-    return Walls(a, b, np.stack([-along[:, 1], along[:, 0]], axis=1))
-
-
-NO_WALLS: Final = walls_of(())
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,11 +52,13 @@ class Surroundings:
         panoramas: What was seen; None: not known.
         support: Height of what it stands on, metres; None: not known, or it hangs.
         walls: Those near it.
+        doubt: What that support costs because another one is likelier, in the energy's unit.
     """
 
     panoramas: Panoramas | None = None
     support: float | None = None
     walls: Walls = field(default=NO_WALLS)
+    doubt: float = 0.0
 
     def rows(self, shape: Shape, parameters: Array, hidden: NDArray[np.bool_]) -> Rows:
         """Contacts of a shape.
@@ -108,7 +68,7 @@ class Surroundings:
             parameters: (7,) where it is.
             hidden: (4,) which of its sides no camera saw (see `hidden_sides`).
         """
-        residuals, slopes, energy = [0.0], [np.zeros(7)], 0.0
+        residuals, slopes, energy = [0.0], [np.zeros(7)], self.doubt
         if self.support is not None:
             residuals.append((parameters[2] - self.support) / _STANDING)
             slopes.append(np.eye(7)[2] / _STANDING)

@@ -16,14 +16,20 @@ from scipy import ndimage
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.scan.sightlines import Sight
 from openrooms_usd.scan.wallfaces import WallFace, faces_of, nearest_walls
+from openrooms_usd.scan.wallvoids import enclosed
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
 CELL: Final = 0.025  # metres
-# A wall's returns lie this near to its plane.
-_ON: Final = 0.045
+# A wall's returns lie so many deviations near to its plane, within these limits, metres.
+_ROUGH: Final = 4.0
+_ON: Final = (0.02, 0.045)
+# Relief is of what stands out so far, or lies so much deeper, metres.
+_RELIEF: Final = (0.045, 0.12)
+# A difference of 15 in 255 of a colour counts as a step of three millimetres.
+_TINT: Final = 0.003 / 15.0
 # The plane is refitted to returns up to this far from where it was thought to be.
 _FIT: Final = 0.12
 _FIT_ROUNDS: Final = 6
@@ -33,8 +39,6 @@ _SPARSE: Final = 0.2
 _LOCAL: Final = 0.25
 # So many eyes that look through a cell make it sure that nothing is there.
 _SURE: Final = 3.0
-# Voids that are narrower are between things, cells.
-_SLIT: Final = 5
 # Returns with labels count where they face across the wall up to 25 degrees.
 _FACING: Final = float(np.cos(np.radians(25.0)))
 
@@ -48,8 +52,10 @@ class WallGrid:
         solid: (Z, X) where the wall's face returned.
         recess: (Z, X) where only what lies a few centimetres behind it did.
         void: (Z, X) from 0 to 1, how sure it is that eyes looked through without a return.
-        relief: (Z, X) how far the face stands out into the room, metres, relative to the wall's
-            plane; NaN where it did not return.
+        relief: (Z, X) how far what returned stands out into the room, metres, relative to the
+            wall's plane; less than 0 where it lies deeper, NaN where nothing near did.
+        tint: (Z, X) what returned from the face along the colour in which the wall differs most,
+            in metres as if it were relief; NaN where nothing did or the scan has no colours.
         labels: For each class asked for, (Z, X) the number of returns near the wall that have it.
         labelled: (Z, X) the number of all returns near the wall that have a label.
         threshold: (X,) whether floor was seen just behind the wall's plane.
@@ -61,6 +67,7 @@ class WallGrid:
     recess: Mask
     void: Array
     relief: Array
+    tint: Array
     labels: dict[int, Array]
     labelled: Array
     threshold: Mask
@@ -105,23 +112,43 @@ def _grid(
     cell = _cells(x, z, shape)
     above = z > 0
     inner = above & ~_other_side(cloud, face, y)
-    on, behind, before = above & (np.abs(y) < _ON), inner & (y >= _ON), above & (y <= -_ON)
-    standing, opened, hidden = (_counted(cell[kind], shape) for kind in (on, behind, before))
-    solid, recess, covered = _layers(standing, opened, hidden)
-    depth = np.bincount(cell[on], y[on], shape[0] * shape[1]).reshape(shape)
-    relief = np.where(standing > 0, -depth / np.maximum(standing, 1), np.nan)
-    labels, labelled = _label_counts(cloud, cell, above, face, classes, shape)
+    near = float(np.clip(_ROUGH * deviation, *_ON))
+    on, behind, before = above & (np.abs(y) < near), inner & (y >= near), above & (y <= -near)
+    counts = (_counted(cell[kind], shape) for kind in (on, behind, before))
+    solid, recess, covered = _layers(*counts)
+    face_like = inner & (y > -_RELIEF[0]) & (y < _RELIEF[1])
+    relief = _mean_depth(cell[face_like], -y[face_like], shape)
+    tint = _mean_depth(cell[on], _tints(cloud, on), shape)
+    labels, labelled = _label_counts(cloud, cell, above, y >= near, face, classes, shape)
     floor = (np.abs(z) < 2 * CELL) & (y > 0.1)
     threshold = _counted(cell[floor], shape).sum(axis=0) > 0
-    void = _void(~(solid | recess | covered), face, plane, sight)
-    return WallGrid(face, solid, recess, void, relief, labels, labelled, threshold, deviation)
+    standing = solid | recess
+    seen = _seen_through(~(standing | covered), face, plane, sight)
+    void = np.where(enclosed(seen > 0, standing), seen, 0.0)
+    return WallGrid(face, solid, recess, void, relief, tint, labels, labelled, threshold, deviation)
+
+
+def _mean_depth(cells: Rows, values: Array, shape: tuple[int, int]) -> Array:
+    counts = _counted(cells, shape)
+    total = np.bincount(cells, values, shape[0] * shape[1]).reshape(shape)
+    return np.where(counts > 0, total / np.maximum(counts, 1), np.nan)
+
+
+def _tints(cloud: Cloud, on: Mask) -> Array:
+    """Colours of a wall's returns along their principal axis."""
+    if cloud.colors is None or not on.any():
+        return np.full(int(on.sum()), np.nan)
+    colors = cloud.colors[on].astype(np.float64)
+    colors -= colors.mean(axis=0)
+    axis = np.linalg.eigh(colors.T @ colors)[1][:, -1]
+    return np.asarray(_TINT * (colors @ (axis if axis.sum() >= 0 else -axis)))
 
 
 def _other_side(cloud: Cloud, face: WallFace, y: Array) -> Mask:
     """Which returns are of a wall's other face, seen from another room."""
     if cloud.normals is None:
         return np.zeros(len(y), dtype=np.bool_)
-    return np.asarray((y > _ON) & (cloud.normals[:, :2] @ face.outward > 0.7))
+    return np.asarray((y > _ON[1]) & (cloud.normals[:, :2] @ face.outward > 0.7))
 
 
 def _layers(standing: Array, opened: Array, hidden: Array) -> tuple[Mask, Mask, Mask]:
@@ -180,20 +207,20 @@ def _counted(cells: Rows, shape: tuple[int, int]) -> Array:
 
 
 def _label_counts(
-    cloud: Cloud, cell: Rows, above: Mask, face: WallFace, classes: Sequence[int],
-    shape: tuple[int, int],
+    cloud: Cloud, cell: Rows, above: Mask, behind: Mask, face: WallFace,
+    classes: Sequence[int], shape: tuple[int, int],
 ) -> tuple[dict[int, Array], Array]:  # fmt: skip
-    """Votes of the returns that face across the wall."""
+    """Votes of the returns that face across the wall, and of the sides of holes in it."""
     if cloud.label is None:
         return {}, np.zeros(shape)
     if cloud.normals is not None:
-        above = above & (np.abs(cloud.normals[:, :2] @ face.outward) > _FACING)
+        above = above & (behind | (np.abs(cloud.normals[:, :2] @ face.outward) > _FACING))
     cell, label = cell[above], cloud.label[above]
     counts = {number: _counted(cell[label == number], shape) for number in classes}
     return counts, _counted(cell[label > 0], shape)
 
 
-def _void(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) -> Array:
+def _seen_through(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) -> Array:
     """(Z, X) how sure it is that eyes looked at a cell; asked for every second row and column."""
     rows, columns = np.nonzero(open_cells[::2, ::2])
     x, z = (2 * columns + 1.0) * CELL, (2 * rows + 1.0) * CELL
@@ -202,14 +229,4 @@ def _void(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) -> Array
     eyes = sight.eyes_on(places, np.append(face.outward, 0.0))
     seen[rows, columns] = np.minimum(eyes / _SURE, 1.0)
     whole = np.repeat(np.repeat(seen, 2, axis=0), 2, axis=1)[: len(open_cells)]
-    void = np.where(open_cells, whole[:, : open_cells.shape[1]], 0.0)
-    return np.where(_enclosed(void > 0), void, 0.0)
-
-
-def _enclosed(void: Mask) -> Mask:
-    """Without slits, and without what nobody scanned: it goes up to the top, but not down."""
-    broad = ndimage.binary_opening(void, np.ones((_SLIT, _SLIT), dtype=bool))
-    pieces, count = ndimage.label(broad)
-    over = np.isin(np.arange(count + 1), pieces[-_SLIT:])
-    under = np.isin(np.arange(count + 1), pieces[:_SLIT])
-    return np.asarray(broad & ~(over & ~under)[pieces])
+    return np.where(open_cells, whole[:, : open_cells.shape[1]], 0.0)

@@ -6,7 +6,7 @@ next to nothing, so that furniture before a wall neither makes a hole nor cuts o
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from openrooms_usd.scan.rectangles import Rectangle, best_rectangle, ring
-from openrooms_usd.scan.wallgrid import CELL, WallGrid, usual_counts
+from openrooms_usd.scan.wallgrid import CELL, WallGrid
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -27,23 +27,27 @@ ASKED: Final = (DOOR, WINDOW, BLINDS, CURTAIN)
 
 # Weights of cells: where the wall stands, and where nothing is known.
 _SOLID: Final = -1.0
-_HIDDEN: Final = -0.03
-# Cells with this part of the usual number of labels are sure of them.
-_ENOUGH: Final = 0.25
-# So far apart are folds of a curtain, metres.
-_FOLDS: Final = 0.2
-# Looking through says less than a label, as a door may be seen through a window's place.
-_THROUGH: Final = 0.6
+HIDDEN: Final = -0.03
 # A wall that stands on this part of a rectangle's height, for so many metres, parts two openings.
 _PARTING: Final = (0.7, 0.18)
+# Two rectangles beside each other must hold so much more than one, square metres, and be apart by
+# more than a mullion is wide, metres.
+_SECOND: Final = 0.1
+_MULLION: Final = 0.12
+_NARROWEST: Final = 0.25
 _LEAST_AREA: Final = 0.07
 _MOST: Final = 10
 # How far around a rectangle its wall is looked for, metres.
 _AROUND: Final = 0.075
-# Boards around doors are up to so wide, and stand out at least so far, metres.
-_CASING: Final = (0.1, 0.005)
+# What is hidden may be wall as well as not; above an opening hardly anything hides it, and
+# nobody looked there.
+_MAY_STAND: Final = {"beside": 0.5, "top": 0.42}
 # Doors end below this height, windows above that, metres; between, what stands below decides.
 _STEP: Final = 0.06
+# Over a threshold of up to 12 cm people walk, where floor lies behind it and they can stand; holes
+# are seen to begin up to 5 cm higher than they do.
+_THRESHOLD: Final = 0.12 + 0.05
+_WALKED: Final = 1.8
 _SILL: Final = 0.45
 
 
@@ -95,42 +99,19 @@ def hole_weights(grid: WallGrid) -> Array:
     """(Z, X) what geometry says."""
     weights = np.where(grid.solid, _SOLID, np.where(grid.recess, 1.0, grid.void))
     unknown = ~grid.solid & ~grid.recess & (grid.void == 0)
-    return np.asarray(np.where(unknown, _HIDDEN, weights))
+    return np.asarray(np.where(unknown, HIDDEN, weights))
 
 
-def label_weights(grid: WallGrid, kind: Kind) -> Array:
-    """(Z, X) what labels say, and where there are none, geometry."""
-    votes, all_votes = (around(counts) for counts in (grid.labels[LABELS[kind]], grid.labelled))
-    curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS])
-    others = all_votes - curtain
-    geometry = hole_weights(grid)
-    geometry = np.where(geometry > 0, _THROUGH * geometry, geometry)
-    # Between the folds that returned, others did not.
-    hangs = ndimage.maximum_filter(curtain, round(_FOLDS / CELL)) > 0
-    geometry = np.where(hangs, np.minimum(geometry, _HIDDEN), geometry)
-    # Where few returns have a label, as strays in a hole, geometry is asked as well.
-    enough = _ENOUGH * usual_counts(grid.labelled, all_votes)
-    said = (2.0 * votes - others) / np.maximum(others, enough)
-    return np.asarray(said + geometry * (1.0 - np.minimum(others / enough, 1.0)))
-
-
-def around(counts: Array) -> Array:
-    """(Z, X) means over a cell and its neighbours."""
-    smooth = ndimage.uniform_filter(counts, 3, mode="nearest")
-    return np.where(smooth < 1e-9, 0.0, smooth)
-
-
-def rectangles(grid: WallGrid, weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
+def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
     """The rectangles with the most weight, one after the other, none over another.
 
     Args:
-        grid: The wall.
         weights: (Z, X) positive where an opening seems to be.
         height: Lower rectangles are not asked for, metres.
     """
     weights = weights.copy()
     for _ in range(_MOST):
-        found, value = _unparted(weights, max(1, round(height / CELL)))
+        found, value = _one(weights, max(1, round(height / CELL)))
         if value * CELL**2 < _LEAST_AREA:
             return
         yield found
@@ -139,6 +120,49 @@ def rectangles(grid: WallGrid, weights: Array, height: float = 0.0) -> Iterator[
         )
         inside = weights[grown.rows, grown.columns]
         np.minimum(inside, _SOLID, out=inside)
+
+
+def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
+    """The best rectangle, or the better one of two that hold more together."""
+    whole, value = _unparted(weights, least_rows)
+    found, most = (whole, value), value + _SECOND / CELL**2
+    for halves in _halves(whole, len(weights), least_rows):
+        pair = [_within(weights, half, least_rows) for half in halves]
+        together = sum(part for _, part in pair)
+        if together > most and _are_two(pair[0][0], pair[1][0], whole):
+            most, found = together, max(pair, key=lambda one: one[1])
+    return found
+
+
+def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rectangle, Rectangle]]:
+    """Where two rectangles may be: strips of a wall beside a cut, or parts above each other."""
+    least = round(_NARROWEST / CELL)
+    for column in range(whole.left + least, whole.right - least + 1, 2):
+        yield (
+            Rectangle(0, rows, whole.left, column),
+            Rectangle(0, rows, column, whole.right),
+        )
+    least = max(least, least_rows)
+    for row in range(whole.bottom + least, whole.top - least + 1, 2):
+        yield replace(whole, top=row), replace(whole, bottom=row)
+
+
+def _are_two(first: Rectangle, second: Rectangle, whole: Rectangle) -> bool:
+    if second.left < first.right:
+        return (second.bottom - first.top) * CELL >= _MULLION
+    beside = all(
+        min(one.top, whole.top) - max(one.bottom, whole.bottom) > (whole.top - whole.bottom) // 2
+        for one in (first, second)
+    )
+    return beside and (second.left - first.right) * CELL >= _MULLION
+
+
+def _within(weights: Array, half: Rectangle, least_rows: int) -> tuple[Rectangle, float]:
+    """The best rectangle in a part of the picture."""
+    found, value = best_rectangle(weights[half.rows, half.columns], least_rows)
+    low, left = half.bottom, half.left
+    moved = (found.bottom + low, found.top + low, found.left + left, found.right + left)
+    return Rectangle(*moved), value
 
 
 def _unparted(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
@@ -186,38 +210,20 @@ def measured(grid: WallGrid, kind: Kind, where: Rectangle) -> Proposal:
 def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
     strips = ring(grid.shape, where, round(_AROUND / CELL))
     sides = ("left", "right", "top") + (("bottom",) if kind == "window" else ())
-    # What is hidden may be wall as well as not.
-    known = grid.solid + 0.5 * (~grid.solid & ~grid.recess & (grid.void == 0))
-    parts = [
-        known[strips[side].rows, strips[side].columns].mean() if side in strips else 0.0
-        for side in sides
-    ]
-    return float(min(parts))
+    hidden = ~grid.solid & ~grid.recess & (grid.void == 0)
+    parts = []
+    for side in sides:
+        known = grid.solid + _MAY_STAND["top" if side == "top" else "beside"] * hidden
+        strip = strips.get(side)
+        parts.append(float(known[strip.rows, strip.columns].mean()) if strip else 0.0)
+    return min(parts)
 
 
 def kind_of(grid: WallGrid, where: Rectangle) -> Kind:
     """Whether a hole is a door or a window, by where it ends below."""
-    if where.bottom * CELL < _STEP:
+    sill, tall = where.bottom * CELL, (where.top - where.bottom) * CELL
+    walked = grid.threshold[where.columns].mean() > 0.5 and tall > _WALKED
+    if sill < _STEP or (sill < _THRESHOLD and walked):
         return "door"
     below = grid.solid[: where.bottom, where.columns]
     return "window" if where.bottom * CELL >= _SILL or below.mean() > 0.5 else "door"
-
-
-def without_casing(grid: WallGrid, where: Rectangle) -> Rectangle:
-    """A door without the boards around it, which are called door too but lie on the wall."""
-    standing = grid.solid & (np.nan_to_num(grid.relief) > _CASING[1])
-    most = round(_CASING[0] / CELL)
-    columns = standing[where.rows, where.columns].mean(axis=0) > 0.5
-    rows = standing[where.rows, where.columns].mean(axis=1) > 0.5
-    return Rectangle(
-        where.bottom,
-        where.top - _depth(rows[::-1], most),
-        where.left + _depth(columns, most),
-        where.right - _depth(columns[::-1], most),
-    )
-
-
-def _depth(casing: Mask, most: int) -> int:
-    """How far from its beginning a line of cells is casing, strays and all."""
-    found = np.flatnonzero(casing[:most])
-    return int(found[-1]) + 1 if len(found) else 0

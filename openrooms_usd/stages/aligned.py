@@ -8,13 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, UsdGeom, Vt
 
+from openrooms_usd import names
 from openrooms_usd.capture import Capture, CapturedBox, CapturedModel
 from openrooms_usd.description.alignment import FileObject
+from openrooms_usd.geometry.pinhole import nearest_rotation
+from openrooms_usd.geometry.pinhole import pose as rigid
 from openrooms_usd.library.furniture import Size
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captured import Captured
 from openrooms_usd.stages.catalogue import Catalogue
-from openrooms_usd.stages.placement import Placement, Source
+from openrooms_usd.stages.placement import Measured, Placement, Source
 from openrooms_usd.stages.poses import author_pose
 from openrooms_usd.usd.frames import gf_matrix
 
@@ -22,7 +25,11 @@ Array: TypeAlias = NDArray[np.float64]
 
 _TYPES: Final = Sdf.ValueTypeNames
 _SCALE: Final = "xformOp:scale"
-_PLACED: Final = "xformOp:transform:placed"
+_SHIFTED: Final = "xformOp:translate:placed"
+_TURNED: Final = "xformOp:orient:placed"
+# Smaller turns, as a part of a half one, and billionths of a metre are noise of multiplying.
+_STILL: Final = 1e-9
+_DIGITS: Final = 9
 # Columns: our right, back and up in the axes of a CAD with Y up, by where its front looks.
 _Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _FRONTS: Final = {"-Y": 0, "+X": 1, "+Y": 2, "-X": 3}  # quarter turns from -Y
@@ -92,23 +99,53 @@ def placed_model(
 def author_aligned(prim: Sdf.PrimSpec, pose: Array, placed: Array | None = None) -> None:
     """Place an object by a (4, 4) rotation and translation after a scale along its own axes.
 
-    The operations are those of `UsdGeom.XformCommonAPI`, which most editors write.
+    The operations are those of `UsdGeom.XformCommonAPI`, which most editors write. Where the
+    object stands elsewhere, two more take it there, each where it can be seen and switched off:
+    ``xformOp:translate:placed`` shifts it, in its parent's axes, ``xformOp:orient:placed`` turns it
+    about its own origin.
 
     Args:
         prim: The object.
         pose: As it was measured.
-        placed: Where it can be; the motion from the one to the other is an operation of its own,
-            ``xformOp:transform:placed``, so that it can be seen and switched off.
+        placed: Where it can be, after a rigid motion; None: as measured.
     """
     scale = np.linalg.norm(pose[:3, :3], axis=0)
     author_pose(prim, pose @ np.diag([*(1.0 / scale), 1.0]))
-    Sdf.AttributeSpec(prim, _SCALE, _TYPES.Float3, declaresCustom=False).default = Gf.Vec3f(
-        *scale.tolist()
-    )
-    order = prim.attributes[UsdGeom.Tokens.xformOpOrder]
-    order.default = Vt.TokenArray([*order.default, _SCALE])
-    if placed is not None and not np.array_equal(placed, pose):
-        motion = placed @ np.linalg.inv(pose)
-        attribute = Sdf.AttributeSpec(prim, _PLACED, _TYPES.Matrix4d, declaresCustom=False)
-        attribute.default = gf_matrix(motion)
-        order.default = Vt.TokenArray([_PLACED, *order.default])
+    translate, rotate = prim.attributes[UsdGeom.Tokens.xformOpOrder].default
+    _set(prim, _SCALE, _TYPES.Float3, Gf.Vec3f(*scale.tolist()))
+    order = [translate, rotate, _SCALE]
+    moved = pose if placed is None else placed
+    turn = nearest_rotation((moved[:3, :3] / scale) @ (pose[:3, :3] / scale).T)
+    if np.abs(turn - np.eye(3)).max() > _STILL:
+        around = gf_matrix(rigid(turn, np.zeros(3))).ExtractRotationQuat()
+        _set(prim, _TURNED, _TYPES.Quatd, around)
+        order.insert(1, _TURNED)
+    shift = np.round(moved[:3, 3] - pose[:3, 3], _DIGITS) + 0.0
+    if shift.any():
+        _set(prim, _SHIFTED, _TYPES.Double3, Gf.Vec3d(*shift.tolist()))
+        order.insert(0, _SHIFTED)
+    prim.attributes[UsdGeom.Tokens.xformOpOrder].default = Vt.TokenArray(order)
+
+
+def author_measured(prim: Sdf.PrimSpec, found: Measured) -> None:
+    """Say how well an object was found, and what carries it."""
+    apply_schema(prim, names.ALIGNMENT_API)
+    _set(prim, names.ALIGNMENT_RESIDUAL, _TYPES.Double, found.residual)
+    _set(prim, names.ALIGNMENT_COVERAGE, _TYPES.Double, found.coverage)
+    _set(prim, names.ALIGNMENT_SYMMETRY, _TYPES.Token, found.symmetry)
+    _set(prim, names.ALIGNMENT_SUPPORT, _TYPES.Token, found.support)
+    if found.carrier is not None:
+        carrier = Sdf.RelationshipSpec(prim, names.ALIGNMENT_CARRIER, custom=False)
+        carrier.targetPathList.explicitItems = [f"{names.FURNITURE}/{found.carrier}"]
+
+
+def apply_schema(prim: Sdf.PrimSpec, schema: str) -> None:
+    """Apply a schema beside those that the prim has."""
+    applied = Sdf.TokenListOp()
+    known = prim.GetInfo("apiSchemas").prependedItems if prim.HasInfo("apiSchemas") else []
+    applied.prependedItems = [*known, schema]
+    prim.SetInfo("apiSchemas", applied)
+
+
+def _set(prim: Sdf.PrimSpec, name: str, kind: Sdf.ValueTypeName, value: object) -> None:
+    Sdf.AttributeSpec(prim, name, kind, declaresCustom=False).default = value

@@ -26,7 +26,13 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.furniture import CATEGORIES, Size, category, part_of
 from openrooms_usd.library.meshfile import dependencies
-from openrooms_usd.stages.aligned import author_aligned, placed_model, with_boxes
+from openrooms_usd.stages.aligned import (
+    apply_schema,
+    author_aligned,
+    author_measured,
+    placed_model,
+    with_boxes,
+)
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captured import Captured, captured_objects
 from openrooms_usd.stages.captures import capture_inputs, capture_of
@@ -202,15 +208,14 @@ def _author_furniture(
             elif item.measured is None:
                 author_aligned(prim, item.pose)
             else:
-                author_aligned(prim, item.measured, item.pose)
+                author_aligned(prim, item.measured.pose, item.pose)
+                author_measured(prim, item.measured)
             if item.source:
                 _author_source(prim, item.source)
 
 
 def _author_source(prim: Sdf.PrimSpec, source: Source) -> None:
-    schemas = Sdf.TokenListOp()
-    schemas.prependedItems = [names.SOURCE_API]
-    prim.SetInfo("apiSchemas", schemas)
+    apply_schema(prim, names.SOURCE_API)
     _set(prim, names.SOURCE_FILE, _TYPES.String, source.file)
     _set(prim, names.SOURCE_ID, _TYPES.String, source.id)
     if source.confidence:

@@ -19,7 +19,7 @@ from openrooms_usd.library.cads import Cad, folder_cads, furniture_cads, merged
 from openrooms_usd.library.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
 from openrooms_usd.scan.hints import Box, Hint
 from openrooms_usd.scan.models import CadModel
-from openrooms_usd.scan.placement import correction
+from openrooms_usd.scan.placement import correction, moved_by
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
 from openrooms_usd.scan.results import FoundObject, Pose
 from openrooms_usd.stages.base import StageContext
@@ -32,6 +32,8 @@ from openrooms_usd.usd.taxonomies import CLASSES, NYU40, UNLABELED, class_of
 
 Array = NDArray[np.float64]
 
+# Objects that placement moved by more than this are counted aloud, metres.
+_FAR: Final = 0.01
 # Classes that the room itself is made of.
 _SHELL: Final = ("wall", "floor", "ceiling", "window", "door")
 
@@ -70,6 +72,12 @@ def furnish(
 
 def _told(found: FoundFurniture) -> Iterator[str]:
     yield from found.notes
+    moved = {thing.instance: moved_by(thing)["metres"] for thing in found.objects}
+    far = [instance for instance, metres in moved.items() if metres > _FAR]
+    if far:
+        most = max(far, key=moved.__getitem__)
+        text = f"{len(far)} of {len(moved)} objects were moved to where they can be"
+        yield f"{text}, instance {most} the farthest: {moved[most]:.3f} m"
     for rejected in found.rejected:
         yield f"instance {rejected.instance} has no CAD: {rejected.reason}"
     yield from (str(unresolved) for unresolved in found.unresolved)

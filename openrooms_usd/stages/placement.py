@@ -43,6 +43,27 @@ class Source:
     confidence: Confidence | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """How an object was found in a scan, before it was put where it can be.
+
+    Attributes:
+        pose: (4, 4) from the asset's frame to the room, with a scale along each of its axes.
+        residual: Root of the mean squared distance of its points to it, metres.
+        coverage: The part of its visible surface that points lie on, from 0 to 1.
+        symmetry: ``none``, ``2``, ``4`` or ``inf``, about its vertical.
+        support: ``floor``, ``wall``, ``ceiling``, ``object`` or ``nothing``.
+        carrier: The name of the object that it stands on; None where it is none.
+    """
+
+    pose: Array
+    residual: float
+    coverage: float
+    symmetry: str
+    support: str
+    carrier: str | None = None
+
+
 @dataclass(frozen=True)
 class Placement:
     """An object to be placed.
@@ -62,7 +83,7 @@ class Placement:
         level: Height of its base above the floor where it hangs on a wall, metres.
         pose: (4, 4) from the asset's frame to the room where that is more than upright: with a
             tilt, and a scale along each axis of the asset.
-        measured: (4, 4) the same before it was put where it can be; None where it is as measured.
+        measured: How it was found in a scan; None where it was not found in one.
     """
 
     name: str
@@ -78,7 +99,7 @@ class Placement:
     relative_to: str | None = None
     level: float = 0.0
     pose: Array | None = field(default=None, compare=False)
-    measured: Array | None = field(default=None, compare=False)
+    measured: Measured | None = field(default=None, compare=False)
 
     @property
     def carrier(self) -> str | None:

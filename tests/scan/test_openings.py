@@ -13,7 +13,8 @@ from openrooms_usd.scan.results import FoundOpening
 from openrooms_usd.scan.sightlines import sight_of
 from openrooms_usd.scan.wallfaces import faces_of
 from openrooms_usd.scan.wallgrid import CELL, wall_grids
-from openrooms_usd.scan.wallholes import ASKED, without_casing
+from openrooms_usd.scan.wallholes import ASKED
+from openrooms_usd.scan.walllabels import without_casing
 from tests.scan.walled_rooms import (
     CORNERS,
     CURTAIN,

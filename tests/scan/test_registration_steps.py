@@ -21,8 +21,9 @@ from openrooms_usd.scan.shape import (
     upright_of,
 )
 from openrooms_usd.scan.starts import box_of, from_box, true_size
-from openrooms_usd.scan.surroundings import Surroundings, walls_of
+from openrooms_usd.scan.surroundings import Surroundings
 from openrooms_usd.scan.visibility import likely_eyes, look_around
+from openrooms_usd.scan.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, EYES, Placed, cad, room, scan
 
 PARAMETERS = np.array([0.4, -0.3, 0.1, 0.8, 0.05, -0.08, 0.1])

@@ -41,6 +41,13 @@ PROPERTIES = {
         "openrooms:source:confidence": ("token", "high"),
         "openrooms:source:fromWorld": ("matrix4d", Gf.Matrix4d(1)),
     },
+    "OpenRoomsAlignmentAPI": {
+        "openrooms:alignment:residual": ("double", 0.012),
+        "openrooms:alignment:coverage": ("double", 0.6),
+        "openrooms:alignment:symmetry": ("token", "4"),
+        "openrooms:alignment:support": ("token", "object"),
+        "openrooms:alignment:carrier": ("rel", "/World/Furniture/table_0"),
+    },
     "OpenRoomsMaterialAPI": {
         "openrooms:material:category": ("token", "wood"),
         "openrooms:material:family": ("token", "oak_planks"),
