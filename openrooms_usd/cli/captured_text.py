@@ -19,6 +19,7 @@ _CAMERAS: Final = 5
 _CLEAR: Final = 0.3
 # Objects that are known beside the scan are numbered from here: its own instances are fewer.
 _FIRST: Final = 100_001
+_NYU_LAMP: Final = 35
 
 _TEMPLATE: Final = """\
 # Made from {file} by: orusd import {kind}
@@ -61,9 +62,14 @@ alignment:
 lights:
   # What shines in by the openings: lux on level ground under the open sky.
   environment: {{from: constant, illuminance: 10000}}
-
+{lamps}
 cameras:
 {cameras}
+"""
+_LAMP: Final = "{name: ceiling_lamp, category: ceiling_lamp, at: [0, 0]}"
+_LAMPS: Final = """\
+  lamps:
+    ceiling_lamp: {lumen: 3000, kelvin: 4000}
 """
 _SELECTED: Final = """\
   resolution: [640, 480]
@@ -126,14 +132,28 @@ def describe_scan(
     lines += _options(options)
     if len(capture.frames) == 1:
         lines += ["# A single view shows little of a room: the rest is guessed.", "partial: true"]
+    lit = _shows_lamps(capture)
     return _SCANNED.format(
         kind=kind,
         name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
         file=_quoted(file),
         source=_indented(lines),
-        furniture=_indented(_furniture(capture, options)),
+        furniture=_indented([*_furniture(capture, options), *_further(lit)]),
+        lamps="" if lit else _LAMPS,
         cameras=_cameras(capture),
     )
+
+
+def _shows_lamps(capture: Capture) -> bool:
+    """Whether points are labelled as a lamp."""
+    cloud = capture.cloud
+    return cloud is not None and cloud.label is not None and bool((cloud.label == _NYU_LAMP).any())
+
+
+def _further(lit: bool) -> Iterator[str]:
+    if not lit:
+        yield "# The scan shows no lamps: one hangs about in its middle, the origin of the room."
+        yield f"further: [{_LAMP}]"
 
 
 def _furniture(capture: Capture, options: Mapping[str, str]) -> Iterator[str]:

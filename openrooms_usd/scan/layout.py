@@ -134,14 +134,17 @@ def find_layout(
     walls = upright(pieces)
     if not len(walls.points):
         raise _too_little("the scan shows no wall")
-    spaces = find_spaces(pieces, walls, cloud.eyes)
+    # What is seen of a part of a room is seen from inside it.
+    held = cloud.eyes[:, :2] if options.partial and cloud.eyes is not None else np.zeros((0, 2))
+    spaces = find_spaces(pieces, walls, cloud.eyes, held)
     lines = _lines(walls, spaces, level.directions)
     cells = cut_plan(lines, spaces.low, spaces.high)
     owner = cells.owners(spaces.centres())
+    held = cells.owners(held)
     rooms: list[LayoutRoom] = []
     refused = 0.0
     for number in range(1, len(spaces.middles) + 1):
-        outline = _outline(number, cells, owner, spaces, walls, level, options)
+        outline = _outline(number, cells, owner, held, spaces, walls, level, options)
         outline = moved_behind(outline, shown_parts(outline, walls) < _GUESSED, pieces)
         room = _described(outline, walls, pieces)
         if not _enough(room, options):
@@ -178,6 +181,7 @@ def _outline(
     number: int,
     cells: Cells,
     owner: NDArray[np.int64],
+    held: NDArray[np.int64],
     spaces: Spaces,
     walls: Walls,
     level: Level,
@@ -192,6 +196,7 @@ def _outline(
     inner = np.zeros(len(cells), bool)
     middle = spaces.middles[number - 1]
     inner[cells.owners(middle[None])[0]] = True
+    inner[held[held >= 0]] = True
     inside = inside_by_cut(cells, gain, inner, cells.rim & ~inner)
     parts = shapely.get_parts(shapely.union_all(cells.shapes[inside]))
     shape = parts[shapely.contains_xy(parts, *middle).argmax()]

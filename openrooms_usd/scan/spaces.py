@@ -61,7 +61,9 @@ class Spaces:
         return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
-def find_spaces(pieces: Surfels, walls: Walls, eyes: Array | None = None) -> Spaces:
+def find_spaces(
+    pieces: Surfels, walls: Walls, eyes: Array | None = None, held: Array | None = None
+) -> Spaces:
     """Map what a level scan shows and cut it into rooms.
 
     Args:
@@ -69,11 +71,15 @@ def find_spaces(pieces: Surfels, walls: Walls, eyes: Array | None = None) -> Spa
         walls: Its upright pieces.
         eyes: (V, 3) where the scanner stood; what it could see from there, up to the walls, is
             space too.
+        held: (H, 2) places that the map must reach.
     """
     from scipy import ndimage
 
     plan = pieces.points[:, :2]
-    inner = (np.quantile(plan, 0.0005, axis=0), np.quantile(plan, 0.9995, axis=0))
+    inner = np.quantile(plan, (0.0005, 0.9995), axis=0)
+    if held is not None:
+        reach = np.concatenate([inner, held])
+        inner = np.stack([reach.min(axis=0), reach.max(axis=0)])
     low = np.floor((inner[0] - _MARGIN) / PIXEL) * PIXEL
     shape = tuple(np.ceil((inner[1] + _MARGIN - low) / PIXEL).astype(int))
     evidence = _map(plan, low, shape) > 0

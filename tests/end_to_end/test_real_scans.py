@@ -74,7 +74,9 @@ def test_a_single_view_stands_where_its_camera_stood(tmp_path: Path) -> None:
     source = DATA / "sunrgbd_sample/sunrgbd_000017_infos.pkl"
     report = composed(tmp_path, "sunrgbd", source)
     assert {thing["category"] for thing in report["alignment"]["objects"]} == {"bed", "side_table"}
-    assert report["layout"]["rooms"][0]["guessed_walls"]
+    (room,) = report["layout"]["rooms"]
+    assert room["guessed_walls"]
+    assert shapely.Polygon(np.array(room["corners"])[:, :2]).contains(shapely.Point(0.0, 0.0))
     stage = Usd.Stage.Open(str(tmp_path / "out/scene.usda"))
     source_from_world = np.array(
         stage.GetPrimAtPath("/World/Room").GetAttribute("openrooms:source:fromWorld").Get()
