@@ -14,9 +14,12 @@ from openrooms_usd.description.model import (
     peek,
     peek_list,
 )
-from openrooms_usd.description.units import Length, PositiveLength
+from openrooms_usd.description.units import FarLength, PositiveLength
 
-Position = Annotated[tuple[Length, Length, Length], Field(description="x, y and z, metres")]
+# Scans may lie in the coordinates of a country.
+Position = Annotated[
+    tuple[FarLength, FarLength, FarLength], Field(description="x, y and z, metres")
+]
 Turn = Annotated[
     tuple[Number, Number, Number, Number], Field(description="a quaternion: w, x, y, z")
 ]

@@ -63,5 +63,6 @@ _METRES = BeforeValidator(metres, json_schema_input_type=_written(METRES, "240 c
 _DEGREES = BeforeValidator(degrees, json_schema_input_type=_written(DEGREES, "30 deg"))
 
 Length = Annotated[float, _METRES, Field(ge=-1000, le=1000)]
+FarLength = Annotated[float, _METRES, Field(ge=-1e8, le=1e8)]
 PositiveLength = Annotated[float, _METRES, Field(gt=0, le=1000)]
 Angle = Annotated[float, _DEGREES, Field(ge=-3600, le=3600)]

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.library.cads import Cad, folder_cads, furniture_cads, merged
 from openrooms_usd.library.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
 from openrooms_usd.scan.hints import Box, Hint
-from openrooms_usd.scan.models import CadModel
+from openrooms_usd.scan.models import CadModel, Up
 from openrooms_usd.scan.placement import correction, moved_by
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
 from openrooms_usd.scan.results import FoundObject, Pose
@@ -109,8 +109,7 @@ class _Shelf:
         made = []
         for name, cad in self.cads.items():
             vertices, faces = merged(self.built[name], self.built[name].file_from_object)
-            up: Literal["Y", "Z"] = (cad.up or _up(cad)) if cad.file else "Z"
-            made.append(CadModel(name, cad.category, vertices, faces, cad.symmetry, up))
+            made.append(CadModel(name, cad.category, vertices, faces, cad.symmetry, _up(cad)))
         return made
 
     @cached_property
@@ -191,9 +190,11 @@ def _means(kind: str, name: str) -> bool:
     return class_of(ours, "nyu40") == name
 
 
-def _up(cad: Cad) -> Literal["Y", "Z"]:
-    assert cad.file is not None
-    return "Y" if cad.file.suffix.lower() in (".obj", ".glb") else "Z"
+def _up(cad: Cad) -> Up | None:
+    """A CAD's vertical; None where nobody says it: OBJ and PLY files stand either way."""
+    if cad.file is None:
+        return "Z"
+    return cad.up or ("Y" if cad.file.suffix.lower() in (".glb", ".gltf") else None)
 
 
 def _hint(thing: ScannedObject, level_from_scan: Array) -> Hint:

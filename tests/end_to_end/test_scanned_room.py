@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from pxr import Usd, UsdGeom
+from scipy.spatial.transform import Rotation
 
 from openrooms_usd.cli import orusd
 
@@ -177,3 +178,63 @@ def test_the_stage_has_the_room_level_and_the_table_on_its_floor(out: Path, repo
     order = [op.GetOpName() for op in UsdGeom.Xformable(table).GetOrderedXformOps()]
     measured = [name for name in order if not name.endswith(":placed")]
     assert measured == ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale"]
+
+
+@pytest.mark.parametrize("up", ["Y", "Z"])
+def test_a_cad_that_says_nothing_of_its_vertical_is_put_upright(tmp_path: Path, up: str) -> None:
+    """OBJ files stand either way, and an index need not tell; a box does not either."""
+    np.savez(tmp_path / "scan.npz", **cloud())
+    (tmp_path / "cad").mkdir()
+    file = tmp_path / "cad" / "desk_b.obj"
+    write_table(file)
+    upright = np.eye(3)
+    if up == "Y":
+        upright = rotation("x", np.pi / 2)
+        rows = [line.split() for line in file.read_text().splitlines()]
+        lines = [
+            " ".join([w[0], w[1], w[3], str(-float(w[2]))] if w[0] == "v" else w) for w in rows
+        ]
+        file.write_text("\n".join(lines) + "\n")
+    turn = Rotation.from_matrix(SCAN_FROM_ROOM @ rotation("z", HEADING + np.pi / 2))
+    center = SCAN_FROM_ROOM @ np.add(AT, [0.03, -0.04, 0.39]) + AWAY
+    box = {"center": center.tolist(), "size": [0.72, 1.15, 0.76]}
+    box["rotation_wxyz"] = turn.as_quat(scalar_first=True).tolist()
+    hint = {"instance": 1, "category": "table", "cad": "desk_b", "box": box}
+    alignment = {"from": "scan", "cad": "cad", "objects": [hint]}
+    room = {"layout": {"from": "scan", "scan": "scan.npz"}, "alignment": alignment}
+    (tmp_path / "room.yaml").write_text(json.dumps(room))
+    call = ["compose", str(tmp_path / "room.yaml"), "-o", str(tmp_path / "out")]
+    assert CliRunner().invoke(orusd, call, catch_exceptions=False).exit_code == 0
+    (table,) = json.loads((tmp_path / "out/report.json").read_text())["alignment"]["objects"]
+    matrix = Rotation.from_quat(table["rotation_wxyz"], scalar_first=True).as_matrix()
+    vertical = SCAN_FROM_ROOM.T @ matrix @ upright.T @ [0.0, 0.0, 1.0]
+    assert vertical[2] == pytest.approx(1.0, abs=1e-3)
+    np.testing.assert_allclose(in_room(table["translation"]), AT, atol=0.03)
+    expected = np.abs(upright.T @ [1 / 1.1, 1.0, 1.0])
+    np.testing.assert_allclose(table["scale"], expected, atol=0.04)
+
+
+def test_a_scan_in_millimetres_and_far_away_is_reported_where_it_lies(tmp_path: Path) -> None:
+    """Poses in and out are in metres, in the axes of the scan, here those of a country's map."""
+    away = np.array([1.2e6, -2.4e6, 310.0])
+    arrays = cloud()
+    arrays["points"] = (arrays["points"] - AWAY + away) * 1000.0
+    np.savez(tmp_path / "scan.npz", **arrays)
+    (tmp_path / "cad").mkdir()
+    write_table(tmp_path / "cad" / "desk_b.obj")
+    turn = Rotation.from_matrix(SCAN_FROM_ROOM @ rotation("z", HEADING))
+    pose = {"translation": (SCAN_FROM_ROOM @ AT + away + 0.03).tolist(), "scale": [0.95, 1, 1]}
+    pose["rotation_wxyz"] = turn.as_quat(scalar_first=True).tolist()
+    hint = {"instance": 1, "category": "table", "cad": "desk_b", "pose": pose}
+    layout = {"from": "scan", "scan": "scan.npz", "unit": "mm", "up": [0.05, 0.03, 1.0]}
+    alignment = {"from": "scan", "cad": "cad", "objects": [hint]}
+    (tmp_path / "room.yaml").write_text(json.dumps({"layout": layout, "alignment": alignment}))
+    call = ["compose", str(tmp_path / "room.yaml"), "-o", str(tmp_path / "out")]
+    assert CliRunner().invoke(orusd, call, catch_exceptions=False).exit_code == 0
+    report = json.loads((tmp_path / "out/report.json").read_text())
+    corners = (np.array(report["layout"]["rooms"][0]["corners"]) - away) @ SCAN_FROM_ROOM
+    true = np.array([[0, 0, 0], [WIDTH, 0, 0], [WIDTH, DEPTH, 0], [0, DEPTH, 0]])
+    assert np.linalg.norm(corners[:, None] - true, axis=2).min(axis=1).max() < 0.02
+    (table,) = report["alignment"]["objects"]
+    for found in (table, table["placed"]):
+        np.testing.assert_allclose((found["translation"] - away) @ SCAN_FROM_ROOM, AT, atol=0.02)
