@@ -27,7 +27,7 @@ from openrooms_usd.stages.catalogue import Catalogue
 from openrooms_usd.stages.placement import Measured, Placement, Source
 from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.stages.scanned import ScannedRoom, captured_hints, scanned_room
-from openrooms_usd.stages.substitutes import substitute
+from openrooms_usd.stages.substitutes import plain, substitute
 from openrooms_usd.usd.taxonomies import CLASSES, NYU40, UNLABELED, class_of
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def furnish(
     bounds = {model.id: model.extent for model in shelf.models}
     keep_overlay(context, scanned.layout, found.objects, bounds)
     context.notes.extend(_told(found))
-    labels = [(thing.category, str(thing.instance)) for thing in found.objects]
+    labels = [(plain(thing.category or "object"), str(thing.instance)) for thing in found.objects]
     taken = {name for name, _ in named_objects(alignment.further)}
     names = captured_names(labels, taken)
     by_instance = {str(o.instance): name for o, name in zip(found.objects, names, strict=True)}
@@ -178,8 +178,8 @@ class _Shelf:
             return made, category(cad.category).emits
         file = os.path.relpath(cad.file.resolve(), self.context.source.resolve())
         item = FileObject(
-            **{"from": "file"}, category=thing.category or "object", at=(0.0, 0.0), file=file,
-            up=cad.up, front=cad.front, unit=1.0,
+            **{"from": "file"}, category=plain(thing.category or "object"), at=(0.0, 0.0),
+            file=file, up=cad.up, front=cad.front, unit=1.0,
         )  # fmt: skip
         return catalogue.file(item), False
 

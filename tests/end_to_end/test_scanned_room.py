@@ -225,7 +225,7 @@ def test_a_scan_in_millimetres_and_far_away_is_reported_where_it_lies(tmp_path: 
     turn = Rotation.from_matrix(SCAN_FROM_ROOM @ rotation("z", HEADING))
     pose = {"translation": (SCAN_FROM_ROOM @ AT + away + 0.03).tolist(), "scale": [0.95, 1, 1]}
     pose["rotation_wxyz"] = turn.as_quat(scalar_first=True).tolist()
-    hint = {"instance": 1, "category": "table", "cad": "desk_b", "pose": pose}
+    hint = {"instance": 1, "category": "Round table", "cad": "desk_b", "pose": pose}
     layout = {"from": "scan", "scan": "scan.npz", "unit": "mm", "up": [0.05, 0.03, 1.0]}
     alignment = {"from": "scan", "cad": "cad", "objects": [hint]}
     (tmp_path / "room.yaml").write_text(json.dumps({"layout": layout, "alignment": alignment}))
@@ -238,3 +238,8 @@ def test_a_scan_in_millimetres_and_far_away_is_reported_where_it_lies(tmp_path: 
     (table,) = report["alignment"]["objects"]
     for found in (table, table["placed"]):
         np.testing.assert_allclose((found["translation"] - away) @ SCAN_FROM_ROOM, AT, atol=0.02)
+    # Any words will do for what an object is.
+    assert table["category"] == "Round table"
+    stage = Usd.Stage.Open(str(tmp_path / "out/scene.usda"))
+    names = [prim.GetName() for prim in stage.GetPrimAtPath("/World/Furniture").GetChildren()]
+    assert [name.startswith("round_table_") for name in names] == [True]
