@@ -140,11 +140,11 @@ def find_layout(
     lines = _lines(walls, spaces, level.directions)
     cells = cut_plan(lines, spaces.low, spaces.high)
     owner = cells.owners(spaces.centres())
-    held = cells.owners(held)
+    kept = cells.owners(held)
     rooms: list[LayoutRoom] = []
     refused = 0.0
     for number in range(1, len(spaces.middles) + 1):
-        outline = _outline(number, cells, owner, held, spaces, walls, level, options)
+        outline = _outline(number, cells, owner, kept, spaces, walls, level, options)
         outline = moved_behind(outline, shown_parts(outline, walls) < _GUESSED, pieces)
         room = _described(outline, walls, pieces)
         if not _enough(room, options):
@@ -181,7 +181,7 @@ def _outline(
     number: int,
     cells: Cells,
     owner: NDArray[np.int64],
-    held: NDArray[np.int64],
+    kept: NDArray[np.int64],
     spaces: Spaces,
     walls: Walls,
     level: Level,
@@ -196,7 +196,7 @@ def _outline(
     inner = np.zeros(len(cells), bool)
     middle = spaces.middles[number - 1]
     inner[cells.owners(middle[None])[0]] = True
-    inner[held[held >= 0]] = True
+    inner[kept[kept >= 0]] = True
     inside = inside_by_cut(cells, gain, inner, cells.rim & ~inner)
     parts = shapely.get_parts(shapely.union_all(cells.shapes[inside]))
     shape = parts[shapely.contains_xy(parts, *middle).argmax()]

@@ -28,6 +28,8 @@ _STRETCH: Final = 0.18
 _FILLED: Final = 0.3
 _TURNS: Final = (0.0, 0.14, -0.14)
 _STRETCHES: Final = (-0.18, -0.1, 0.1, 0.18)
+# Which end of an axis is moved, with the other one held: the base is where it stands.
+_ENDS: Final = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 0.0))
 _SHIFTS: Final = ((0.0, 0.0), (0.08, 0.0), (-0.08, 0.0), (0.0, 0.08), (0.0, -0.08))
 
 
@@ -117,7 +119,7 @@ def _moved(parameters: Array, turn: float, shift: tuple[float, float], size: Arr
 def stretched(shape: Shape, parameters: Array) -> Iterator[Array]:
     """(7,) parameters with one side moved outward or inward, so that the other one stays."""
     turn = turn_of(parameters)
-    for axis, end, stretch in product((0, 1), (-1.0, 1.0), _STRETCHES):
+    for (axis, end), stretch in product(_ENDS, _STRETCHES):
         moved = parameters.copy()
         moved[4 + axis] += stretch
         grown = shape.size[axis] * (np.exp(moved[4 + axis]) - np.exp(parameters[4 + axis]))
