@@ -14,6 +14,7 @@ import click
 
 from benchmarks.report import publish, table
 from benchmarks.scan_cases import cases, rooms_of
+from benchmarks.scan_contact_cases import contact_cases
 from benchmarks.scan_growth import growth
 from benchmarks.scan_hard import hard_cases
 from benchmarks.scan_pose_sections import Alignment, Placement
@@ -28,7 +29,11 @@ PER_SCAN: Final[dict[str, Callable[[], Section]]] = {
     "alignment": Alignment,
     "placement": Placement,
 }
-APART: Final[dict[str, Callable[[bool], list[Row]]]] = {"growth": growth, "hard cases": hard_cases}
+APART: Final[dict[str, Callable[[bool], list[Row]]]] = {
+    "growth": growth,
+    "hard cases": hard_cases,
+    "hard contacts": contact_cases,
+}
 
 
 @click.command()

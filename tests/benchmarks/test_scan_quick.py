@@ -28,4 +28,5 @@ def test_scan(tmp_path):
     hard = {row["case"]: row for row in data["hard cases"]}
     assert all(row["as_it_should"] for row in hard.values())
     assert hard["empty cloud"]["outcome"].startswith("refused")
+    assert len(data["hard contacts"]) == 2
     assert "## placement" in done.stdout
