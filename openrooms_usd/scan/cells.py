@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.scan.directions import dearness
 from openrooms_usd.scan.walls import Line
 
 Array = NDArray[np.float64]
@@ -30,15 +31,14 @@ class Cells:
     Attributes:
         shapes: Polygons (shapely) that tile a box.
         pairs: (E, 2) cells on the two sides of a piece of line.
-        length: (E,) of that piece, metres.
-        covered: (E,) metres of it where a wall stands.
+        missing: (E,) what that piece costs in an outline: metres of it where no wall was seen, more
+            where it runs as no wall does.
         rim: (C,) whether a cell touches the box's border.
     """
 
     shapes: NDArray[Any]
     pairs: Rows
-    length: Array
-    covered: Array
+    missing: Array
     rim: NDArray[np.bool_]
 
     def __len__(self) -> int:
@@ -55,13 +55,16 @@ class Cells:
         return owner
 
 
-def cut_plan(lines: list[Line], low: Array, high: Array) -> Cells:
+def cut_plan(
+    lines: list[Line], low: Array, high: Array, directions: tuple[float, ...] = ()
+) -> Cells:
     """Cut a box into cells by lines.
 
     Args:
         lines: Each with the walls along it.
         low: (2,) the box's least corner.
         high: (2,) its greatest.
+        directions: In which walls run, degrees modulo 90.
     """
     import shapely
 
@@ -75,9 +78,10 @@ def cut_plan(lines: list[Line], low: Array, high: Array) -> Cells:
     ends = _segments(parts)
     sides, rim = _sides(ends, shapes)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    covered = _covered(lines, ends, length)
+    missing = length - _covered(lines, ends, length)
+    missing *= dearness(_normals(ends), directions)
     inner = (sides >= 0).all(axis=1) & (sides[:, 0] != sides[:, 1])
-    return Cells(shapes, sides[inner], length[inner], covered[inner], rim)
+    return Cells(shapes, sides[inner], missing[inner], rim)
 
 
 def _string(line: Line, middle: Array, reach: float) -> Any:
@@ -101,9 +105,7 @@ def _sides(ends: Array, shapes: NDArray[Any]) -> tuple[Rows, NDArray[np.bool_]]:
     import shapely
 
     middle = ends.mean(axis=1)
-    onward = ends[:, 1] - ends[:, 0]
-    across = np.column_stack([-onward[:, 1], onward[:, 0]])
-    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
+    across = _normals(ends)
     tree = shapely.STRtree(shapes)
     sides = np.full((len(ends), 2), -1)
     for side, sign in enumerate((1.0, -1.0)):
@@ -113,6 +115,13 @@ def _sides(ends: Array, shapes: NDArray[Any]) -> tuple[Rows, NDArray[np.bool_]]:
     single = (sides >= 0).sum(axis=1) == 1
     rim[sides[single].max(axis=1)] = True
     return sides, rim
+
+
+def _normals(ends: Array) -> Array:
+    """(E, 2) to the left of each piece."""
+    onward = ends[:, 1] - ends[:, 0]
+    across = np.column_stack([-onward[:, 1], onward[:, 0]])
+    return np.asarray(across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12))
 
 
 def _covered(lines: list[Line], ends: Array, length: Array) -> Array:
@@ -147,7 +156,7 @@ def inside_by_cut(
     source, sink = count, count + 1
     toward = np.where(inner, _SEALED, np.rint(np.maximum(gain, 0.0) * _UNIT))
     away = np.where(outer, _SEALED, np.rint(np.maximum(-gain, 0.0) * _UNIT))
-    cost = np.rint((cells.length - cells.covered) * _UNIT) + 1
+    cost = np.rint(cells.missing * _UNIT) + 1
     a, b = cells.pairs.T
     nodes = np.arange(count)
     rows = np.concatenate([a, b, np.full(count, source), nodes])

@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.scan.directions import dearness
 from openrooms_usd.scan.outline import Outline
 from openrooms_usd.scan.walls import Line, Walls, profile
 
@@ -27,12 +28,14 @@ class Cost:
         worth: (P,) what each is worth inside.
         standing: (P,) metres of wall as high as the room that stand there.
         simplicity: What a corner costs, metres.
+        directions: In which walls run, degrees modulo 90.
     """
 
     def __init__(
-        self, walls: Walls, centres: Array, worth: Array, standing: Array, simplicity: float
-    ) -> None:
-        self._walls, self._simplicity = walls, simplicity
+        self, walls: Walls, centres: Array, worth: Array, standing: Array, simplicity: float,
+        directions: tuple[float, ...] = (),
+    ) -> None:  # fmt: skip
+        self._walls, self._simplicity, self._directions = walls, simplicity, directions
         self._centres, self._worth = centres[worth != 0.0], worth[worth != 0.0]
         self._tall, self._standing = centres[standing > 0.0], standing[standing > 0.0]
         self._lines: dict[tuple[float, ...], Line] = {}
@@ -42,11 +45,11 @@ class Cost:
         import shapely
 
         corners = outline.corners()
-        missing = 0.0
+        missing, dear = 0.0, dearness(outline.normals, self._directions)
         for i in range(len(outline)):
             line = self._line(outline.normals[i], float(outline.offsets[i]))
             a, b = corners[i] @ line.along, corners[(i + 1) % len(corners)] @ line.along
-            missing += float(abs(b - a) - line.covered(a, b))
+            missing += float(abs(b - a) - line.covered(a, b)) * float(dear[i])
             missing += sum(cost for length, cost in _SHORT if abs(b - a) < length)
         polygon = shapely.Polygon(corners)
         shapely.prepare(polygon)

@@ -18,6 +18,10 @@ _SHARE: Final = 0.12  # of the strongest direction
 # A direction prevails where it holds this many times the mean.
 _PROMINENCE: Final = 2.0
 _MOST: Final = 4
+# Walls that turn off all directions by more than this, degrees, cost so much more where they were
+# not seen.
+_OFF: Final = 6.0
+_OBLIQUE: Final = 0.5
 
 
 def wall_directions(pieces: Surfels) -> tuple[float, ...]:
@@ -54,6 +58,20 @@ def apart(a: float | Array, b: float | Array, period: float = 90.0) -> Array:
     """The angle between directions that repeat after a period, degrees."""
     half = period / 2.0
     return np.abs((np.asarray(a) - b + half) % period - half)
+
+
+def dearness(normals: Array, directions: tuple[float, ...]) -> Array:
+    """(N,) what a metre of wall costs that nobody saw: it more likely runs as the others do.
+
+    Args:
+        normals: (N, 2) of the walls.
+        directions: Of those that were seen, degrees modulo 90; none: every wall costs the same.
+    """
+    if not directions:
+        return np.ones(len(normals))
+    angles = np.rad2deg(np.arctan2(normals[:, 1], normals[:, 0]))
+    off = np.min([apart(angles, direction) for direction in directions], axis=0)
+    return np.where(off > _OFF, 1.0 + _OBLIQUE, 1.0)
 
 
 def _smoothed(counts: Array) -> Array:

@@ -138,7 +138,7 @@ def find_layout(
     held = cloud.eyes[:, :2] if options.partial and cloud.eyes is not None else np.zeros((0, 2))
     spaces = find_spaces(pieces, walls, cloud.eyes, held)
     lines = _lines(walls, spaces, level.directions)
-    cells = cut_plan(lines, spaces.low, spaces.high)
+    cells = cut_plan(lines, spaces.low, spaces.high, level.directions)
     owner = cells.owners(spaces.centres())
     kept = cells.owners(held)
     rooms: list[LayoutRoom] = []
@@ -202,7 +202,10 @@ def _outline(
     shape = parts[shapely.contains_xy(parts, *middle).argmax()]
     ring = shapely.orient_polygons(shapely.Polygon(shape.exterior)).exterior
     outline = outline_of(shapely.get_coordinates(ring)[:-1])
-    cost = Cost(walls, spaces.centres(), worth, spaces.standing.ravel(), options.simplicity)
+    cost = Cost(
+        walls, spaces.centres(), worth, spaces.standing.ravel(), options.simplicity,
+        level.directions,
+    )  # fmt: skip
     for _ in range(_PASSES):
         outline = with_piers(simplified(outline, cost), spaces, walls.thickness, cost)
         outline = refitted(outline, walls, level.directions)

@@ -87,8 +87,7 @@ def test_the_cut_is_the_cheapest_of_all_labellings(seed):
     angles, offsets = rng.uniform(0.0, 180.0, 4), rng.uniform(-1.0, 1.0, 4)
     lines = [line(a, o) for a, o in zip(angles, offsets, strict=True)]
     cells = cut_plan(lines, np.array([-3.0, -3.0]), np.array([3.0, 3.0]))
-    covered = cells.length * rng.uniform(0.0, 1.0, len(cells.length))
-    cells = Cells(cells.shapes, cells.pairs, cells.length, covered, cells.rim)
+    cells = Cells(cells.shapes, cells.pairs, rng.uniform(0.0, 2.0, len(cells.pairs)), cells.rim)
     gain = rng.normal(0.0, 1.5, len(cells))
     none = np.zeros(len(cells), bool)
     inner, outer = none.copy(), none.copy()
@@ -96,7 +95,7 @@ def test_the_cut_is_the_cheapest_of_all_labellings(seed):
 
     def cost(inside: np.ndarray) -> float:
         a, b = cells.pairs.T
-        missing = (cells.length - covered)[inside[a] != inside[b]].sum()
+        missing = cells.missing[inside[a] != inside[b]].sum()
         return float(missing - gain[inside].sum())
 
     found = inside_by_cut(cells, gain, inner, outer)
@@ -109,3 +108,13 @@ def test_the_cut_is_the_cheapest_of_all_labellings(seed):
         inside[free] = bits
         least = min(least, cost(inside))
     assert cost(found) == pytest.approx(least, abs=0.01)
+
+
+def test_a_wall_that_nobody_saw_runs_as_the_others_do() -> None:
+    from openrooms_usd.scan.directions import dearness
+
+    turns = np.deg2rad([0.0, 92.0, 185.0, 20.0, 45.0, 110.0])
+    normals = np.column_stack([np.cos(turns), np.sin(turns)])
+    dear = dearness(normals, (0.0, 20.0))
+    assert dear.tolist() == [1.0, 1.0, 1.0, 1.0, 1.5, 1.0]
+    assert (dearness(normals, ()) == 1.0).all()
