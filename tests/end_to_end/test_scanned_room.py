@@ -178,6 +178,9 @@ def test_the_stage_has_the_room_level_and_the_table_on_its_floor(out: Path, repo
     order = [op.GetOpName() for op in UsdGeom.Xformable(table).GetOrderedXformOps()]
     measured = [name for name in order if not name.endswith(":placed")]
     assert measured == ["xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale"]
+    placed, before = (report["alignment"]["objects"][0][k] for k in ("placed", "translation"))
+    moved = np.subtract(placed["translation"], before)
+    assert ("xformOp:translate:placed" in order) == bool(np.abs(moved).max() > 1e-6)
 
 
 @pytest.mark.parametrize("up", ["Y", "Z"])
