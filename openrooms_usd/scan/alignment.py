@@ -17,7 +17,8 @@ from openrooms_usd.scan.shape import directions, posed, shaped, unposed
 from openrooms_usd.scan.starts import box_of, from_box, from_pose
 from openrooms_usd.scan.surroundings import Surroundings
 from openrooms_usd.scan.symmetry import symmetry_of
-from openrooms_usd.scan.trials import Trial, begun, finished
+from openrooms_usd.scan.trials import begun, finished
+from openrooms_usd.scan.truesize import Sizes, Trial, sized
 from openrooms_usd.scan.undersides import supports
 from openrooms_usd.scan.visibility import Panoramas, likely_eyes, look_around
 from openrooms_usd.scan.wallsides import Walls, walls_of
@@ -76,10 +77,15 @@ def align(
     """
     scene = _Scene.of(cloud, models, rooms, categories or {})
     wanted = scene.instances() if hints is None else list(hints)
-    found, rejected = [], []
+    fitted, found, rejected = [], [], []
     for hint in wanted:
         try:
-            found.append(scene.aligned(hint))
+            fitted.append((hint, *scene.fitted(hint)))
+        except RefusedError as refusal:
+            rejected.append(Rejected(hint.instance, hint.category or "", str(refusal)))
+    for (hint, evidence, _), best in zip(fitted, sized([each[2] for each in fitted]), strict=True):
+        try:
+            found.append(_found(hint, best, evidence))
         except RefusedError as refusal:
             rejected.append(Rejected(hint.instance, hint.category or "", str(refusal)))
     return Alignment(tuple(found), tuple(rejected))
@@ -111,7 +117,8 @@ class _Scene:
         numbers = np.unique(cloud.instance)
         return [Hint(int(number)) for number in numbers[numbers > 0]]
 
-    def aligned(self, hint: Hint) -> FoundObject:
+    def fitted(self, hint: Hint) -> tuple[Evidence, Sizes]:
+        """The points of an object, and its best fits."""
         cloud, models = self.selection.cloud, self.selection.models
         rows = self.selection.rows(hint)
         bounds = bounds_of(hint, models)
@@ -133,8 +140,7 @@ class _Scene:
                 hint, model, upright, evidence, box, support, _DOUBT * (rank > 0)
             )
         ]
-        best = finished(trials, evidence)
-        return _found(hint, best, evidence)
+        return evidence, finished(trials, evidence)
 
     def _tried(
         self,

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.outline import Outline
-from openrooms_usd.scan.spaces import PIXEL, Spaces
+from openrooms_usd.scan.planmap import PIXEL
+from openrooms_usd.scan.spaces import Spaces
 from openrooms_usd.scan.surfels import Surfels
 from openrooms_usd.scan.walls import COLUMN, Line
 

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 # What a metre of wall that stands inside, away from the outline, costs, metres.
-_UNEXPLAINED: Final = 2.0
+_UNEXPLAINED: Final = 2.5
 # Walls shorter than this are rather window reveals, or drift of the scan, and cost so much more,
 # metres.
 _SHORT: Final = ((0.2, 0.4), (0.08, 2.0))

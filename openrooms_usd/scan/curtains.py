@@ -40,11 +40,11 @@ def behind_curtain(where: Rectangle) -> Rectangle:
     """
     side, end = (round(length / CELL) for length in _CURTAIN_MORE)
     wide, tall = where.right - where.left > 4 * side, where.top - where.bottom > 4 * end
-    bottom = where.bottom + end * tall
+    bottom, top = where.bottom + end * tall, where.top - end * tall
     if where.bottom * CELL < _TO_THE_FLOOR:
         bottom = max(bottom, round(_ANY_SILL / CELL))
     return Rectangle(
-        min(bottom, where.top - 1), where.top - end * tall,
+        min(bottom, top - 1), top,
         where.left + side * wide, where.right - side * wide,
     )  # fmt: skip
 

@@ -19,13 +19,15 @@ from openrooms_usd.scan.ceilings import ceiling_height, ceiling_slopes
 from openrooms_usd.scan.cells import Cells, cut_plan, inside_by_cut
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.scan.costs import Cost
+from openrooms_usd.scan.doorleaves import open_leaves
 from openrooms_usd.scan.levelling import Level
 from openrooms_usd.scan.outline import Outline, outline_of, simplified
 from openrooms_usd.scan.piers import with_piers
+from openrooms_usd.scan.planmap import PIXEL
 from openrooms_usd.scan.refit import refitted
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
-from openrooms_usd.scan.shown import distances, shown_parts
-from openrooms_usd.scan.spaces import PIXEL, Spaces, find_spaces
+from openrooms_usd.scan.shown import covered_lengths, distances, shown_parts
+from openrooms_usd.scan.spaces import Spaces, find_spaces
 from openrooms_usd.scan.surfels import Surfels, surfels
 from openrooms_usd.scan.walls import Line, Walls, profile, upright
 
@@ -131,7 +133,7 @@ def find_layout(
         InputError: The scan shows too little of any room.
     """
     pieces = surfels(cloud)
-    walls = upright(pieces)
+    walls = upright(pieces.take(~open_leaves(pieces, level.directions)))
     if not len(walls.points):
         raise _too_little("the scan shows no wall")
     # What is seen of a part of a room is seen from inside it.
@@ -145,7 +147,10 @@ def find_layout(
     refused = 0.0
     for number in range(1, len(spaces.middles) + 1):
         outline = _outline(number, cells, owner, kept, spaces, walls, level, options)
-        outline = moved_behind(outline, shown_parts(outline, walls) < _GUESSED, pieces)
+        # What was seen of a wall tells its place better than what was seen before it.
+        unseen = shown_parts(outline, walls) < _GUESSED
+        unseen &= covered_lengths(outline, walls) < _LEAST_WALL
+        outline = moved_behind(outline, unseen, pieces)
         room = _described(outline, walls, pieces)
         if not _enough(room, options):
             refused = max(refused, room.coverage)
@@ -187,37 +192,54 @@ def _outline(
     level: Level,
     options: LayoutOptions,
 ) -> Outline:
-    """The outline of one of the spaces."""
+    """The outline of one of the spaces: of two guesses the cheaper one."""
+    own = _PARTIAL if options.partial else _OWN
+    shown = _worth(spaces, number, own, spaces.shown)
+    cost = Cost(
+        walls, spaces.centres(), shown, spaces.standing.ravel(), options.simplicity,
+        level.directions,
+    )  # fmt: skip
+    middle = spaces.middles[number - 1]
+    # What hides behind furniture belongs to the room, what is seen past furniture perhaps not.
+    worths = (_worth(spaces, number, own, spaces.seen), shown)
+    cuts = [_cut(cells, owner, kept, worth, middle) for worth in worths]
+    guesses: list[Outline] = []
+    for outline in cuts[: 1 if cuts[0].same(cuts[1]) else 2]:
+        for _ in range(_PASSES):
+            outline = with_piers(simplified(outline, cost), spaces, walls.thickness, cost)
+            outline = refitted(outline, walls, level.directions)
+        guesses.append(outline)
+    return min(guesses, key=cost)
+
+
+def _cut(
+    cells: Cells,
+    owner: NDArray[np.int64],
+    kept: NDArray[np.int64],
+    worth: Array,
+    middle: Array,
+) -> Outline:
+    """The border of the cells that are inside, around a place."""
     import shapely
 
-    worth = _worth(spaces, number, _PARTIAL if options.partial else _OWN)
     known = owner >= 0
     gain = np.bincount(owner[known], worth[known], len(cells)).astype(np.float64)
     inner = np.zeros(len(cells), bool)
-    middle = spaces.middles[number - 1]
     inner[cells.owners(middle[None])[0]] = True
     inner[kept[kept >= 0]] = True
     inside = inside_by_cut(cells, gain, inner, cells.rim & ~inner)
     parts = shapely.get_parts(shapely.union_all(cells.shapes[inside]))
     shape = parts[shapely.contains_xy(parts, *middle).argmax()]
     ring = shapely.orient_polygons(shapely.Polygon(shape.exterior)).exterior
-    outline = outline_of(shapely.get_coordinates(ring)[:-1])
-    cost = Cost(
-        walls, spaces.centres(), worth, spaces.standing.ravel(), options.simplicity,
-        level.directions,
-    )  # fmt: skip
-    for _ in range(_PASSES):
-        outline = with_piers(simplified(outline, cost), spaces, walls.thickness, cost)
-        outline = refitted(outline, walls, level.directions)
-    return outline
+    return outline_of(shapely.get_coordinates(ring)[:-1])
 
 
-def _worth(spaces: Spaces, number: int, own: float = _OWN) -> Array:
-    """(X * Y,) what each pixel is worth inside a room."""
+def _worth(spaces: Spaces, number: int, own: float, shown: NDArray[np.bool_]) -> Array:
+    """(X * Y,) what each pixel is worth inside a room, if it was shown."""
     rooms = spaces.rooms.ravel()
     empty = np.where(spaces.seen.ravel(), 0.0, _UNSEEN)
     other = np.where(rooms == 0, empty, _OTHER)
-    return np.where(rooms == number, own, other) * PIXEL**2
+    return np.where(rooms == number, own * shown.ravel(), other) * PIXEL**2
 
 
 def _described(outline: Outline, walls: Walls, pieces: Surfels) -> LayoutRoom:

@@ -22,8 +22,8 @@ UPRIGHT: Final[dict[Up, Array]] = {
 }
 _SEED: Final = 20190617
 # Points on a surface, and more candidates, because those that cannot be seen fall out.
-_POINTS: Final = 2000
-_CANDIDATES: Final = 5000
+_POINTS: Final = 6000
+_CANDIDATES: Final = 15000
 
 
 @dataclass(frozen=True, eq=False)

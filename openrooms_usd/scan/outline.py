@@ -54,6 +54,12 @@ class Outline:
         offsets[i] = normals[i] @ start
         return Outline(normals, offsets).without([j])
 
+    def same(self, other: "Outline") -> bool:
+        """Whether another outline has the same walls."""
+        return np.array_equal(self.normals, other.normals) and np.array_equal(
+            self.offsets, other.offsets
+        )
+
     def valid(self) -> bool:
         """Whether it is a simple counter-clockwise polygon whose walls run forwards."""
         import shapely

@@ -11,11 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.outline import Outline
-from openrooms_usd.scan.spaces import PIXEL, Spaces
+from openrooms_usd.scan.planmap import PIXEL
+from openrooms_usd.scan.spaces import Spaces
 
 Array = NDArray[np.float64]
 
-_DEEPEST: Final = 1.2
+_DEEPEST: Final = 2.0
+# What stands free shows its far side or floor in more than this part of its place.
+_SHOWN: Final = 0.3
 _LEAST: Final = 0.1  # metres of wall
 _STRONG: Final = 0.25  # of a pixel's width
 
@@ -34,6 +37,7 @@ def with_piers(
     for places in _standing_inside(outline, spaces, away):
         tries = [_pier(outline, wall, places) for wall in range(len(outline))]
         valid = [other for other in tries if other is not None and other.valid()]
+        valid = [other for other in valid if _is_solid(outline, other, spaces, away)]
         if valid:
             best = min(valid, key=cost)
             outline = best if cost(best) < cost(outline) else outline
@@ -54,6 +58,15 @@ def _standing_inside(outline: Outline, spaces: Spaces, away: float) -> list[Arra
     found = [groups.ravel() == number for number in range(1, count + 1)]
     weights = spaces.standing.ravel()
     return [centres[rows] for rows in found if weights[rows].sum() > _LEAST]
+
+
+def _is_solid(outline: Outline, other: Outline, spaces: Spaces, away: float) -> bool:
+    """Whether little was seen of what an outline takes away: else the wall stands free."""
+    import shapely
+
+    whole, rest = (shapely.Polygon(shape.corners()) for shape in (outline, other))
+    within = shapely.contains_xy(whole.difference(rest).buffer(-away), spaces.centres())
+    return not within.any() or float(spaces.shown.ravel()[within].mean()) < _SHOWN
 
 
 def _pier(outline: Outline, wall: int, places: Array) -> Outline | None:

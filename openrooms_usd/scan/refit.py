@@ -20,16 +20,26 @@ _STEP: Final = 0.1  # of the columns that count alike, metres
 _FEWEST: Final = 20.0
 # Shorter walls keep the direction of their first place, metres.
 _LONG: Final = 0.6
+# Walls of which a smaller part was seen keep it as well: strays and furniture would turn them.
+_MOST: Final = 0.25
 # A wall turns to a prevailing direction that it misses by less, degrees.
 _SNAP: Final = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class _Evidence:
-    """The pieces near one wall, weighted so that every ten centimetres of it count alike."""
+    """The pieces near one wall, weighted so that every ten centimetres of it count alike.
+
+    Attributes:
+        points: (P, 2) metres.
+        weight: (P,) of each.
+        whole: How long the wall is, metres.
+        length: Along how much of it the pieces stand, metres.
+    """
 
     points: Array
     weight: Array
+    whole: float
     length: float
 
 
@@ -52,7 +62,7 @@ def refitted(outline: Outline, walls: Walls, directions: tuple[float, ...]) -> O
     ends = np.roll(starts, -1, axis=0)
     evidence = [_near(walls, *wall) for wall in zip(normals, offsets, starts, ends, strict=True)]
     for i, seen in enumerate(evidence):
-        if seen is not None and seen.length > _LONG:
+        if seen is not None and seen.length > max(_LONG, _MOST * seen.whole):
             normals[i] = _turned(seen, normals[i], float(offsets[i]))
     lengths = np.array([0.0 if seen is None else seen.length for seen in evidence])
     normals = _snapped(normals, lengths, directions)
@@ -78,7 +88,7 @@ def _near(walls: Walls, normal: Array, offset: float, start: Array, end: Array) 
     column = ((place[near] - a) / _STEP).astype(int)
     total = np.bincount(column, weight)
     weight = weight / np.maximum(total[column], 0.25 * total.max())
-    return _Evidence(walls.points[near], weight, b - a)
+    return _Evidence(walls.points[near], weight, b - a, _STEP * float((total > 0.0).sum()))
 
 
 def _turned(seen: _Evidence, normal: Array, offset: float) -> Array:

@@ -2,9 +2,8 @@
 
 Both ways between the points and the CAD count, truncated: from every point to the CAD, and from
 what a scanner must have seen of the CAD to the points, which is what holds its silhouette and
-keeps it out of space that was seen to be free. Distances are to small discs, so along the surface
-where there is some and towards its edge beyond it. Kernels after Geman and McClure are narrowed
-step by step (graduated non-convexity); the priors of start and contacts are least squares.
+keeps it out of space that was seen to be free. Kernels are narrowed step by step (graduated
+non-convexity); the priors of start and contacts are least squares.
 """
 
 from collections.abc import Sequence
@@ -14,8 +13,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.scan.discs import System, paired
 from openrooms_usd.scan.evidence import Evidence
-from openrooms_usd.scan.shape import Shape, directions, posed, turn_of, unposed
+from openrooms_usd.scan.priors import Start
+from openrooms_usd.scan.shape import Shape, directions, posed, unposed
 from openrooms_usd.scan.surroundings import Surroundings, hidden_sides
 
 Array = NDArray[np.float64]
@@ -28,11 +29,6 @@ _INDEPENDENT: Final = 250.0
 _SEEN_WEIGHT: Final = 0.7
 # The same where it is not known what a scanner saw.
 _UNKNOWN_WEIGHT: Final = 0.35
-# Logarithms of scale that are as good as equal.
-_KNOWN: Final = 0.003
-# No scale is more than so many deviations from what is known.
-_SANE: Final = 2.5
-_EVEN: Final = np.eye(3) - 1.0 / 3.0
 # How high a support reaches into the points of what stands on it, metres, and at most which share
 # of its height.
 _FOOT: Final = 0.04
@@ -66,59 +62,6 @@ FINE: Final = (
     Stage(0.035, 1400, 5, 0.8),
     Stage(0.02, 1400, 9, 0.5),
 )
-
-
-class _System(NamedTuple):
-    matrix: Array
-    vector: Array
-    energy: float
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """What is known before.
-
-    Attributes:
-        parameters: (7,) of the shape.
-        deviation: (7,) how far from them the truth may be.
-        plain: (3,) the last three parameters at the CAD's own size in metres.
-        stretch: How much the axes may be stretched against each other, logarithms of scale.
-    """
-
-    parameters: Array
-    deviation: Array
-    plain: Array
-    stretch: float = np.inf
-
-    def rows(self, parameters: Array) -> "_System":
-        """Its normal equations about some parameters."""
-        off = parameters - self.parameters
-        off[3] = _wrapped(float(off[3]))
-        weight = self.deviation**-2.0
-        # A CAD is rather scaled than stretched.
-        stretch = _EVEN @ (parameters[4:] - self.plain)
-        matrix = np.diag(weight)
-        matrix[4:, 4:] += _EVEN / self.stretch**2
-        vector = weight * off
-        vector[4:] += stretch / self.stretch**2
-        energy = float(weight @ off**2 + stretch @ stretch / self.stretch**2)
-        return _System(matrix, vector, energy)
-
-    def bounded(self, parameters: Array) -> Array:
-        """The parameters with a scale within sane limits of what is known."""
-        reach = _SANE * self.deviation[4:]
-        scale = np.clip(parameters[4:], self.parameters[4:] - reach, self.parameters[4:] + reach)
-        return np.concatenate([parameters[:4], scale])
-
-    def at(self, scale: Array) -> "Start":
-        """The same, but the last three parameters are known."""
-        parameters = np.concatenate([self.parameters[:4], scale])
-        return Start(
-            parameters,
-            np.concatenate([self.deviation[:4], np.full(3, _KNOWN)]),
-            self.plain,
-            self.stretch,
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +101,7 @@ def refined(
         velocity = np.zeros(7)
         for _ in range(stage.steps):
             system = _system(
-                part, evidence, scan, around, prior, parameters, stage, weights, hidden
+                shape, part, evidence, scan, around, prior, parameters, stage, weights, hidden
             )
             # Nearest points hold surfaces back along themselves: what goes on is sped up.
             velocity = _step(system) + _MOMENTUM * velocity
@@ -177,10 +120,12 @@ def energy(
     """How bad a pose is, as a stage sees it."""
     part, scan = shape.part(stage.points), evidence.part(stage.points)
     weights, hidden = _seen(part, around, parameters)
-    return _system(part, evidence, scan, around, prior, parameters, stage, weights, hidden).energy
+    return _system(
+        shape, part, evidence, scan, around, prior, parameters, stage, weights, hidden
+    ).energy
 
 
-def _step(system: _System) -> Array:
+def _step(system: System) -> Array:
     """A damped Gauss-Newton step."""
     damped = system.matrix + np.diag(1e-3 * np.diag(system.matrix) + 1e-9)
     step = np.linalg.solve(damped, -system.vector)
@@ -202,6 +147,7 @@ def _seen(shape: Shape, around: Surroundings, parameters: Array) -> tuple[Array,
 
 
 def _system(
+    whole: Shape,
     shape: Shape,
     evidence: Evidence,
     scan: Array,
@@ -211,16 +157,17 @@ def _system(
     stage: Stage,
     weights: Array,
     hidden: NDArray[np.bool_],
-) -> _System:
+) -> System:
     """Normal equations of all terms about a pose."""
-    _, nearest = shape.tree.query(unposed(scan, parameters))
-    one = _data(
-        shape.points[nearest], shape.normals[nearest], scan, stage.disc * shape.spacing, parameters
+    # Among few points of a shape the nearest may lie on another of its surfaces.
+    _, nearest = whole.tree.query(unposed(scan, parameters))
+    one = paired(
+        whole.points[nearest], whole.normals[nearest], scan, stage.disc * shape.spacing, parameters
     )
     used = weights > 0.0
     places = posed(shape.points[used], parameters)
     _, there = evidence.tree.query(places)
-    other = _data(
+    other = paired(
         shape.points[used],
         shape.normals[used],
         evidence.points[there],
@@ -232,56 +179,8 @@ def _system(
     second = other.robust(scale / len(weights) * weights[used], stage.width)
     contacts = around.rows(shape, parameters, hidden)
     before = prior.rows(parameters)
-    return _System(
+    return System(
         first.matrix + second.matrix + contacts.slope.T @ contacts.slope + before.matrix,
         first.vector + second.vector + contacts.slope.T @ contacts.residual + before.vector,
         first.energy + second.energy + contacts.energy + before.energy,
     )
-
-
-class _Pairs(NamedTuple):
-    """Points of a shape against discs: across (unit, offset) and along (unit, offset)."""
-
-    across: Array
-    height: Array
-    along: Array
-    beyond: Array
-    lever: Array
-    local: Array
-    turn: Array
-
-    def robust(self, weights: Array, width: float) -> _System:
-        squared = self.height**2 + self.beyond**2
-        kernel = width**2 / (width**2 + squared)
-        w = weights * kernel**2
-        J, K = self._slopes(self.across), self._slopes(self.along)
-        return _System(
-            (J * w[:, None]).T @ J + (K * w[:, None]).T @ K,
-            J.T @ (w * self.height) + K.T @ (w * self.beyond),
-            float(weights @ (squared * kernel)),
-        )
-
-    def _slopes(self, u: Array) -> Array:
-        turning = u[:, 1] * self.lever[:, 0] - u[:, 0] * self.lever[:, 1]
-        return np.column_stack([u, turning, (u @ self.turn) * self.local])
-
-
-def _data(
-    points: Array, normals: Array, targets: Array, radius: float, parameters: Array
-) -> _Pairs:
-    """Pairs of a shape's points, its normals there, and points of the scan."""
-    turn = turn_of(parameters)
-    local = points * np.exp(parameters[4:])
-    lever = local @ turn.T
-    n = directions(normals, parameters)
-    e = lever + parameters[:3] - targets
-    height = np.einsum("ij,ij->i", e, n)
-    tangent = e - height[:, None] * n
-    length = np.sqrt(np.einsum("ij,ij->i", tangent, tangent))
-    beyond = np.maximum(length - radius, 0.0)
-    along = tangent * (beyond > 0.0)[:, None] / np.maximum(length, 1e-12)[:, None]
-    return _Pairs(n, height, along, beyond, lever, local, turn)
-
-
-def _wrapped(angle: float) -> float:
-    return float((angle + np.pi) % (2.0 * np.pi) - np.pi)

@@ -19,6 +19,16 @@ def shown_parts(outline: Outline, walls: Walls) -> Array:
     return shown
 
 
+def covered_lengths(outline: Outline, walls: Walls) -> Array:
+    """(N,) along how many metres of each wall something stands that counts as wall."""
+    corners = outline.corners()
+    found = np.zeros(len(outline))
+    for i, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        line = profile(walls, outline.normals[i], float(outline.offsets[i]))
+        found[i] = line.covered(start @ line.along, end @ line.along)
+    return found
+
+
 def distances(outline: Outline, walls: Walls) -> Array:
     """(P,) metres from each wall to its pieces, outwards."""
     starts = outline.corners()

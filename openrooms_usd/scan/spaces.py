@@ -6,15 +6,17 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.scan.planmap import PIXEL, at_eye_height, disc, overlooked, plan_map
 from openrooms_usd.scan.surfels import Surfels
 from openrooms_usd.scan.walls import Walls
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-PIXEL: Final = 0.05
 # Nothing narrower than twice this is a room, and rooms end where they are narrower, metres.
 _NARROW: Final = 0.5
+# What lies behind a gap narrower than twice this is of no room, metres: nobody passes there.
+_SLIT: Final = 0.2
 _LEAST_AREA: Final = 1.0
 # Columns and lamps are smaller, metres.
 _FREE: Final = 0.8
@@ -24,9 +26,6 @@ _TOP: Final = 0.5
 # Above this height a wall is taller than doors.
 _DOORS: Final = 2.15
 _SMALL_HOLE: Final = 1.5
-_MOST_EYES: Final = 60
-_RAYS: Final = 720
-_FAR_SIGHT: Final = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +34,8 @@ class Spaces:
 
     Attributes:
         low: (2,) the corner of pixel (0, 0), metres.
-        seen: (X, Y) whether the scan shows anything there.
+        seen: (X, Y) whether the scan shows anything there, or eyes looked over it.
+        shown: (X, Y) whether the scan shows anything there.
         standing: (X, Y) metres of wall there that reach as high as walls were seen.
         rooms: (X, Y) the number of the room, from 1; 0 where there is none.
         middles: (R, 2) for each room the place farthest from its borders.
@@ -43,6 +43,7 @@ class Spaces:
 
     low: Array
     seen: Mask
+    shown: Mask
     standing: Array
     rooms: NDArray[np.int32]
     middles: Array
@@ -82,28 +83,17 @@ def find_spaces(
         inner = np.stack([reach.min(axis=0), reach.max(axis=0)])
     low = np.floor((inner[0] - _MARGIN) / PIXEL) * PIXEL
     shape = tuple(np.ceil((inner[1] + _MARGIN - low) / PIXEL).astype(int))
-    evidence = _map(plan, low, shape) > 0
-    seen = ndimage.binary_closing(evidence, _disc(3), border_value=0)
+    evidence = plan_map(plan, low, shape) > 0
+    shown = ndimage.binary_closing(evidence, disc(3), border_value=0)
+    seen = shown.copy()
     barrier = _barrier(walls, low, shape)
     if eyes is not None:
-        seen |= _visible(barrier, (eyes[:, :2] - low) / PIXEL)
+        blocked = barrier | at_eye_height(pieces, float(np.median(eyes[:, 2])), low, shape)
+        seen |= overlooked(blocked, (eyes[:, :2] - low) / PIXEL)
     seen |= _holes(seen, barrier)
-    free = ndimage.binary_opening(seen & ~barrier, _disc(1))
+    free = ndimage.binary_opening(seen & ~barrier, disc(1))
     rooms, middles = _rooms(free, barrier, low)
-    return Spaces(low, seen, _standing(walls, low, shape), rooms, middles)
-
-
-def _disc(radius: int) -> Mask:
-    x, y = np.mgrid[-radius : radius + 1, -radius : radius + 1]
-    return np.asarray(x * x + y * y <= radius * radius + 0.5)
-
-
-def _map(plan: Array, low: Array, shape: tuple[int, ...], weight: Array | None = None) -> Array:
-    pixel = np.floor((plan - low) / PIXEL).astype(int)
-    within = ((pixel >= 0) & (pixel < shape)).all(axis=1)
-    flat = np.ravel_multi_index(tuple(pixel[within].T), shape)
-    weights = None if weight is None else weight[within]
-    return np.bincount(flat, weights, int(np.prod(shape))).astype(np.float64).reshape(shape)
+    return Spaces(low, seen, shown, _standing(walls, low, shape), rooms, middles)
 
 
 def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
@@ -113,30 +103,10 @@ def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
     tall = walls.top > _DOORS + 0.15
     base = max(walls.top - _TOP, _DOORS) if tall else 0.3 * walls.top
     high = walls.height > base
-    filled = _map(walls.points[high], low, shape, walls.weight[high])
+    filled = plan_map(walls.points[high], low, shape, walls.weight[high])
     across = ndimage.uniform_filter(filled, 3) * 9.0 / 1.5
     full = (walls.top - base) / PIXEL
     return np.asarray((filled > 0) & (across > (0.35 if tall else 0.6) * full))
-
-
-def _visible(barrier: Mask, eyes: Array) -> Mask:
-    """What lies before the barrier as seen from places in the map; rays that meet none are void."""
-    from scipy import ndimage
-
-    some = eyes[:: max(1, len(eyes) // _MOST_EYES)]
-    angles = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
-    toward = np.column_stack([np.cos(angles), np.sin(angles)])
-    reach = np.arange(0.0, _FAR_SIGHT / PIXEL, 0.7)
-    solid = np.pad(ndimage.binary_dilation(barrier, _disc(1)), 1)
-    seen = np.zeros(solid.shape, bool)
-    for eye in some:
-        place = np.floor(eye + toward[:, None, :] * reach[None, :, None]).astype(int) + 1
-        place = np.clip(place, 0, np.array(solid.shape) - 1)
-        x, y = place[..., 0], place[..., 1]
-        stopped = np.maximum.accumulate(solid[x, y], axis=1)
-        kept = stopped[:, -1:] & ~stopped
-        seen[x[kept], y[kept]] = True
-    return np.asarray(ndimage.binary_closing(seen, _disc(1))[1:-1, 1:-1])
 
 
 def _holes(seen: Mask, barrier: Mask) -> Mask:
@@ -146,7 +116,7 @@ def _holes(seen: Mask, barrier: Mask) -> Mask:
     holes, count = ndimage.label(~(seen | barrier))
     size = np.bincount(holes.ravel(), minlength=count + 1)
     rim = np.unique(np.concatenate([holes[0], holes[-1], holes[:, 0], holes[:, -1]]))
-    shores = ndimage.grey_dilation(holes, footprint=_disc(1))
+    shores = ndimage.grey_dilation(holes, footprint=disc(1))
     by_free = np.bincount(shores[seen & ~barrier], minlength=count + 1)
     by_wall = np.bincount(shores[barrier], minlength=count + 1)
     filled = (size * PIXEL**2 < _SMALL_HOLE) | (by_free > by_wall)
@@ -161,7 +131,7 @@ def _standing(walls: Walls, low: Array, shape: tuple[int, ...]) -> Array:
         return np.zeros(shape)
     base = max(walls.top - _TOP, _DOORS)
     high = walls.height > base
-    pieces = _map(walls.points[high], low, shape, walls.weight[high])
+    pieces = plan_map(walls.points[high], low, shape, walls.weight[high])
     return np.asarray(pieces * PIXEL**2 / (walls.top - base))
 
 
@@ -212,6 +182,18 @@ def _parting(barrier: Mask) -> Mask:
     return np.asarray(large[groups]) if count else barrier
 
 
+def _markers(width: Array) -> tuple[NDArray[np.integer[Any]], int]:
+    """Pieces of plan, one for each space: the wide ones, and what only a slit joins to them."""
+    from scipy import ndimage
+
+    markers, count = ndimage.label(width > _NARROW)
+    pieces, others = ndimage.label(width > _SLIT)
+    lone = np.setdiff1d(np.arange(1, others + 1), pieces[markers > 0])
+    for number, piece in enumerate(lone, count + 1):
+        markers[pieces == piece] = number
+    return markers, count + len(lone)
+
+
 def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Array]:
     from scipy import ndimage
 
@@ -219,10 +201,11 @@ def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Ar
     walls = _parting(barrier)
     walled = ndimage.distance_transform_edt(~walls) * PIXEL if walls.any() else 1e3 * free
     width = np.where(free, walled, 0.0)
-    markers, count = ndimage.label(width > _NARROW)
+    markers, count = _markers(width)
     flooded = _flooded(width, markers, count)
     area = np.bincount(flooded.ravel(), minlength=count + 1) * PIXEL**2
-    large = [number for number in range(1, count + 1) if area[number] > _LEAST_AREA]
+    wide = ndimage.maximum(width, flooded, np.arange(count + 1)) > _NARROW
+    large = [n for n in range(1, count + 1) if area[n] > _LEAST_AREA and wide[n]]
     large.sort(key=lambda number: -area[number])
     depth = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
     rooms = np.zeros(free.shape, np.int32)

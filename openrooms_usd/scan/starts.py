@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.scan.evidence import Evidence
 from openrooms_usd.scan.hints import Box
-from openrooms_usd.scan.registration import Start
+from openrooms_usd.scan.priors import Start
 from openrooms_usd.scan.results import Pose
 from openrooms_usd.scan.shape import Shape, turn_of
 

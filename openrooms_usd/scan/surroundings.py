@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 # Standard deviations of contacts, metres: the base on its support, a hidden side at a wall, and
 # what is behind a wall.
 _STANDING: Final = 0.01
-_TOUCHING: Final = 0.02
+_TOUCHING: Final = 0.03
 _INSIDE: Final = 0.01
 # A hidden side is at the wall if it is about so near to it, metres.
 _NEAR: Final = 0.08
@@ -87,17 +87,14 @@ class Surroundings:
                 slopes.append(_slope(n, turn, corner) / _INSIDE)
                 energy += residuals[-1] ** 2
             side = int((SIDES @ local).argmin())
-            if hidden[side] and SIDES[side] @ local < -_PARALLEL and depth > -_NEAR:
-                middle = half * SIDES[side]
-                gap = room + float(local @ middle)
-                trust = (_NEAR**2 / (_NEAR**2 + gap**2)) / _TOUCHING
-                if depth > 0.0:
-                    residuals.append(gap * trust)
-                    slopes.append(_slope(n, turn, middle) * trust)
-                near = _NEAR**2 / (_NEAR**2 + gap**2)
-                energy += (max(gap, 0.0) / _TOUCHING) ** 2 * near + _BACK * near * (
-                    1.0 - shape.flat[side]
-                )
+            middle = half * SIDES[side]
+            gap = room + float(local @ middle)
+            near = _NEAR**2 / (_NEAR**2 + gap**2)
+            energy += _BACK * near * (1.0 - shape.flat[side])
+            if hidden[side] and SIDES[side] @ local < -_PARALLEL and depth > 0.0:
+                residuals.append(gap * near / _TOUCHING)
+                slopes.append(_slope(n, turn, middle) * near / _TOUCHING)
+                energy += (gap / _TOUCHING) ** 2 * near
         return Rows(np.array(residuals), np.array(slopes), energy)
 
 

@@ -1,17 +1,19 @@
 """Tries starts of a CAD against each other: surveyed, refined roughly, the best of them finely."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.evidence import Evidence
-from openrooms_usd.scan.registration import FINE, ROUGH, Fit, Stage, Start, energy, refined
+from openrooms_usd.scan.priors import Start
+from openrooms_usd.scan.registration import FINE, ROUGH, Fit, Stage, energy, refined
 from openrooms_usd.scan.shape import Shape
 from openrooms_usd.scan.starts import stretched, true_size, varied
 from openrooms_usd.scan.surroundings import Surroundings
+from openrooms_usd.scan.truesize import Sizes, Trial
 
 Array = NDArray[np.float64]
 
@@ -24,25 +26,6 @@ _FINELY: Final = 4
 _HOPELESS: Final = (20.0, 1.6)
 # Fits whose parameters are as near to each other as this are one, metres or radians.
 _SAME: Final = 0.02
-# CADs have their true size if that costs no more than this.
-_TRUE: Final = 9.0
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """A fit with all that it was made of.
-
-    Attributes:
-        shape: What was fitted.
-        start: What was known before.
-        around: What it touches.
-        fit: How far it has come.
-    """
-
-    shape: Shape
-    start: Start
-    around: Surroundings
-    fit: Fit
 
 
 def begun(shape: Shape, evidence: Evidence, around: Surroundings, start: Start) -> list[Trial]:
@@ -59,14 +42,18 @@ def begun(shape: Shape, evidence: Evidence, around: Surroundings, start: Start) 
     ]
 
 
-def finished(trials: Sequence[Trial], evidence: Evidence) -> Trial:
-    """The best trial, finely refined, and at its true size if that fits about as well."""
+def finished(trials: Sequence[Trial], evidence: Evidence) -> Sizes:
+    """The best trials, finely refined: of any size, and of the CAD's true one."""
     energies = [trial.fit.energy for trial in trials]
     order = _different(trials, sorted(range(len(trials)), key=energies.__getitem__))
     limit = _HOPELESS[0] + _HOPELESS[1] * energies[order[0]]
     hopeful = [row for row in _mixed(trials, order)[:_FINELY] if energies[row] < limit]
     fine = [_settled(trials[row], evidence) for row in hopeful]
-    return min(fine, key=lambda trial: trial.fit.energy)
+    true = [sizes.true for sizes in fine if sizes.true is not None]
+    return Sizes(
+        min((sizes.any for sizes in fine), key=lambda trial: trial.fit.energy),
+        min(true, key=lambda trial: trial.fit.energy, default=None),
+    )
 
 
 def _mixed(trials: Sequence[Trial], order: Sequence[int]) -> list[int]:
@@ -92,18 +79,16 @@ def _different(trials: Sequence[Trial], order: Sequence[int]) -> list[int]:
     return kept
 
 
-def _settled(trial: Trial, evidence: Evidence) -> Trial:
+def _settled(trial: Trial, evidence: Evidence) -> Sizes:
     t = trial
     begins = [t.fit.parameters, *stretched(t.shape, t.fit.parameters)]
     costs = [energy(t.shape, evidence, t.around, t.start, begin, _STRETCH) for begin in begins]
     begin = begins[int(np.argmin(costs))]
     fit = refined(t.shape, evidence, t.around, t.start, begin, FINE)
-    true = true_size(t.start)
-    if true is not None:
-        at = t.start.at(true)
-        begin = np.concatenate([fit.parameters[:4], true])
-        same = refined(t.shape, evidence, t.around, at, begin, FINE)
-        cost = energy(t.shape, evidence, t.around, t.start, same.parameters, FINE[-1])
-        if cost < fit.energy + _TRUE:
-            fit = Fit(same.parameters, cost - _TRUE)
-    return replace(t, fit=fit)
+    size = true_size(t.start)
+    if size is None:
+        return Sizes(replace(t, fit=fit))
+    begin = np.concatenate([fit.parameters[:4], size])
+    same = refined(t.shape, evidence, t.around, t.start.at(size), begin, FINE)
+    cost = energy(t.shape, evidence, t.around, t.start, same.parameters, FINE[-1])
+    return Sizes(replace(t, fit=fit), replace(t, fit=Fit(same.parameters, cost)))

@@ -23,6 +23,8 @@ _LEVEL: Final = 0.8
 _LAYER: Final = 15
 # Lower than this nothing but the floor carries, metres.
 _LOWEST: Final = 0.06
+# Of the points of an object so many may be a neighbour's, in a blob of wrong labels.
+_BLOB: Final = 0.1
 # What lies below an object ends at this quantile of its heights.
 _TOP: Final = 0.95
 
@@ -39,34 +41,54 @@ def supports(
         bottom: Where it ends by what is known before; None: nothing is.
     """
     low, high = np.quantile(evidence.points, [0.02, 0.98], axis=0)
-    below = _below(cloud, rows, low, high)
-    layer = _layer(cloud, below, low)
+    below = _below(cloud, rows, low, high, low[2])
+    layers = _layers(cloud, rows, evidence, low, high)
     if (low[2] if bottom is None else min(bottom, low[2])) >= _STANDS:
-        return (layer, 0.0) if low[2] < _HIDDEN else (layer,)
+        return (*layers, 0.0) if low[2] < _HIDDEN else layers
     # Only who says what size to expect can tell a thing on another from one whose foot is hidden.
-    others = () if bottom is None else (layer, _stack(cloud, below, low))
+    others = () if bottom is None else (*layers, _stack(cloud, below, low))
     return (0.0, *[height for height in others if height is not None and height > _LOWEST][:1])
 
 
-def _below(cloud: Cloud, rows: NDArray[np.intp], low: Array, high: Array) -> NDArray[np.intp]:
+def _layers(
+    cloud: Cloud, rows: NDArray[np.intp], evidence: Evidence, low: Array, high: Array
+) -> tuple[float | None, ...]:
+    """What may carry the lowest points, and the rest where these are another thing's."""
+    found: list[float | None] = []
+    for end in (low[2], *_gone_on(evidence.points[:, 2])):
+        below = _below(cloud, rows, low, high, end)
+        found.append(_layer(cloud, below, end))
+    return tuple(height for k, height in enumerate(found) if k == 0 or height is not None)
+
+
+def _gone_on(heights: Array) -> list[float]:
+    """The height above which points go on, where a few end below a gap."""
+    lowest = np.sort(heights)[: 2 + int(_BLOB * len(heights))]
+    row = int(np.diff(lowest).argmax())
+    return [float(lowest[row + 1])] if lowest[row + 1] - lowest[row] > _BELOW else []
+
+
+def _below(
+    cloud: Cloud, rows: NDArray[np.intp], low: Array, high: Array, end: float
+) -> NDArray[np.intp]:
     """The points of others that lie about where an object ends, or lower, within its outline."""
     points = cloud.points
-    below = points[:, 2] < low[2] + _BELOW
+    below = points[:, 2] < end + _BELOW
     for k in range(2):
         below &= (points[:, k] > low[k] - _RIM) & (points[:, k] < high[k] + _RIM)
     below[rows] = False
     return np.flatnonzero(below)
 
 
-def _layer(cloud: Cloud, below: NDArray[np.intp], low: Array) -> float | None:
+def _layer(cloud: Cloud, below: NDArray[np.intp], end: float) -> float | None:
     """The height of level points where an object ends."""
-    rows = below[cloud.points[below, 2] > low[2] - _BELOW]
+    rows = below[cloud.points[below, 2] > end - _BELOW]
     if cloud.normals is not None:
         rows = rows[cloud.normals[rows, 2] > _LEVEL]
     heights = cloud.points[rows, 2]
     if len(heights) < _LAYER:
         return None
-    counts, edges = np.histogram(heights, np.arange(low[2] - _BELOW, low[2] + _BELOW, 0.01))
+    counts, edges = np.histogram(heights, np.arange(end - _BELOW, end + _BELOW, 0.01))
     middle = float(edges[counts.argmax()] + 0.005)
     return float(np.median(heights[np.abs(heights - middle) < 0.02]))
 

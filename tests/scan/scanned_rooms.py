@@ -11,7 +11,7 @@ from openrooms_usd.scan.cloud import Cloud
 
 Array = NDArray[np.float64]
 
-WALL, FLOOR, CABINET, CEILING = 1, 2, 3, 22
+WALL, FLOOR, CABINET, DOOR, CEILING = 1, 2, 3, 8, 22
 
 
 @dataclass(frozen=True)

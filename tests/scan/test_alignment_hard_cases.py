@@ -26,8 +26,8 @@ def near(pose: Pose) -> Pose:
 
 
 def test_a_side_at_the_wall_that_nobody_saw_is_at_the_wall() -> None:
-    """The CAD says a wrong depth, so only the wall can tell it."""
-    true = Placed(CABINET, (0.5, 1.77, 0.0), 0.0, "Z", np.array([1.0, 1.3, 1.0]))
+    """The CAD has other sizes, and only the wall can tell the depth."""
+    true = Placed(CABINET, (0.5, 1.77, 0.0), 0.0, "Z", np.array([0.85, 1.3, 1.1]))
     front = scan([true], np.array([[0.5, -1.0, 0.7], [0.3, -1.2, 0.8]]))
     hint = Hint(1, cad="cabinet", pose=near(true.pose()))
     model = cad("cabinet", CABINET, scale=true.scale)

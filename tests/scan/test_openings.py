@@ -125,6 +125,9 @@ def test_curtains_are_larger_than_their_windows() -> None:
     assert behind_curtain(Rectangle(20, 80, 30, 90)) == Rectangle(24, 76, 35, 85)
     # What is hardly larger than that is left as it is.
     assert behind_curtain(Rectangle(20, 30, 30, 42)) == Rectangle(20, 30, 30, 42)
+    # However low one hangs, something is behind it.
+    low = [behind_curtain(Rectangle(0, top, 30, 90)) for top in range(1, 80)]
+    assert all(0 <= where.bottom < where.top for where in low)
 
 
 def test_french_window_ends_above_a_low_sill() -> None:

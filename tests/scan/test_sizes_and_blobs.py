@@ -1,0 +1,115 @@
+"""What rough fits see, what all objects say of their size, and blobs of wrong labels."""
+
+import numpy as np
+import pytest
+
+from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.evidence import Evidence
+from openrooms_usd.scan.priors import Start
+from openrooms_usd.scan.registration import Fit, Stage, energy
+from openrooms_usd.scan.shape import Shape, posed, shaped
+from openrooms_usd.scan.surroundings import Surroundings
+from openrooms_usd.scan.truesize import Sizes, Trial, sized
+from openrooms_usd.scan.undersides import supports
+from openrooms_usd.scan.wallsides import walls_of
+from tests.scan.alignment_cases import CABINET, CHAIR, cad, room
+
+# Two boards that are 3 cm apart, each 1 cm thick, with slats between them.
+DOOR = (
+    ((-0.40, -0.02, 0.0), (0.40, -0.01, 0.9)),
+    ((-0.40, 0.02, 0.0), (0.40, 0.03, 0.9)),
+    *(((x, -0.01, 0.0), (x + 0.02, 0.02, 0.9)) for x in np.arange(-0.4, 0.4, 0.1)),
+)
+PLACE = np.array([0.3, -0.2, 0.0, 0.4, 0.0, 0.0, 0.0])
+
+
+def shape_of(blocks: tuple = CHAIR) -> Shape:  # type: ignore[type-arg]
+    return shaped(cad("thing", blocks), np.eye(3), np.ones(3))
+
+
+def test_a_few_points_of_a_scan_lie_as_well_on_a_thin_cad_as_many() -> None:
+    shape = shape_of(DOOR)
+    surface = shape.points[np.abs(shape.normals[:, 1]) > 0.9]
+    evidence = Evidence(posed(surface, PLACE), 0.02)
+    start = Start(PLACE, np.full(7, 0.1), np.zeros(3))
+    few, many = (
+        energy(shape, evidence, Surroundings(), start, PLACE, Stage(0.07, count, 0, 1.0))
+        for count in (150, len(shape.points))
+    )
+    assert many < 5.0
+    assert few < 15.0
+
+
+def sizes(more: float, any_size: float = 30.0) -> Sizes:
+    start = Start(PLACE, np.full(7, 0.1), np.zeros(3))
+    free, true = (
+        Trial(SHAPE, start, Surroundings(), Fit(PLACE, value))
+        for value in (any_size, any_size + more)
+    )
+    return Sizes(free, true)
+
+
+SHAPE = shape_of()
+
+
+@pytest.mark.parametrize(("others", "kept"), [(2.0, True), (200.0, False)])
+def test_a_doubtful_object_has_its_true_size_where_the_others_have(
+    others: float, kept: bool
+) -> None:
+    doubtful = sizes(10.0 if kept else 7.0)
+    chosen = sized([doubtful, *[sizes(others)] * 12])
+    assert chosen[0] is (doubtful.true if kept else doubtful.any)
+    # Alone, what three scales save by fitting noise decides.
+    assert sized([doubtful])[0] is (doubtful.any if kept else doubtful.true)
+
+
+def test_differences_count_less_where_the_scan_is_bent() -> None:
+    straight, bent = sizes(30.0), sizes(30.0, 300.0)
+    assert sized([straight])[0] is straight.any
+    assert sized([bent])[0] is bent.true
+
+
+def test_without_a_true_size_any_is_taken() -> None:
+    unknown = Sizes(sizes(0.0).any)
+    assert sized([unknown]) == [unknown.any]
+    assert sized([]) == []
+
+
+def test_which_side_is_at_the_wall_counts_whether_it_was_hidden_or_not() -> None:
+    around = Surroundings(None, 0.0, walls_of([room()]).near(np.array([2.0, 0.0]), 1.0))
+    shape = shape_of()
+    place = np.array([2.5 - 0.5 * shape.size[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    seen, hidden = (
+        around.rows(shape, place, np.full(4, value, dtype=np.bool_)).energy
+        for value in (False, True)
+    )
+    assert seen == pytest.approx(hidden)
+    # The back is likelier there than the side.
+    back = place + np.array([0.5 * (shape.size[0] - shape.size[1]), 0, 0, -0.5 * np.pi, 0, 0, 0])
+    assert around.rows(shape, back, np.zeros(4, dtype=np.bool_)).energy < seen - 1.0
+
+
+def test_a_blob_of_wrong_labels_does_not_lower_an_object() -> None:
+    rng = np.random.default_rng(3)
+    shelf = rng.uniform([-0.4, -0.2, 1.0], [0.4, 0.2, 1.9], (4000, 3))
+    blob = rng.uniform([-0.2, -0.2, 0.68], [0.2, 0.2, 0.76], (200, 3))
+    boards = [rng.uniform([-0.4, -0.2, z], [0.4, 0.2, z + 0.01], (3000, 3)) for z in (0.67, 0.99)]
+    parts = [np.concatenate([shelf, blob]), *boards]
+    numbers = np.repeat([1, 2, 2], [len(part) for part in parts]).astype(np.int32)
+    cloud = Cloud(np.concatenate(parts), instance=numbers)
+    own = np.flatnonzero(numbers == 1)
+    heights = supports(cloud, own, Evidence(cloud.points[own], 0.02), bottom=0.9)
+    assert heights == pytest.approx((0.675, 0.995), abs=0.02)
+    clean = own[: len(shelf)]
+    bare = supports(cloud, clean, Evidence(cloud.points[clean], 0.02), bottom=0.9)
+    assert bare == pytest.approx((0.995,), abs=0.02)
+
+
+def test_what_goes_on_without_a_gap_ends_where_it_ends() -> None:
+    surface = cad("cabinet", CABINET).surface.points + np.array([0.0, 0.0, 0.5])
+    board = np.random.default_rng(5).uniform([-0.4, -0.2, 0.49], [0.4, 0.2, 0.5], (2000, 3))
+    numbers = np.repeat([1, 2], [len(surface), len(board)]).astype(np.int32)
+    cloud = Cloud(np.concatenate([surface, board]), instance=numbers)
+    own = np.flatnonzero(numbers == 1)
+    heights = supports(cloud, own, Evidence(surface, 0.02), bottom=0.6)
+    assert heights == pytest.approx((0.495, 0.0), abs=0.02)
