@@ -103,17 +103,21 @@ def lies_deeper(grid: WallGrid, where: Rectangle) -> bool:
 
 
 def without_casing(grid: WallGrid, where: Rectangle) -> Rectangle:
-    """A door without the boards around it, which are called door too but lie on the wall."""
+    """A door without the boards around it, which are called door too but lie on the wall.
+
+    What is nothing but boards stays as it is.
+    """
     standing = grid.solid & (np.nan_to_num(grid.relief) > _CASING[1])
     most = round(_CASING[0] / CELL)
     columns = standing[where.rows, where.columns].mean(axis=0) > 0.5
     rows = standing[where.rows, where.columns].mean(axis=1) > 0.5
-    return Rectangle(
+    inner = Rectangle(
         where.bottom,
         where.top - _depth(rows[::-1], most),
         where.left + _depth(columns, most),
         where.right - _depth(columns[::-1], most),
     )
+    return inner if inner.left < inner.right and inner.bottom < inner.top else where
 
 
 def _depth(casing: Mask, most: int) -> int:

@@ -144,6 +144,9 @@ def test_boards_around_a_door_are_not_the_door() -> None:
     trimmed = without_casing(grid, outside)
     edges = CELL * np.array([trimmed.left, trimmed.right, trimmed.top])
     np.testing.assert_allclose(edges, [1.0, 1.9, 2.05], atol=CELL)
+    # A board that is named a door, and nothing else.
+    board = replace(outside, right=outside.left + 2)
+    assert without_casing(grid, board) == board
 
 
 def test_two_windows_stay_two() -> None:
