@@ -39,11 +39,11 @@ types: .venv/installed-dev
 	$(BIN)/mypy
 
 unit: .venv/installed-dev
-	$(BIN)/pytest
+	$(BIN)/pytest -n 2 --dist loadfile
 
 benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks
-	for name in first_picture compose generate materials friction light scan; do \
+	for name in first_picture compose generate materials friction light scan physics; do \
 		$(BIN)/python -m benchmarks.$$name --json out/benchmarks/$$name.json || exit 1; done
 	$(BIN)/python -m benchmarks.radiance --denoise --json out/benchmarks/radiance.json
 

@@ -6,6 +6,9 @@ Every room goes the whole way on the command line: generate, compose, validate -
 
 import argparse
 import json
+import shutil
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
@@ -90,6 +93,12 @@ def light(folder: Path, samples: str) -> None:
     write_sheet(Path("docs/light.png"), [tiles[i : i + 10] for i in range(0, len(tiles), 10)])
 
 
+def robot(folder: Path) -> None:
+    """What a robot sees on its way through the example: ``docs/robot.png``."""
+    subprocess.run([sys.executable, "examples/05_navigate.py", folder / "robot"], check=True)
+    shutil.copyfile(folder / "robot/strip.png", "docs/robot.png")
+
+
 def _fitted(
     picture: "np.ndarray[Any, np.dtype[np.uint8]]",
 ) -> "np.ndarray[Any, np.dtype[np.uint8]]":
@@ -121,6 +130,7 @@ def main() -> None:
     if not options.all:
         orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise")
         light(options.folder, options.spp)
+        robot(options.folder)
         tiles = scanned(options.folder, *SCANNED, (480, 360), quality[:3])
         write_sheet(Path("docs/scan.png"), [tiles[:2], tiles[2:]])
         write_png(Path("docs/materials.png"), materials(options.folder / "materials", *quality[:3]))

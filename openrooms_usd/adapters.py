@@ -10,6 +10,7 @@ IMPORTERS: Final = "openrooms_usd.importers"
 RENDERERS: Final = "openrooms_usd.renderers"
 EXPORTERS: Final = "openrooms_usd.exporters"
 DATASETS: Final = "openrooms_usd.datasets"
+ENGINES: Final = "openrooms_usd.engines"
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -37,7 +38,7 @@ def load(group: str, name: str) -> Any:
     """Import the adapter ``name`` of a group and make one.
 
     Args:
-        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`.
+        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`.
         name: The name under which it is registered.
 
     Returns:

@@ -2,10 +2,10 @@
 
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 from openrooms_usd import names
 from openrooms_usd.description import load_room
@@ -19,6 +19,9 @@ from openrooms_usd.stages.draft import Draft, drafting
 from openrooms_usd.stages.reports import gather
 
 State = Literal["written", "unchanged"]
+
+# What decides where things come to rest.
+_SETTLING: Final = ("layout", "alignment", "physics")
 
 
 @dataclass(frozen=True)
@@ -40,12 +43,14 @@ class ComposeSummary:
         stages: From the weakest to the strongest layer.
         files: The flattened and packaged files that were asked for.
         orphans: Opinions of the edits that do nothing.
+        notes: Sentences about the room as a whole.
     """
 
     scene: Path
     stages: tuple[StageSummary, ...]
     files: tuple[Path, ...] = ()
     orphans: tuple[Orphan, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def unchanged(self) -> bool:
@@ -59,6 +64,7 @@ class ComposeSummary:
             "stages": [asdict(summary) for summary in self.stages],
             "files": [str(path) for path in self.files],
             "orphans": [asdict(orphan) for orphan in self.orphans],
+            "notes": list(self.notes),
         }
 
 
@@ -107,7 +113,22 @@ def compose_room(
         if any(summary.state == "written" for summary in summaries):
             runner.check(draft)
     files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz))
-    return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans_of(out))
+    notes = tuple(_about_settled(out, summaries))
+    return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans_of(out), notes)
+
+
+def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
+    """What is to be said of the poses of a simulation, which compose neither writes nor drops."""
+    layer = f"{names.LAYERS}/{names.SETTLED}.usda"
+    if not (out / layer).is_file():
+        return
+    again = "run orusd simulate again, or remove it"
+    changed = [row.stage for row in summaries if row.state == "written" and row.stage in _SETTLING]
+    if changed:
+        yield f"{layer} is older than the {' and the '.join(changed)}: {again}"
+    gone = orphans_of(out, names.SETTLED)
+    if gone:
+        yield f"{layer} has {len(gone)} opinions that do nothing, the first: {gone[0]}: {again}"
 
 
 def _explicit(room: Room) -> Room:

@@ -18,6 +18,13 @@ _RAY_CASTERS: Final = (
     ("rtree", "trimesh with rtree, many times slower than Embree", "pip install embreex"),
 )
 
+_KINDS: Final = (
+    adapters.IMPORTERS,
+    adapters.RENDERERS,
+    adapters.EXPORTERS,
+    adapters.ENGINES,
+)
+
 
 @dataclass(frozen=True)
 class Diagnosis:
@@ -28,7 +35,7 @@ class Diagnosis:
         packages: Version of each required package; None where it is not installed.
         extras: What the package of each extra is: its version, or how to install it.
         ray_caster: What casts the core's rays; None where nothing can.
-        adapters: Names of the installed adapters by kind: importers, renderers, exporters.
+        adapters: Names of the installed adapters by kind: importers, renderers, exporters, engines.
         renderers: By renderer: what each of its backends says about this machine.
         remedies: What to do, in words; empty when nothing is missing.
     """
@@ -59,10 +66,7 @@ def diagnose() -> Diagnosis:
         packages=_packages(remedies),
         extras=_extras(),
         ray_caster=_ray_caster(remedies),
-        adapters={
-            group.rpartition(".")[2]: list(adapters.available(group))
-            for group in (adapters.IMPORTERS, adapters.RENDERERS, adapters.EXPORTERS)
-        },
+        adapters={kind.rpartition(".")[2]: list(adapters.available(kind)) for kind in _KINDS},
         renderers=_renderers(remedies),
         remedies=remedies,
     )

@@ -18,11 +18,14 @@ LIGHTS: Final = "/World/Lights"  # lights
 ENVIRONMENT: Final = "/World/Lights/Environment"
 PORTALS: Final = "/World/Lights/Portals"
 CAMERAS: Final = "/World/Cameras"  # cameras
+PHYSICS: Final = "/World/Physics"  # physics
+PHYSICS_SCENE: Final = "/World/Physics/Scene"
+ROOM_PHYSICS: Final = "/World/Room/Physics"  # physics
 RENDER: Final = "/Render"  # cameras
 RENDER_SETTINGS: Final = "/Render/Settings"
 
 # Stages from the weakest to the strongest layer.
-STAGES: Final = ("layout", "alignment", "materials", "lights", "cameras")
+STAGES: Final = ("layout", "alignment", "materials", "lights", "cameras", "physics")
 
 # What each stage defines, with all that lies below. Layout also defines the world.
 OWNED: Final = {
@@ -31,12 +34,17 @@ OWNED: Final = {
     "materials": (MATERIALS,),
     "lights": (LIGHTS,),
     "cameras": (CAMERAS, RENDER),
+    "physics": (PHYSICS, ROOM_PHYSICS),
 }
 
 # Files of a composed room.
 SCENE: Final = "scene.usda"
 LAYERS: Final = "layers"
 EDITS: Final = "edits"  # layers/edits.usda: the strongest layer, human, never written by us
+SETTLED: Final = "settled"  # layers/settled.usda: where things came to rest; no stage writes it
+
+# All layers that a scene may stack, strongest first.
+STACK: Final = (EDITS, SETTLED, *reversed(STAGES))
 
 # Stage metadata that every layer carries alike.
 UP_AXIS: Final = "Z"
@@ -97,6 +105,7 @@ JOINT_TYPE: Final = "openrooms:joint:type"
 JOINT_AXIS: Final = "openrooms:joint:axis"
 JOINT_LOWER: Final = "openrooms:joint:lower"
 JOINT_UPPER: Final = "openrooms:joint:upper"
+JOINT_FRICTION: Final = "openrooms:joint:friction"
 
 # Styles of doors that let light pass while they are shut.
 SEE_THROUGH: Final = frozenset({"glazed"})

@@ -86,3 +86,13 @@ def composed_demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("small")
     (folder / "room.yaml").write_text(SMALL_ROOM)
     return compose_room(folder / "room.yaml", folder / "out").scene
+
+
+@pytest.fixture(scope="session")
+def composed_bodies(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The ``scene.usda`` of `SMALL_ROOM` with physics; copy its folder to change it."""
+    from openrooms_usd.compose import compose_room
+
+    folder = tmp_path_factory.mktemp("bodies")
+    (folder / "room.yaml").write_text(f"{SMALL_ROOM}physics: {{}}\n")
+    return compose_room(folder / "room.yaml", folder / "out").scene

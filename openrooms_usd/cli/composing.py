@@ -54,6 +54,8 @@ def compose(
         click.echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
         for note in row.notes:
             click.echo(f"           note: {note}")
+    for note in summary.notes:
+        click.echo(f"note: {note}")
     for orphan in summary.orphans[:_SHOWN]:
         click.echo(f"edits: {orphan}")
     if len(summary.orphans) > _SHOWN:

@@ -1,27 +1,39 @@
 """The command ``convert``."""
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Final
 
 import click
 
 from openrooms_usd.cli.console import json_option, print_json
+
+_FLAGS: Final = {"true": True, "false": False}
 
 
 @click.command()
 @click.argument("stage", type=click.Path(path_type=Path))
 @click.argument("out", type=click.Path(path_type=Path))
 @click.option("--to", default="mitsuba", show_default=True, metavar="KIND", help="The exporter.")
+@click.option(
+    "--option",
+    "options",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="What to ask of the exporter; may be repeated.",
+)
 @json_option
-def convert(stage: Path, out: Path, to: str, as_json: bool) -> None:
+def convert(stage: Path, out: Path, to: str, options: tuple[str, ...], as_json: bool) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
 
-    What could not be translated whole is listed with the reason; nothing is lost in silence.
+    KIND is mitsuba, urdf, mjcf, usdphysics, or what another installed exporter is called. What
+    could not be translated whole is listed with the reason; nothing is lost in silence.
     """
     from openrooms_usd.convert import convert_stage
     from openrooms_usd.usd.diagnostics import quiet
 
     with quiet():
-        report = convert_stage(stage, out, to=to)
+        report = convert_stage(stage, out, to=to, options=_given(options))
     if as_json:
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return
@@ -29,3 +41,14 @@ def convert(stage: Path, out: Path, to: str, as_json: bool) -> None:
         click.echo(f"{outcome:<12} {prim}: {reason}")
     counts = (f"{report.count(kind)} {kind}" for kind in ("translated", "approximated", "skipped"))
     click.echo(f"wrote {out}: {', '.join(counts)}")
+
+
+def _given(options: Iterable[str]) -> dict[str, str | bool]:
+    """The options by name; true and false are flags."""
+    given: dict[str, str | bool] = {}
+    for option in options:
+        name, equals, value = option.partition("=")
+        if not (name and equals and value):
+            raise click.UsageError(f"--option {option}: say NAME=VALUE, as in friction=dynamic")
+        given[name] = _FLAGS.get(value, value)
+    return given

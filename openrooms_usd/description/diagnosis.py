@@ -14,7 +14,7 @@ from openrooms_usd.description.mistakes import Mistake, Place, Steps, shown
 from openrooms_usd.description.model import MISTAKE
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
-from openrooms_usd.description.units import degrees, metres
+from openrooms_usd.description.units import degrees, kilograms, metres
 
 # Nobody reads more names than these.
 _MOST_LISTED: Final = 30
@@ -44,7 +44,7 @@ _EXPECTED: Final = {
 }
 _CHOICES: Final = {"literal_error": "expected", "union_tag_invalid": "expected_tags"}
 _UNIONS: Final = (Union, UnionType)
-_UNITS: Final[dict[Any, str]] = {metres: " m", degrees: " deg"}
+_UNITS: Final[dict[Any, str]] = {metres: " m", degrees: " deg", kilograms: " kg"}
 
 
 def diagnose(error: ValidationError, data: reading.Mapping) -> Iterator[Mistake]:

@@ -19,6 +19,7 @@ from openrooms_usd.description.model import (
     peek_list,
 )
 from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.physics import Physics
 
 RoomType = Literal[
     "apartment",
@@ -70,6 +71,8 @@ class Room(CheckedModel):
     """The environment and the lamps."""
     cameras: AnyCameras = Field(default_factory=Cameras)
     """From where it is seen."""
+    physics: Physics | None = None
+    """How things weigh, collide and move."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -83,7 +86,11 @@ class Room(CheckedModel):
         if generated or (_source(alignment) or "objects") != "objects":
             return
         names = object_names(peek_list(alignment, "objects"))
-        for section, key in (("lights", "lamps"), ("materials", "overrides")):
+        for section, key in (
+            ("lights", "lamps"),
+            ("materials", "overrides"),
+            ("physics", "objects"),
+        ):
             entries = peek(peek(given, section), key)
             if names is None or not isinstance(entries, dict):
                 continue

@@ -1,4 +1,4 @@
-"""Lengths and angles as people write them: ``240 cm``, ``2.4 m``, ``30 deg``, or plain numbers."""
+"""Lengths, angles and masses as people write them: ``240 cm``, ``30 deg``, or plain numbers."""
 
 import math
 import re
@@ -16,6 +16,11 @@ METRES: Final[Units] = {
     "m": (1.0, 1.0),
     "in": (254.0, 10_000.0),
     "ft": (3048.0, 10_000.0),
+}
+KILOGRAMS: Final[Units] = {
+    "g": (1.0, 1000.0),
+    "kg": (1.0, 1.0),
+    "lb": (45_359_237.0, 100_000_000.0),
 }
 DEGREES: Final[Units] = {"deg": (1.0, 1.0), "°": (1.0, 1.0), "rad": (180.0, math.pi)}
 
@@ -53,6 +58,11 @@ def degrees(value: Any) -> float:
     return _quantity(value, DEGREES, "an angle", "degrees")
 
 
+def kilograms(value: Any) -> float:
+    """Read a mass: a plain number is kilograms, a string carries its unit."""
+    return _quantity(value, KILOGRAMS, "a mass", "kilograms")
+
+
 def _written(units: Units, example: str) -> Any:
     """The type that editors see: a number, or text with one of the units."""
     pattern = rf"^\s*{_NUMBER}\s*({'|'.join(units)})?\s*$"
@@ -60,9 +70,11 @@ def _written(units: Units, example: str) -> Any:
 
 
 _METRES = BeforeValidator(metres, json_schema_input_type=_written(METRES, "240 cm"))
+_KILOGRAMS = BeforeValidator(kilograms, json_schema_input_type=_written(KILOGRAMS, "12 kg"))
 _DEGREES = BeforeValidator(degrees, json_schema_input_type=_written(DEGREES, "30 deg"))
 
 Length = Annotated[float, _METRES, Field(ge=-1000, le=1000)]
 FarLength = Annotated[float, _METRES, Field(ge=-1e8, le=1e8)]
 PositiveLength = Annotated[float, _METRES, Field(gt=0, le=1000)]
 Angle = Annotated[float, _DEGREES, Field(ge=-3600, le=3600)]
+Mass = Annotated[float, _KILOGRAMS, Field(gt=0, le=100_000)]

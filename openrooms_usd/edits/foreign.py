@@ -40,8 +40,7 @@ class Foreign:
 
 def own_layers(out: Path) -> tuple[Path, ...]:
     """All layers that compose may stack, strongest first."""
-    stacked = (names.EDITS, *reversed(names.STAGES))
-    return tuple(out.resolve() / names.LAYERS / f"{name}.usda" for name in stacked)
+    return tuple(out.resolve() / names.LAYERS / f"{name}.usda" for name in names.STACK)
 
 
 def anchored(layer: Sdf.Layer, path: str) -> str:

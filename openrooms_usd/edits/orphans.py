@@ -9,6 +9,7 @@ from typing import Final, Literal, TypeAlias
 
 from pxr import Sdf, Usd, UsdGeom
 
+from openrooms_usd import names
 from openrooms_usd.edits.foreign import own_layers
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.layers import open_stage, stacked_files
@@ -69,21 +70,26 @@ def edit_layers(edits: Sdf.Layer) -> list[Sdf.Layer]:
     return list(found.values())
 
 
-def orphans_of(out: Path) -> tuple[Orphan, ...]:
+def orphans_of(out: Path, name: str = names.EDITS) -> tuple[Orphan, ...]:
     """The opinions of a composed room's edits that do nothing.
+
+    Args:
+        out: The folder that compose wrote.
+        name: The layer that is looked at: ``edits``, or another one that is no stage's.
 
     Raises:
         InputError: There is no composed room, or its edits cannot be read.
     """
     stack = own_layers(out)
-    if not stack[0].is_file():
+    layer = stack[names.STACK.index(name)]
+    if not layer.is_file():
         raise InputError(
             "no such file",
-            place=stack[0],
+            place=layer,
             remedy="name the folder that orusd compose wrote",
         )
     # The stage keeps its layer alive.
-    alone = open_stage(stack[0])
+    alone = open_stage(layer)
     edits = alone.GetRootLayer()
     if not (edits.rootPrims or edits.subLayerPaths):
         return ()

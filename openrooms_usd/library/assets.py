@@ -4,8 +4,9 @@
 
     chair_1a2b3c4d/
         chair_1a2b3c4d.usda   default prim Chair: kind, class, assetInfo, extentsHint, label
-        geometry.usdc         its payload: Geometry/<part>, Geometry/<joint>/<part> for what
-                              moves and, for foreign models, Materials/<name>
+        geometry.usdc         its payload: Geometry/<part> or, where some parts move,
+                              Geometry/Body/<part> and Geometry/<joint>/<part>; for foreign
+                              models also Materials/<name>
         textures/             the pictures of foreign models
 """
 
@@ -36,8 +37,10 @@ if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface
 
 # Part of every asset's name: raise it when the same key gives another asset without a new version.
-FORMAT: Final = 3
+FORMAT: Final = 4
 GEOMETRY: Final = "geometry.usdc"
+# The Xform below Geometry that holds the fixed parts of an object whose other parts move.
+BODY: Final = "Body"
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,10 +201,14 @@ def _write_geometry(asset: Asset, model: Model, target: Path) -> None:
 
     stage, root = _new_stage(asset)
     geometry = UsdGeom.Scope.Define(stage, root.GetPath().AppendChild("Geometry")).GetPath()
+    # What moves cannot be inside of what carries it: rigid bodies are never nested.
+    fixed = geometry.AppendChild(BODY) if model.joints else geometry
+    if model.joints:
+        UsdGeom.Xform.Define(stage, fixed)
     groups = _define_joints(stage, geometry, model)
     paths = {}
     for name, mesh in model.parts.items():
-        parent, origin = groups.get(name, (geometry, (0.0, 0.0, 0.0)))
+        parent, origin = groups.get(name, (fixed, (0.0, 0.0, 0.0)))
         paths[name] = parent.AppendChild(name)
         local = mesh.moved(-np.array(origin)) if any(origin) else mesh
         prim = define_mesh(stage, paths[name], local, double_sided=model.double_sided).GetPrim()

@@ -1,6 +1,7 @@
 """How a surface looks on the whole: the means of its pictures, which friction goes by."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,9 @@ from openrooms_usd.usd.textures import read_texture
 
 Color = tuple[float, float, float]
 Field = NDArray[np.floating]
+
+# Texels along each side that are looked at where not all of them must be.
+_SAMPLES: Final = 256
 
 
 @dataclass(frozen=True)
@@ -45,11 +49,40 @@ def appearance_of(surface: PreviewSurface) -> Appearance:
     )
 
 
-def _values(value: Texture | Color | float) -> Field:
-    """(..., 3) or (...,) what an input says, all over."""
+def texels(surface: PreviewSurface) -> tuple[Field, Field]:
+    """Base colours and roughnesses at places that lie evenly over a surface's pictures.
+
+    Args:
+        surface: Its files are absolute; its pictures cover the same square.
+
+    Returns:
+        (P, 3) and (P,).
+
+    Raises:
+        InputError: A picture cannot be read.
+    """
+    return (
+        _values(surface.base_color, evenly=True).reshape(-1, 3),
+        _values(surface.roughness, evenly=True).reshape(-1),
+    )
+
+
+def _evenly(picture: Field) -> Field:
+    """Fixed numbers of rows and columns, at the middles of a grid."""
+    rows, columns = (
+        ((np.arange(_SAMPLES) + 0.5) * size / _SAMPLES).astype(np.int64)
+        for size in picture.shape[:2]
+    )
+    found: Field = picture[rows][:, columns]
+    return found
+
+
+def _values(value: Texture | Color | float, *, evenly: bool = False) -> Field:
+    """(..., 3) or (...,) what an input says, all over or at places that lie evenly on it."""
     if not isinstance(value, Texture):
         return np.asarray(value, dtype=np.float32)
     stored = read_texture(value.file)
+    stored = _evenly(stored) if evenly else stored
     pixels = stored[..., :3] if stored.shape[-1] >= 3 else np.repeat(stored[..., :1], 3, axis=-1)
     decoded = _linear(pixels) if value.color_space == "sRGB" else pixels
     shown: Field = np.clip(decoded * value.scale[:3] + value.bias[:3], 0.0, 1.0)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pxr import Usd
 
 # Part of every fingerprint: raise it when what the stages write changes without a new version.
-FORMAT: Final = 2
+FORMAT: Final = 3
 
 
 @dataclass(frozen=True)
@@ -152,9 +152,10 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
     Raises:
         InputError: An input file is missing, or cannot be read.
     """
+    section = getattr(room, stage.name)
     parts: dict[str, Any] = {
         "format": [__version__, FORMAT, stage.name],
-        "section": getattr(room, stage.name).model_dump(mode="json"),
+        "section": section and section.model_dump(mode="json"),
         "room": [room.room, room.seed],
         "inputs": {
             name: file_digest(input_file(source, name)) for name in stage.inputs(room, source)

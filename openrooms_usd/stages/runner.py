@@ -23,6 +23,7 @@ _CLASSES: Final = {
     "materials": "MaterialsStage",
     "lights": "LightsStage",
     "cameras": "CamerasStage",
+    "physics": "PhysicsStage",
 }
 
 
@@ -166,9 +167,7 @@ def stack(draft: Draft) -> Sdf.Layer:
     layer = Sdf.Layer.CreateAnonymous(".usda")
     usd_layers.apply_metadata(layer)
     layer.subLayerPaths = [
-        f"./{names.LAYERS}/{name}.usda"
-        for name in (names.EDITS, *reversed(names.STAGES))
-        if draft.layer(name).is_file()
+        f"./{names.LAYERS}/{name}.usda" for name in names.STACK if draft.layer(name).is_file()
     ]
     layer.pseudoRoot.SetInfo("renderSettingsPrimPath", names.RENDER_SETTINGS)
     return layer
@@ -188,7 +187,7 @@ def check(draft: Draft) -> None:
     Raises:
         StageError: Something refers to what is not there.
     """
-    stack = [draft.layer(name) for name in (names.EDITS, *reversed(names.STAGES))]
+    stack = [draft.layer(name) for name in names.STACK]
     errors = composition_errors(usd_layers.stacked_files(stack))
     if errors:
         prim, text = errors[0]

@@ -28,6 +28,8 @@ RANKS = (
         "stages",
         "render",
         "convert",
+        "simulate",
+        "simulation",
         "showroom",
     ),
     ("generate",),
@@ -41,6 +43,7 @@ RANKS = (
         "capture",
         "channels",
         "draws",
+        "physics",
         "scan",
         "unpickling",
     ),
@@ -50,10 +53,20 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
-    "usd", "geometry", "scan", "channels", "capture", "render", "convert", "errors", "names",
-    "atomic", "unpickling",
+    "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
+    "errors", "names", "atomic", "unpickling",
 }  # fmt: skip
-HEAVY = {"pxr", "mitsuba", "drjit", "trimesh", "scipy", "shapely", "OpenImageIO", "embreex"}
+HEAVY = {
+    "pxr",
+    "mitsuba",
+    "drjit",
+    "trimesh",
+    "scipy",
+    "shapely",
+    "OpenImageIO",
+    "embreex",
+    "coacd",
+}
 # Imported by `orusd --help`; numpy is in because the description and the command line need none.
 INSTANT = ("cli", "description", "errors", "names", "adapters", "atomic")
 

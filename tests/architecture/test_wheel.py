@@ -12,6 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGES = {
     "openrooms_usd", "orusd_schemas", "orusd_mitsuba", "orusd_openrooms", "orusd_scans",
+    "orusd_urdf",
 }  # fmt: skip
 DATA = {
     "openrooms_usd/py.typed",
@@ -21,6 +22,7 @@ DATA = {
     "orusd_mitsuba/py.typed",
     "orusd_openrooms/py.typed",
     "orusd_scans/py.typed",
+    "orusd_urdf/py.typed",
     "orusd_schemas/py.typed",
     "orusd_schemas/generatedSchema.usda",
     "orusd_schemas/plugInfo.json",
@@ -62,7 +64,7 @@ def test_a_wheel_registers_the_command_and_the_adapters(wheel: zipfile.ZipFile) 
     points = configparser.ConfigParser()
     points.read_string(wheel.read(name).decode())
     assert dict(points["console_scripts"]) == {"orusd": "openrooms_usd.cli:main"}
-    assert {"importers", "renderers", "exporters", "datasets"} == {
+    assert {"importers", "renderers", "exporters", "datasets", "engines"} == {
         section.removeprefix("openrooms_usd.") for section in points if "openrooms_usd" in section
     }
 

@@ -14,6 +14,9 @@ SAYS = {
     "01_compose": r"cameras +written\n0 findings in scene\.usda",
     "02_read_ground_truth": r"\d{4,} pixels see a surface; .* agree within \d\.\de-0[67] m",
     "03_edit_in_usd": r"\(2\.00, 3\.85\)\n.*\n.*\(2\.30, 3\.80\)",
+    "04_push": r"carpet +60 N .* 1 ms .*\n(.*\n)+our carpet 0\.\d+: 0\.\d+ m, by Coulomb 0\.\d+ m",
+    "05_navigate": r"mean of its pixels: 0\.4\d\d\n(floor 0\.\d+ step \d: .*\n){6}",
+    "06_rearrange": r"step 0: .* \d\d cm to go\n(.*\n)*step 3: .*, \d cm to go",
 }
 
 

@@ -1,0 +1,292 @@
+"""Bullet as an engine: it loads the URDF files that the exporter writes."""
+
+import tempfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import StageError
+from openrooms_usd.geometry.quaternions import pose_of, quaternion
+from openrooms_usd.physics.world import Body, Joint, World
+from openrooms_usd.simulate import (
+    DEFAULT_FRICTION,
+    DEFAULT_TIMESTEP,
+    Energy,
+    Friction,
+    Pose,
+    Touch,
+    Velocity,
+)
+from orusd_urdf.naming import safe
+from orusd_urdf.packages import needed
+from orusd_urdf.urdf import write_bodies
+
+Array = NDArray[np.float64]
+
+# Iterations until the friction of a stack is Coulomb's; Bullet's own 50 leave books creeping.
+_ITERATIONS: Final = 200
+_RESIDUAL: Final = 1e-9
+_BASE: Final = -1
+
+
+class BulletEngine:
+    """Opens worlds in Bullet, without a window."""
+
+    def open(
+        self,
+        world: World,
+        *,
+        timestep: float = DEFAULT_TIMESTEP,
+        friction: Friction = DEFAULT_FRICTION,
+    ) -> "BulletSimulation":
+        """Write the world as URDF files to a temporary folder and load them.
+
+        Raises:
+            MissingPackageError: Bullet is not installed.
+            StageError: Bullet refuses a file.
+        """
+        bullet = needed("pybullet")
+        simulation = BulletSimulation(bullet, world, timestep)
+        with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
+            simulation.load(Path(folder), friction)
+        return simulation
+
+
+@dataclass(eq=False)
+class _Loaded:
+    """A body in Bullet.
+
+    Attributes:
+        body: As it was given.
+        number: Bullet's.
+        base_from_inertial: (4, 4) Bullet counts poses of bases in the frame of their inertia.
+        joints: Bullet's number of each joint that can move, which is that of its child too.
+        links: Bullet's number of each link.
+    """
+
+    body: Body
+    number: int
+    base_from_inertial: Array
+    joints: dict[str, int] = field(default_factory=dict)
+    links: dict[str, int] = field(default_factory=dict)
+
+
+class BulletSimulation:
+    """A world in Bullet.
+
+    Every step starts from an ordered list of contacts, and files are never cached, so that equal
+    worlds give equal bits.
+    """
+
+    def __init__(self, bullet: Any, world: World, timestep: float) -> None:
+        self.timestep = timestep
+        self._steps = 0
+        self._p = bullet
+        self._world = world
+        self._client: int = bullet.connect(bullet.DIRECT)
+        self._how = {"physicsClientId": self._client}
+        self._bodies: dict[str, _Loaded] = {}
+        self._names: dict[int, str] = {}
+        bullet.setGravity(*world.gravity.tolist(), **self._how)
+        bullet.setPhysicsEngineParameter(
+            fixedTimeStep=timestep,
+            numSolverIterations=_ITERATIONS,
+            solverResidualThreshold=_RESIDUAL,
+            minimumSolverIslandSize=1,
+            deterministicOverlappingPairs=1,
+            enableFileCaching=0,
+            **self._how,
+        )
+
+    def load(self, folder: Path, friction: Friction) -> None:
+        """Write every body as a file, load it, and leave its joints to themselves.
+
+        Args:
+            folder: Empty; nobody needs the files afterwards.
+            friction: Which coefficient of each surface counts.
+
+        Raises:
+            StageError: Bullet refuses a file.
+        """
+        files = write_bodies(self._world, folder, friction=friction)
+        for body in self._world.bodies:
+            self._load(body, files[body.name])
+
+    def _load(self, body: Body, file: Path) -> None:
+        p, at = self._p, body.world_from_body
+        # Without the features of hulls Bullet keeps them apart by a margin of 1 mm each.
+        flags = p.URDF_USE_INERTIA_FROM_FILE | p.URDF_INITIALIZE_SAT_FEATURES
+        try:
+            number = p.loadURDF(
+                str(file),
+                at[:3, 3].tolist(),
+                quaternion(at[:3, :3]).tolist(),
+                useFixedBase=body.fixed,
+                flags=flags,
+                **self._how,
+            )
+        except p.error as error:
+            raise StageError(f"Bullet refuses {body.name!r}: {error}", place=body.path) from error
+        dynamics = p.getDynamicsInfo(number, _BASE, **self._how)
+        loaded = _Loaded(body, number, pose_of(dynamics[3], dynamics[4]))
+        loaded.links[body.links[0].name] = _BASE
+        infos = [
+            p.getJointInfo(number, i, **self._how)
+            for i in range(p.getNumJoints(number, **self._how))
+        ]
+        places = {info[12].decode(): info[0] for info in infos}
+        joints = {info[1].decode(): info[0] for info in infos}
+        for link in body.links[1:]:
+            loaded.links[link.name] = places[safe(link.name)]
+        for joint in body.joints:
+            if joint.kind != "fixed":
+                loaded.joints[joint.name] = joints[safe(joint.name)]
+                self._rest(number, joints[safe(joint.name)], joint)
+        for index in range(_BASE, p.getNumJoints(number, **self._how)):
+            p.changeDynamics(number, index, linearDamping=0.0, angularDamping=0.0, **self._how)
+        self._bodies[body.name] = loaded
+        self._names[number] = body.name
+
+    def _rest(self, number: int, index: int, joint: Joint) -> None:
+        """Dry friction is a motor that holds a joint still as well as it can.
+
+        Bullet drives every joint by itself, until it is told to use no force.
+        """
+        self._p.setJointMotorControl2(
+            number, index, self._p.VELOCITY_CONTROL, 0.0, 0.0, force=joint.friction, **self._how
+        )
+
+    @property
+    def time(self) -> float:
+        """Seconds since it was opened."""
+        return self._steps * self.timestep
+
+    def step(self, seconds: float) -> None:
+        """Let time pass: the nearest whole number of steps, at least one."""
+        count = max(1, round(seconds / self.timestep))
+        for _ in range(count):
+            self._p.stepSimulation(**self._how)
+        self._steps += count
+
+    def poses(self) -> dict[str, Pose]:
+        """Where every body is."""
+        return {name: Pose(self._base(one), self._joints(one)[0]) for name, one in self._each()}
+
+    def links(self, body: str) -> dict[str, Array]:
+        """(4, 4) world_from_link of every link of a body."""
+        one = self._bodies[body]
+        found = {}
+        for name, index in one.links.items():
+            if index == _BASE:
+                found[name] = self._base(one)
+            else:
+                state = self._p.getLinkState(
+                    one.number, index, computeForwardKinematics=1, **self._how
+                )
+                found[name] = pose_of(state[4], state[5])
+        return found
+
+    def velocities(self) -> dict[str, Velocity]:
+        """How every body moves."""
+        found = {}
+        for name, one in self._each():
+            linear, angular = self._p.getBaseVelocity(one.number, **self._how)
+            found[name] = Velocity(np.array(linear), np.array(angular), self._joints(one)[1])
+        return found
+
+    def place(self, body: str, world_from_body: Array, joints: Mapping[str, float]) -> None:
+        """Put a body elsewhere, fixed or not, and stop it; joints that are not named stay."""
+        one = self._bodies[body]
+        at = world_from_body @ one.base_from_inertial
+        turn = quaternion(at[:3, :3]).tolist()
+        self._p.resetBasePositionAndOrientation(one.number, at[:3, 3].tolist(), turn, **self._how)
+        self._p.resetBaseVelocity(one.number, [0.0] * 3, [0.0] * 3, **self._how)
+        for name, value in {**self._joints(one)[0], **joints}.items():
+            self._p.resetJointState(one.number, one.joints[name], value, 0.0, **self._how)
+
+    def set_velocity(self, body: str, linear: Array, angular: Array) -> None:
+        """Set how the base of a free body moves; its joints are as they are."""
+        number = self._bodies[body].number
+        self._p.resetBaseVelocity(number, linear.tolist(), angular.tolist(), **self._how)
+
+    def drive(self, body: str, joint: str, speed: float, effort: float) -> None:
+        """Hold a joint at a speed with at most this force or torque, until told otherwise."""
+        one = self._bodies[body]
+        self._p.setJointMotorControl2(
+            one.number,
+            one.joints[joint],
+            self._p.VELOCITY_CONTROL,
+            targetVelocity=speed,
+            force=effort,
+            **self._how,
+        )
+
+    def apply_force(self, body: str, force: Array, point: Array) -> None:
+        """Pull at a point of the world, which lies on the body's base, during the next step."""
+        number = self._bodies[body].number
+        how = self._p.WORLD_FRAME
+        self._p.applyExternalForce(number, _BASE, force.tolist(), point.tolist(), how, **self._how)
+
+    def contacts(self) -> tuple[Touch, ...]:
+        """Where different bodies touch."""
+        found = self._p.getContactPoints(**self._how)
+        return tuple(
+            Touch(
+                self._names[row[1]],
+                self._names[row[2]],
+                0.5 * (np.array(row[5]) + np.array(row[6])),
+                np.array(row[7]),
+                -row[8],
+                row[9],
+            )
+            for row in found
+            if row[1] != row[2]
+        )
+
+    def energy(self) -> Energy:
+        """The energy of all that moves."""
+        kinetic = potential = 0.0
+        for _, one in self._each():
+            for index, (linear, angular, centre) in self._motions(one):
+                dynamics = self._p.getDynamicsInfo(one.number, index, **self._how)
+                mass, principal = dynamics[0], np.array(dynamics[2])
+                # About the axes of inertia, in which they are along the frame of the centre.
+                turning = centre[:3, :3].T @ angular
+                kinetic += 0.5 * (mass * float(linear @ linear) + float(principal @ turning**2))
+                potential -= mass * float(self._world.gravity @ centre[:3, 3])
+        return Energy(kinetic, potential)
+
+    def close(self) -> None:
+        """Give back what Bullet holds."""
+        self._p.disconnect(**self._how)
+
+    def _each(self) -> Iterator[tuple[str, _Loaded]]:
+        return iter(self._bodies.items())
+
+    def _base(self, one: _Loaded) -> Array:
+        at, turn = self._p.getBasePositionAndOrientation(one.number, **self._how)
+        return np.asarray(pose_of(at, turn) @ np.linalg.inv(one.base_from_inertial))
+
+    def _joints(self, one: _Loaded) -> tuple[dict[str, float], dict[str, float]]:
+        if not one.joints:
+            return {}, {}
+        states = self._p.getJointStates(one.number, list(one.joints.values()), **self._how)
+        rows = dict(zip(one.joints, states, strict=True))
+        return {n: row[0] for n, row in rows.items()}, {n: row[1] for n, row in rows.items()}
+
+    def _motions(self, one: _Loaded) -> Iterator[tuple[int, tuple[Array, Array, Array]]]:
+        """Velocity, spin and frame of the centre of mass of every link that moves."""
+        if not one.body.fixed:
+            linear, angular = self._p.getBaseVelocity(one.number, **self._how)
+            at = self._p.getBasePositionAndOrientation(one.number, **self._how)
+            yield _BASE, (np.array(linear), np.array(angular), pose_of(*at))
+        if not one.joints and one.body.fixed:
+            return
+        for index in one.links.values():
+            if index != _BASE:
+                state = self._p.getLinkState(one.number, index, 1, 1, **self._how)
+                yield index, (np.array(state[6]), np.array(state[7]), pose_of(*state[:2]))

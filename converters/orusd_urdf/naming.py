@@ -1,0 +1,47 @@
+"""Names that XML, file systems and engines all take: plain characters, each one unique."""
+
+import hashlib
+import re
+import unicodedata
+from typing import Final
+
+_FOREIGN: Final = re.compile(r"[^A-Za-z0-9_]+")
+_PLAIN: Final = re.compile(r"[A-Za-z0-9_]+")
+
+
+def plain(text: str) -> str:
+    """The same word in ASCII letters, digits and underscores; accents are dropped.
+
+    ``Fauteuil à côté`` becomes ``Fauteuil_a_cote``; what has no such letter becomes ``object``.
+    """
+    decomposed = unicodedata.normalize("NFKD", text)
+    letters = "".join(c for c in decomposed if not unicodedata.combining(c))
+    return _FOREIGN.sub("_", letters).strip("_") or "object"
+
+
+def safe(text: str) -> str:
+    """A plain name that is another one for every text: what had to be changed ends with a hash.
+
+    Nobody needs to know the other names, so that readers of the files find a thing by its name.
+    """
+    if _PLAIN.fullmatch(text):
+        return text
+    return f"{plain(text)}_{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+
+
+class Names:
+    """Gives every file a name of its own; the same things in the same order get the same ones."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+
+    def unique(self, text: str) -> str:
+        """A plain name that was not given before, whatever the case of its letters."""
+        base = plain(text)
+        name, number = base, 1
+        # Some file systems take capitals for small letters.
+        while name.lower() in self._taken:
+            number += 1
+            name = f"{base}_{number}"
+        self._taken.add(name.lower())
+        return name

@@ -1,0 +1,199 @@
+"""Bodies as the tree that MuJoCo simulates: nested bodies, joints, inertia and geoms."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePosixPath
+from typing import Final, NamedTuple
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.quaternions import quaternion
+from openrooms_usd.physics.mass import MassProperties
+from openrooms_usd.physics.world import Body, Joint, Link, Shape, Visual
+from openrooms_usd.simulate import Friction
+from orusd_urdf.assets import Assets
+from orusd_urdf.boxes import as_box
+from orusd_urdf.checking import moving_links, sturdy_inertia
+from orusd_urdf.frames import place, relative, text
+from orusd_urdf.looks import PLAIN, Look, Loss
+from orusd_urdf.naming import safe
+from orusd_urdf.robot import coefficient
+
+_KINDS: Final = {"hinge": "hinge", "rail": "slide"}
+# MuJoCo makes a tetrahedron of every mesh, also of those that it only draws.
+_FEWEST_POINTS: Final = 4
+
+
+class Surface(NamedTuple):
+    """A geom that collides.
+
+    Attributes:
+        geom: Its name.
+        body: The name of its body.
+        moves: Whether it can.
+        friction: Its coefficient.
+        bounds: (2, 3) its least and greatest corner in the world, where it stands at first.
+    """
+
+    geom: str
+    body: str
+    moves: bool
+    friction: float
+    bounds: NDArray[np.float64]
+
+
+def link_name(body: Body, link: Link) -> str:
+    """The name of a link's ``<body>``: that of its body for the base; no other has a dot."""
+    base = link.name == body.links[0].name
+    return safe(body.name) if base else f"{safe(body.name)}.{safe(link.name)}"
+
+
+def joint_name(body: Body, joint: Joint) -> str:
+    """The name of a joint."""
+    return f"{safe(body.name)}.{safe(joint.name)}"
+
+
+@dataclass
+class Tree:
+    """Builds the elements of a scene.
+
+    Attributes:
+        assets: Receives meshes and pictures.
+        looks: What materials look like, by their paths; None for nothing to look at.
+        friction: Which coefficient of each surface counts.
+        surfaces: Every geom that collides, in order.
+        prims: The prim of every body, joint and geom, by its name.
+        losses: What could not be kept.
+    """
+
+    assets: Assets
+    looks: Mapping[str, Look] | None
+    friction: Friction
+    surfaces: list[Surface] = field(default_factory=list)
+    prims: dict[str, dict[str, str]] = field(
+        default_factory=lambda: {"bodies": {}, "joints": {}, "geoms": {}}
+    )
+    losses: list[Loss] = field(default_factory=list)
+    _meshes: dict[PurePosixPath, str] = field(default_factory=dict)
+
+    def body(self, body: Body) -> Element:
+        """A body with all links below its base."""
+        elements = {link.name: self._link(body, link) for link in body.links}
+        links = {link.name: link for link in body.links}
+        base = elements[body.links[0].name]
+        _set_place(base, body.world_from_body)
+        if not body.fixed:
+            base.insert(0, Element("freejoint", name=safe(body.name)))
+        for joint in body.joints:
+            parent, child = links[joint.parent], links[joint.child]
+            _set_place(elements[child.name], relative(parent.body_from_link, child.body_from_link))
+            if joint.kind != "fixed":
+                name = joint_name(body, joint)
+                elements[child.name].insert(0, _joint(joint, name))
+                self.prims["joints"][name] = child.path
+            elements[parent.name].append(elements[child.name])
+        return base
+
+    def asset(self) -> Element:
+        """The meshes, pictures and materials of all bodies so far."""
+        element = Element("asset")
+        textures: dict[PurePosixPath, str] = {}
+        for material, look, picture in self.assets.materials:
+            values = {"name": material, "rgba": place([*look.color, look.opacity])}
+            if picture is not None:
+                values["texture"] = textures.setdefault(picture, picture.stem)
+            values |= {"roughness": place(look.roughness), "metallic": place(look.metallic)}
+            SubElement(element, "material", values)
+        for file, name in textures.items():
+            SubElement(element, "texture", name=name, type="2d", file=str(file))
+        for file, inertia in self._meshes.items():
+            SubElement(element, "mesh", name=file.stem, file=str(file), inertia=inertia)
+        return element
+
+    def _link(self, body: Body, link: Link) -> Element:
+        name = link_name(body, link)
+        self.prims["bodies"][name] = link.path
+        element = Element("body", name=name)
+        if link.mass is not None:
+            element.append(_inertial(link.mass))
+        moves = link.name in moving_links(body)
+        for shape in link.shapes:
+            geom = f"{name}.{safe(shape.name)}"
+            self.prims["geoms"][geom] = f"{link.path}/{shape.name}"
+            factor = coefficient(shape.contact, self.friction)
+            bounds = _bounds(shape, body.world_from_body @ link.body_from_link)
+            self.surfaces.append(Surface(geom, body.name, moves, factor, bounds))
+            element.append(self._collision(shape, geom, body.name, factor))
+        if self.looks is not None:
+            element.extend(self._visuals(link, name, body.name, self.looks))
+        return element
+
+    def _collision(self, shape: Shape, name: str, body: str, friction: float) -> Element:
+        element = Element("geom", {"class": "collision", "name": name})
+        box = as_box(shape.mesh)
+        if box is not None:
+            element.set("type", "box")
+            element.set("size", place(box.size / 2.0))
+            _set_place(element, box.frame)
+        else:
+            file = self.assets.collision(f"{body}_{shape.name}", shape.mesh)
+            element.set("type", "mesh")
+            element.set("mesh", self._mesh(file, "convex"))
+        element.set("friction", text(friction))
+        return element
+
+    def _visuals(
+        self, link: Link, name: str, body: str, looks: Mapping[str, Look]
+    ) -> Iterator[Element]:
+        for visual in link.visuals:
+            if len(np.unique(visual.mesh.triangles)) < _FEWEST_POINTS:
+                self.losses.append((link.path, "approximated", f"{visual.name} is one triangle"))
+                continue
+            yield self._visual(visual, f"{name}:{safe(visual.name)}", body, looks)
+
+    def _visual(self, visual: Visual, name: str, body: str, looks: Mapping[str, Look]) -> Element:
+        look = looks.get(visual.material, PLAIN)
+        file = self.assets.visual(f"{body}_{visual.name}", visual, look)
+        return Element(
+            "geom",
+            {
+                "class": "visual",
+                "name": name,
+                "mesh": self._mesh(file, "shell"),
+                "material": self.assets.material(look, visual.material),
+            },
+        )
+
+    def _mesh(self, file: PurePosixPath, inertia: str) -> str:
+        # MuJoCo wants to know the inertia of meshes that give none to anything: one that it can
+        # compute for sheets and for hulls.
+        self._meshes.setdefault(file, inertia)
+        return file.stem
+
+
+def _bounds(shape: Shape, M: NDArray[np.float64]) -> NDArray[np.float64]:
+    points = shape.mesh.points @ M[:3, :3].T + M[:3, 3]
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _joint(joint: Joint, name: str) -> Element:
+    element = Element("joint", name=name, type=_KINDS[joint.kind], axis=place(joint.axis))
+    if np.isfinite(joint.limits).all():
+        element.set("range", text(joint.limits))
+    element.set("damping", text(joint.damping))
+    element.set("frictionloss", text(joint.friction))
+    return element
+
+
+def _inertial(mass: MassProperties) -> Element:
+    tensor = sturdy_inertia(mass)
+    six = [tensor[row, column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    return Element("inertial", pos=text(mass.centre), mass=text(mass.mass), fullinertia=text(six))
+
+
+def _set_place(element: Element, frame: NDArray[np.float64]) -> None:
+    element.set("pos", place(frame[:3, 3]))
+    # MuJoCo has the real part first.
+    element.set("quat", text(np.round(np.roll(quaternion(frame[:3, :3]), 1), 15)))

@@ -1,0 +1,100 @@
+"""A stage as one flat USD file with its pictures, for engines that read UsdPhysics.
+
+Isaac Sim (PhysX) and Newton find everything with ``UsdPhysics.LoadUsdPhysicsFromRange``. PhysX
+averages coefficients unless told otherwise; here both surfaces ask to be multiplied, and have the
+root of what they are, so that a pair has the geometric mean.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
+
+from openrooms_usd import atomic, names
+from openrooms_usd.physics import pair
+from openrooms_usd.physics.world import World
+from openrooms_usd.usd import layers
+from orusd_urdf.checking import check_world
+from orusd_urdf.flattening import flattened, ordered
+from orusd_urdf.looks import Loss
+from orusd_urdf.usdfiles import gather_files
+
+SCENE: Final = "scene.usdc"
+
+# PhysX has hulls of at most so many points, and makes them smaller.
+_MOST_POINTS: Final = 64
+_PHYSX_API: Final = "PhysxMaterialAPI"
+_MODES: Final = ("physxMaterial:frictionCombineMode", "physxMaterial:restitutionCombineMode")
+
+
+def write_usdphysics(
+    stage: Usd.Stage, world: World, folder: Path, *, roots: bool = True
+) -> list[Loss]:
+    """Write a stage as ``scene.usdc`` with all files that it needs, all or nothing.
+
+    Instances stay instances. The same stage gives the same bytes.
+
+    Args:
+        stage: The composed stage, with rigid bodies; it is not changed.
+        world: What was read from it.
+        folder: It receives the scene and ``textures``.
+        roots: Whether coefficients become their roots, to be multiplied.
+
+    Returns:
+        What was lost, and what an engine will not do.
+
+    Raises:
+        StageError: The world is impossible.
+        OutputError: A file cannot be written.
+    """
+    check_world(world)
+    flat = flattened(stage)
+    losses = [*_limits(world), *_units(stage)]
+    if roots:
+        _take_roots(flat)
+    with atomic.filling(folder) as beside:
+        losses += gather_files(flat, beside)
+        layers.export(ordered(flat), beside / SCENE)
+    return losses
+
+
+def _take_roots(flat: Sdf.Layer) -> None:
+    stage = Usd.Stage.Open(flat)
+    for prim in Usd.PrimRange.Stage(stage, Usd.PrimAllPrimsPredicate):
+        if not prim.HasAPI(UsdPhysics.MaterialAPI):
+            continue
+        api = UsdPhysics.MaterialAPI(prim)
+        for attribute in (
+            api.GetStaticFrictionAttr(),
+            api.GetDynamicFrictionAttr(),
+            api.GetRestitutionAttr(),
+        ):
+            if attribute.HasAuthoredValue():
+                attribute.Set(pair.factor(attribute.Get()))
+        prim.AddAppliedSchema(_PHYSX_API)
+        for name in _MODES:
+            kind = Sdf.ValueTypeNames.Token
+            variability = Sdf.VariabilityUniform
+            prim.CreateAttribute(name, kind, False, variability).Set("multiply")
+
+
+def _limits(world: World) -> Iterator[Loss]:
+    """What PhysX does otherwise."""
+    for body in world.bodies:
+        for link in body.links:
+            for shape in link.shapes:
+                points = len(set(map(tuple, shape.mesh.points.tolist())))
+                if points > _MOST_POINTS:
+                    reason = f"PhysX keeps {_MOST_POINTS} of the {points} points of its hull"
+                    yield f"{link.path}/{shape.name}", "approximated", reason
+        for joint in body.joints:
+            if joint.friction > 0.0:
+                reason = f"UsdPhysics has no dry friction for joint {joint.name}"
+                yield body.path, "approximated", reason
+
+
+def _units(stage: Usd.Stage) -> Iterator[Loss]:
+    found = UsdGeom.GetStageMetersPerUnit(stage), UsdPhysics.GetStageKilogramsPerUnit(stage)
+    if found != (names.METERS_PER_UNIT, names.KILOGRAMS_PER_UNIT):
+        yield "/", "approximated", f"its units stay {found[0]:g} m and {found[1]:g} kg"

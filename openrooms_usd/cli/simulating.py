@@ -1,0 +1,86 @@
+"""The command ``simulate``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from openrooms_usd.cli.console import json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.simulate import Friction
+    from openrooms_usd.simulation.settling import Settled
+
+# Shown: those that have moved by more millimetres than this, and never more lines than that.
+_SHOWN_FROM = 1.0
+_SHOWN = 12
+
+
+@click.command()
+@click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path),
+    help="The layer to write; of a composed room by default layers/settled.usda.",
+)  # fmt: skip
+@click.option("--engine", default="pybullet", show_default=True, help="pybullet or mujoco.")
+@click.option("--seconds", type=float, default=2.0, show_default=True, help="How long.")
+@click.option(
+    "--timestep", type=float, default=0.002, show_default=True, help="Seconds of one step."
+)
+@click.option(
+    "--friction",
+    type=click.Choice(["static", "dynamic"]),
+    default="static",
+    show_default=True,
+    help="Which coefficient of each surface counts.",
+)
+@click.option("--look", metavar="NAME", help="Of every object that has it, for its friction.")
+@json_option
+def simulate(
+    stage: Path,
+    out: Path | None,
+    engine: str,
+    seconds: float,
+    timestep: float,
+    friction: "Friction",
+    look: str | None,
+    as_json: bool,
+) -> None:
+    """Let a room settle, and write where everything came to rest as a layer.
+
+    The layer lies above the stages and below the edits. Every run starts from the room as it is
+    described; delete the layer and compose again to go back to that.
+    """
+    from openrooms_usd.simulation.settling import settle
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        settled = settle(
+            stage,
+            engine=engine,
+            seconds=seconds,
+            out=out,
+            timestep=timestep,
+            friction=friction,
+            look=look,
+        )
+    if as_json:
+        print_json({"stage": str(stage), **settled.as_dict()})
+    else:
+        _print(settled)
+
+
+def _print(settled: "Settled") -> None:
+    farthest = [row for row in settled.moved if row.millimetres >= _SHOWN_FROM]
+    for row in farthest[:_SHOWN]:
+        click.echo(f"{row.body:<24} {row.millimetres:8.1f} mm {row.degrees:7.2f} deg")
+    if len(farthest) > _SHOWN:
+        click.echo(f"and {len(farthest) - _SHOWN} others by at least {_SHOWN_FROM:g} mm")
+    for path in settled.held:
+        click.echo(f"{path} stays where a stronger layer has it", err=True)
+    most = settled.moved[0].millimetres if settled.moved else 0.0
+    click.echo(
+        f"{len(settled.moved)} things that can move, by at most {most:.1f} mm "
+        f"after {settled.seconds:g} s in {settled.engine}"
+    )
+    click.echo(f"wrote {settled.out}")

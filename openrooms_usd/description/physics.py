@@ -1,0 +1,40 @@
+"""The ``physics`` section: what things weigh, how they collide, and which of them move."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from openrooms_usd.description.model import Model, Number
+from openrooms_usd.description.units import Length, Mass
+
+Shapes = Literal["parts", "auto", "coacd", "vhacd", "hull", "box"]
+Motion = Literal["movable", "fixed"]
+Friction = Annotated[Number, Field(ge=0, le=10)]
+
+
+class PhysicsObject(Model):
+    """What is known of one object."""
+
+    body: Motion | None = None
+    """Whether it can be moved; by default all but what is built in, or hangs."""
+    mass: Mass | None = None
+    """Of the whole object, moving parts included; by default from its volume and materials."""
+    shapes: Shapes | None = None
+    """How its collision shapes are made; by default as for all."""
+    friction: Friction | None = None
+    """Static coefficient of all of it; by default that of each part's material."""
+
+
+class Physics(Model):
+    """How things weigh, collide and move."""
+
+    shapes: Shapes = "parts"
+    """How collision shapes are made: a convex hull of each connected piece, and several where one
+    is off by more than the tolerance; or the fewest within the tolerance, which takes long; convex
+    decomposition by CoACD or V-HACD; one convex hull a part, or one box a part."""
+    tolerance: Annotated[Length, Field(gt=0, le=1)] = 0.01
+    """How far a collision shape may lie from what is seen."""
+    gravity: Annotated[Number, Field(ge=0, le=100)] = 9.81
+    """Downwards, m/s2."""
+    objects: dict[str, PhysicsObject] = Field(default_factory=dict)
+    """By the object's name; objects that are not listed take their defaults."""

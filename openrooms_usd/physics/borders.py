@@ -1,0 +1,157 @@
+"""Which triangles hang together, how they must be turned to agree, and what closes their holes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Neighbours:
+    """Pairs of triangles that share an edge.
+
+    Attributes:
+        first: (P,) triangles.
+        second: (P,) triangles.
+        manifold: (P,) whether no third triangle has that edge.
+        against: (P,) whether both run along it in one direction: one of them is turned.
+    """
+
+    first: Ints
+    second: Ints
+    manifold: Bools
+    against: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class Lids:
+    """Triangles that close the holes of components.
+
+    Attributes:
+        corners: (L, 3, 3) wound as their component is.
+        labels: (L,) their components.
+        openings: (K,) area of the holes of each component, m2.
+    """
+
+    corners: Array
+    labels: Ints
+    openings: Array
+
+
+def neighbours(faces: Ints) -> Neighbours:
+    """The pairs of (M, 3) triangles that share an edge."""
+    ends, face = _edges(faces), np.repeat(np.arange(len(faces)), 3)
+    forward = ends[:, 0] < ends[:, 1]
+    low, high = np.sort(ends, axis=1).T
+    keys = low << 32 | high
+    order = np.argsort(keys, kind="stable")
+    face, forward, same = face[order], forward[order], np.diff(keys[order]) == 0
+    shared, at = np.concatenate([[False], same, [False]]), np.flatnonzero(same)
+    return Neighbours(
+        face[at], face[at + 1], ~shared[at] & ~shared[at + 2], forward[at] == forward[at + 1]
+    )
+
+
+def components(faces: Ints) -> tuple[Ints, Bools, Bools]:
+    """Parts of a mesh that hang together by edges.
+
+    Two copies of each triangle, as it is and turned, are joined where they agree along an edge. A
+    component that can be wound alike falls into two copies; one that cannot, such as a Moebius
+    strip, stays as it is.
+
+    Returns:
+        (M,) the component of each triangle, (M,) whether it must be turned to agree with the others
+        of its component, and (K,) the components that have but one side.
+    """
+    pairs, count = neighbours(faces), len(faces)
+    labels = joined(count, pairs.first, pairs.second)
+    if not (pairs.against & pairs.manifold).any():
+        return labels, np.zeros(count, dtype=np.bool_), np.zeros(labels.max() + 1, dtype=np.bool_)
+    first, second, against = (
+        array[pairs.manifold] for array in (pairs.first, pairs.second, pairs.against)
+    )
+    copies = joined(
+        2 * count,
+        np.concatenate([first, first + count]),
+        np.concatenate([second + count * against, second + count * ~against]),
+    )
+    one_sided = np.bincount(labels, copies[:count] == copies[count:]) > 0
+    return labels, _fewer(labels, copies[:count] > copies[count:]), one_sided
+
+
+def lids(points: Array, faces: Ints, labels: Ints, count: int) -> Lids:
+    """Fans that close the holes of ``count`` components.
+
+    What edges are left without their opposite is a closed chain. Each connected piece of it is
+    closed by a fan about its mean; that of a crack between triangles has no area.
+    """
+    owners, starts, stops = _open_edges(faces, labels)
+    if not len(owners):
+        return Lids(np.zeros((0, 3, 3)), owners, np.zeros(count))
+    ends = np.concatenate([owners * len(points) + starts, owners * len(points) + stops])
+    nodes = np.unique(ends, return_inverse=True)[1]
+    pieces = joined(int(nodes.max()) + 1, *nodes.reshape(2, -1))[nodes[: len(owners)]]
+    loops = np.unique(pieces, return_inverse=True)[1]
+    number = int(loops.max()) + 1
+    means = _sums(loops, points[starts], number) / np.bincount(loops)[:, None]
+    fans = np.stack([means[loops], points[stops], points[starts]], axis=1)
+    areas = np.linalg.norm(_sums(loops, vector_areas(fans), number), axis=1)
+    owner = np.zeros(number, dtype=np.int64)
+    owner[loops] = owners
+    return Lids(fans, owners, sums(owner, areas, count))
+
+
+def joined(size: int, first: Ints, second: Ints) -> Ints:
+    """(size,) the connected component of each node of a graph."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    links = np.ones(len(first), dtype=np.int8)
+    graph = coo_array((links, (first, second)), shape=(size, size))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def sums(labels: Ints, values: Array, count: int) -> Array:
+    """(count,) the sum of the values of each label."""
+    return np.asarray(np.bincount(labels, values, minlength=count), dtype=np.float64)
+
+
+def vector_areas(corners: Array) -> Array:
+    """(M, 3) normals of (M, 3, 3) triangles that are as long as their areas, m2."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return np.asarray(0.5 * np.cross(b - a, c - a))
+
+
+def _sums(labels: Ints, vectors: Array, count: int) -> Array:
+    return np.stack([sums(labels, vectors[:, axis], count) for axis in range(3)], axis=1)
+
+
+def _edges(faces: Ints) -> Ints:
+    """(3 M, 2) the directed edges of triangles, three rows for each."""
+    return np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
+
+
+def _fewer(labels: Ints, turned: Bools) -> Bools:
+    """The same choice or its opposite in each component: what turns the fewer triangles."""
+    share = np.bincount(labels, turned) / np.bincount(labels)
+    return np.asarray(turned ^ (share > 0.5)[labels])
+
+
+def _open_edges(faces: Ints, labels: Ints) -> tuple[Ints, Ints, Ints]:
+    """The components, starts and stops of the edges that have no opposite in their component."""
+    ends = _edges(faces)
+    low, high = np.sort(ends, axis=1).T
+    # Components share no edges, so an edge is known by its points.
+    _, first, at = np.unique(low << 32 | high, return_index=True, return_inverse=True)
+    signs = np.where(ends[:, 0] < ends[:, 1], 1, -1)
+    net = np.bincount(at, signs, minlength=len(first)).astype(np.int64)
+    rows, net = np.repeat(first, abs(net)), np.repeat(net, abs(net))
+    starts, stops = (
+        np.where(net > 0, low[rows], high[rows]),
+        np.where(net > 0, high[rows], low[rows]),
+    )
+    return labels[rows // 3], starts, stops

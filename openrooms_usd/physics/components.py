@@ -1,0 +1,127 @@
+"""Triangles made sound: welded, without repeats, parted into what hangs together."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.triangulation import has_area
+from openrooms_usd.physics.hulls import finite_points
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+# Corners closer than this are one, metres.
+WELD: Final = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A named surface of one contact material.
+
+    Attributes:
+        name: What it is called, for people and for files.
+        points: (N, 3) metres, in the frame of its link.
+        triangles: (M, 3) rows of ``points``.
+        contact: Which contact material it has; shapes never mix two.
+    """
+
+    name: str
+    points: Array
+    triangles: Ints
+    contact: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """Triangles that hang together.
+
+    Attributes:
+        corners: (M, 3, 3) metres; counter-clockwise seen from outside where it is closed.
+        contact: Its part's contact material.
+        part: Its part's name.
+        closed: Whether it has an inside: every edge is run along once in either direction.
+    """
+
+    corners: Array
+    contact: str
+    part: str
+    closed: bool
+
+
+def components(parts: Sequence[Part]) -> list[Component]:
+    """The connected components of some parts, in their order; equal ones once.
+
+    Raises:
+        InputError: A part has a coordinate that is not finite or a row that does not exist, or
+            nothing has an area.
+    """
+    found: dict[bytes, Component] = {}
+    for part in parts:
+        for component in _components(part):
+            # Duplicates are told by their corners, whatever the order of the triangles.
+            rows = np.round(component.corners.reshape(-1, 9) / WELD).astype(np.int64)
+            key = rows[np.lexsort(rows.T)].tobytes() + part.contact.encode()
+            found.setdefault(key, component)
+    if not found:
+        raise InputError(
+            "there is nothing to make collision shapes of: no triangle has an area",
+            place=", ".join(part.name for part in parts[:3]) or None,
+        )
+    return list(found.values())
+
+
+def _components(part: Part) -> Iterator[Component]:
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    points, triangles = _welded(part)
+    if not len(triangles):
+        return
+    starts, ends = triangles[:, [0, 0]].ravel(), triangles[:, [1, 2]].ravel()
+    graph = coo_matrix((np.ones(len(starts)), (starts, ends)), shape=(len(points),) * 2)
+    label = connected_components(graph, directed=False)[1][triangles[:, 0]]
+    order = np.argsort(label, kind="stable")
+    sizes = np.unique(label, return_counts=True)[1]
+    for rows in np.split(order, np.cumsum(sizes)[:-1]):
+        closed = _is_closed(triangles[rows])
+        corners = points[triangles[rows]]
+        if closed and _signed_volume(corners) < 0.0:
+            corners = corners[:, ::-1]
+        yield Component(corners, part.contact, part.name, closed)
+
+
+def _welded(part: Part) -> tuple[Array, NDArray[np.int64]]:
+    """Points without duplicates, and the triangles that have an area, each once."""
+    triangles = np.asarray(part.triangles, dtype=np.int64).reshape(-1, 3)
+    if not len(triangles):
+        return np.empty((0, 3)), triangles
+    try:
+        points = finite_points(part.points)
+    except InputError as error:
+        raise InputError(error.message, place=part.name, remedy=error.remedy) from error
+    if triangles.min() < 0 or triangles.max() >= len(points):
+        raise InputError("a triangle refers to a point that does not exist", place=part.name)
+    # Relative to their own place: far from the origin the grid would be coarse.
+    grid = np.round((points - points.min(axis=0)) / WELD)
+    _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+    points, triangles = points[first], inverse.reshape(-1)[triangles]
+    triangles = triangles[has_area(points[triangles])]
+    _, once = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    return points, triangles[np.sort(once)]
+
+
+def _is_closed(triangles: NDArray[np.int64]) -> bool:
+    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    width = int(edges.max()) + 1
+    forward = np.sort(edges[:, 0] * width + edges[:, 1])
+    backward = np.sort(edges[:, 1] * width + edges[:, 0])
+    return bool((np.diff(forward) > 0).all() and np.array_equal(forward, backward))
+
+
+def _signed_volume(corners: Array) -> float:
+    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)))

@@ -1,0 +1,205 @@
+"""Convex decomposition by planes: a piece that its hull is too coarse for is cut in two.
+
+Each cut is the plane that leaves the least volume in the hulls of both sides, of those through
+faces of the piece and some between. Only surfaces are cut and no caps are needed: the hull of what
+lies on one side of a plane is the hull of the solid there. So open sheets are cut as solids are.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.triangulation import has_area
+
+Array = NDArray[np.float64]
+
+# Judges the hulls of pieces: how far each is off, infinite where that is too far.
+Judge = Callable[[Sequence[Array]], Sequence[float]]
+
+# Where a piece is tried between its ends, as shares of its length.
+SHARES: Final = (0.25, 0.5, 0.75)
+# How many planes through faces are tried along an axis.
+FACES: Final = 4
+# What a wholly uneven cut costs, as a share of the volume that there is.
+EVENNESS: Final = 0.03
+# Corners this close to a plane are in it, metres.
+ON_PLANE: Final = 1e-7
+# What a cut along a principal axis costs: cuts along the frame's axes leave boxes.
+SLANTED: Final = 0.05
+# Faces this close are in one plane, metres.
+GRID: Final = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Cutting:
+    """A piece of a surface.
+
+    Attributes:
+        corners: (M, 3, 3) its triangles, metres.
+        source: The row of the surface that it was cut from.
+        bound: How far its hull is off at most, metres.
+    """
+
+    corners: Array
+    source: int
+    bound: float = np.inf
+
+
+def cut(surfaces: Sequence[Array], accepts: Judge, least: float, most: int) -> list[Cutting]:
+    """Cut surfaces until their hulls are accepted.
+
+    Args:
+        surfaces: (M, 3, 3) triangles of each, metres.
+        accepts: Told all new pieces of a round at once.
+        least: Pieces are not cut across sides that are shorter, metres.
+        most: No piece is cut once there are so many.
+
+    Returns:
+        What is left, in the order of the surfaces.
+    """
+    done: list[Cutting] = []
+    left = [Cutting(corners, source) for source, corners in enumerate(surfaces)]
+    while left:
+        bounds = accepts([piece.corners for piece in left])
+        judged = [replace(piece, bound=b) for piece, b in zip(left, bounds, strict=True)]
+        done += [piece for piece in judged if piece.bound < np.inf]
+        coarse = [piece for piece in judged if piece.bound == np.inf]
+        left = []
+        # The largest first, as long as there may be more.
+        coarse.sort(key=lambda piece: -float(np.ptp(piece.corners.reshape(-1, 3), axis=0).max()))
+        for k, piece in enumerate(coarse):
+            waiting = len(coarse) - k - 1
+            room = most - len(done) - len(left) - waiting
+            halves = _halves(piece.corners, least) if room >= 2 else None
+            if halves is None:
+                done.append(piece)
+            else:
+                left += [Cutting(half, piece.source) for half in halves]
+    return sorted(done, key=lambda piece: piece.source)
+
+
+def clipped(corners: Array, heights: Array) -> Array:
+    """The parts of triangles that lie where a linear function is not negative.
+
+    Args:
+        corners: (M, 3, 3) metres.
+        heights: (M, 3) the function at each corner.
+
+    Returns:
+        (K, 3, 3) triangles with the windings of those they are of.
+    """
+    # What lies in the plane bounds one of the sides, and the others' corners say so there.
+    there = heights.max(axis=1) > 0.0
+    corners, heights = corners[there], heights[there]
+    above = heights >= 0.0
+    number = above.sum(axis=1)
+    kept = [corners[number == 3]]
+    for count in (1, 2):
+        chosen = number == count
+        # The corner that is alone on its side comes first.
+        alone = above[chosen] if count == 1 else ~above[chosen]
+        turn = (alone.argmax(axis=1)[:, None] + np.arange(3)) % 3
+        h = np.take_along_axis(heights[chosen], turn, axis=1)
+        a, b, c = np.moveaxis(np.take_along_axis(corners[chosen], turn[:, :, None], axis=1), 1, 0)
+        ab = a + (h[:, 0] / (h[:, 0] - h[:, 1]))[:, None] * (b - a)
+        ac = a + (h[:, 0] / (h[:, 0] - h[:, 2]))[:, None] * (c - a)
+        if count == 1:
+            kept.append(np.stack([a, ab, ac], axis=1))
+        else:
+            kept += [np.stack([ab, b, c], axis=1), np.stack([ab, c, ac], axis=1)]
+    return np.concatenate(kept)
+
+
+def _halves(piece: Array, least: float) -> list[Array] | None:
+    """Both sides of the best plane; None where the piece is too small to be cut."""
+    plane = _best_plane(piece, least)
+    if plane is None:
+        return None
+    heights = piece @ plane[:3] + plane[3]
+    # Corners on the plane belong to both sides.
+    heights[np.abs(heights) < ON_PLANE] = 0.0
+    sides = [_with_area(clipped(piece, heights)), _with_area(clipped(piece, -heights))]
+    return sides if all(len(side) for side in sides) else None
+
+
+def _best_plane(piece: Array, least: float) -> Array | None:
+    points, rows = np.unique(piece.reshape(-1, 3), axis=0, return_inverse=True)
+    edges = rows.reshape(-1, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    edges = np.unique(np.sort(edges, axis=1), axis=0)
+    normals = np.cross(piece[:, 1] - piece[:, 0], piece[:, 2] - piece[:, 0])
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    best, plane = np.inf, None
+    for axis, shares in _axes(points):
+        surcharge = 0.0 if len(shares) > 1 else SLANTED
+        along = points @ axis
+        low, high = float(along.min()), float(along.max())
+        if high - low < least:
+            continue
+        offsets = [low + share * (high - low) for share in shares]
+        if len(shares) > 1:
+            offsets += _faces(piece, normals, axis, low, high)
+        for offset in offsets:
+            heights = along - offset
+            heights[np.abs(heights) < ON_PLANE] = 0.0
+            volumes = _volumes(points, edges, heights)
+            uneven = abs(2.0 * offset - low - high) / (high - low)
+            # Flat pieces have no volume: the longest side is halved.
+            cost = sum(volumes) * (1.0 + EVENNESS * uneven + surcharge) - 1e-9 * size * size * (
+                high - low
+            )
+            if cost < best:
+                best, plane = cost, np.append(axis, -offset)
+    return plane
+
+
+def _axes(points: Array) -> list[tuple[Array, tuple[float, ...]]]:
+    """The axes of the frame, tried at several places, and the principal ones, in the middle."""
+    centred = points - points.mean(axis=0)
+    principal = np.linalg.eigh(centred.T @ centred)[1].T
+    return [(axis, SHARES) for axis in np.eye(3)] + [(axis, (0.5,)) for axis in principal]
+
+
+def _faces(piece: Array, normals: Array, axis: Array, low: float, high: float) -> list[float]:
+    """Where the most area lies square to an axis, inside the piece."""
+    square = np.abs(normals @ axis) > 0.999 * np.linalg.norm(normals, axis=1)
+    places = piece[square].mean(axis=1) @ axis
+    inner = (places > low + GRID) & (places < high - GRID)
+    if not inner.any():
+        return []
+    of = np.unique(np.round(places[inner] / GRID), return_inverse=True)[1].reshape(-1)
+    areas = np.bincount(of, weights=np.linalg.norm(normals[square][inner], axis=1))
+    chosen = np.argsort(-areas, kind="stable")[:FACES]
+    first = [np.flatnonzero(of == k)[0] for k in chosen]
+    return [float(places[inner][row]) for row in first]
+
+
+def _volumes(points: Array, edges: NDArray[np.int64], heights: Array) -> tuple[float, float]:
+    """The volumes of the hulls of both sides."""
+    start, end = heights[edges[:, 0]], heights[edges[:, 1]]
+    crossing = start * end < 0.0
+    share = (start[crossing] / (start[crossing] - end[crossing]))[:, None]
+    a, b = points[edges[crossing, 0]], points[edges[crossing, 1]]
+    between = a + share * (b - a)
+    volumes = []
+    for side in (heights, -heights):
+        # A corner in the plane is of the side that an edge leads to.
+        kept = side > 0.0
+        kept[edges[kept[edges].any(axis=1) & (side[edges] >= 0.0).all(axis=1)]] = True
+        volumes.append(_hull_volume(np.concatenate([points[kept], between])))
+    return volumes[0], volumes[1]
+
+
+def _hull_volume(points: Array) -> float:
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return float(ConvexHull(points).volume) if len(points) > 3 else 0.0
+    except QhullError:
+        return 0.0
+
+
+def _with_area(corners: Array) -> Array:
+    return corners[has_area(corners)]

@@ -1,0 +1,252 @@
+"""A thing as what it fills: closed components have an inside, open sheets have none."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.physics.components import Component
+from openrooms_usd.physics.surfaces import Surface, balls, halved, squared_distances
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+# Planes times corners up to which a component is asked whether it is convex.
+CHUNK: Final = 1 << 20
+# Triangles that are bounded at once, and how often, while the farthest point is searched.
+BUDGET: Final = 3_000
+ROUNDS: Final = 40
+# Triangles of one group that may be undecided before its limit is taken as exceeded.
+BUDGET_OF_ONE: Final = 400
+# Triangles of a convex component up to which distances to all of it are asked for.
+FEW_FACES: Final = 64
+# Points that lie less deep than this are on the surface, metres.
+SKIN: Final = 1e-6
+# Components whose corners lie no farther in front of any of their triangles are convex, metres.
+CONVEX: Final = 1e-4
+# Rays that ask for the inside: no furniture has faces or edges along them.
+DIRECTIONS: Final = np.array([[0.41, 0.23, 0.88], [-0.67, 0.53, -0.52], [0.19, -0.94, 0.28]])
+
+
+class Solid:
+    """What some components fill together; they may overlap and touch.
+
+    Args:
+        components: At least one.
+    """
+
+    def __init__(self, components: Sequence[Component]) -> None:
+        self.components = tuple(components)
+        self._closed = [c.corners for c in self.components if c.closed]
+        self._contacts = [c.contact for c in self.components if c.closed]
+        self._low = np.array([c.min(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
+        self._high = np.array([c.max(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
+        self._surfaces: dict[str | None, tuple[Surface, Rows]] = {}
+        self._casters: dict[int, RayCaster] = {}
+        self._planes = [_planes_if_convex(corners) for corners in self._closed]
+
+    def surface(self, contact: str | None = None) -> Surface:
+        """All its triangles, or those of one contact material."""
+        return self._owned(contact)[0]
+
+    def _owned(self, contact: str | None) -> tuple[Surface, Rows]:
+        """A surface, and the closed component that each of its triangles is of; -1 for none."""
+        if contact is not None and all(c.contact == contact for c in self.components):
+            contact = None
+        if contact not in self._surfaces:
+            number = np.cumsum([c.closed for c in self.components]) - 1
+            mine = [k for k, c in enumerate(self.components) if contact in (None, c.contact)]
+            owners = [number[k] if self.components[k].closed else -1 for k in mine]
+            sizes = [len(self.components[k].corners) for k in mine]
+            surface = Surface(np.concatenate([self.components[k].corners for k in mine]))
+            self._surfaces[contact] = surface, np.repeat(owners, sizes)
+        return self._surfaces[contact]
+
+    def inside(self, points: Array, contact: str | None = None) -> Bools:
+        """(N,) whether points (N, 3) lie in a closed component, of a contact material or of any."""
+        found = np.zeros(len(points), dtype=np.bool_)
+        low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
+        near = ((self._low <= high) & (self._high >= low)).all(axis=1)
+        for k in np.flatnonzero(near):
+            if contact not in (None, self._contacts[k]):
+                continue
+            within = ((points >= self._low[k]) & (points <= self._high[k])).all(axis=1)
+            rows = np.flatnonzero(within & ~found)
+            if len(rows):
+                found[rows] = self._in_one(int(k), points[rows])
+        return found
+
+    def _buried(self, centres: Array, radii: Array) -> tuple[Bools, Bools]:
+        """Whether balls have their centres, and whether they lie wholly, beneath the surface."""
+        buried = self.inside(centres)
+        depth = self.surface().nearest(centres, np.inf)
+        return buried & (depth.distance > SKIN), buried & (depth.least > radii)
+
+    def _swallows(self, corners: Array, contact: str | None) -> Bools:
+        """(M,) whether all corners of a triangle lie in one convex component, hence all of it.
+
+        With a contact material only its components count: what lies flush with another one is not
+        inside, and there it matters whose surface it is.
+        """
+        found = np.zeros(len(corners), dtype=np.bool_)
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        for k, planes in enumerate(self._planes):
+            if planes is None or contact not in (None, self._contacts[k]):
+                continue
+            within = (low >= self._low[k] - SKIN) & (high <= self._high[k] + SKIN)
+            rows = np.flatnonzero(within.all(axis=1) & ~found)
+            if len(rows):
+                ends = corners[rows].reshape(-1, 3)
+                inside = (ends @ planes[:, :3].T + planes[:, 3] <= SKIN).all(axis=1)
+                found[rows] = inside.reshape(-1, 3).all(axis=1)
+        return found
+
+    def _off_convex(self, corners: Array, owners: Rows) -> Array:
+        """(M,) how far triangles reach outside the components nearest to them, where convex.
+
+        The distance to a convex set is a convex function, hence greatest at a corner.
+        """
+        found = np.full(len(corners), np.inf)
+        for k in np.unique(owners[owners >= 0]):
+            if self._planes[k] is None or len(self._closed[k]) > FEW_FACES:
+                continue
+            rows = np.flatnonzero(owners == k)
+            ends = corners[rows].reshape(-1, 3)
+            squared = squared_distances(ends[:, None], self._closed[k]).min(axis=1)
+            squared[self._in_one(int(k), ends)] = 0.0
+            found[rows] = np.sqrt(squared.reshape(-1, 3).max(axis=1))
+        return found
+
+    def _in_one(self, k: int, points: Array) -> Bools:
+        planes = self._planes[k]
+        if planes is not None:
+            return np.asarray((points @ planes[:, :3].T + planes[:, 3] < -SKIN).all(axis=1))
+        if k not in self._casters:
+            self._casters[k] = RayCaster(
+                self._closed[k].reshape(-1, 3), np.arange(3 * len(self._closed[k])).reshape(-1, 3)
+            )
+        return _enclosed(points, self._casters[k])
+
+    def within(
+        self, corners: Array, groups: Rows, limits: Array, resolution: float, contact: str
+    ) -> Array:
+        """How far groups of triangles reach outside the solid, where none does so too far.
+
+        A distance changes by no more than the way between two points, and the distance to one
+        triangle is a convex function. So a triangle's centre and corners bound it everywhere, and
+        triangles are halved until the bounds decide.
+
+        Args:
+            corners: (M, 3, 3) triangles, metres.
+            groups: (M,) the group of each, from 0 on.
+            limits: (M,) how far each may, metres.
+            resolution: Triangles of this size are decided by their centres where their limit is
+                no greater, and otherwise taken as exceeding it, metres.
+            contact: What is not inside counts by its distance to surfaces of this contact material.
+
+        Returns:
+            (G,) upper bounds, metres; inf where a limit is, or may be, exceeded. They hold for
+            certain; what is taken as exceeded may rarely not be.
+        """
+        upper = np.zeros(int(groups.max(initial=-1)) + 1)
+        widest = limits.max(initial=0.0)
+        while len(corners):
+            most, least = self._bounds(corners, limits, contact, exact=False)
+            small = balls(corners)[1] < resolution
+            # Nothing stands in what is narrower than that.
+            fine = (most <= limits) | (small & (least <= limits) & (most <= widest))
+            np.maximum.at(upper, groups[fine], most[fine])
+            upper[groups[(least > limits) | (small & ~fine)]] = np.inf
+            upper[np.bincount(groups[~fine], minlength=len(upper)) > BUDGET_OF_ONE] = np.inf
+            left = ~fine & np.isfinite(upper)[groups]
+            corners, groups = halved(corners[left]), np.repeat(groups[left], 2)
+            limits = np.repeat(limits[left], 2)
+        return upper
+
+    def greatest(self, corners: Array, resolution: float) -> tuple[float, float]:
+        """Between which numbers the farthest lies that triangles reach outside the solid.
+
+        By the bounds of `within`; the triangles that may reach farthest are halved first.
+
+        Args:
+            corners: (M, 3, 3) triangles, metres.
+            resolution: How close the bounds shall be, metres; they are not after `ROUNDS` rounds.
+        """
+        lower, upper = 0.0, 0.0
+        most = np.full(len(corners), np.inf)
+        for _ in range(ROUNDS):
+            first = np.argsort(-most, kind="stable")[:BUDGET]
+            rest = np.setdiff1d(np.arange(len(most)), first)
+            chosen = corners[first]
+            found, least = self._bounds(
+                chosen, np.full(len(first), lower + resolution), None, exact=True
+            )
+            lower = max(lower, float(least.max()))
+            found = np.minimum(found, most[first])
+            upper = max(upper, float(np.minimum(found, lower + resolution).max()))
+            most = np.concatenate([most[rest], np.repeat(found, 2)])
+            corners = np.concatenate([corners[rest], halved(chosen)])
+            open_ = most > lower + resolution
+            corners, most = corners[open_], most[open_]
+            if not len(most):
+                break
+        return lower, max(upper, lower, float(most.max(initial=0.0)))
+
+    def _bounds(
+        self, corners: Array, floor: Array, contact: str | None, exact: bool
+    ) -> tuple[Array, Array]:
+        """(M,) upper and (M,) lower bounds of each triangle; loose where both are below a floor."""
+        surface, owners = self._owned(contact)
+        centres, radii = balls(corners)
+        nearest = surface.nearest(centres, floor) if exact else surface.near(centres)
+        target = surface.corners[nearest.triangle]
+        ends = np.sqrt(squared_distances(corners, target[:, None]).max(axis=1))
+        most = np.minimum(nearest.distance + radii, ends)
+        known = nearest.least if exact else nearest.distance
+        least = np.where(known > floor, known, 0.0)
+        owner = owners[nearest.triangle]
+        # The inside matters only where the surface is too far to settle it.
+        asked = np.flatnonzero(most > floor)
+        alike = surface is self.surface()
+        swallowed = asked[self._swallows(corners[asked], None if alike else contact)]
+        most[swallowed] = least[swallowed] = 0.0
+        asked = asked[most[asked] > floor[asked]]
+        most[asked] = np.minimum(most[asked], self._off_convex(corners[asked], owner[asked]))
+        asked = asked[most[asked] > floor[asked]]
+        own = asked[self.inside(centres[asked], None if alike else contact)]
+        most[own] = np.minimum(most[own], np.maximum(radii[own] - nearest.least[own], 0.0))
+        least[own] = 0.0
+        if not alike:
+            rest = np.setdiff1d(asked[most[asked] > floor[asked]], own)
+            buried, whole = self._buried(centres[rest], radii[rest])
+            least[rest[buried]] = 0.0
+            most[rest[whole]] = 0.0
+        return most, least
+
+
+def _enclosed(points: Array, caster: RayCaster) -> Bools:
+    """(N,) whether most rays meet the surface of a closed component from within first."""
+    votes = np.zeros(len(points), dtype=np.int64)
+    for direction in DIRECTIONS:
+        hits = caster.first_hit(points, np.broadcast_to(direction, points.shape))
+        votes += hits.hit & (caster.normals[hits.triangle] @ direction > 0.0)
+    return votes * 2 > len(DIRECTIONS)
+
+
+def _planes_if_convex(corners: Array) -> Array | None:
+    """(F, 4) the planes of a closed component's triangles where no corner is in front of one."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    # The planes of slivers are noise.
+    sound = lengths > 1e-4 * lengths.max()
+    normals = normals[sound] / lengths[sound, None]
+    planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, a[sound])])
+    planes = np.unique(np.round(planes, 9), axis=0)
+    points = np.unique(corners.reshape(-1, 3), axis=0)
+    if len(planes) * len(points) > 4 * CHUNK:
+        return None
+    return planes if (points @ planes[:, :3].T + planes[:, 3]).max() < CONVEX else None

@@ -1,0 +1,1 @@
+"""What is done with simulations: rooms settle, robots drive and see; knows engines by contract."""

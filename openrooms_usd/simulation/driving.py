@@ -1,0 +1,109 @@
+"""Driving a robot on two wheels by the actions of the OpenRooms paper."""
+
+from dataclasses import dataclass
+from math import atan2, hypot, pi
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.simulate import Simulation
+from openrooms_usd.simulation.robots import LEFT, RIGHT, WHEEL_DISTANCE, WHEEL_RADIUS
+
+Array = NDArray[np.float64]
+
+# Radians a second that wheels turn at most and at least, and how fast what is left of a turn is
+# taken up, 1/s.
+_FASTEST: Final = 8.0
+_SLOWEST: Final = 0.2
+_EAGER: Final = 3.0
+# Newton metres of each motor, and radians a second that a wheel may gain in one: a gentle start, in
+# which wheels do not slip.
+_EFFORT: Final = 1.0
+_GAIN: Final = 20.0
+_CONTROL: Final = 0.02
+_CLOSE: Final = 0.01
+_PATIENCE: Final = 15.0
+
+
+@dataclass(frozen=True)
+class Action:
+    """One action: first the turns, then the ways.
+
+    Attributes:
+        forward: Metres, not negative.
+        backward: Metres, not negative.
+        left: Radians counter-clockwise, from -pi to pi.
+        right: Radians clockwise, from -pi to pi.
+    """
+
+    forward: float = 0.0
+    backward: float = 0.0
+    left: float = 0.0
+    right: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no action.
+
+        Raises:
+            InputError: A way is negative, an angle is beyond pi, or something is no number.
+        """
+        ways_fit = self.forward >= 0.0 and self.backward >= 0.0
+        turns_fit = abs(self.left) <= pi and abs(self.right) <= pi
+        if not (ways_fit and turns_fit and np.isfinite([self.forward, self.backward]).all()):
+            raise InputError(
+                f"no action: {self}", remedy="give ways of at least 0, and angles within [-pi, pi]"
+            )
+
+
+def act(simulation: Simulation, body: str, action: Action) -> None:
+    """Carry out an action: turn on the spot, then drive straight on; each ends at rest.
+
+    Wheels are turned by the angles that roll the way. Nothing looks whether the robot got there: it
+    may slip, or push something.
+
+    Args:
+        simulation: With a robot such as `robots.rover`.
+        body: The robot's name.
+        action: What to do.
+    """
+    turn = (action.left - action.right) * 0.5 * WHEEL_DISTANCE / WHEEL_RADIUS
+    way = (action.forward - action.backward) / WHEEL_RADIUS
+    for left, right in ((-turn, turn), (way, way)):
+        _roll(simulation, body, {LEFT: left, RIGHT: right})
+
+
+def _roll(simulation: Simulation, body: str, angles: dict[str, float]) -> None:
+    """Turn wheels by angles, fast at first, and then slower the less is left."""
+    if not any(angles.values()):
+        return
+    start = simulation.poses()[body].joints
+    until = simulation.time + _PATIENCE
+    fastest = 0.0
+    while simulation.time < until:
+        joints = simulation.poses()[body].joints
+        left = {name: start[name] + angle - joints[name] for name, angle in angles.items()}
+        if max(map(abs, left.values())) < _CLOSE:
+            break
+        fastest = min(fastest + _GAIN * _CONTROL, _FASTEST)
+        for name, rest in left.items():
+            speed = float(np.clip(abs(_EAGER * rest), _SLOWEST, fastest) * np.sign(rest))
+            simulation.drive(body, name, speed, _EFFORT)
+        simulation.step(_CONTROL)
+    for name in angles:
+        simulation.drive(body, name, 0.0, _EFFORT)
+    simulation.step(0.1)
+
+
+def towards(simulation: Simulation, body: str, point: tuple[float, float]) -> Action:
+    """The action that would bring a robot to a point of the floor."""
+    pose = simulation.poses()[body].world_from_body
+    x, y = point[0] - pose[0, 3], point[1] - pose[1, 3]
+    angle = atan2(y, x) - heading(pose)
+    return Action(forward=hypot(x, y), left=(angle + pi) % (2.0 * pi) - pi)
+
+
+def heading(pose: Array) -> float:
+    """Where a body's +X points to, radians counter-clockwise from the world's."""
+    return atan2(pose[1, 0], pose[0, 0])

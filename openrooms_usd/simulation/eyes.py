@@ -1,0 +1,188 @@
+"""What is seen of a simulation: any camera, through any renderer, with ground truth."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Sdf, Usd, UsdGeom, UsdShade
+
+from openrooms_usd import adapters, names
+from openrooms_usd.errors import MissingPackageError
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.physics.world import Body, World
+from openrooms_usd.render.contract import Renderer, RenderRequest, View
+from openrooms_usd.render.denoise import Denoiser, load_denoiser
+from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
+from openrooms_usd.simulate import Simulation
+from openrooms_usd.simulation.robots import CAMERA, COLORS
+from openrooms_usd.simulation.settledlayer import choose_look
+from openrooms_usd.simulation.settling import motions
+from openrooms_usd.usd import layers, semantics
+from openrooms_usd.usd.cameras import define_camera
+from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
+from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.settled import author_motions
+from openrooms_usd.usd.transforms import author_matrix
+
+Array = NDArray[np.float64]
+
+RGB: Final = "radiance"
+SEEN: Final = (RGB, "depth", "normal", "semantic")
+
+_ROBOTS: Final = f"{names.WORLD}/Robots"
+# A link's axes (forward, left, up) as columns of the camera's (right, down, forward).
+_CAMERA_FROM_LINK: Final = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
+
+
+class Eyes:
+    """Pictures of a room while it is simulated.
+
+    Bodies without a prim, such as robots, are added to the stage; all that moves is moved in a
+    layer in memory. The file is never touched.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        world: World,
+        *,
+        renderer: str = "mitsuba",
+        resolution: tuple[int, int] = (160, 120),
+        samples: int = 16,
+        look: str | None = None,
+    ) -> None:
+        """Open a room.
+
+        Args:
+            path: The USD file that the world was read from.
+            world: The room, with its robots.
+            renderer: The renderer's name.
+            resolution: Width and height, pixels.
+            samples: Samples a pixel of the channels that need many.
+            look: Choose this variant of every object that has it.
+
+        Raises:
+            InputError: The file is no USD, or nothing has that look.
+        """
+        self._renderer: Renderer = adapters.load(adapters.RENDERERS, renderer)
+        self._resolution = resolution
+        self._samples = samples
+        self._world = world
+        self._denoiser = _denoiser(self._renderer.channels)
+        self._poses = Sdf.Layer.CreateAnonymous(".usda")
+        self._robots = Sdf.Layer.CreateAnonymous(".usda")
+        layers.apply_metadata(self._robots)
+        root = Sdf.Layer.CreateAnonymous(".usda")
+        layers.apply_metadata(root)
+        root.subLayerPaths = [self._poses.identifier, self._robots.identifier, str(path)]
+        self._stage = Usd.Stage.Open(root)
+        if look is not None:
+            choose_look(self._stage, look, path)
+        with Usd.EditContext(self._stage, self._robots):
+            _define_robots(self._stage, (body for body in world.bodies if not body.path))
+
+    def see(
+        self,
+        simulation: Simulation,
+        cameras: Mapping[str, Array],
+        channels: Iterable[str] = SEEN,
+        *,
+        fov_degrees: float = 70.0,
+    ) -> dict[str, View]:
+        """Render what cameras see now.
+
+        Args:
+            simulation: Of the world that was given.
+            cameras: By name, (4, 4) from the OpenCV frame to the world, such as `robot_camera`.
+            channels: What to render; also ``friction``. With the radiance comes its denoised
+                version where a denoiser is installed: it is for people.
+            fov_degrees: Horizontal field of view.
+
+        Raises:
+            RenderError: The renderer cannot do it.
+        """
+        wanted = tuple(channels)
+        self._pose(simulation, cameras, fov_degrees)
+        session = self._renderer.open(self._stage)
+        self.legend: Mapping[int, str] = session.legend.semantic
+        width, height = self._resolution
+        needed = FrictionMap.needs(wanted) if FRICTION in wanted else wanted
+        denoiser = self._denoiser if RGB in wanted else None
+        if denoiser is not None:
+            needed = denoiser.needs(needed)
+        found = {}
+        for name in cameras:
+            request = RenderRequest(_eye(name), needed, width, height, samples=self._samples)
+            view = session.render(request)
+            if denoiser is not None:
+                view = denoiser.complete(view, needed)
+            if FRICTION in wanted:
+                view = _with_friction(view, self._stage, session.legend.material)
+            found[name] = view
+        return found
+
+    def _pose(self, simulation: Simulation, cameras: Mapping[str, Array], fov: float) -> None:
+        self._poses.Clear()
+        layers.apply_metadata(self._poses)
+        with Usd.EditContext(self._stage, self._poses):
+            author_motions(self._stage, motions(self._world, simulation))
+            for body in self._world.bodies:
+                for link, pose in simulation.links(body.name).items() if not body.path else ():
+                    prim = self._stage.GetPrimAtPath(f"{_ROBOTS}/{body.name}/{link}")
+                    author_matrix(prim, pose)
+            for name, camera in cameras.items():
+                define_camera(
+                    self._stage,
+                    _eye(name),
+                    world_from_camera=camera,
+                    resolution=self._resolution,
+                    fov_degrees=fov,
+                )
+
+
+def _eye(name: str) -> str:
+    return f"{_ROBOTS}/Eye_{name}"
+
+
+def _with_friction(view: View, stage: Usd.Stage, materials: Mapping[int, str]) -> View:
+    made = FrictionMap(read_materials(stage, materials))
+    return made.complete(view, (*view.images, FRICTION))
+
+
+def _denoiser(available: tuple[str, ...]) -> Denoiser | None:
+    try:
+        return load_denoiser(available)
+    except MissingPackageError:
+        return None
+
+
+def robot_camera(simulation: Simulation, body: str, link: str = CAMERA) -> Array:
+    """(4, 4) world_from_camera, OpenCV axes, of a link that looks along its own +X."""
+    pose = simulation.links(body)[link].copy()
+    pose[:3, :3] = pose[:3, :3] @ _CAMERA_FROM_LINK.T
+    return pose
+
+
+def _define_robots(stage: Usd.Stage, robots: Iterable[Body]) -> None:
+    UsdGeom.Scope.Define(stage, f"{_ROBOTS}/Materials")
+    for path, color in COLORS.items():
+        define_preview_surface(stage, path, PreviewSurface(base_color=color, roughness=0.4))
+    for body in robots:
+        root = UsdGeom.Xform.Define(stage, f"{_ROBOTS}/{body.name}")
+        semantics.label(root.GetPrim(), body.category)
+        for link in body.links:
+            path = root.GetPath().AppendChild(link.name)
+            UsdGeom.Xform.Define(stage, path)
+            for visual in link.visuals:
+                mesh = define_mesh(stage, path.AppendChild(visual.name), _polygons(visual.mesh))
+                binding = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim())
+                binding.Bind(UsdShade.Material.Get(stage, visual.material))
+
+
+def _polygons(mesh: TriangleMesh) -> Mesh:
+    counts = np.full(len(mesh.triangles), 3, np.int32)
+    normals = None if mesh.normals is None else mesh.normals.reshape(-1, 3)
+    return Mesh(mesh.points, counts, mesh.triangles.ravel().astype(np.int32), normals)

@@ -1,0 +1,133 @@
+"""The layer that a simulation writes: where it lies, what it does not see, how it is saved."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from pxr import Sdf, Usd
+
+from openrooms_usd import names
+from openrooms_usd.errors import InputError
+from openrooms_usd.usd import layers
+
+_METADATA: Final = ("defaultPrim", "upAxis", "metersPerUnit", "kilogramsPerUnit")
+
+
+@dataclass(frozen=True, eq=False)
+class SettledRoom:
+    """A stage as it was described, and the layer that receives where its things come to rest.
+
+    Attributes:
+        stage: Its edit target is the layer, just below the edits of a composed room.
+        layer: Empty at first.
+        target: Where it will be saved.
+        composed: The folder of the composed room that it becomes a part of; None without one.
+    """
+
+    stage: Usd.Stage
+    layer: Sdf.Layer
+    target: Path
+    composed: Path | None
+
+    def save(self) -> None:
+        """Save the layer, and let the room that it belongs to find it.
+
+        Raises:
+            OutputError: It cannot be written.
+        """
+        if self.composed is None:
+            layers.export(self.layer, self.target)
+            return
+        from openrooms_usd.stages import draft, runner
+
+        with draft.drafting(self.composed) as room:
+            room.export(self.layer, names.SETTLED)
+            runner.write_scene(room)
+
+
+@contextmanager
+def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
+    """Open a stage without what an earlier run has written to the same layer.
+
+    Args:
+        path: The USD file; of a composed room its ``scene.usda``.
+        out: The layer; None stands for the one of a composed room.
+
+    Raises:
+        InputError: The file is no USD, or it is no composed room and ``out`` is missing.
+    """
+    source = layers.open_stage(path)
+    own = path.parent / names.LAYERS / f"{names.SETTLED}.usda"
+    composed = _is_composed(path, source.GetRootLayer())
+    target = _target(path, out, own if composed else None)
+    stronger, weaker = _around(path, target, source.GetRootLayer()) if composed else ([], [path])
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    for key in _METADATA:
+        if source.GetRootLayer().pseudoRoot.HasInfo(key):
+            value = source.GetRootLayer().pseudoRoot.GetInfo(key)
+            layer.pseudoRoot.SetInfo(key, value)
+    with layers.stacked(layer, stronger, weaker) as stage:
+        for key in _METADATA:
+            if layer.pseudoRoot.HasInfo(key):
+                stage.GetRootLayer().pseudoRoot.SetInfo(key, layer.pseudoRoot.GetInfo(key))
+        for used in stage.GetUsedLayers():
+            if used.realPath and Path(used.realPath) == target.resolve():
+                stage.MuteLayer(used.identifier)
+        ours = composed and target.resolve() == own.resolve()
+        yield SettledRoom(stage, layer, target, path.parent if ours else None)
+
+
+def _is_composed(path: Path, root: Sdf.Layer) -> bool:
+    """Whether this is the root layer of a room of ours: sublayers in their folder, and no prim."""
+    known = (path.parent / names.LAYERS / f"{names.STAGES[0]}.usda").is_file()
+    return path.name == names.SCENE and known and not root.rootPrims
+
+
+def _around(path: Path, target: Path, root: Sdf.Layer) -> tuple[list[Path], list[Path]]:
+    """The layers of a composed room above the new one, and those below."""
+    files = [path.parent / str(name) for name in root.subLayerPaths]
+    edits = f"{names.EDITS}.usda"
+    others = [file for file in files if file.resolve() != target.resolve()]
+    return [f for f in others if f.name == edits], [f for f in others if f.name != edits]
+
+
+def _target(path: Path, out: Path | None, own: Path | None) -> Path:
+    target = out or own
+    if target is None:
+        raise InputError(
+            "this is no composed room: where shall the layer lie?",
+            place=path,
+            remedy="give a file for the poses, such as -o settled.usda",
+        )
+    if target.suffix not in (".usda", ".usd", ".usdc") or target.resolve() == path.resolve():
+        raise InputError(
+            f"the poses cannot be written to {target.name}",
+            place=target,
+            remedy="give a USD file of its own, such as -o settled.usda",
+        )
+    return target
+
+
+def choose_look(stage: Usd.Stage, look: str, path: Path) -> None:
+    """Choose the variant ``look`` of every object that has one of that name, for this stage alone.
+
+    Args:
+        stage: The choice is made in its session layer.
+        look: The variant's name.
+        path: The stage's file, for messages.
+
+    Raises:
+        InputError: Nothing has it.
+    """
+    chosen = False
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        for prim in list(stage.Traverse()):
+            looks = prim.GetVariantSet("look")
+            if look in looks.GetVariantNames():
+                chosen |= looks.SetVariantSelection(look)
+    if not chosen:
+        raise InputError(
+            f"nothing has a look {look!r}", place=path, remedy="the variant sets named look say"
+        )

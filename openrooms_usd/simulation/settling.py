@@ -1,0 +1,207 @@
+"""Lets a room settle and writes where everything came to rest as a layer."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import adapters
+from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.physics.world import Body, World
+from openrooms_usd.simulate import (
+    DEFAULT_FRICTION,
+    DEFAULT_TIMESTEP,
+    Engine,
+    Friction,
+    Pose,
+    Simulation,
+)
+from openrooms_usd.simulation.guarding import corners, guard_of
+
+if TYPE_CHECKING:
+    from openrooms_usd.usd.settled import Motion
+
+Array = NDArray[np.float64]
+
+# How often it is looked whether something has exploded, seconds.
+_LOOK: Final = 0.05
+
+
+@dataclass(frozen=True)
+class Moved:
+    """How far a body has moved against where the stage shows it.
+
+    Attributes:
+        body: Its name.
+        path: Its prim.
+        millimetres: Of the point of its collision shapes that has moved most, joints left out.
+        degrees: By how much it has turned.
+        joints: Degrees or millimetres by which its joints have moved.
+        speed: Of its base at the end, m/s.
+    """
+
+    body: str
+    path: str
+    millimetres: float
+    degrees: float
+    joints: dict[str, float]
+    speed: float
+
+
+@dataclass(frozen=True)
+class Settled:
+    """What became of a room.
+
+    Attributes:
+        out: The layer that was written; None when it was not asked for.
+        engine: Its name.
+        seconds: Simulated.
+        timestep: Seconds of one step.
+        friction: Which coefficient counted.
+        moved: Every body that can move, the farthest first.
+        held: Prims that a stronger layer keeps where they were.
+    """
+
+    out: Path | None
+    engine: str
+    seconds: float
+    timestep: float
+    friction: str
+    moved: tuple[Moved, ...]
+    held: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for ``--json``."""
+        return {**asdict(self), "out": None if self.out is None else str(self.out)}
+
+
+def settle(
+    path: Path,
+    *,
+    engine: str = "pybullet",
+    seconds: float = 2.0,
+    out: Path | None = None,
+    timestep: float = DEFAULT_TIMESTEP,
+    friction: Friction = DEFAULT_FRICTION,
+    look: str | None = None,
+) -> Settled:
+    """Let the room of a USD file settle, and write the poses as a layer.
+
+    The room starts from where its stages and edits have put it: what an earlier run has written to
+    the same layer does not count. So a second run writes the same.
+
+    Args:
+        path: The USD file; of a composed room its ``scene.usda``.
+        engine: The engine's name.
+        seconds: How long.
+        out: The layer; of a composed room by default the one beside its stages' layers.
+        timestep: Seconds of one step.
+        friction: Which coefficient of each surface counts.
+        look: Choose this variant of every object that has it, for its friction.
+
+    Returns:
+        How far everything has moved.
+
+    Raises:
+        InputError: The file is no USD, no engine has that name, or a number makes no sense.
+        MissingPackageError: The engine is not installed.
+        StageError: The stage has no physics, or the simulation explodes.
+        OutputError: The layer cannot be written.
+    """
+    from openrooms_usd.simulation.settledlayer import choose_look, settling
+    from openrooms_usd.usd.rigid import read_world
+    from openrooms_usd.usd.settled import author_motions
+
+    _check(seconds, timestep)
+    found: Engine = adapters.load(adapters.ENGINES, engine)
+    with settling(path, out) as room:
+        if look is not None:
+            choose_look(room.stage, look, path)
+        world = read_world(room.stage)
+        if all(body.fixed and not body.joints for body in world.bodies):
+            raise StageError(
+                "nothing in this stage can move",
+                place=path,
+                remedy="compose the room with its physics stage",
+            )
+        simulation = found.open(world, timestep=timestep, friction=friction)
+        try:
+            run(world, simulation, seconds)
+            moved = sorted(displacements(world, simulation), key=lambda row: -row.millimetres)
+            held = author_motions(room.stage, motions(world, simulation))
+        finally:
+            simulation.close()
+        room.save()
+    return Settled(room.target, engine, seconds, timestep, friction, tuple(moved), tuple(held))
+
+
+def run(world: World, simulation: Simulation, seconds: float) -> None:
+    """Let time pass, and stop as soon as something explodes.
+
+    Raises:
+        StageError: The place names the prim.
+    """
+    guard = guard_of(world)
+    begun = simulation.time
+    while (left := begun + seconds - simulation.time) > 0.5 * simulation.timestep:
+        simulation.step(min(_LOOK, left))
+        guard.check(simulation)
+
+
+def displacements(world: World, simulation: Simulation) -> Iterator[Moved]:
+    """How far every body that can move has moved since the stage."""
+    poses, velocities = simulation.poses(), simulation.velocities()
+    for body in world.bodies:
+        if body.fixed and not body.joints:
+            continue
+        pose = poses[body.name]
+        motion = pose.world_from_body @ np.linalg.inv(body.world_from_body)
+        points = corners(body)
+        shift = points @ motion[:3, :3].T + motion[:3, 3] - points
+        speed = float(np.linalg.norm(velocities[body.name].linear))
+        far = 1e3 * float(np.linalg.norm(shift, axis=1).max())
+        joints = dict(_joint_ways(body, pose))
+        yield Moved(body.name, body.path, far, _degrees(motion), joints, speed)
+
+
+def _joint_ways(body: Body, pose: Pose) -> Iterator[tuple[str, float]]:
+    for joint in body.joints:
+        if joint.name in pose.joints:
+            value = pose.joints[joint.name]
+            yield joint.name, float(np.degrees(value) if joint.kind == "hinge" else 1e3 * value)
+
+
+def _degrees(motion: Array) -> float:
+    # By the sine: the cosine of a small angle says nothing.
+    R = motion[:3, :3]
+    sine = 0.5 * np.linalg.norm([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    return float(np.degrees(np.arctan2(sine, 0.5 * (np.trace(R) - 1.0))))
+
+
+def motions(world: World, simulation: Simulation) -> "Iterator[Motion]":
+    """The motion of every root, and of every link that moves against it; robots have no prims."""
+    from openrooms_usd.usd.settled import Motion
+
+    poses = simulation.poses()
+    for body in world.bodies:
+        if not body.path or (body.fixed and not body.joints):
+            continue
+        base = poses[body.name].world_from_body
+        yield Motion(body.path, base @ np.linalg.inv(body.world_from_body), "before")
+        links = simulation.links(body.name) if body.joints else {}
+        for link in body.links[1:]:
+            was = body.world_from_body @ link.body_from_link
+            if link.path != body.path:
+                yield Motion(link.path, links[link.name] @ np.linalg.inv(was), "after")
+
+
+def _check(seconds: float, timestep: float) -> None:
+    if not (0.0 < seconds < 3600.0):
+        raise InputError(f"{seconds:g} seconds cannot be simulated", remedy="give 0 < S < 3600")
+    if not (0.0 < timestep <= 0.02):
+        raise InputError(
+            f"a time step of {timestep:g} s", remedy="give 0 < S <= 0.02; 0.002 is usual"
+        )

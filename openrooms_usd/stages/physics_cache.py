@@ -1,0 +1,103 @@
+"""Collision shapes that were worked out before: in the user's cache, beside the textures.
+
+An entry is one file, named by all that determines the shapes and by the modules that make them. It
+appears whole; one that cannot be read is as none.
+"""
+
+import hashlib
+import io
+import json
+from collections.abc import Sequence
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+import openrooms_usd.physics
+from openrooms_usd import atomic
+from openrooms_usd.description.physics import Shapes as Method
+from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.library.textures.cache import cache_folder
+from openrooms_usd.physics.components import Part
+from openrooms_usd.physics.decomposition import ConvexShape, Shapes, collision_shapes
+
+_FOLDER: Final = "shapes"
+
+
+def cached_shapes(parts: Sequence[Part], method: Method, tolerance: float) -> Shapes:
+    """`collision_shapes`, made only where they must be; the same with and without a cache.
+
+    Args:
+        parts: Surfaces in one frame, metres.
+        method: How.
+        tolerance: How far they may be off, metres.
+
+    Raises:
+        InputError: A coordinate is not finite, or nothing has an area.
+    """
+    textures = cache_folder()
+    if textures is None:
+        return collision_shapes(parts, method, tolerance)
+    entry = textures.with_name(_FOLDER) / f"{_digest(parts, method, tolerance)}.npz"
+    found = _taken(entry, parts)
+    if found is None:
+        found = collision_shapes(parts, method, tolerance)
+        with suppress(OSError):
+            entry.parent.mkdir(parents=True, exist_ok=True)
+            atomic.write_bytes(entry, _bytes(found, parts))
+    return found
+
+
+@cache
+def _makers() -> str:
+    """A digest of the modules that make shapes: what others have made is never taken."""
+    folder = Path(str(openrooms_usd.physics.__file__)).parent
+    sources = sorted(folder.glob("*.py"))
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
+
+
+def _digest(parts: Sequence[Part], method: Method, tolerance: float) -> str:
+    found = hashlib.sha256(json.dumps([_makers(), method, tolerance]).encode())
+    contacts = list(dict.fromkeys(part.contact for part in parts))
+    for part in parts:
+        # Which parts share a material matters, and not what it is called.
+        told = [contacts.index(part.contact), part.points.shape, part.triangles.shape]
+        found.update(json.dumps(told).encode())
+        found.update(np.ascontiguousarray(part.points, np.float64).tobytes())
+        found.update(np.ascontiguousarray(part.triangles, np.int32).tobytes())
+    return found.hexdigest()
+
+
+def _bytes(shapes: Shapes, parts: Sequence[Part]) -> bytes:
+    number = {part.name: i for i, part in enumerate(parts)}
+    arrays = {"errors": np.array([shapes.protrusion, shapes.uncovered])}
+    for i, shape in enumerate(shapes.shapes):
+        arrays[f"points_{i}"] = shape.mesh.points
+        arrays[f"triangles_{i}"] = shape.mesh.triangles
+        arrays[f"parts_{i}"] = np.array([number[name] for name in shape.parts], dtype=np.int32)
+        arrays[f"box_{i}"] = np.array(shape.box)
+    buffer = io.BytesIO()
+    np.savez(buffer, **arrays)  # type: ignore[arg-type]
+    return buffer.getvalue()
+
+
+def _taken(entry: Path, parts: Sequence[Part]) -> Shapes | None:
+    try:
+        with np.load(io.BytesIO(entry.read_bytes()), allow_pickle=False) as stored:
+            arrays = dict(stored)
+        shapes = [_shape(arrays, i, parts) for i in range((len(arrays) - 1) // 4)]
+        protrusion, uncovered = arrays["errors"].tolist()
+    except (OSError, ValueError, KeyError, IndexError, EOFError):
+        return None
+    return Shapes(tuple(shapes), protrusion, uncovered)
+
+
+def _shape(arrays: dict[str, np.ndarray], i: int, parts: Sequence[Part]) -> ConvexShape:
+    triangles = arrays[f"triangles_{i}"]
+    faces = np.arange(len(triangles), dtype=np.int32)
+    mesh = TriangleMesh(arrays[f"points_{i}"], triangles, faces)
+    used = [parts[j] for j in arrays[f"parts_{i}"].tolist()]
+    names = tuple(part.name for part in used)
+    return ConvexShape(mesh, used[0].contact, names, bool(arrays[f"box_{i}"]))

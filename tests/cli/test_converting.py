@@ -1,0 +1,92 @@
+"""``orusd convert``: its options reach the exporter, and mistakes are answered in words."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from openrooms_usd.cli import orusd
+from openrooms_usd.errors import InputError
+
+STAGE = """\
+#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 1
+    kilogramsPerUnit = 1
+    upAxis = "Z"
+)
+def Xform "World"
+{
+    def PhysicsScene "Scene" {}
+    def Material "Wax" (prepend apiSchemas = ["PhysicsMaterialAPI"])
+    {
+        float physics:staticFriction = 0.36
+        float physics:dynamicFriction = 0.25
+    }
+    def Cube "crate" (
+        prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsCollisionAPI", "PhysicsMassAPI",
+            "MaterialBindingAPI"]
+    )
+    {
+        double size = 0.2
+        float physics:mass = 1
+        rel material:binding:physics = </World/Wax>
+    }
+}
+"""
+
+
+@pytest.fixture
+def stage(tmp_path: Path) -> Path:
+    path = tmp_path / "crate.usda"
+    path.write_text(STAGE)
+    return path
+
+
+def _convert(stage: Path, out: Path, *options: str, to: str = "urdf") -> Any:
+    command = ["convert", str(stage), str(out), "--to", to]
+    given = [word for option in options for word in ("--option", option)]
+    return CliRunner().invoke(orusd, [*command, *given])
+
+
+def _friction(out: Path) -> float:
+    tree = ElementTree.parse(out / "objects/crate/crate.urdf")
+    (found,) = tree.iter("lateral_friction")
+    return float(found.attrib["value"])
+
+
+@pytest.mark.parametrize(
+    ("options", "root"), [((), 0.6), (("friction=static",), 0.6), (("friction=dynamic",), 0.5)]
+)
+def test_an_option_reaches_the_exporter(
+    stage: Path, tmp_path: Path, options: tuple[str, ...], root: float
+) -> None:
+    result = _convert(stage, tmp_path / "out", *options)
+    assert result.exit_code == 0, result.output
+    assert _friction(tmp_path / "out") == pytest.approx(root, abs=1e-6)
+
+
+def test_true_and_false_are_flags(stage: Path, tmp_path: Path) -> None:
+    assert _convert(stage, tmp_path / "out", "roots=false", to="usdphysics").exit_code == 0
+    refused = _convert(stage, tmp_path / "other", "roots=perhaps", to="usdphysics")
+    assert isinstance(refused.exception, InputError)
+    assert "true or false" in str(refused.exception.remedy)
+    assert not (tmp_path / "other").exists()
+
+
+@pytest.mark.parametrize("option", ["friction", "friction=", "=dynamic"])
+def test_an_option_without_name_or_value_is_refused(
+    stage: Path, tmp_path: Path, option: str
+) -> None:
+    refused = _convert(stage, tmp_path / "out", option)
+    assert refused.exit_code == 2
+    assert "say NAME=VALUE" in refused.output
+
+
+def test_an_unknown_option_names_those_there_are(stage: Path, tmp_path: Path) -> None:
+    refused = _convert(stage, tmp_path / "out", "frition=dynamic")
+    assert isinstance(refused.exception, InputError)
+    assert "use friction, package" in str(refused.exception.remedy)

@@ -1,0 +1,94 @@
+"""Another look or another light is the same episode in another picture; friction is another one."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Sdf, UsdLux
+
+from openrooms_usd import adapters
+from openrooms_usd.geometry.pinhole import look_at
+from openrooms_usd.physics.world import World
+from openrooms_usd.render.contract import View
+from openrooms_usd.simulate import Pose
+from openrooms_usd.simulation.eyes import RGB, Eyes
+from openrooms_usd.simulation.floors import with_friction
+from openrooms_usd.usd import layers
+from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.rigid import read_world
+
+
+def episode(world: World) -> tuple[Mapping[str, Pose], object]:
+    """Everything that stands on the floor gets a shove."""
+    simulation = adapters.load(adapters.ENGINES, "mujoco").open(world)
+    for body in world.bodies:
+        if not body.fixed and not body.joints:
+            simulation.set_velocity(body.name, np.array([0.8, 0.0, 0.0]), np.zeros(3))
+    simulation.step(0.3)
+    return simulation.poses(), simulation
+
+
+def difference(one: Mapping[str, Pose], other: Mapping[str, Pose]) -> float:
+    return max(
+        float(np.abs(pose.world_from_body - other[name].world_from_body).max())
+        for name, pose in one.items()
+    )
+
+
+def darker(scene: Path, folder: Path) -> Path:
+    """The same scene under a tenth of its light."""
+    out = folder / "darker.usda"
+    layer = Sdf.Layer.CreateNew(str(out))
+    layers.apply_metadata(layer)
+    layer.subLayerPaths = [str(scene)]
+    stage = open_stage(scene)
+    for prim in stage.Traverse():
+        if prim.HasAPI(UsdLux.LightAPI):
+            own = UsdLux.LightAPI(prim).GetIntensityAttr().Get()
+            over = Sdf.CreatePrimInLayer(layer, prim.GetPath())
+            value = Sdf.AttributeSpec(over, "inputs:intensity", Sdf.ValueTypeNames.Float)
+            value.default = 0.1 * own
+    layer.Save()
+    return out
+
+
+@pytest.fixture(scope="module")
+def world(composed_bodies: Path) -> World:
+    return read_world(open_stage(composed_bodies))
+
+
+def seen(path: Path, world: World, simulation: object, look: str | None = None) -> View:
+    eyes = Eyes(path, world, resolution=(48, 36), samples=4, look=look)
+    camera = {"onlooker": look_at((0.5, 0.5, 1.5), (2.0, 2.0, 0.3))}
+    return eyes.see(simulation, camera, (RGB, "depth"))["onlooker"]  # type: ignore[arg-type]
+
+
+def test_another_light_shows_the_same_episode(
+    composed_bodies: Path, world: World, tmp_path: Path
+) -> None:
+    """A tenth of the light is a tenth of the radiance, and every surface is where it was."""
+    dim = darker(composed_bodies, tmp_path)
+    first, simulation = episode(world)
+    second, other = episode(read_world(open_stage(dim)))
+    assert difference(first, second) == 0.0
+    bright = seen(composed_bodies, world, simulation)
+    dark = seen(dim, world, other)
+    means = [view.images[RGB].pixels.mean(dtype=np.float64) for view in (bright, dark)]
+    assert means[0] > 0.0 and means[1] == pytest.approx(0.1 * means[0], rel=0.05)
+    a, b = (view.images["depth"].pixels for view in (bright, dark))
+    np.testing.assert_allclose(b, a, rtol=1e-5)
+
+
+def test_another_friction_is_another_episode_and_the_same_one_is_the_same(world: World) -> None:
+    first, _ = episode(world)
+    again, _ = episode(world)
+    waxed, _ = episode(with_friction(world, "floor", 0.05))
+    assert difference(first, again) == 0.0
+    moving = [body.name for body in world.bodies if not body.fixed and not body.joints]
+    begun = {body.name: body.world_from_body for body in world.bodies}
+    ways = [
+        [np.linalg.norm((p[name].world_from_body - begun[name])[:2, 3]) for name in moving]
+        for p in (first, waxed)
+    ]
+    assert max(np.subtract(ways[1], ways[0])) > 0.03

@@ -1,0 +1,154 @@
+"""One composed room in three forms: they agree with each other and with the stage."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pybullet
+import pytest
+from pxr import Gf, Usd, UsdGeom
+from scipy.spatial.transform import Rotation
+
+from openrooms_usd.physics.world import World
+from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.rigid import read_world
+from orusd_urdf import MjcfExporter, UrdfExporter
+from orusd_urdf.loading import load_bullet
+
+FURNITURE = "/World/Furniture"
+
+
+@pytest.fixture(scope="module")
+def stage(composed_bodies: Path) -> Usd.Stage:
+    """The small room; one chair is mirrored and stretched, in the session alone."""
+    stage = open_stage(composed_bodies)
+    chairs = [
+        prim for prim in stage.GetPrimAtPath(FURNITURE).GetChildren() if "chair" in prim.GetName()
+    ]
+    stage.SetEditTarget(stage.GetSessionLayer())
+    UsdGeom.Xformable(chairs[1]).AddScaleOp(opSuffix="bent").Set(Gf.Vec3f(-1.2, 1.0, 0.9))
+    return stage
+
+
+@pytest.fixture(scope="module")
+def world(stage: Usd.Stage) -> World:
+    return read_world(stage)
+
+
+@pytest.fixture(scope="module")
+def exported(stage: Usd.Stage, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("room")
+    UrdfExporter().convert(stage, folder / "urdf", {})
+    MjcfExporter().convert(stage, folder / "mjcf", {})
+    return folder
+
+
+@pytest.fixture(scope="module")
+def model(exported: Path) -> Any:
+    return mujoco.MjModel.from_xml_path(str(exported / "mjcf/scene.xml"))
+
+
+def test_masses_agree_in_both_engines(
+    world: World, exported: Path, model: Any, client: int
+) -> None:
+    bodies = load_bullet(exported / "urdf", client)
+    names = json.loads((exported / "mjcf/names.json").read_text())["bodies"]
+    by_prim = {prim: name for name, prim in names.items()}
+    moving = 0
+    for body in world.bodies:
+        loaded = bodies[body.name]
+        for link in body.links:
+            if link.mass is None:
+                continue
+            moving += 1
+            given = link.mass
+            index = loaded.links[link.name]
+            found = pybullet.getDynamicsInfo(loaded.number, index, physicsClientId=client)
+            at = model.body(by_prim[link.path]).id
+            tolerance = 1e-5 * np.trace(given.inertia)
+            for mass, centre, moments, axes in (
+                (found[0], found[3], found[2], found[4]),
+                (model.body_mass[at], model.body_ipos[at], model.body_inertia[at],
+                 np.roll(model.body_iquat[at], -1)),
+            ):  # fmt: skip
+                assert mass == pytest.approx(given.mass, rel=1e-6)
+                np.testing.assert_allclose(centre, given.centre, atol=1e-6)
+                turn = Rotation.from_quat(axes).as_matrix()
+                tensor = turn @ np.diag(moments) @ turn.T
+                np.testing.assert_allclose(tensor, given.inertia, atol=tolerance)
+    assert moving >= 4
+
+
+def test_what_is_seen_lies_where_the_stage_has_it(
+    stage: Usd.Stage, world: World, exported: Path, model: Any
+) -> None:
+    """Bounds of each body's meshes: in MuJoCo, and by the walk over the stage that renders."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    placed = read_meshes(stage)
+    for body in world.bodies:
+        of_stage = np.concatenate(
+            [m.world_points() for m in placed if f"{m.path}/".startswith(f"{body.path}/")]
+        )
+        geoms = [
+            geom for geom in range(model.ngeom)
+            if model.geom(geom).name.startswith(f"{body.name}:")
+            or (model.geom(geom).name.startswith(f"{body.name}.") and model.geom_group[geom] == 2)
+        ]  # fmt: skip
+        if body.name == "Room":
+            continue
+        points = []
+        for geom in geoms:
+            mesh = model.geom_dataid[geom]
+            first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+            turn = data.geom_xmat[geom].reshape(3, 3)
+            points.append(model.mesh_vert[first : first + count] @ turn.T + data.geom_xpos[geom])
+        bounds = np.concatenate(points)
+        np.testing.assert_allclose(bounds.min(axis=0), of_stage.min(axis=0), atol=2e-5)
+        np.testing.assert_allclose(bounds.max(axis=0), of_stage.max(axis=0), atol=2e-5)
+
+
+def test_rest_poses_agree(exported: Path, world: World, model: Any, client: int) -> None:
+    """After a second neither engine has moved anything that stands on the floor by 2 mm."""
+    bodies = load_bullet(exported / "urdf", client)
+    data = mujoco.MjData(model)
+    for _ in range(500):
+        pybullet.stepSimulation(physicsClientId=client)
+        mujoco.mj_step(model, data)
+    for body in world.bodies:
+        if body.fixed:
+            continue
+        number = bodies[body.name].number
+        centre = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0]
+        np.testing.assert_allclose(centre, data.xipos[model.body(body.name).id], atol=2e-3)
+
+
+def test_textures_lie_beside_and_materials_find_them(exported: Path) -> None:
+    libraries = list((exported / "urdf/meshes").glob("*.mtl"))
+    pictures = [
+        file.parent / line.split(" ", 1)[1]
+        for file in libraries
+        for line in file.read_text().splitlines()
+        if line.startswith("map_Kd")
+    ]
+    assert pictures
+    assert all(picture.is_file() for picture in pictures)
+    for file in (exported / "urdf/meshes").glob("*.obj"):
+        first = file.read_text().splitlines()[0]
+        assert first.startswith("v ") or (file.parent / first.split(" ")[1]).is_file()
+
+
+def test_repeats_share_their_files(exported: Path, world: World) -> None:
+    names = [file.name for file in (exported / "urdf/meshes").glob("*.obj")]
+    assert len(names) == len({(exported / "urdf/meshes" / name).read_bytes() for name in names})
+
+
+def test_the_report_names_what_has_no_place(stage: Usd.Stage, tmp_path: Path) -> None:
+    report = UrdfExporter().convert(stage, tmp_path, {})
+    rows = {path: outcome for path, outcome, _ in report.rows}
+    assert rows["/World/Lights/Environment"] == "skipped"
+    assert rows["/World/Room"] == "translated"
+    assert sum(outcome == "approximated" for outcome in rows.values()) > 0

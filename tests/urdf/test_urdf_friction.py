@@ -1,0 +1,119 @@
+"""Coulomb's law with the coefficient of the pair, in both engines and against closed forms."""
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import mujoco
+import numpy as np
+import pybullet
+import pytest
+from scipy.spatial.transform import Rotation
+
+from openrooms_usd.physics.world import Shape, World
+
+FLOOR, THING = 0.6, 0.24
+# The geometric mean; the product is 0.144, the larger 0.6, the mean 0.42.
+MU = math.sqrt(FLOOR * THING)
+G = 9.81
+STEPS = 1000
+SECONDS = 2.0
+
+
+def on_a_slope(make: SimpleNamespace, angle: float, shape: Any) -> World:
+    """A ramp that goes down along +X, and a block on it."""
+    turn = Rotation.from_rotvec([0.0, angle, 0.0]).as_matrix()
+    link = {"shapes": (Shape("hull", shape, make.contact(THING)),)}
+    at = turn @ np.array([-6.0, 0.0, 0.05])
+    return World((make.ground(FLOOR, turn), make.block("B", at, turn=turn, link=link)))
+
+
+def bullet_speed(bodies: Any, client: int) -> float:
+    number = bodies["B"].number
+    for _ in range(STEPS):
+        pybullet.stepSimulation(physicsClientId=client)
+    return float(np.linalg.norm(pybullet.getBaseVelocity(number, physicsClientId=client)[0]))
+
+
+def mujoco_speed(model: Any) -> float:
+    data = mujoco.MjData(model)
+    for _ in range(STEPS):
+        mujoco.mj_step(model, data)
+    return float(np.linalg.norm(data.qvel[:3]))
+
+
+@pytest.mark.parametrize("shape", ["box", "prism"])
+@pytest.mark.parametrize(("share", "slides"), [(0.98, False), (1.02, True)])
+def test_a_block_slides_from_atan_mu_on(
+    make: SimpleNamespace, bullet_bodies: Any, client: int, mujoco_model: Any,
+    shape: str, share: float, slides: bool,
+) -> None:  # fmt: skip
+    hull = make.box((0.2, 0.2, 0.1)) if shape == "box" else make.prism(0.12, 0.1, 16)
+    world = on_a_slope(make, math.atan(MU * share), hull)
+    speeds = [bullet_speed(bullet_bodies(world), client), mujoco_speed(mujoco_model(world))]
+    angle = math.atan(MU * share)
+    if slides:
+        assert min(speeds) > 0.05
+        # What the end speed says of the coefficient: g (sin - mu cos) t.
+        realised = math.tan(angle) - np.array(speeds) / (G * math.cos(angle) * SECONDS)
+        np.testing.assert_allclose(realised, MU, rtol=0.01)
+    else:
+        assert max(speeds) < 1e-3
+
+
+@pytest.mark.parametrize("direction", [0.0, 45.0])
+def test_what_is_pushed_slides_v2_by_2_mu_g(
+    make: SimpleNamespace, bullet_bodies: Any, client: int, mujoco_model: Any, direction: float
+) -> None:
+    world = World((make.ground(FLOOR), make.block("B", np.array([0.0, 0.0, 0.05]), THING)))
+    turn = math.radians(direction)
+    speed = 2.0 * np.array([math.cos(turn), math.sin(turn), 0.0])
+    expected = 4.0 / (2.0 * MU * G)
+    number = bullet_bodies(world)["B"].number
+    pybullet.resetBaseVelocity(number, speed.tolist(), [0, 0, 0], physicsClientId=client)
+    for _ in range(STEPS):
+        pybullet.stepSimulation(physicsClientId=client)
+    at = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0]
+    assert np.linalg.norm(at[:2]) == pytest.approx(expected, rel=0.02)
+    data = mujoco.MjData(model := mujoco_model(world))
+    data.qvel[:3] = speed
+    for _ in range(STEPS):
+        mujoco.mj_step(model, data)
+    assert np.linalg.norm(data.qpos[:2]) == pytest.approx(expected, rel=0.02)
+
+
+def test_every_side_of_a_thing_has_its_own_friction(
+    make: SimpleNamespace, bullet_bodies: Any, client: int, mujoco_model: Any
+) -> None:
+    """A box with a rubber pad below: URDF has one contact a link, so the pad is a link."""
+    pad = Shape("pad", make.box((0.2, 0.2, 0.02), (0.0, 0.0, -0.06)), make.contact(0.9))
+    hull = Shape("hull", make.box((0.2, 0.2, 0.1)), make.contact(0.1))
+    body = make.block("B", np.array([0.0, 0.0, 0.07]), link={"shapes": (hull, pad)})
+    world = World((make.ground(FLOOR), body))
+    expected = 4.0 / (2.0 * math.sqrt(FLOOR * 0.9) * G)
+    number = bullet_bodies(world)["B"].number
+    pybullet.resetBaseVelocity(number, [2.0, 0, 0], [0, 0, 0], physicsClientId=client)
+    for _ in range(STEPS):
+        pybullet.stepSimulation(physicsClientId=client)
+    at = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0]
+    assert at[0] == pytest.approx(expected, rel=0.03)
+    assert pybullet.getDynamicsInfo(number, -1, physicsClientId=client)[0] == pytest.approx(2.0)
+    assert pybullet.getDynamicsInfo(number, 0, physicsClientId=client)[0] == 0.0
+    data = mujoco.MjData(model := mujoco_model(world))
+    data.qvel[0] = 2.0
+    for _ in range(STEPS):
+        mujoco.mj_step(model, data)
+    assert data.qpos[0] == pytest.approx(expected, rel=0.03)
+
+
+def test_the_dynamic_coefficient_on_request(make: SimpleNamespace, tmp_path: Any) -> None:
+    from xml.etree import ElementTree
+
+    from orusd_urdf.urdf import write_urdf
+
+    world = World((make.block("B", np.zeros(3), 0.5),))
+    write_urdf(world, tmp_path, looks={}, friction="dynamic")
+    root = ElementTree.parse(tmp_path / "objects/B/B.urdf").getroot()
+    written = root.find("link/contact/lateral_friction")
+    assert written is not None
+    assert float(written.get("value", "")) ** 2 == pytest.approx(0.4)

@@ -1,0 +1,98 @@
+"""What a format or an engine cannot do is said, and what is left out on request."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from pxr import Usd, UsdGeom
+
+from openrooms_usd.physics.world import Shape, Visual, World
+from orusd_urdf.mjcf import write_mjcf
+from orusd_urdf.usdphysics import write_usdphysics
+
+
+def explicit(folder: Path) -> set[frozenset[str]]:
+    root = ElementTree.parse(folder / "scene.xml").getroot()
+    pairs = root.iterfind("contact/pair")
+    return {frozenset((p.get("geom1", ""), p.get("geom2", ""))) for p in pairs}
+
+
+def test_only_unequal_things_that_can_meet_are_pairs(make: SimpleNamespace, tmp_path: Path) -> None:
+    at = np.array([[0.0, 0.0, 0.05], [0.3, 0.0, 0.05], [5.0, 0.0, 0.05], [6.0, 0.0, 0.05]])
+    world = World(
+        (
+            make.ground(0.6),
+            make.block("A", at[0], 0.3),
+            make.block("B", at[1], 0.4),
+            make.block("C", at[2], 0.302),
+            make.block("D", at[3], 0.2, fixed=True, link={"mass": None}),
+        )
+    )
+    floor = [{"Room.Floor", f"{name}.hull"} for name in "ABC"]
+    near, far = [{"A.hull", "B.hull"}], [{"B.hull", "C.hull"}]
+    # D is fixed as the floor is, and stands within reach of nobody; A and C are as good as equal.
+    fixed = [{f"{name}.hull", "D.hull"} for name in "ABC"]
+    notes = {}
+    for which in ("all", "near", "none"):
+        notes[which] = write_mjcf(world, tmp_path / which, looks={}, pairs=which)  # type: ignore[arg-type]
+    found = {which: explicit(tmp_path / which) for which in notes}
+    assert found["all"] == {frozenset(pair) for pair in [*floor, *near, *far, *fixed]}
+    assert found["near"] == {frozenset(pair) for pair in [*floor, *near]}
+    assert found["none"] == set()
+    assert [len(lost) for lost in notes.values()] == [0, 1, 1]
+
+
+def test_mujoco_neither_bounces_nor_draws_one_triangle(
+    make: SimpleNamespace, tmp_path: Path
+) -> None:
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    link = {
+        "shapes": (Shape("hull", make.box((0.2, 0.2, 0.1)), make.contact(0.4, 0.5)),),
+        "visuals": (Visual("one", make.mesh(points, [[0, 1, 2]])),),
+    }
+    lost = write_mjcf(World((make.block("B", np.zeros(3), link=link),)), tmp_path, looks={})
+    assert {reason for _, _, reason in lost} == {
+        "MuJoCo knows no restitution: nothing bounces",
+        "one is one triangle",
+    }
+
+
+@pytest.fixture
+def empty() -> Usd.Stage:
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.Xform.Define(stage, "/World")
+    return stage
+
+
+def test_what_physx_cannot_do_is_said(
+    make: SimpleNamespace, empty: Usd.Stage, tmp_path: Path
+) -> None:
+    round_thing = (Shape("hull", make.prism(0.1, 0.1, 40), make.contact(0.4)),)
+    world = World((make.block("B", np.zeros(3), link={"shapes": round_thing}), make.cabinet(0, 2)))
+    lost = write_usdphysics(empty, world, tmp_path)
+    assert [(path, reason) for path, _, reason in lost] == [
+        ("/World/B/hull", "PhysX keeps 64 of the 80 points of its hull"),
+        ("/World/C", "UsdPhysics has no dry friction for joint door"),
+        ("/World/C", "UsdPhysics has no dry friction for joint drawer"),
+    ]
+
+
+def test_foreign_units_are_said(empty: Usd.Stage, tmp_path: Path) -> None:
+    UsdGeom.SetStageMetersPerUnit(empty, 0.01)
+    lost = write_usdphysics(empty, World(()), tmp_path)
+    assert [reason for _, _, reason in lost] == ["its units stay 0.01 m and 1 kg"]
+
+
+def test_a_hinge_without_limits_turns_for_ever(make: SimpleNamespace, tmp_path: Path) -> None:
+    from orusd_urdf.urdf import write_urdf
+
+    body = make.cabinet()
+    free = replace(body.joints[0], limits=(-np.inf, np.inf))
+    write_urdf(World((replace(body, joints=(free, body.joints[1])),)), tmp_path, looks={})
+    root = ElementTree.parse(tmp_path / "objects/C/C.urdf").getroot()
+    kinds = {joint.get("name"): joint.get("type") for joint in root.iterfind("joint")}
+    assert kinds == {"door": "continuous", "drawer": "prismatic"}

@@ -1,0 +1,120 @@
+"""What is authored about bodies, as USD's own parser and its own rules read it."""
+
+import numpy as np
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
+
+from openrooms_usd.geometry.solids import box
+from openrooms_usd.geometry.triangulation import TriangleMesh, triangulate
+from openrooms_usd.physics.mass import MassProperties
+from openrooms_usd.usd.bodies import (
+    Motion,
+    author_body,
+    author_mass,
+    define_collider,
+    define_guides,
+    define_joint,
+    frame_and_scale,
+)
+
+Kind = UsdPhysics.ObjectType
+SCALES = [(1.0, 1.0, 1.0), (2.0, 0.5, 3.0), (-1.0, 1.0, 1.0), (-2.0, 3.0, -1.5)]
+
+
+def placed(scale: tuple[float, float, float]) -> tuple[Usd.Stage, UsdGeom.Xform]:
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.SetStageUpAxis(stage, "Z")
+    root = UsdGeom.Xform.Define(stage, "/Thing")
+    root.AddTranslateOp().Set(Gf.Vec3d(1, 2, 3))
+    root.AddRotateXYZOp().Set(Gf.Vec3f(10, 20, 30))
+    root.AddScaleOp().Set(Gf.Vec3f(*scale))
+    return stage, root
+
+
+def shape(size: tuple[float, float, float]) -> TriangleMesh:
+    mesh = box(size)
+    corners, faces = triangulate(mesh.points, mesh.counts, mesh.indices)
+    return TriangleMesh(mesh.points, mesh.indices[corners], faces)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_frames_are_those_of_the_parser(scale: tuple[float, float, float]) -> None:
+    stage, root = placed(scale)
+    author_body(root.GetPrim())
+    define_collider(stage, Sdf.Path("/Thing/shape"), shape((1, 1, 1)))
+    found = UsdPhysics.UsdPhysicsLoadStageFromPrimRange(stage, ["/"])
+    ((_, *_), (desc, *_)) = found[Kind.RigidBody]
+    frame, size = frame_and_scale(root.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    np.testing.assert_allclose(frame[:3, 3], np.array(desc.position), atol=1e-6)
+    R = np.array(Gf.Matrix3d(Gf.Quatd(desc.rotation))).T
+    np.testing.assert_allclose(frame[:3, :3], R, atol=1e-6)
+    np.testing.assert_allclose(size, np.array(desc.scale), atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+def test_a_mass_is_read_as_it_was_written(scale: tuple[float, float, float]) -> None:
+    stage, root = placed(scale)
+    author_body(root.GetPrim())
+    axes = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    inertia = axes @ np.diag([1.0, 2.0, 2.5]) @ axes.T
+    mass = MassProperties(7.0, np.array([0.1, -0.2, 0.3]), inertia)
+    _, size = frame_and_scale(root.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    author_mass(stage.GetRootLayer().GetPrimAtPath("/Thing"), mass, size)
+    weight, moments, centre, turn = UsdPhysics.RigidBodyAPI(root.GetPrim()).ComputeMassProperties(
+        lambda prim: UsdPhysics.RigidBodyAPI.MassInformation()
+    )
+    R = np.array(Gf.Matrix3d(Gf.Quatd(turn).GetNormalized())).T
+    assert weight == pytest.approx(7.0)
+    np.testing.assert_allclose(np.array(centre), mass.centre, atol=1e-6)
+    np.testing.assert_allclose(R @ np.diag(np.array(moments)) @ R.T, inertia, atol=1e-5)
+
+
+@pytest.mark.parametrize("scale", SCALES)
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0)])
+def test_joints_move_scaled_and_mirrored_parts_as_a_turned_prim_would(
+    scale: tuple[float, float, float], axis: tuple[float, float, float]
+) -> None:
+    stage, root = placed(scale)
+    parts = {}
+    for name, at in (("body", (0, 0, 0)), ("part", (0.3, 0.4, 0.5))):
+        part = UsdGeom.Xform.Define(stage, f"/Thing/{name}")
+        parts[name] = part.AddTranslateOp()
+        parts[name].Set(Gf.Vec3d(*at))
+        author_body(part.GetPrim())
+        define_collider(stage, part.GetPath().AppendChild("shape"), shape((0.1, 0.1, 0.1)))
+    built = np.eye(4)
+    built[:3, 3] = 0.3, 0.4, 0.5
+    _, size = frame_and_scale(root.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    motion = Motion("rail", np.array(axis), (0.0, 0.2), built)
+    ends = (Sdf.Path("/Thing/body"), Sdf.Path("/Thing/part"))
+    define_joint(stage, Sdf.Path("/Thing/joint"), motion, ends, size)
+    ((_, *_), (desc, *_)) = UsdPhysics.UsdPhysicsLoadStageFromPrimRange(stage, ["/"])[
+        Kind.PrismaticJoint
+    ]
+    frame, _ = frame_and_scale(root.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))
+    align = np.array(Gf.Matrix3d(Gf.Quatd(desc.localPose0Orientation).GetNormalized())).T
+    unit = np.eye(3)["XYZ".index(str(desc.axis)[-1])]
+    gone = frame[:3, :3] @ align @ unit * desc.limit.upper
+
+    def middle() -> np.ndarray:
+        prim = UsdGeom.Xformable(stage.GetPrimAtPath("/Thing/part"))
+        place = prim.ComputeLocalToWorldTransform(Usd.TimeCode.Default())
+        return np.array(place.ExtractTranslation())
+
+    before = middle()
+    parts["part"].Set(Gf.Vec3d(*(np.array([0.3, 0.4, 0.5]) + 0.2 * np.array(axis))))
+    np.testing.assert_allclose(middle() - before, gone, atol=1e-6)
+    assert not desc.collisionEnabled
+
+
+def test_colliders_are_guides_and_bound_prims_are_valid() -> None:
+    stage, _ = placed((1.0, 1.0, 1.0))
+    scope = define_guides(stage, Sdf.Path("/Thing/Colliders"))
+    prim = define_collider(stage, scope.AppendChild("shape"), shape((1, 2, 3)))
+    assert UsdGeom.Imageable(prim).ComputePurpose() == UsdGeom.Tokens.guide
+    api = UsdPhysics.MeshCollisionAPI(prim)
+    assert api.GetApproximationAttr().Get() == UsdPhysics.Tokens.convexHull
+    np.testing.assert_allclose(
+        np.array(UsdGeom.Mesh(prim).GetExtentAttr().Get()), [[-0.5, -1, -1.5], [0.5, 1, 1.5]]
+    )
