@@ -11,7 +11,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 
 # What each says when it did what it is about.
 SAYS = {
-    "01_compose": r"cameras +written\n0 findings in scene\.usda",
+    "01_compose": r"physics +written\n0 findings in scene\.usda",
     "02_read_ground_truth": r"\d{4,} pixels see a surface; .* agree within \d\.\de-0[67] m",
     "03_edit_in_usd": r"\(2\.00, 3\.85\)\n.*\n.*\(2\.30, 3\.80\)",
     "04_push": r"carpet +60 N .* 1 ms .*\n(.*\n)+our carpet 0\.\d+: 0\.\d+ m, by Coulomb 0\.\d+ m",

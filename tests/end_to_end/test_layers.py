@@ -32,7 +32,7 @@ def test_a_second_compose_touches_no_file_and_says_so(room: Path) -> None:
     result = CliRunner().invoke(orusd, words, catch_exceptions=False)
     assert result.exit_code == 0
     assert "nothing to do" in result.output
-    assert result.output.count("unchanged") == 5
+    assert result.output.count("unchanged") == 6
     assert state(room) == before
 
 

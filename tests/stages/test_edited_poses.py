@@ -39,7 +39,7 @@ def test_a_moved_prim_stays_where_it_was_put(tmp_path: Path, path: str) -> None:
 
     description.write_text(ROOM.format(seed=2))
     summary = compose_room(description, tmp_path)
-    assert [row.state for row in summary.stages] == ["written"] * 5
+    assert [row.state for row in summary.stages] == ["written"] * 6
     again = Usd.Stage.Open(str(scene))
     found = UsdGeom.Xformable(again.GetPrimAtPath(path)).ComputeLocalToWorldTransform(
         Usd.TimeCode.Default()
