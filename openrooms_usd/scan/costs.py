@@ -17,6 +17,8 @@ _UNEXPLAINED: Final = 2.5
 # Walls shorter than this are rather window reveals, or drift of the scan, and cost so much more,
 # metres.
 _SHORT: Final = ((0.2, 0.4), (0.08, 2.0))
+# What it costs if everybody who scanned the room stood outside, metres.
+_LEFT_OUT: Final = 30.0
 
 
 class Cost:
@@ -29,12 +31,14 @@ class Cost:
         standing: (P,) metres of wall as high as the room that stand there.
         simplicity: What a corner costs, metres.
         directions: In which walls run, degrees modulo 90.
+        stood: (E, 2) where people stood while they scanned the room.
     """
 
     def __init__(
         self, walls: Walls, centres: Array, worth: Array, standing: Array, simplicity: float,
-        directions: tuple[float, ...] = (),
+        directions: tuple[float, ...] = (), stood: Array | None = None,
     ) -> None:  # fmt: skip
+        self._stood = np.zeros((0, 2)) if stood is None else stood
         self._walls, self._simplicity, self._directions = walls, simplicity, directions
         self._centres, self._worth = centres[worth != 0.0], worth[worth != 0.0]
         self._tall, self._standing = centres[standing > 0.0], standing[standing > 0.0]
@@ -54,6 +58,8 @@ class Cost:
         polygon = shapely.Polygon(corners)
         shapely.prepare(polygon)
         held = self._worth[shapely.contains_xy(polygon, self._centres)].sum()
+        if len(self._stood):
+            missing += _LEFT_OUT * float((~shapely.contains_xy(polygon, self._stood)).mean())
         inner = polygon.buffer(-self._walls.thickness, join_style="mitre")
         shapely.prepare(inner)
         left = self._standing[shapely.contains_xy(inner, self._tall)].sum()

@@ -1,7 +1,7 @@
 """The rooms of a level scan: closed polygons from the evidence of walls.
 
 Lines on which walls may stand (`candidates`, and `borders` where a wall was missed) cut the plan
-into cells; a minimum cut says which cells are inside (`cells`), once for each space that narrow
+into cells; a minimum cut says which cells are inside (`roomcut`), once for each space that narrow
 places separate (`spaces`); the outline loses the corners that are not worth it (`outline`), and
 its walls move to where their points lie (`refit`).
 """
@@ -16,16 +16,13 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.scan.borders import border_lines, end_lines, moved_behind
 from openrooms_usd.scan.candidates import wall_lines
 from openrooms_usd.scan.ceilings import ceiling_height, ceiling_slopes
-from openrooms_usd.scan.cells import Cells, cut_plan, inside_by_cut
+from openrooms_usd.scan.cells import cut_plan
 from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.costs import Cost
 from openrooms_usd.scan.doorleaves import open_leaves
 from openrooms_usd.scan.levelling import Level
-from openrooms_usd.scan.outline import Outline, outline_of, simplified
-from openrooms_usd.scan.piers import with_piers
-from openrooms_usd.scan.planmap import PIXEL
-from openrooms_usd.scan.refit import refitted
+from openrooms_usd.scan.outline import Outline
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
+from openrooms_usd.scan.roomcut import Plan
 from openrooms_usd.scan.shown import covered_lengths, distances, shown_parts
 from openrooms_usd.scan.spaces import Spaces, find_spaces
 from openrooms_usd.scan.surfels import Surfels, surfels
@@ -33,14 +30,10 @@ from openrooms_usd.scan.walls import Line, Walls, profile, upright
 
 Array = NDArray[np.float64]
 
-# What a square metre of the room that lies inside is worth, in metres of missing wall; of another
-# room; and of what was not seen at all.
+# What a square metre of the room that lies inside is worth, in metres of missing wall.
 _OWN: Final = 1.0
-_OTHER: Final = -1.0
 # A partial view has few walls to hold what it shows.
 _PARTIAL: Final = 6.0
-_UNSEEN: Final = -0.05
-_PASSES: Final = 2
 # Walls of which less was seen are guessed.
 _GUESSED: Final = 0.3
 # Two walls that were seen this far, metres, in directions this far apart, as a cosine.
@@ -137,16 +130,19 @@ def find_layout(
     if not len(walls.points):
         raise _too_little("the scan shows no wall")
     # What is seen of a part of a room is seen from inside it.
-    held = cloud.eyes[:, :2] if options.partial and cloud.eyes is not None else np.zeros((0, 2))
+    eyes = np.zeros((0, 2)) if cloud.eyes is None else cloud.eyes[:, :2]
+    held = eyes if options.partial else eyes[:0]
     spaces = find_spaces(pieces, walls, cloud.eyes, held)
     lines = _lines(walls, spaces, level.directions)
     cells = cut_plan(lines, spaces.low, spaces.high, level.directions)
-    owner = cells.owners(spaces.centres())
-    kept = cells.owners(held)
+    plan = Plan(
+        walls, spaces, cells, level.directions, options.simplicity,
+        _PARTIAL if options.partial else _OWN, eyes, held,
+    )  # fmt: skip
     rooms: list[LayoutRoom] = []
     refused = 0.0
     for number in range(1, len(spaces.middles) + 1):
-        outline = _outline(number, cells, owner, kept, spaces, walls, level, options)
+        outline = plan.outline(number)
         # What was seen of a wall tells its place better than what was seen before it.
         unseen = shown_parts(outline, walls) < _GUESSED
         unseen &= covered_lengths(outline, walls) < _LEAST_WALL
@@ -180,66 +176,6 @@ def _lines(walls: Walls, spaces: Spaces, directions: tuple[float, ...]) -> list[
 def _same(line: Line, normal: Array, offset: float) -> bool:
     turn = float(line.normal @ normal)
     return abs(turn) > 0.999 and abs(line.offset * np.sign(turn) - offset) < 0.06
-
-
-def _outline(
-    number: int,
-    cells: Cells,
-    owner: NDArray[np.int64],
-    kept: NDArray[np.int64],
-    spaces: Spaces,
-    walls: Walls,
-    level: Level,
-    options: LayoutOptions,
-) -> Outline:
-    """The outline of one of the spaces: of two guesses the cheaper one."""
-    own = _PARTIAL if options.partial else _OWN
-    shown = _worth(spaces, number, own, spaces.shown)
-    cost = Cost(
-        walls, spaces.centres(), shown, spaces.standing.ravel(), options.simplicity,
-        level.directions,
-    )  # fmt: skip
-    middle = spaces.middles[number - 1]
-    # What hides behind furniture belongs to the room, what is seen past furniture perhaps not.
-    worths = (_worth(spaces, number, own, spaces.seen), shown)
-    cuts = [_cut(cells, owner, kept, worth, middle) for worth in worths]
-    guesses: list[Outline] = []
-    for outline in cuts[: 1 if cuts[0].same(cuts[1]) else 2]:
-        for _ in range(_PASSES):
-            outline = with_piers(simplified(outline, cost), spaces, walls.thickness, cost)
-            outline = refitted(outline, walls, level.directions)
-        guesses.append(outline)
-    return min(guesses, key=cost)
-
-
-def _cut(
-    cells: Cells,
-    owner: NDArray[np.int64],
-    kept: NDArray[np.int64],
-    worth: Array,
-    middle: Array,
-) -> Outline:
-    """The border of the cells that are inside, around a place."""
-    import shapely
-
-    known = owner >= 0
-    gain = np.bincount(owner[known], worth[known], len(cells)).astype(np.float64)
-    inner = np.zeros(len(cells), bool)
-    inner[cells.owners(middle[None])[0]] = True
-    inner[kept[kept >= 0]] = True
-    inside = inside_by_cut(cells, gain, inner, cells.rim & ~inner)
-    parts = shapely.get_parts(shapely.union_all(cells.shapes[inside]))
-    shape = parts[shapely.contains_xy(parts, *middle).argmax()]
-    ring = shapely.orient_polygons(shapely.Polygon(shape.exterior)).exterior
-    return outline_of(shapely.get_coordinates(ring)[:-1])
-
-
-def _worth(spaces: Spaces, number: int, own: float, shown: NDArray[np.bool_]) -> Array:
-    """(X * Y,) what each pixel is worth inside a room, if it was shown."""
-    rooms = spaces.rooms.ravel()
-    empty = np.where(spaces.seen.ravel(), 0.0, _UNSEEN)
-    other = np.where(rooms == 0, empty, _OTHER)
-    return np.where(rooms == number, own * shown.ravel(), other) * PIXEL**2
 
 
 def _described(outline: Outline, walls: Walls, pieces: Surfels) -> LayoutRoom:

@@ -61,6 +61,14 @@ class Spaces:
         )
         return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
 
+    def numbers(self, places: Array) -> NDArray[np.int32]:
+        """(N,) in which room each place (N, 2) lies; 0 in none."""
+        pixel = np.floor((places - self.low) / PIXEL).astype(int)
+        within = ((pixel >= 0) & (pixel < self.rooms.shape)).all(axis=1)
+        numbers = np.zeros(len(places), np.int32)
+        numbers[within] = self.rooms[tuple(pixel[within].T)]
+        return numbers
+
 
 def find_spaces(
     pieces: Surfels, walls: Walls, eyes: Array | None = None, held: Array | None = None

@@ -83,3 +83,17 @@ def test_a_pier_is_added_around_wall_that_stands_inside():
     assert corner_error(found.corners(), np.array(PIER, dtype=float)) < 0.06
     dear = Cost(walls, spaces.centres(), worth, spaces.standing.ravel(), 5.0)
     assert len(with_piers(outline_of(SQUARE), spaces, walls.thickness, dear)) == 4
+
+
+def test_an_outline_without_the_places_where_people_stood_is_dear():
+    scan = RoomScan(SQUARE)
+    walls = upright(surfels(scan.cloud()))
+    stood = np.array([[1.0, 1.0], [3.5, 1.0], [3.6, 2.0], [3.7, 1.5]])
+    nothing = np.zeros(0)
+    costs = [Cost(walls, np.zeros((0, 2)), nothing, nothing, 0.1, (), s) for s in (None, stood)]
+    half = outline_of(SQUARE * [0.5, 1.0])
+    whole = outline_of(SQUARE)
+    free, dear = ([cost(outline) for cost in costs] for outline in (whole, half))
+    assert free[0] == free[1]
+    # Three of four places lie outside the half.
+    assert dear[1] - dear[0] == pytest.approx(0.75 * 30.0)
