@@ -16,6 +16,7 @@ PIXEL: Final = 0.05
 _LEVEL: Final = 0.25
 _FILLED: Final = 0.5
 _MOST_EYES: Final = 60
+_MOST_SIGHTS: Final = 20_000
 _RAYS: Final = 720
 _FAR_SIGHT: Final = 10.0
 
@@ -64,3 +65,16 @@ def overlooked(barrier: Mask, eyes: Array) -> Mask:
         kept = stopped[:, -1:] & ~stopped
         seen[x[kept], y[kept]] = True
     return np.asarray(ndimage.binary_closing(seen, disc(1))[1:-1, 1:-1])
+
+
+def sighted(plan: Array, eyes: Array, low: Array, shape: tuple[int, ...]) -> Mask:
+    """What lies between places (N, 2) and the only eyes (E, 2) that can have seen them."""
+    some = plan[:: max(1, len(plan) // _MOST_SIGHTS)]
+    seen = np.zeros(shape, bool)
+    for eye in eyes:
+        longest = float(np.linalg.norm(some - eye, axis=1).max(initial=0.0))
+        part = np.linspace(0.0, 1.0, int(longest / (0.7 * PIXEL)) + 2)[:, None, None]
+        pixel = np.floor((eye + part * (some - eye) - low) / PIXEL).astype(int).reshape(-1, 2)
+        pixel = pixel[((pixel >= 0) & (pixel < shape)).all(axis=1)]
+        seen[tuple(pixel.T)] = True
+    return seen

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.planmap import PIXEL, at_eye_height, disc, overlooked, plan_map
+from openrooms_usd.scan.planmap import PIXEL, at_eye_height, disc, overlooked, plan_map, sighted
 from openrooms_usd.scan.surfels import Surfels
 from openrooms_usd.scan.walls import Walls
 
@@ -93,6 +93,8 @@ def find_spaces(
     shape = tuple(np.ceil((inner[1] + _MARGIN - low) / PIXEL).astype(int))
     evidence = plan_map(plan, low, shape) > 0
     shown = ndimage.binary_closing(evidence, disc(3), border_value=0)
+    if held is not None and len(held) == 1:
+        shown |= sighted(plan, held, low, shape)
     seen = shown.copy()
     barrier = _barrier(walls, low, shape)
     if eyes is not None:

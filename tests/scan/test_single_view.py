@@ -7,6 +7,7 @@ import shapely
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.scan.layout import LayoutOptions
+from openrooms_usd.scan.planmap import sighted
 from openrooms_usd.scan.reconstruction import find_rooms
 
 # The corner is the origin; the camera stands five metres before one wall and looks at it.
@@ -46,3 +47,14 @@ def test_the_room_reaches_to_the_camera() -> None:
 def test_it_is_refused_where_a_whole_room_is_expected() -> None:
     with pytest.raises(InputError, match="too little"):
         find_rooms(view())
+
+
+def test_what_lies_before_the_camera_is_space() -> None:
+    eye = np.array([[0.0, 0.0]])
+    seen = sighted(np.array([[2.0, 1.0]]), eye, np.array([-0.5, -0.5]), (60, 40))
+    x, y = np.meshgrid(*(0.05 * (np.arange(n) + 0.5) - 0.5 for n in seen.shape), indexing="ij")
+    line = shapely.LineString([(0.0, 0.0), (2.0, 1.0)])
+    away = shapely.distance(line, shapely.points(x[seen], y[seen]))
+    # Pixels that the line passes, from end to end, and no others.
+    assert away.max() < 0.05 * np.sqrt(0.5) + 1e-9
+    assert shapely.MultiPoint(np.stack([x[seen], y[seen]], axis=1)).buffer(0.05).covers(line)
