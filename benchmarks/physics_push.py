@@ -4,6 +4,8 @@ import time
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
 from benchmarks.report import table
 from openrooms_usd import adapters
 from openrooms_usd.physics.world import World
@@ -11,6 +13,7 @@ from openrooms_usd.simulation import pushing
 
 ENGINES: Final = ("pybullet", "mujoco")
 _FLOORS: Final = {"carpet": pushing.CARPET, "wax": pushing.WAX}
+_GENERATED: Final = ("living_room", "kitchen")
 _STEPS: Final = (0.008, 0.004, 0.002, 0.001, 0.0005)
 
 
@@ -33,37 +36,53 @@ def push(quick: bool, folder: Path) -> tuple[list[dict[str, Any]], str]:
 
 
 def speed(quick: bool, folder: Path) -> tuple[list[dict[str, Any]], str]:
-    """Steps a second of furnished rooms that rest, in one run."""
+    """Furnished rooms at rest: steps a second, and how far things creep meanwhile."""
     rows = []
-    for name, world in _rooms(folder):
+    for name, world in _rooms(folder, quick):
         shapes = sum(len(link.shapes) for body in world.bodies for link in body.links)
         free = sum(not body.fixed for body in world.bodies)
-        rates = {f"{engine}, steps/s": _rate(engine, world, quick) for engine in ENGINES}
-        first, second = rates.values()
-        rows.append({"room": name, "free bodies": free, "shapes": shapes, **rates,
-                     "mujoco / pybullet": second / first})  # fmt: skip
+        for step in _STEPS[1:3] if quick else _STEPS[:4]:
+            row = {"room": name, "free bodies": free, "shapes": shapes, "step, ms": 1e3 * step}
+            for engine in ENGINES:
+                rate, way = _rate(engine, world, step, quick)
+                row |= {f"{engine}, steps/s": rate, f"{engine}, moved mm": 1e3 * way}
+            bullet, mujoco = (row[f"{engine}, steps/s"] for engine in ENGINES)
+            rows.append({**row, "mujoco / pybullet": mujoco / bullet})
     return rows, _table(rows)
 
 
-def _rooms(folder: Path) -> list[tuple[str, World]]:
+def _rooms(folder: Path, quick: bool) -> list[tuple[str, World]]:
     from openrooms_usd.cli.composing import copy_example
     from openrooms_usd.compose import compose_room
+    from openrooms_usd.generate import generate, write
     from openrooms_usd.usd.layers import open_stage
     from openrooms_usd.usd.rigid import read_world
 
-    scene = compose_room(copy_example(folder / "source"), folder / "demo").scene
-    return [("the bundled example", read_world(open_stage(scene)))]
+    described = {} if quick else {"the bundled example": copy_example(folder / "source")}
+    for kind in ("hallway",) if quick else _GENERATED:
+        path = folder / f"{kind}.yaml"
+        physics = "{shapes: hull}" if quick else "{}"
+        text = f"{write(generate(kind, 1))}\nphysics: {physics}\n"
+        path.write_text(text, encoding="utf-8")
+        described[f"generated {kind}"] = path
+    scenes = {
+        name: compose_room(path, folder / path.stem).scene for name, path in described.items()
+    }
+    return [(name, read_world(open_stage(scene))) for name, scene in scenes.items()]
 
 
-def _rate(engine: str, world: World, quick: bool) -> float:
-    """Steps a second of the processor, after what falls has fallen."""
-    simulation = adapters.load(adapters.ENGINES, engine).open(world)
+def _rate(engine: str, world: World, step: float, quick: bool) -> tuple[float, float]:
+    """Steps a second of the processor, and the farthest way of a body in that time, metres."""
+    simulation = adapters.load(adapters.ENGINES, engine).open(world, timestep=step)
     try:
-        simulation.step(0.02 if quick else 0.2)
-        seconds = 0.02 if quick else 1.0
-        began = time.perf_counter()
+        before = simulation.poses()
+        seconds = 0.04 if quick else 2.0
+        began = time.process_time()
         simulation.step(seconds)
-        return round(seconds / simulation.timestep) / (time.perf_counter() - began)
+        spent = time.process_time() - began
+        after = simulation.poses()
+        ways = [after[name].world_from_body - before[name].world_from_body for name in before]
+        return round(seconds / step) / spent, float(np.linalg.norm(ways, axis=1)[:, 3].max())
     finally:
         simulation.close()
 

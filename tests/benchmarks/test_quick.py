@@ -148,3 +148,18 @@ def test_light(tmp_path):
     assert both < alone
     assert all(row["finite"] == "yes" and not row["replaced pixels"] for row in data["hard"])
     assert "to path" in said
+
+
+def test_physics_by_step(tmp_path):
+    pytest.importorskip("pybullet")
+    pytest.importorskip("mujoco")
+    sections = ("--section", "push", "--section", "speed")
+    _, data = run("physics", tmp_path / "p.json", *sections)
+    for engine in ("pybullet", "mujoco"):
+        # A shorter step is nearer to the closed form, on average.
+        errors = {4.0: [], 2.0: []}
+        for row in data["push"]:
+            errors[row["step, ms"]].append(abs(row[f"{engine}, %"]))
+        assert np.mean(errors[2.0]) < np.mean(errors[4.0])
+        assert all(row[f"{engine}, steps/s"] > 0 for row in data["speed"])
+        assert all(row[f"{engine}, moved mm"] < 5.0 for row in data["speed"])
