@@ -2,7 +2,7 @@
 
 import tempfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.quaternions import pose_of, quaternion
-from openrooms_usd.physics.world import Body, Joint, World
+from openrooms_usd.physics.world import Body, World
 from openrooms_usd.simulate import (
     DEFAULT_FRICTION,
     DEFAULT_TIMESTEP,
@@ -21,6 +21,7 @@ from openrooms_usd.simulate import (
     Touch,
     Velocity,
 )
+from orusd_urdf.loading import BASE, Loaded, keep_apart, load_file
 from orusd_urdf.naming import safe
 from orusd_urdf.packages import needed
 from orusd_urdf.urdf import write_bodies
@@ -30,7 +31,6 @@ Array = NDArray[np.float64]
 # Iterations until the friction of a stack is Coulomb's; Bullet's own 50 leave books creeping.
 _ITERATIONS: Final = 200
 _RESIDUAL: Final = 1e-9
-_BASE: Final = -1
 
 
 class BulletEngine:
@@ -56,7 +56,7 @@ class BulletEngine:
         return simulation
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class _Loaded:
     """A body in Bullet.
 
@@ -71,8 +71,8 @@ class _Loaded:
     body: Body
     number: int
     base_from_inertial: Array
-    joints: dict[str, int] = field(default_factory=dict)
-    links: dict[str, int] = field(default_factory=dict)
+    joints: dict[str, int]
+    links: dict[str, int]
 
 
 class BulletSimulation:
@@ -113,52 +113,29 @@ class BulletSimulation:
             StageError: Bullet refuses a file.
         """
         files = write_bodies(self._world, folder, friction=friction)
-        for body in self._world.bodies:
-            self._load(body, files[body.name])
+        loaded = {body.name: self._load(body, files[body.name]) for body in self._world.bodies}
+        pairs = [((a, safe(one)), (b, safe(other))) for (a, one), (b, other) in self._world.apart]
+        keep_apart(self._p, loaded, pairs, self._client)
 
-    def _load(self, body: Body, file: Path) -> None:
-        p, at = self._p, body.world_from_body
-        # Without the features of hulls Bullet keeps them apart by a margin of 1 mm each.
-        flags = p.URDF_USE_INERTIA_FROM_FILE | p.URDF_INITIALIZE_SAT_FEATURES
+    def _load(self, body: Body, file: Path) -> Loaded:
+        at = body.world_from_body
+        place = at[:3, 3].tolist(), quaternion(at[:3, :3]).tolist()
+        moving = {j.name: safe(j.name) for j in body.joints if j.kind != "fixed"}
+        rubs = {safe(joint.name): joint.friction for joint in body.joints}
         try:
-            number = p.loadURDF(
-                str(file),
-                at[:3, 3].tolist(),
-                quaternion(at[:3, :3]).tolist(),
-                useFixedBase=body.fixed,
-                flags=flags,
-                **self._how,
-            )
-        except p.error as error:
+            loaded = load_file(self._p, file, place, rubs, fixed=body.fixed, client=self._client)
+        except self._p.error as error:
             raise StageError(f"Bullet refuses {body.name!r}: {error}", place=body.path) from error
-        dynamics = p.getDynamicsInfo(number, _BASE, **self._how)
-        loaded = _Loaded(body, number, pose_of(dynamics[3], dynamics[4]))
-        loaded.links[body.links[0].name] = _BASE
-        infos = [
-            p.getJointInfo(number, i, **self._how)
-            for i in range(p.getNumJoints(number, **self._how))
-        ]
-        places = {info[12].decode(): info[0] for info in infos}
-        joints = {info[1].decode(): info[0] for info in infos}
-        for link in body.links[1:]:
-            loaded.links[link.name] = places[safe(link.name)]
-        for joint in body.joints:
-            if joint.kind != "fixed":
-                loaded.joints[joint.name] = joints[safe(joint.name)]
-                self._rest(number, joints[safe(joint.name)], joint)
-        for index in range(_BASE, p.getNumJoints(number, **self._how)):
-            p.changeDynamics(number, index, linearDamping=0.0, angularDamping=0.0, **self._how)
-        self._bodies[body.name] = loaded
-        self._names[number] = body.name
-
-    def _rest(self, number: int, index: int, joint: Joint) -> None:
-        """Dry friction is a motor that holds a joint still as well as it can.
-
-        Bullet drives every joint by itself, until it is told to use no force.
-        """
-        self._p.setJointMotorControl2(
-            number, index, self._p.VELOCITY_CONTROL, 0.0, 0.0, force=joint.friction, **self._how
+        dynamics = self._p.getDynamicsInfo(loaded.number, BASE, **self._how)
+        self._bodies[body.name] = _Loaded(
+            body,
+            loaded.number,
+            pose_of(dynamics[3], dynamics[4]),
+            {name: loaded.joints[known] for name, known in moving.items()},
+            {link.name: loaded.links[safe(link.name)] for link in body.links},
         )
+        self._names[loaded.number] = body.name
+        return loaded
 
     @property
     def time(self) -> float:
@@ -181,7 +158,7 @@ class BulletSimulation:
         one = self._bodies[body]
         found = {}
         for name, index in one.links.items():
-            if index == _BASE:
+            if index == BASE:
                 found[name] = self._base(one)
             else:
                 state = self._p.getLinkState(
@@ -229,7 +206,7 @@ class BulletSimulation:
         """Pull at a point of the world, which lies on the body's base, during the next step."""
         number = self._bodies[body].number
         how = self._p.WORLD_FRAME
-        self._p.applyExternalForce(number, _BASE, force.tolist(), point.tolist(), how, **self._how)
+        self._p.applyExternalForce(number, BASE, force.tolist(), point.tolist(), how, **self._how)
 
     def contacts(self) -> tuple[Touch, ...]:
         """Where different bodies touch."""
@@ -283,10 +260,10 @@ class BulletSimulation:
         if not one.body.fixed:
             linear, angular = self._p.getBaseVelocity(one.number, **self._how)
             at = self._p.getBasePositionAndOrientation(one.number, **self._how)
-            yield _BASE, (np.array(linear), np.array(angular), pose_of(*at))
+            yield BASE, (np.array(linear), np.array(angular), pose_of(*at))
         if not one.joints and one.body.fixed:
             return
         for index in one.links.values():
-            if index != _BASE:
+            if index != BASE:
                 state = self._p.getLinkState(one.number, index, 1, 1, **self._how)
                 yield index, (np.array(state[6]), np.array(state[7]), pose_of(*state[:2]))

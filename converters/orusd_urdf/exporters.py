@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 _Rule = tuple[Callable[[Any], bool], str]
 
 _FRICTION: Final[_Rule] = (lambda value: value in ("static", "dynamic"), "static or dynamic")
-_PAIRS: Final[_Rule] = (lambda value: value in ("all", "near", "none"), "all, near or none")
+_PAIRS: Final[_Rule] = (
+    lambda value: value in ("auto", "all", "near", "close", "none"),
+    "auto, all, near, close or none",
+)
 _FLAG: Final[_Rule] = (lambda value: isinstance(value, bool), "true or false")
 _PACKAGE: Final[_Rule] = (
     lambda value: isinstance(value, str) and value.isidentifier() and value.isascii(),
@@ -63,9 +66,10 @@ class MjcfExporter:
             destination: The folder.
             options: ``friction``: which coefficient counts, ``static`` (without it) or
                 ``dynamic``. ``pairs``: which unequal surfaces get the coefficient that
-                they have together: ``all`` (without it), those that are ``near`` each other at
-                first or meet the room, or ``none``; others the larger one. MuJoCo looks at every
-                pair in every step.
+                they have together: ``all``, those that are ``near`` each other at first or meet
+                the room, those that are ``close`` to each other or the room, or ``none``; others
+                the larger one. MuJoCo looks at every pair in every step: ``auto`` (without it) is
+                the first of these that are at most 100,000, and at least those that are close.
 
         Raises:
             InputError: An option is not known.

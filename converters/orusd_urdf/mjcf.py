@@ -14,7 +14,7 @@ from orusd_urdf.assets import Assets
 from orusd_urdf.checking import check_world
 from orusd_urdf.frames import text
 from orusd_urdf.looks import Look, Loss
-from orusd_urdf.pairs import Which, contact_element
+from orusd_urdf.pairs import MOST, Choice, Which, chosen, contact_element
 from orusd_urdf.tree import Tree, joint_name, link_name
 
 __all__ = ["joint_name", "link_name", "write_mjcf", "write_model"]
@@ -33,6 +33,9 @@ _OPTIONS: Final = {
     # Its sparse Newton blows up where wheels are driven over round cones.
     "jacobian": "dense",
 }
+# What a furnished room's contacts may take, far more than MuJoCo guesses: the sweeps against slip
+# hold a square matrix of them. Nothing is taken before it is needed.
+_MEMORY: Final = "2G"
 # Contacts without bounce, as stiff as the step allows: things sink in by micrometres.
 _RIGID: Final = {
     "solref": text([2.0 * DEFAULT_TIMESTEP, 1.0]),
@@ -46,7 +49,7 @@ def write_mjcf(
     *,
     looks: Mapping[str, Look],
     friction: Friction = DEFAULT_FRICTION,
-    pairs: Which = "all",
+    pairs: Choice = "auto",
 ) -> list[Loss]:
     """Write a world as ``scene.xml``, all or nothing.
 
@@ -58,7 +61,7 @@ def write_mjcf(
         looks: What materials look like, by the paths of their prims.
         friction: Which coefficient of each surface counts.
         pairs: Which unequal surfaces get the coefficient that they have together
-            (`pairs.contact_element`).
+            (`pairs.chosen`).
 
     Returns:
         What was lost.
@@ -70,14 +73,11 @@ def write_mjcf(
     check_world(world)
     with atomic.filling(folder) as beside:
         tree = Tree(Assets(beside), looks, friction)
-        _write_scene(world, tree, beside, pairs=pairs)
+        which = _write_scene(world, tree, beside, pairs=pairs)
         found = json.dumps(tree.prims, indent=1, ensure_ascii=False)
         atomic.write_text(beside / NAMES, f"{found}\n")
     losses = [*tree.assets.losses, *tree.losses, *_restitution(world)]
-    if pairs != "all":
-        which = "unequal surfaces that are apart" if pairs == "near" else "unequal surfaces"
-        losses.append(("/", "approximated", f"{which} have the larger coefficient"))
-    return losses
+    return [*losses, *_left_out(which, pairs)]
 
 
 def write_model(
@@ -85,7 +85,7 @@ def write_model(
     folder: Path,
     *,
     friction: Friction = DEFAULT_FRICTION,
-    pairs: Which = "all",
+    pairs: Choice = "auto",
 ) -> Path:
     """Write a world without anything to look at.
 
@@ -107,16 +107,19 @@ def write_model(
     return folder / SCENE
 
 
-def _write_scene(world: World, tree: Tree, folder: Path, *, pairs: Which) -> None:
+def _write_scene(world: World, tree: Tree, folder: Path, *, pairs: Choice) -> Which:
     root = Element("mujoco", model="room")
     SubElement(root, "compiler", angle="radian", autolimits="true")
     SubElement(root, "option", {"gravity": text(world.gravity), **_OPTIONS})
+    SubElement(root, "size", memory=_MEMORY)
     root.append(_defaults())
     bodies = Element("worldbody")
     bodies.extend(tree.body(body) for body in world.bodies)
-    root.extend([tree.asset(), bodies, contact_element(world, tree.surfaces, pairs)])
+    which = chosen(tree.surfaces, pairs)
+    root.extend([tree.asset(), bodies, contact_element(world, tree.surfaces, which)])
     ElementTree.indent(root)
     atomic.write_text(folder / SCENE, ElementTree.tostring(root, encoding="unicode") + "\n")
+    return which
 
 
 def _defaults() -> Element:
@@ -128,6 +131,19 @@ def _defaults() -> Element:
     SubElement(collision, "geom", {"condim": "3", "group": "3", "mass": "0", **_RIGID})
     SubElement(element, "pair", {"condim": "3", **_RIGID})
     return element
+
+
+def _left_out(which: Which, asked: Choice) -> list[Loss]:
+    """What is said of pairs that are not written."""
+    if which == "all":
+        return []
+    what = {
+        "near": "unequal surfaces that are apart",
+        "close": "unequal surfaces that do not touch at first",
+        "none": "unequal surfaces",
+    }[which]
+    why = f": all pairs would be more than {MOST:,} (pairs=all)" if asked == "auto" else ""
+    return [("/", "approximated", f"{what} have the larger coefficient{why}")]
 
 
 def _restitution(world: World) -> list[Loss]:

@@ -9,6 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import names
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Joint, Link, Shape, Visual
@@ -32,6 +33,8 @@ class Surface(NamedTuple):
     Attributes:
         geom: Its name.
         body: The name of its body.
+        link: That of its link's element.
+        room: Whether that is the room.
         moves: Whether it can.
         friction: Its coefficient.
         bounds: (2, 3) its least and greatest corner in the world, where it stands at first.
@@ -39,6 +42,8 @@ class Surface(NamedTuple):
 
     geom: str
     body: str
+    link: str
+    room: bool
     moves: bool
     friction: float
     bounds: NDArray[np.float64]
@@ -124,7 +129,8 @@ class Tree:
             self.prims["geoms"][geom] = f"{link.path}/{shape.name}"
             factor = coefficient(shape.contact, self.friction)
             bounds = _bounds(shape, body.world_from_body @ link.body_from_link)
-            self.surfaces.append(Surface(geom, body.name, moves, factor, bounds))
+            room = body.path == names.ROOM
+            self.surfaces.append(Surface(geom, body.name, name, room, moves, factor, bounds))
             element.append(self._collision(shape, geom, body.name, factor))
         if self.looks is not None:
             element.extend(self._visuals(link, name, body.name, self.looks))

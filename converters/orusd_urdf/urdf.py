@@ -57,6 +57,7 @@ def write_urdf(
             "gravity": world.gravity.tolist(),
             "friction": friction,
             "bodies": [_entry(body, files[body.name]) for body in world.bodies],
+            "apart": [[(body, safe(link)) for body, link in ends] for ends in world.apart],
         }
         atomic.write_text(beside / SCENE, json.dumps(scene, indent=1, ensure_ascii=False) + "\n")
     return writer.assets.losses

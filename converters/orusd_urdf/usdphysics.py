@@ -2,7 +2,8 @@
 
 Isaac Sim (PhysX) and Newton find everything with ``UsdPhysics.LoadUsdPhysicsFromRange``. PhysX
 averages coefficients unless told otherwise; here both surfaces ask to be multiplied, and have the
-root of what they are, so that a pair has the geometric mean.
+root of what they are, so that a pair has the geometric mean. Links of one body are told not to
+collide.
 """
 
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ from openrooms_usd.usd import layers
 from orusd_urdf.checking import check_world
 from orusd_urdf.flattening import flattened, ordered
 from orusd_urdf.looks import Loss
+from orusd_urdf.siblings import keep_siblings_apart
 from orusd_urdf.usdfiles import gather_files
 
 SCENE: Final = "scene.usdc"
@@ -51,6 +53,7 @@ def write_usdphysics(
     check_world(world)
     flat = flattened(stage)
     losses = [*_limits(world), *_units(stage)]
+    keep_siblings_apart(flat, world)
     if roots:
         _take_roots(flat)
     with atomic.filling(folder) as beside:

@@ -135,6 +135,10 @@ class Body:
     category: str = ""
 
 
+LinkName = tuple[str, str]
+"""The name of a body, and that of one of its links."""
+
+
 @dataclass(frozen=True, eq=False)
 class World:
     """A whole room for an engine.
@@ -143,8 +147,10 @@ class World:
         bodies: The room's shell is a fixed body like any other; in the order of the stage.
         gravity: (3,) m/s2.
         losses: (prim path, ``approximated`` or ``skipped``, reason).
+        apart: Links of different bodies that pass through each other; those of one body always do.
     """
 
     bodies: tuple[Body, ...]
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))
     losses: tuple[tuple[str, Literal["approximated", "skipped"], str], ...] = ()
+    apart: tuple[tuple[LinkName, LinkName], ...] = ()

@@ -123,10 +123,12 @@ def choose_look(stage: Usd.Stage, look: str, path: Path) -> None:
     """
     chosen = False
     with Usd.EditContext(stage, stage.GetSessionLayer()):
-        for prim in list(stage.Traverse()):
-            looks = prim.GetVariantSet("look")
-            if look in looks.GetVariantNames():
-                chosen |= looks.SetVariantSelection(look)
+        for found in [prim.GetPath() for prim in stage.Traverse()]:
+            # What another look alone has is gone by then.
+            if prim := stage.GetPrimAtPath(found):
+                looks = prim.GetVariantSet("look")
+                if look in looks.GetVariantNames():
+                    chosen |= looks.SetVariantSelection(look)
     if not chosen:
         raise InputError(
             f"nothing has a look {look!r}", place=path, remedy="the variant sets named look say"

@@ -18,6 +18,7 @@ from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Body, Shape, Visual, World
 from openrooms_usd.physics.world import Link as WorldLink
 from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.rigid_filters import read_filters
 from openrooms_usd.usd.rigid_frames import Frames, inverse
 from openrooms_usd.usd.rigid_items import distinct, shifted, unique, unique_names
 from openrooms_usd.usd.rigid_joints import (
@@ -54,7 +55,7 @@ def read_world(stage: Usd.Stage) -> World:
     What moves is a body with RigidBodyAPI that is enabled and not kinematic. What collides and does
     not move belongs to a fixed body: that of the nearest component or subcomponent, or else of the
     prim below the stage's default prim. Joints make one body of what they join, as a tree. Links of
-    one body are not meant to collide with each other.
+    one body are not meant to collide with each other, nor are pairs of FilteredPairsAPI.
 
     Args:
         stage: The composed stage.
@@ -113,9 +114,12 @@ class _Reading:
         roots = [p for _, d in self.parsed.get(_Type.Articulation, ()) for p in d.rootPrims]
         taken: set[str] = set()
         bodies = [self._body(tree, taken) for tree in trees(links, edges, roots)]
-        self._note_meshes()
+        for loss in self.seen.losses:
+            self.reader.lose(*loss)
         gravity = self.frames.gravity([desc for _, desc in self.parsed.get(_Type.Scene, ())])
-        return World(tuple(bodies), gravity, tuple(self.reader.losses.values()))
+        colliders = {path: content.solids for path, content in self.content.items()}
+        apart = read_filters(self.stage, bodies, colliders, self.reader)
+        return World(tuple(bodies), gravity, tuple(self.reader.losses.values()), apart)
 
     def _add(self, path: Sdf.Path, *, moves: bool) -> Sdf.Path:
         if path not in self.links:
@@ -168,10 +172,6 @@ class _Reading:
             holder = self._holder(placed.prim.GetPath())
             into = self._into(holder)
             self.content[holder].visuals += self.reader.visuals(placed, into)
-
-    def _note_meshes(self) -> None:
-        for path, outcome, reason in self.seen.losses:
-            self.reader.lose(path, outcome, reason)
 
     def _edges(self) -> Iterator[Edge]:
         for kind, what in UNKNOWN_KINDS.items():

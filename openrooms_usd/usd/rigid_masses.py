@@ -48,6 +48,7 @@ def read_mass(
     mass, moments, centre, axes = api.ComputeMassProperties(
         lambda collider: _information(known.get(collider.GetPath()), frames.metres)
     )
+    moments, axes = _said_inertia(prim) or (moments, axes)
     R = np.array(Gf.Matrix3d(Gf.Quatd(axes).GetNormalized())).T
     tensor = R @ np.diag(np.array(moments, dtype=np.float64)) @ R.T
     found = MassProperties(
@@ -72,10 +73,22 @@ def _check(prim: Usd.Prim) -> None:
 def _is_complete(prim: Usd.Prim) -> bool:
     """Whether a body says its mass, its inertia and its centre itself."""
     api = UsdPhysics.MassAPI(prim)
-    mass, moments = api.GetMassAttr().Get(), api.GetDiagonalInertiaAttr().Get()
     centre = api.GetCenterOfMassAttr()
     said = bool(centre and centre.HasAuthoredValue())
-    return said and bool(mass and moments and all(value > 0.0 for value in moments))
+    return said and bool(api.GetMassAttr().Get()) and _said_inertia(prim) is not None
+
+
+def _said_inertia(prim: Usd.Prim) -> tuple[Gf.Vec3f, Gf.Quatf] | None:
+    """The moments and axes that a body says itself.
+
+    USD's own rules take tiny moments for none: those of a knob of 4 g, 6e-7 kg m2, become NaN.
+    """
+    api = UsdPhysics.MassAPI(prim)
+    moments = api.GetDiagonalInertiaAttr().Get()
+    if not moments or not all(value > 0.0 for value in moments):
+        return None
+    axes = api.GetPrincipalAxesAttr().Get()
+    return moments, axes if axes and axes.GetLength() > 0.0 else Gf.Quatf(1.0)
 
 
 def _of_one(shapes: Sequence[TriangleMesh]) -> MassProperties | None:

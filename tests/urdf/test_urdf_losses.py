@@ -10,6 +10,7 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from openrooms_usd.physics.world import Shape, Visual, World
+from orusd_urdf import pairs
 from orusd_urdf.mjcf import write_mjcf
 from orusd_urdf.usdphysics import write_usdphysics
 
@@ -21,7 +22,7 @@ def explicit(folder: Path) -> set[frozenset[str]]:
 
 
 def test_only_unequal_things_that_can_meet_are_pairs(make: SimpleNamespace, tmp_path: Path) -> None:
-    at = np.array([[0.0, 0.0, 0.05], [0.3, 0.0, 0.05], [5.0, 0.0, 0.05], [6.0, 0.0, 0.05]])
+    at = np.array([[0.0, 0.0, 0.25], [0.3, 0.0, 0.05], [5.0, 0.0, 0.05], [6.0, 0.0, 0.05]])
     world = World(
         (
             make.ground(0.6),
@@ -36,13 +37,42 @@ def test_only_unequal_things_that_can_meet_are_pairs(make: SimpleNamespace, tmp_
     # D is fixed as the floor is, and stands within reach of nobody; A and C are as good as equal.
     fixed = [{f"{name}.hull", "D.hull"} for name in "ABC"]
     notes = {}
-    for which in ("all", "near", "none"):
+    for which in ("all", "near", "close", "none"):
         notes[which] = write_mjcf(world, tmp_path / which, looks={}, pairs=which)  # type: ignore[arg-type]
     found = {which: explicit(tmp_path / which) for which in notes}
     assert found["all"] == {frozenset(pair) for pair in [*floor, *near, *far, *fixed]}
     assert found["near"] == {frozenset(pair) for pair in [*floor, *near]}
+    # A hangs 20 cm above the floor, and 10 cm above B, which is beside it.
+    assert found["close"] == {frozenset(pair) for pair in floor[1:]}
     assert found["none"] == set()
-    assert [len(lost) for lost in notes.values()] == [0, 1, 1]
+    assert [len(lost) for lost in notes.values()] == [0, 1, 1, 1]
+
+
+def test_too_many_pairs_are_only_those_that_are_near(
+    make: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two blocks far from each other: three pairs of unequal things, two of them with the floor."""
+    places = np.array([[0.0, 0.0, 0.05], [5.0, 0.0, 0.05]])
+    blocks = [make.block(n, at, mu) for n, at, mu in zip("AB", places, (0.3, 0.4), strict=True)]
+    world = World((make.ground(0.6), *blocks))
+    assert pairs.MOST == 100_000
+    assert write_mjcf(world, tmp_path / "few", looks={}) == []
+    assert len(explicit(tmp_path / "few")) == 3
+    monkeypatch.setattr(pairs, "MOST", 2)
+    ((path, outcome, reason),) = write_mjcf(world, tmp_path / "many", looks={})
+    assert (path, outcome) == ("/", "approximated")
+    assert "apart have the larger coefficient" in reason and "pairs=all" in reason
+    stands = {frozenset({"Room.Floor", f"{n}.hull"}) for n in "AB"}
+    assert explicit(tmp_path / "many") == stands
+    # Also when what touches is too many.
+    monkeypatch.setattr(pairs, "MOST", 1)
+    ((_, _, reason),) = write_mjcf(world, tmp_path / "more", looks={})
+    assert "do not touch at first" in reason and explicit(tmp_path / "more") == stands
+    # Asked for, all are written however many they are.
+    assert write_mjcf(world, tmp_path / "all", looks={}, pairs="all") == []
+    assert explicit(tmp_path / "all") == explicit(tmp_path / "few")
+    monkeypatch.setattr(pairs, "MOST", 3)
+    assert write_mjcf(world, tmp_path / "just", looks={}) == []
 
 
 def test_mujoco_neither_bounces_nor_draws_one_triangle(
