@@ -22,6 +22,8 @@ FIXED: Final = frozenset({
 })  # fmt: skip
 # What hangs there is screwed on.
 _HUNG: Final = frozenset({"ceiling", "wall"})
+# What gives way where it is touched, and how far off its collision shapes may be, metres.
+_YIELDING: Final = {"plant_pot": 0.05, "curtain": 0.05}
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,11 @@ def movable(category: str, mounting: Support | None = None) -> bool:
         mounting: What carries it; what hangs on a wall or a ceiling is fixed.
     """
     return kind_of(category) not in FIXED and mounting not in _HUNG
+
+
+def tolerance_of(category: str, usual: float) -> float:
+    """How far the collision shapes of a category may be off, metres: leaves and drapes farther."""
+    return max(usual, _YIELDING.get(kind_of(category), 0.0))
 
 
 def losses(category: str, kind: Literal["hinge", "rail"]) -> Losses:

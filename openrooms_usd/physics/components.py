@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import has_area
+from openrooms_usd.physics.borders import lids
 from openrooms_usd.physics.hulls import finite_points
 
 Array = NDArray[np.float64]
@@ -16,6 +17,8 @@ Ints = NDArray[np.int32]
 
 # Corners closer than this are one, metres.
 WELD: Final = 1e-6
+# Holes of no more area than this share of the squared size are cracks between triangles.
+CRACK: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +46,7 @@ class Component:
         corners: (M, 3, 3) metres; counter-clockwise seen from outside where it is closed.
         contact: Its part's contact material.
         part: Its part's name.
-        closed: Whether it has an inside: every edge is run along once in either direction.
+        closed: Whether it has an inside: every edge is run along as often in either direction.
     """
 
     corners: Array
@@ -87,7 +90,7 @@ def _components(part: Part) -> Iterator[Component]:
     order = np.argsort(label, kind="stable")
     sizes = np.unique(label, return_counts=True)[1]
     for rows in np.split(order, np.cumsum(sizes)[:-1]):
-        closed = _is_closed(triangles[rows])
+        closed = _is_closed(points, triangles[rows])
         corners = points[triangles[rows]]
         if closed and _signed_volume(corners) < 0.0:
             corners = corners[:, ::-1]
@@ -114,12 +117,20 @@ def _welded(part: Part) -> tuple[Array, NDArray[np.int64]]:
     return points, triangles[np.sort(once)]
 
 
-def _is_closed(triangles: NDArray[np.int64]) -> bool:
+def _is_closed(points: Array, triangles: NDArray[np.int64]) -> bool:
+    """Whether no edge has a free side, but for cracks without an area.
+
+    More than two triangles may meet in an edge: so solids touch each other.
+    """
     edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     width = int(edges.max()) + 1
     forward = np.sort(edges[:, 0] * width + edges[:, 1])
     backward = np.sort(edges[:, 1] * width + edges[:, 0])
-    return bool((np.diff(forward) > 0).all() and np.array_equal(forward, backward))
+    if np.array_equal(forward, backward):
+        return True
+    size = float(np.ptp(points[triangles].reshape(-1, 3), axis=0).max())
+    found = lids(points, triangles, np.zeros(len(triangles), dtype=np.int64), 1)
+    return bool(found.openings[0] <= CRACK * size * size)
 
 
 def _signed_volume(corners: Array) -> float:

@@ -6,7 +6,7 @@ lies on one side of a plane is the hull of the solid there. So open sheets are c
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -16,7 +16,7 @@ from openrooms_usd.geometry.triangulation import has_area
 
 Array = NDArray[np.float64]
 
-# Judges the hulls of pieces: how far each is off, infinite where that is too far.
+# Judges the hulls of pieces: how far each is off, metres.
 Judge = Callable[[Sequence[Array]], Sequence[float]]
 
 # Where a piece is tried between its ends, as shares of its length.
@@ -24,11 +24,15 @@ SHARES: Final = (0.25, 0.5, 0.75)
 # How many planes through faces are tried along an axis.
 FACES: Final = 4
 # What a wholly uneven cut costs, as a share of the volume that there is.
-EVENNESS: Final = 0.03
+EVENNESS: Final = 0.3
+# What a cut across the shortest side costs: rings and trays are not sliced into rings and trays.
+SLICING: Final = 0.2
 # Corners this close to a plane are in it, metres.
 ON_PLANE: Final = 1e-7
 # What a cut along a principal axis costs: cuts along the frame's axes leave boxes.
-SLANTED: Final = 0.05
+SLANTED: Final = 0.3
+# What a cut along a face that fills the whole section saves.
+BOARDS: Final = 0.2
 # Faces this close are in one plane, metres.
 GRID: Final = 1e-3
 
@@ -39,46 +43,40 @@ class Cutting:
 
     Attributes:
         corners: (M, 3, 3) its triangles, metres.
-        source: The row of the surface that it was cut from.
-        bound: How far its hull is off at most, metres.
+        off: How far its hull is off, metres.
     """
 
     corners: Array
-    source: int
-    bound: float = np.inf
+    off: float
 
 
-def cut(surfaces: Sequence[Array], accepts: Judge, least: float, most: int) -> list[Cutting]:
-    """Cut surfaces until their hulls are accepted.
+def cut(surface: Array, judge: Judge, tolerance: float, least: float, most: int) -> list[Cutting]:
+    """Cut a surface until its hulls are within a tolerance, the worst first.
 
     Args:
-        surfaces: (M, 3, 3) triangles of each, metres.
-        accepts: Told all new pieces of a round at once.
+        surface: (M, 3, 3) triangles, metres.
+        judge: Told all new pieces of a round at once.
+        tolerance: How far hulls may be off, metres.
         least: Pieces are not cut across sides that are shorter, metres.
         most: No piece is cut once there are so many.
-
-    Returns:
-        What is left, in the order of the surfaces.
     """
     done: list[Cutting] = []
-    left = [Cutting(corners, source) for source, corners in enumerate(surfaces)]
+    left = [surface]
     while left:
-        bounds = accepts([piece.corners for piece in left])
-        judged = [replace(piece, bound=b) for piece, b in zip(left, bounds, strict=True)]
-        done += [piece for piece in judged if piece.bound < np.inf]
-        coarse = [piece for piece in judged if piece.bound == np.inf]
+        found = [Cutting(*pair) for pair in zip(left, judge(left), strict=True)]
+        done += [piece for piece in found if piece.off <= tolerance]
+        coarse = sorted(
+            (piece for piece in found if piece.off > tolerance), key=lambda piece: -piece.off
+        )
         left = []
-        # The largest first, as long as there may be more.
-        coarse.sort(key=lambda piece: -float(np.ptp(piece.corners.reshape(-1, 3), axis=0).max()))
         for k, piece in enumerate(coarse):
-            waiting = len(coarse) - k - 1
-            room = most - len(done) - len(left) - waiting
+            room = most - len(done) - len(left) - (len(coarse) - k - 1)
             halves = _halves(piece.corners, least) if room >= 2 else None
             if halves is None:
                 done.append(piece)
             else:
-                left += [Cutting(half, piece.source) for half in halves]
-    return sorted(done, key=lambda piece: piece.source)
+                left += halves
+    return done
 
 
 def clipped(corners: Array, heights: Array) -> Array:
@@ -91,7 +89,7 @@ def clipped(corners: Array, heights: Array) -> Array:
     Returns:
         (K, 3, 3) triangles with the windings of those they are of.
     """
-    # What lies in the plane bounds one of the sides, and the others' corners say so there.
+    # What lies in the plane is of neither side here.
     there = heights.max(axis=1) > 0.0
     corners, heights = corners[there], heights[there]
     above = heights >= 0.0
@@ -122,6 +120,10 @@ def _halves(piece: Array, least: float) -> list[Array] | None:
     # Corners on the plane belong to both sides.
     heights[np.abs(heights) < ON_PLANE] = 0.0
     sides = [_with_area(clipped(piece, heights)), _with_area(clipped(piece, -heights))]
+    # What lies in the plane bounds the side that it looks away from.
+    flat = piece[(heights == 0.0).all(axis=1)]
+    away = np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]) @ plane[:3] < 0.0
+    sides = [np.concatenate([sides[0], flat[away]]), np.concatenate([sides[1], flat[~away]])]
     return sides if all(len(side) for side in sides) else None
 
 
@@ -133,23 +135,25 @@ def _best_plane(piece: Array, least: float) -> Array | None:
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     best, plane = np.inf, None
     for axis, shares in _axes(points):
-        surcharge = 0.0 if len(shares) > 1 else SLANTED
+        framed = len(shares) > 1
         along = points @ axis
         low, high = float(along.min()), float(along.max())
         if high - low < least:
             continue
-        offsets = [low + share * (high - low) for share in shares]
-        if len(shares) > 1:
-            offsets += _faces(piece, normals, axis, low, high)
-        for offset in offsets:
+        places = [(low + share * (high - low), 0.0) for share in shares]
+        if framed:
+            places += _faces(piece, normals, axis, low, high)
+        for offset, covered in places:
             heights = along - offset
             heights[np.abs(heights) < ON_PLANE] = 0.0
             volumes = _volumes(points, edges, heights)
             uneven = abs(2.0 * offset - low - high) / (high - low)
             # Flat pieces have no volume: the longest side is halved.
-            cost = sum(volumes) * (1.0 + EVENNESS * uneven + surcharge) - 1e-9 * size * size * (
-                high - low
-            )
+            sliced = SLICING * (1.0 - (high - low) / size)
+            # Boards that meet come apart at their faces, however uneven the cut.
+            share = 1.0 + (1.0 - covered) * (EVENNESS * uneven + sliced) - BOARDS * covered
+            share += 0.0 if framed else SLANTED
+            cost = sum(volumes) * share - 1e-9 * size * size * (high - low)
             if cost < best:
                 best, plane = cost, np.append(axis, -offset)
     return plane
@@ -162,8 +166,10 @@ def _axes(points: Array) -> list[tuple[Array, tuple[float, ...]]]:
     return [(axis, SHARES) for axis in np.eye(3)] + [(axis, (0.5,)) for axis in principal]
 
 
-def _faces(piece: Array, normals: Array, axis: Array, low: float, high: float) -> list[float]:
-    """Where the most area lies square to an axis, inside the piece."""
+def _faces(
+    piece: Array, normals: Array, axis: Array, low: float, high: float
+) -> list[tuple[float, float]]:
+    """Where the most area lies square to an axis, inside, and its share of the section."""
     square = np.abs(normals @ axis) > 0.999 * np.linalg.norm(normals, axis=1)
     places = piece[square].mean(axis=1) @ axis
     inner = (places > low + GRID) & (places < high - GRID)
@@ -173,7 +179,10 @@ def _faces(piece: Array, normals: Array, axis: Array, low: float, high: float) -
     areas = np.bincount(of, weights=np.linalg.norm(normals[square][inner], axis=1))
     chosen = np.argsort(-areas, kind="stable")[:FACES]
     first = [np.flatnonzero(of == k)[0] for k in chosen]
-    return [float(places[inner][row]) for row in first]
+    extent = np.ptp(piece.reshape(-1, 3), axis=0)[axis == 0.0]
+    section = 2.0 * max(float(extent.prod()), GRID**2)
+    covers = np.clip(areas[chosen] / section, 0.0, 1.0)
+    return [(float(places[inner][row]), float(c)) for row, c in zip(first, covers, strict=True)]
 
 
 def _volumes(points: Array, edges: NDArray[np.int64], heights: Array) -> tuple[float, float]:

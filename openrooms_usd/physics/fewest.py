@@ -8,19 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.physics.components import Component
+from openrooms_usd.physics.components import WELD, Component
 from openrooms_usd.physics.cutting import cut
 from openrooms_usd.physics.hulls import quick_hull
 from openrooms_usd.physics.merging import Cluster, merged
-from openrooms_usd.physics.solid import Solid
+from openrooms_usd.physics.solid import Solid, is_convex
+from openrooms_usd.physics.surfaces import bisected
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-# How closely a hull is looked at, as a share of what its sides may stick out.
-RESOLUTION: Final = 0.4
-# Places of a hull that are looked at before all of it is.
-LOOKS: Final = 12
+# How far apart hulls are looked at, as shares of their sizes: first at few places, then at more.
+SPACINGS: Final = (0.5, 0.25, 0.125, 0.0625)
+# Pieces that one component is cut into at most.
+MOST_OF_ONE: Final = 64
+# Components beyond which neighbours are not looked for: what lies together is one piece.
+CROWD: Final = 1_000
 # Pieces are not cut across sides that are shorter than this share of the tolerance.
 SHORTEST: Final = 0.5
 # What tolerances grow by where there are too many pieces.
@@ -28,7 +31,7 @@ RELAXED: Final = 1.5
 # How far faces may stick out that look up, where things stand on the solid, metres.
 RISE: Final = 2e-3
 # Faces look up whose unit normal's Z is more.
-UP: Final = 0.7
+UP: Final = 0.98
 
 
 @dataclass(frozen=True)
@@ -54,12 +57,12 @@ class Limits:
             return Limits(self.side, min(self.up * 2.0, self.side))
         return Limits(self.side * RELAXED, self.side * RELAXED)
 
-    def at(self, corners: Array) -> Array:
-        """(M,) the limit of each of (M, 3, 3) triangles that are counter-clockwise from outside."""
-        a, b, c = np.moveaxis(corners, 1, 0)
-        normals = np.cross(b - a, c - a)
-        up = normals[:, 2] > UP * np.linalg.norm(normals, axis=1)
-        return np.where(up, self.up, self.side)
+
+def is_level(corners: Array) -> Bools:
+    """(M,) whether (M, 3, 3) triangles look up along +Z."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normals = np.cross(b - a, c - a)
+    return np.asarray(normals[:, 2] > UP * np.linalg.norm(normals, axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +73,13 @@ class Piece:
         points: (N, 3) metres.
         contact: Its contact material.
         parts: The names of the parts that it stands for.
-        bound: How far its hull sticks out of the thing at most, metres; infinite where unknown.
+        off: How far its hull seems to stick out of the thing, metres.
     """
 
     points: Array
     contact: str
     parts: tuple[str, ...]
-    bound: float = np.inf
+    off: float = np.inf
 
 
 def fewest(
@@ -84,8 +87,9 @@ def fewest(
 ) -> list[Piece]:
     """Hulls of components, cut where they are too coarse, merged where they are too fine.
 
-    Any point of a hull's surface is within the tolerance of the solid, and of a face that looks up
-    within `RISE`. So what is open and wider than twice that stays open.
+    No looked-at point of a hull's surface is farther than the tolerance from the solid, and above a
+    level face than `RISE`; but for components that would need more than `MOST_OF_ONE` pieces. So
+    what is open and wider than twice that stays open.
 
     Args:
         components: What shall be covered.
@@ -94,11 +98,13 @@ def fewest(
         most: The most pieces; where the tolerance needs more, it is widened, for upward faces
             first.
     """
+    if len(components) > CROWD:
+        return _pooled(components, most)
     limits = Limits.of(tolerance)
     pieces = [
         piece
-        for contact in dict.fromkeys(component.contact for component in components)
-        for piece in _cut([c for c in components if c.contact == contact], solid, limits, most)
+        for component in components
+        for piece in _cut(component, solid, limits, min(most, MOST_OF_ONE))
     ]
     while True:
         pieces = _merged(pieces, solid, limits)
@@ -107,48 +113,72 @@ def fewest(
         limits = limits.wider()
 
 
-def _cut(components: Sequence[Component], solid: Solid, limits: Limits, most: int) -> list[Piece]:
-    contact = components[0].contact
+def _pooled(components: Sequence[Component], most: int) -> list[Piece]:
+    """One piece for what lies in one cell of a grid; the cells grow until there are few enough."""
+    centres = np.array([component.corners.mean(axis=(0, 1)) for component in components])
+    contacts = list(dict.fromkeys(component.contact for component in components))
+    kind = np.array([contacts.index(component.contact) for component in components])
+    low, size = centres.min(axis=0), float(np.ptp(centres, axis=0).max())
+    count = most
+    while True:
+        cells = np.floor((centres - low) * (count / max(size, WELD))).astype(np.int64)
+        rows = np.unique(np.column_stack([kind, cells]), axis=0, return_inverse=True)[1].ravel()
+        if rows.max() < max(most, len(contacts)) or count <= 1:
+            break
+        count //= 2
+    pools = [[components[int(k)] for k in np.flatnonzero(rows == n)] for n in range(rows.max() + 1)]
+    return [
+        Piece(
+            np.concatenate([c.corners.reshape(-1, 3) for c in pool]),
+            pool[0].contact,
+            tuple(dict.fromkeys(c.part for c in pool)),
+        )
+        for pool in pools
+    ]
 
-    def accepts(pieces: Sequence[Array]) -> list[float]:
+
+def _cut(component: Component, solid: Solid, limits: Limits, most: int) -> list[Piece]:
+    contact, names = component.contact, (component.part,)
+    if component.closed and is_convex(component.corners):
+        return [Piece(component.corners.reshape(-1, 3), contact, names, 0.0)]
+
+    def off(pieces: Sequence[Array]) -> list[float]:
         hulls = [quick_hull(np.unique(piece.reshape(-1, 3), axis=0))[0] for piece in pieces]
         return protrusions([_faces(hull) for hull in hulls], solid, limits, contact)
 
-    surfaces = [component.corners for component in components]
-    # Merging makes some of them one again: hence more than there may be in the end.
-    found = cut(surfaces, accepts, limits.side * SHORTEST, 4 * max(most, len(surfaces)))
-    return [
-        Piece(piece.corners.reshape(-1, 3), contact, (components[piece.source].part,), piece.bound)
-        for piece in found
-    ]
+    found = cut(component.corners, off, limits.side, limits.side * SHORTEST, most)
+    return [Piece(piece.corners.reshape(-1, 3), contact, names, piece.off) for piece in found]
 
 
 def _merged(pieces: Sequence[Piece], solid: Solid, limits: Limits) -> list[Piece]:
     found: list[tuple[int, Piece]] = []
     for contact in dict.fromkeys(piece.contact for piece in pieces):
         rows = [k for k, piece in enumerate(pieces) if piece.contact == contact]
-        clusters = [Cluster(*quick_hull(pieces[k].points), (k,), pieces[k].bound) for k in rows]
+        clusters = [Cluster(*quick_hull(pieces[k].points), (k,), pieces[k].off) for k in rows]
         for cluster in _clusters(clusters, solid, limits, contact):
             parts = tuple(dict.fromkeys(p for k in cluster.members for p in pieces[k].parts))
             points = cluster.hull.points
             if len(cluster.members) == 1:
                 points = pieces[cluster.members[0]].points
-            found.append((cluster.members[0], Piece(points, contact, parts, cluster.bound)))
+            found.append((cluster.members[0], Piece(points, contact, parts, cluster.off)))
     return [piece for _, piece in sorted(found, key=lambda pair: pair[0])]
 
 
 def _clusters(clusters: list[Cluster], solid: Solid, limits: Limits, contact: str) -> list[Cluster]:
     def may(points: Array) -> Bools:
-        return _fits(points, np.full(len(points), limits.side), solid, contact)
+        return _fits(points, limits.side, solid, contact)
 
-    def accepts(faces: Sequence[Array]) -> list[float]:
+    def off(faces: Sequence[Array]) -> list[float]:
         return protrusions(faces, solid, limits, contact)
 
-    return merged(clusters, 2.0 * limits.side, may, accepts)
+    return merged(clusters, limits.side, may, off)
 
 
 def protrusions(faces: Sequence[Array], solid: Solid, limits: Limits, contact: str) -> list[float]:
-    """How far sets of faces lie outside the solid at most; infinite where too far.
+    """How far sets of faces seem to lie outside the solid, metres.
+
+    Places on the faces are looked at, first few and then more where none was too far. What lifts
+    counts by the ratio of the limits more.
 
     Args:
         faces: (M, 3, 3) triangles of each, counter-clockwise from outside; at least one set.
@@ -156,35 +186,50 @@ def protrusions(faces: Sequence[Array], solid: Solid, limits: Limits, contact: s
         limits: What is too far.
         contact: Their contact material: other surfaces do not count unless the hull is inside them.
     """
-    largest = [_largest(corners) for corners in faces]
-    shown = np.concatenate(largest)
-    fits = _fits(shown.mean(axis=1), limits.at(shown), solid, contact)
     found = np.zeros(len(faces))
-    found[np.repeat(np.arange(len(faces)), [len(corners) for corners in largest])[~fits]] = np.inf
-    rows = [k for k in range(len(faces)) if found[k] == 0.0 and len(faces[k])]
-    if rows:
-        corners = np.concatenate([faces[k] for k in rows])
-        groups = np.repeat(np.arange(len(rows)), [len(faces[k]) for k in rows])
-        found[rows] = solid.within(
-            corners, groups, limits.at(corners), RESOLUTION * limits.side, contact
-        )
+    sizes = np.array([_size(each) for each in faces])
+    corners = np.concatenate(faces)
+    group = np.repeat(np.arange(len(faces)), [len(each) for each in faces])
+    for share in SPACINGS:
+        left = found[group] <= limits.side
+        corners, of = bisected(corners[left], np.maximum(sizes * share, limits.side)[group[left]])
+        if not len(corners):
+            break
+        group = group[left][of]
+        np.maximum.at(found, group, _off(corners, solid, limits, contact))
     return [float(value) for value in found]
+
+
+def _size(corners: Array) -> float:
+    return float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0))) if len(corners) else 0.0
+
+
+def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> Array:
+    """(N,) how far the middles of triangles lie outside the solid; what lifts counts more."""
+    points, surface = corners.mean(axis=1), solid.surface(contact)
+    near = surface.near(points)
+    # Above a level face, a level face would lift what stands there.
+    lifts = is_level(corners) & is_level(surface.corners)[near.triangle]
+    weight = np.where(lifts, limits.side / limits.up, 1.0)
+    return _outside(points, near.distance, limits.side / weight, solid, contact) * weight
+
+
+def _outside(points: Array, near: Array, limits: Array, solid: Solid, contact: str) -> Array:
+    """(N,) how far points lie outside the solid, exactly where that is more than a limit."""
+    off = near.copy()
+    rest = np.flatnonzero(off > limits)
+    inside = solid.inside(points[rest])
+    off[rest[inside]] = 0.0
+    rest = rest[~inside]
+    off[rest] = solid.surface(contact).nearest(points[rest], limits[rest]).distance
+    return off
 
 
 def _faces(hull: TriangleMesh) -> Array:
     return np.asarray(hull.points[hull.triangles])
 
 
-def _largest(corners: Array) -> Array:
-    """The largest triangles: where a hull that is too coarse mostly is so."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return np.asarray(corners[np.argsort(-areas, kind="stable")[:LOOKS]])
-
-
-def _fits(points: Array, limits: Array, solid: Solid, contact: str) -> Bools:
-    """(N,) whether each point is within its limit of the solid."""
-    fine = solid.surface(contact).near(points).distance <= limits
-    rest = np.flatnonzero(~fine)
-    fine[rest] = solid.inside(points[rest])
-    return np.asarray(fine)
+def _fits(points: Array, limit: float, solid: Solid, contact: str) -> Bools:
+    """(N,) whether each point is within a limit of the solid."""
+    near, limits = solid.surface(contact).near(points).distance, np.full(len(points), limit)
+    return np.asarray(_outside(points, near, limits, solid, contact) <= limit)

@@ -26,28 +26,29 @@ class Cluster:
         hull: The hull, metres.
         volume: Of the hull, cubic metres.
         members: The rows of the pieces.
-        bound: How far it is off at most, metres.
+        off: How far it seems to be off, metres; infinite where nobody has looked.
     """
 
     hull: TriangleMesh
     volume: float
     members: tuple[int, ...]
-    bound: float
+    off: float
 
 
 def merged(
     clusters: Sequence[Cluster],
-    near: float,
+    tolerance: float,
     may: Callable[[Array], NDArray[np.bool_]],
-    accepts: Callable[[Sequence[Array]], Sequence[float]],
+    judge: Callable[[Sequence[Array]], Sequence[float]],
 ) -> list[Cluster]:
-    """Merge in rounds, the pairs first that add the least volume, until none is accepted.
+    """Merge in rounds, the pairs first that add the least volume, until none is good enough.
 
     Args:
         clusters: What there is.
-        near: Only what is closer along every axis is tried, metres.
+        tolerance: How far they may be off; only what is closer than twice as much along every
+            axis is tried, metres.
         may: A quick look: which points a hull may hold.
-        accepts: How far sets of (M, 3, 3) triangles are off; infinite where too far.
+        judge: How far sets of (M, 3, 3) triangles are off, metres.
 
     Returns:
         What is left, in the order of the first members.
@@ -56,14 +57,14 @@ def merged(
     number = len(alive)
     fresh = set(alive)
     while fresh:
-        pairs = _possible(alive, _pairs(alive, fresh, near), may)
+        pairs = _possible(alive, _pairs(alive, fresh, 2.0 * tolerance), may)
         common = {pair: _common(alive[pair[0]], alive[pair[1]]) for pair in pairs}
-        asked = [pair for pair in pairs if common[pair].bound == np.inf]
+        asked = [pair for pair in pairs if common[pair].off == np.inf]
         judged = [_judged(alive[a], alive[b], common[a, b].hull) for a, b in asked]
-        bounds = accepts([triangles for triangles, _ in judged]) if asked else []
-        for pair, bound, (_, known) in zip(asked, bounds, judged, strict=True):
-            common[pair] = replace(common[pair], bound=max(bound, known))
-        good = [pair for pair in pairs if common[pair].bound < np.inf]
+        offs = judge([triangles for triangles, _ in judged]) if asked else []
+        for pair, off, (_, known) in zip(asked, offs, judged, strict=True):
+            common[pair] = replace(common[pair], off=max(off, known))
+        good = [pair for pair in pairs if common[pair].off <= tolerance]
         good.sort(key=lambda pair: (_added(alive, pair, common[pair]), pair))
         fresh, gone = set(), set()
         for a, b in good:
@@ -117,31 +118,31 @@ def _middles(a: Array, b: Array) -> Array:
 
 
 def _common(a: Cluster, b: Cluster) -> Cluster:
-    """The common hull of two, its bound infinite unless they are all that it fills."""
+    """The common hull of two, `off` infinite unless they are all that it fills."""
     hull, volume = quick_hull(np.concatenate([a.hull.points, b.hull.points]))
     nothing = NOTHING * volume
     apart = _shared_box(a.hull.points, b.hull.points) <= nothing
     filled = a.volume + b.volume if apart else max(a.volume, b.volume)
     solid = volume > 0.0 and volume - filled <= nothing
-    bound = max(a.bound, b.bound) if solid else np.inf
-    return Cluster(hull, volume, tuple(sorted(a.members + b.members)), bound)
+    off = max(a.off, b.off) if solid else np.inf
+    return Cluster(hull, volume, tuple(sorted(a.members + b.members)), off)
 
 
 def _judged(a: Cluster, b: Cluster, common: TriangleMesh) -> tuple[Array, float]:
-    """The triangles of a common hull that are new, and the bound of the others.
+    """The triangles of a common hull that are new, and how far the others are off.
 
     A triangle between corners of one hull lies in that hull and on the common one, hence on both
     surfaces.
     """
     known = np.zeros(len(common.triangles), dtype=np.bool_)
-    bound = 0.0
+    off = 0.0
     for old in (a, b):
-        if old.bound < np.inf:
+        if old.off < np.inf:
             corners = {point.tobytes() for point in old.hull.points}
             among = np.array([point.tobytes() in corners for point in common.points])
             known |= among[common.triangles].all(axis=1)
-            bound = max(bound, old.bound)
-    return common.points[common.triangles[~known]], bound
+            off = max(off, old.off)
+    return common.points[common.triangles[~known]], off
 
 
 def _shared_box(a: Array, b: Array) -> float:

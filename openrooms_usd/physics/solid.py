@@ -19,8 +19,6 @@ CHUNK: Final = 1 << 20
 # Triangles that are bounded at once, and how often, while the farthest point is searched.
 BUDGET: Final = 3_000
 ROUNDS: Final = 40
-# Triangles of one group that may be undecided before its limit is taken as exceeded.
-BUDGET_OF_ONE: Final = 400
 # Triangles of a convex component up to which distances to all of it are asked for.
 FEW_FACES: Final = 64
 # Points that lie less deep than this are on the surface, metres.
@@ -41,7 +39,6 @@ class Solid:
     def __init__(self, components: Sequence[Component]) -> None:
         self.components = tuple(components)
         self._closed = [c.corners for c in self.components if c.closed]
-        self._contacts = [c.contact for c in self.components if c.closed]
         self._low = np.array([c.min(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
         self._high = np.array([c.max(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
         self._surfaces: dict[str | None, tuple[Surface, Rows]] = {}
@@ -65,36 +62,24 @@ class Solid:
             self._surfaces[contact] = surface, np.repeat(owners, sizes)
         return self._surfaces[contact]
 
-    def inside(self, points: Array, contact: str | None = None) -> Bools:
-        """(N,) whether points (N, 3) lie in a closed component, of a contact material or of any."""
+    def inside(self, points: Array) -> Bools:
+        """(N,) whether points (N, 3) lie in a closed component."""
         found = np.zeros(len(points), dtype=np.bool_)
         low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
         near = ((self._low <= high) & (self._high >= low)).all(axis=1)
         for k in np.flatnonzero(near):
-            if contact not in (None, self._contacts[k]):
-                continue
             within = ((points >= self._low[k]) & (points <= self._high[k])).all(axis=1)
             rows = np.flatnonzero(within & ~found)
             if len(rows):
                 found[rows] = self._in_one(int(k), points[rows])
         return found
 
-    def _buried(self, centres: Array, radii: Array) -> tuple[Bools, Bools]:
-        """Whether balls have their centres, and whether they lie wholly, beneath the surface."""
-        buried = self.inside(centres)
-        depth = self.surface().nearest(centres, np.inf)
-        return buried & (depth.distance > SKIN), buried & (depth.least > radii)
-
-    def _swallows(self, corners: Array, contact: str | None) -> Bools:
-        """(M,) whether all corners of a triangle lie in one convex component, hence all of it.
-
-        With a contact material only its components count: what lies flush with another one is not
-        inside, and there it matters whose surface it is.
-        """
+    def _swallows(self, corners: Array) -> Bools:
+        """(M,) whether all corners of a triangle lie in one convex component, hence all of it."""
         found = np.zeros(len(corners), dtype=np.bool_)
         low, high = corners.min(axis=1), corners.max(axis=1)
         for k, planes in enumerate(self._planes):
-            if planes is None or contact not in (None, self._contacts[k]):
+            if planes is None:
                 continue
             within = (low >= self._low[k] - SKIN) & (high <= self._high[k] + SKIN)
             rows = np.flatnonzero(within.all(axis=1) & ~found)
@@ -130,50 +115,19 @@ class Solid:
             )
         return _enclosed(points, self._casters[k])
 
-    def within(
-        self, corners: Array, groups: Rows, limits: Array, resolution: float, contact: str
-    ) -> Array:
-        """How far groups of triangles reach outside the solid, where none does so too far.
-
-        A distance changes by no more than the way between two points, and the distance to one
-        triangle is a convex function. So a triangle's centre and corners bound it everywhere, and
-        triangles are halved until the bounds decide.
-
-        Args:
-            corners: (M, 3, 3) triangles, metres.
-            groups: (M,) the group of each, from 0 on.
-            limits: (M,) how far each may, metres.
-            resolution: Triangles of this size are decided by their centres where their limit is
-                no greater, and otherwise taken as exceeding it, metres.
-            contact: What is not inside counts by its distance to surfaces of this contact material.
-
-        Returns:
-            (G,) upper bounds, metres; inf where a limit is, or may be, exceeded. They hold for
-            certain; what is taken as exceeded may rarely not be.
-        """
-        upper = np.zeros(int(groups.max(initial=-1)) + 1)
-        widest = limits.max(initial=0.0)
-        while len(corners):
-            most, least = self._bounds(corners, limits, contact, exact=False)
-            small = balls(corners)[1] < resolution
-            # Nothing stands in what is narrower than that.
-            fine = (most <= limits) | (small & (least <= limits) & (most <= widest))
-            np.maximum.at(upper, groups[fine], most[fine])
-            upper[groups[(least > limits) | (small & ~fine)]] = np.inf
-            upper[np.bincount(groups[~fine], minlength=len(upper)) > BUDGET_OF_ONE] = np.inf
-            left = ~fine & np.isfinite(upper)[groups]
-            corners, groups = halved(corners[left]), np.repeat(groups[left], 2)
-            limits = np.repeat(limits[left], 2)
-        return upper
-
-    def greatest(self, corners: Array, resolution: float) -> tuple[float, float]:
+    def greatest(
+        self, corners: Array, resolution: float, enough: float = 0.0
+    ) -> tuple[float, float]:
         """Between which numbers the farthest lies that triangles reach outside the solid.
 
-        By the bounds of `within`; the triangles that may reach farthest are halved first.
+        A distance changes by no more than the way between two points, and the distance to one
+        triangle is a convex function. So a triangle's centre and corners bound it everywhere; the
+        triangles that may reach farthest are halved first.
 
         Args:
             corners: (M, 3, 3) triangles, metres.
             resolution: How close the bounds shall be, metres; they are not after `ROUNDS` rounds.
+            enough: Bounds need be no lower than this, metres.
         """
         lower, upper = 0.0, 0.0
         most = np.full(len(corners), np.inf)
@@ -181,49 +135,39 @@ class Solid:
             first = np.argsort(-most, kind="stable")[:BUDGET]
             rest = np.setdiff1d(np.arange(len(most)), first)
             chosen = corners[first]
-            found, least = self._bounds(
-                chosen, np.full(len(first), lower + resolution), None, exact=True
-            )
+            found, least = self._bounds(chosen, max(lower + resolution, enough))
             lower = max(lower, float(least.max()))
+            floor = max(lower + resolution, enough)
             found = np.minimum(found, most[first])
-            upper = max(upper, float(np.minimum(found, lower + resolution).max()))
+            upper = max(upper, float(found[found <= floor].max(initial=0.0)))
             most = np.concatenate([most[rest], np.repeat(found, 2)])
             corners = np.concatenate([corners[rest], halved(chosen)])
-            open_ = most > lower + resolution
+            open_ = most > floor
             corners, most = corners[open_], most[open_]
             if not len(most):
                 break
         return lower, max(upper, lower, float(most.max(initial=0.0)))
 
-    def _bounds(
-        self, corners: Array, floor: Array, contact: str | None, exact: bool
-    ) -> tuple[Array, Array]:
+    def _bounds(self, corners: Array, floor: float) -> tuple[Array, Array]:
         """(M,) upper and (M,) lower bounds of each triangle; loose where both are below a floor."""
-        surface, owners = self._owned(contact)
+        surface, owners = self._owned(None)
         centres, radii = balls(corners)
-        nearest = surface.nearest(centres, floor) if exact else surface.near(centres)
+        nearest = surface.nearest(centres, floor)
         target = surface.corners[nearest.triangle]
         ends = np.sqrt(squared_distances(corners, target[:, None]).max(axis=1))
         most = np.minimum(nearest.distance + radii, ends)
-        known = nearest.least if exact else nearest.distance
-        least = np.where(known > floor, known, 0.0)
+        least = np.where(nearest.least > floor, nearest.least, 0.0)
         owner = owners[nearest.triangle]
         # The inside matters only where the surface is too far to settle it.
         asked = np.flatnonzero(most > floor)
-        alike = surface is self.surface()
-        swallowed = asked[self._swallows(corners[asked], None if alike else contact)]
+        swallowed = asked[self._swallows(corners[asked])]
         most[swallowed] = least[swallowed] = 0.0
-        asked = asked[most[asked] > floor[asked]]
+        asked = asked[most[asked] > floor]
         most[asked] = np.minimum(most[asked], self._off_convex(corners[asked], owner[asked]))
-        asked = asked[most[asked] > floor[asked]]
-        own = asked[self.inside(centres[asked], None if alike else contact)]
+        asked = asked[most[asked] > floor]
+        own = asked[self.inside(centres[asked])]
         most[own] = np.minimum(most[own], np.maximum(radii[own] - nearest.least[own], 0.0))
         least[own] = 0.0
-        if not alike:
-            rest = np.setdiff1d(asked[most[asked] > floor[asked]], own)
-            buried, whole = self._buried(centres[rest], radii[rest])
-            least[rest[buried]] = 0.0
-            most[rest[whole]] = 0.0
         return most, least
 
 
@@ -250,3 +194,8 @@ def _planes_if_convex(corners: Array) -> Array | None:
     if len(planes) * len(points) > 4 * CHUNK:
         return None
     return planes if (points @ planes[:, :3].T + planes[:, 3]).max() < CONVEX else None
+
+
+def is_convex(corners: Array) -> bool:
+    """Whether a closed component is convex, but for `CONVEX`."""
+    return _planes_if_convex(corners) is not None

@@ -10,11 +10,13 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 # Samples that a surface is found by: more make distances faster and the surface slower to make.
-SAMPLES: Final = 24_000
+SAMPLES: Final = 8_000
 # Candidates that a point is first compared with, and at most.
 CANDIDATES: Final = (6, 192)
 # Triangles up to which points are compared with all.
 FEW_TRIANGLES: Final = 320
+# Points times triangles that are compared at once.
+PAIRS: Final = 500_000
 # Candidates where the least distance need not be certain.
 FEW: Final = 3
 
@@ -95,22 +97,32 @@ class Surface:
             rest = far[:, -1] - self._reach if k < len(self._of) else np.full(len(left), np.inf)
             least[left] = np.clip(np.minimum(rest, distance[left]), 0.0, None)
             open_ = (least[left] < distance[left]) & (distance[left] > needed[left])
+            left, count = left[open_], count * 4
             if k >= CANDIDATES[1]:
                 break
-            left, count = left[open_], count * 4
+        # What is as far from many, such as the middle of a ring, is compared with all.
+        for rows in np.array_split(left, len(left) * len(self.corners) // PAIRS + 1):
+            squared = squared_distances(points[rows][:, None, :], self.corners)
+            triangle[rows] = squared.argmin(axis=1)
+            distance[rows] = least[rows] = np.sqrt(squared.min(axis=1, initial=np.inf))
         return Nearest(distance, triangle, least)
 
 
-def bisected(corners: Array, size: float) -> tuple[Array, Rows]:
+def bisected(corners: Array, size: ArrayLike) -> tuple[Array, Rows]:
     """Triangles halved across their longest edge until none is longer than ``size``.
+
+    Args:
+        corners: (M, 3, 3) metres.
+        size: A number, or (M,) one for each triangle.
 
     Returns:
         (P, 3, 3) pieces, and (P,) the triangle that each is of.
     """
     of = np.arange(len(corners))
-    done, done_of = [], []
+    sizes = np.broadcast_to(np.asarray(size, dtype=np.float64), (len(corners),))
+    done, done_of = [corners[:0]], [of[:0]]
     while len(corners):
-        long = _longest(corners)[0] > size
+        long = _longest(corners)[0] > sizes[of]
         done.append(corners[~long])
         done_of.append(of[~long])
         corners, of = halved(corners[long]), np.repeat(of[long], 2)

@@ -25,9 +25,10 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import __version__, names
 from openrooms_usd.description.physics import Physics, PhysicsObject
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.construction import movable
+from openrooms_usd.library.construction import movable, tolerance_of
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.furniture.joinery import Support
+from openrooms_usd.physics.collision_error import RESOLUTION
 from openrooms_usd.stages.base import FORMAT, StageContext
 from openrooms_usd.stages.physics_parts import RigidLink, looks_of, read_links
 from openrooms_usd.stages.physics_shapes import Settings, Worked, worked_out
@@ -147,7 +148,10 @@ class Objects:
             _scale(root, UsdGeom.XformCache(TIME)),
             looks_of(stage.GetPrimAtPath(chooser)),
             links,
-            Settings(given.shapes or self.section.shapes, self.section.tolerance),
+            Settings(
+                given.shapes or self.section.shapes,
+                tolerance_of(category, self.section.tolerance),
+            ),
         )  # fmt: skip
 
 
@@ -207,9 +211,10 @@ def work_out(context: StageContext, things: Iterable[Thing]) -> Mapping[int, Wor
             continue
         made[id(thing)] = worked
         error = max(link.error for link in worked)
-        if error > thing.settings.tolerance:
-            told = f"its collision shapes lie within {error:.3f} m of it, not"
-            context.notes.append(f"{thing.root.name}: {told} {thing.settings.tolerance:g} m")
+        wanted = thing.settings.tolerance
+        if error > wanted + RESOLUTION:
+            told = f"its collision shapes lie within {1e3 * error:.0f} mm of it, not"
+            context.notes.append(f"{thing.root.name}: {told} {1e3 * wanted:g} mm")
     return made
 
 

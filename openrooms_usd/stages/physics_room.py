@@ -47,7 +47,7 @@ def author_room(context: StageContext, objects: Objects) -> None:
 
 def _built_in(thing: Thing) -> Thing:
     """What is of the building stays, and stays open: one hull of a frame would fill it."""
-    return replace(thing, fixed=True, settings=replace(thing.settings, shapes="parts"))
+    return replace(thing, fixed=True, settings=replace(thing.settings, shapes="auto"))
 
 
 def _author_shell(context: StageContext, room: Thing) -> None:

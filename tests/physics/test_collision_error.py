@@ -67,10 +67,10 @@ def test_a_filled_hollow_shows_also_under_a_lid() -> None:
 
 
 def test_the_error_of_a_torus_hull_is_its_radius() -> None:
-    mesh = trimesh.creation.torus(0.03, 0.01, major_sections=24, minor_sections=12)
+    mesh = trimesh.creation.torus(0.3, 0.1, major_sections=24, minor_sections=12)
     error = collision_error([shape(mesh)], thing(mesh))
     # The middle of the disc that closes the hole.
-    assert error.protrusion == pytest.approx(np.hypot(0.03, 0.01) - 0.01, abs=1.2e-3)
+    assert error.protrusion == pytest.approx(np.hypot(0.3, 0.1) - 0.1, rel=0.01)
 
 
 def test_the_hull_of_few_corners_misses_a_sphere_by_its_sagitta() -> None:
