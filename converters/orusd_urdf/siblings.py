@@ -10,6 +10,7 @@ from itertools import combinations
 from pxr import Sdf, Usd, UsdPhysics
 
 from openrooms_usd.physics.world import Body, World
+from openrooms_usd.usd.bodies import keep_apart
 
 
 def keep_siblings_apart(flat: Sdf.Layer, world: World) -> None:
@@ -26,14 +27,7 @@ def keep_siblings_apart(flat: Sdf.Layer, world: World) -> None:
         links = [path for path in paths if stage.GetPrimAtPath(path)]
         for one, other in combinations(links, 2):
             # What holds another comes first in a body, and what moves says it.
-            _filter(stage, other, _colliding(stage, one, body))
-
-
-def _filter(stage: Usd.Stage, path: Sdf.Path, others: Iterator[Sdf.Path]) -> None:
-    api = UsdPhysics.FilteredPairsAPI.Apply(stage.GetPrimAtPath(path))
-    relation = api.CreateFilteredPairsRel()
-    for other in others:
-        relation.AddTarget(other)
+            keep_apart(stage.GetPrimAtPath(other), _colliding(stage, one, body))
 
 
 def _colliding(stage: Usd.Stage, path: Sdf.Path, body: Body) -> Iterator[Sdf.Path]:

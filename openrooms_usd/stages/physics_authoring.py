@@ -21,6 +21,7 @@ from openrooms_usd.usd.bodies import (
     define_collider,
     define_guides,
     define_joint,
+    keep_apart,
 )
 from openrooms_usd.usd.physics import MaterialPhysics
 
@@ -50,8 +51,7 @@ def author_thing(
         if moves:
             author_body(prim)
         if item.colliders:
-            holder = path if item.link.path != "." else path.AppendChild(SCOPE)
-            scope = define_guides(stage, holder.AppendChild(COLLIDERS))
+            scope = define_guides(stage, _holder(path, item).AppendChild(COLLIDERS))
             for collider in item.colliders:
                 shape = define_collider(stage, scope.AppendChild(collider.name), collider.mesh)
                 contacts.bind(shape.GetPath(), collider.solid)
@@ -133,6 +133,27 @@ def _author_joints(stage: Usd.Stage, root: Sdf.Path, thing: Thing, made: Worked)
         name = item.link.path.replace("/", "_").removeprefix("Geometry_")
         bodies = (base, _below(root, item.link.path))
         define_joint(stage, scope.AppendChild(name), _motion(thing, item), bodies, thing.scale)
+    _keep_apart(stage, root, thing, made)
+
+
+def _keep_apart(stage: Usd.Stage, root: Sdf.Path, thing: Thing, made: Worked) -> None:
+    """Drawers pass each other, and the case: a joint to what is no body keeps nothing apart."""
+    passed: list[Sdf.Path] = []
+    for item in made:
+        path = _below(root, item.link.path)
+        if item.link.joint is not None:
+            if passed:
+                keep_apart(stage.GetPrimAtPath(path), passed)
+            passed.append(path)
+        elif thing.fixed:
+            passed += [
+                _holder(path, item).AppendPath(f"{COLLIDERS}/{c.name}") for c in item.colliders
+            ]
+
+
+def _holder(path: Sdf.Path, item: WorkedLink) -> Sdf.Path:
+    """Where the shapes of a link go."""
+    return path if item.link.path != "." else path.AppendChild(SCOPE)
 
 
 def _motion(thing: Thing, item: WorkedLink) -> Motion:

@@ -6,7 +6,7 @@ centre of mass and a joint's anchors are in the prim's own frame, before its sca
 moments are not scaled: they are true kg m2 along the body's own axes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -126,6 +126,13 @@ class Motion:
     parent_from_child: Array
     damping: float = 0.0
     friction: float = 0.0
+
+
+def keep_apart(prim: Usd.Prim, others: Iterable[Sdf.Path]) -> None:
+    """Let a body pass through other bodies or colliders."""
+    relation = UsdPhysics.FilteredPairsAPI.Apply(prim).CreateFilteredPairsRel()
+    for other in others:
+        relation.AddTarget(other)
 
 
 def define_joint(

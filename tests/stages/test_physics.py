@@ -1,6 +1,7 @@
 """The physics stage: what is authored is what USD's own parser reads, and what the meshes say."""
 
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -175,6 +176,27 @@ def test_doors_swing_and_drawers_slide_as_their_parts_say(stage: Usd.Stage) -> N
     (leaf,) = world["door"].joints
     # It stands 30 degrees open.
     assert np.degrees(leaf.limits[0]) == pytest.approx(-30.0, abs=1e-3)
+
+
+def filtered(prim: Usd.Prim) -> set[str]:
+    relation = UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel()
+    return {str(path) for path in relation.GetTargets()} if relation else set()
+
+
+def test_what_moves_in_one_thing_passes_the_rest_of_it(stage: Usd.Stage) -> None:
+    board = stage.GetPrimAtPath(f"{names.FURNITURE}/board")
+    bodies = [p for p in Usd.PrimRange(board) if p.HasAPI(UsdPhysics.RigidBodyAPI)]
+    movers = [p for p in bodies if p.HasAttribute(names.JOINT_TYPE)]
+    assert len(movers) > 1
+    for one, other in combinations(movers, 2):
+        assert str(one.GetPath()) in filtered(other) or str(other.GetPath()) in filtered(one)
+    # A frame is no body: its colliders are told one by one.
+    door = stage.GetPrimAtPath(f"{names.OPENINGS}/door")
+    (leaf,) = [p for p in Usd.PrimRange(door) if p.HasAPI(UsdPhysics.RigidBodyAPI)]
+    colliders = {p for p in Usd.PrimRange(door) if p.HasAPI(UsdPhysics.CollisionAPI)}
+    own = {p for p in Usd.PrimRange(leaf) if p.HasAPI(UsdPhysics.CollisionAPI)}
+    assert colliders - own
+    assert filtered(leaf) == {str(p.GetPath()) for p in colliders - own}
 
 
 def test_an_opened_drawer_counts_from_where_it_is(tmp_path: Path) -> None:
