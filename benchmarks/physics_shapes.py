@@ -6,13 +6,10 @@ outside of them. The volume is that of the union of the shapes by that of the ob
 
 import time
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
-import click
 import numpy as np
 
-from benchmarks.report import publish, table
 from openrooms_usd.library.furniture import make
 from openrooms_usd.physics.collision_error import collision_error, volumes
 from openrooms_usd.physics.components import Part, components
@@ -20,12 +17,9 @@ from openrooms_usd.physics.decomposition import METHODS, Method, collision_shape
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.showroom.exhibits import Exhibit, exhibits
 
-# A dozen ordinary objects, and some that are hard: curved shells, ropes, leaves and many parts.
-ORDINARY: Final = (
-    "table", "coffee_table", "chair", "sofa", "bed", "desk", "cabinet", "dresser", "stool",
-    "monitor", "television", "stairs",
-)  # fmt: skip
-HARD: Final = ("bowl", "trash_bin", "bathtub", "curtain", "bookshelf")
+# Ordinary objects, and some that are hard: shells, curved ones, and many parts.
+ORDINARY: Final = ("table", "chair", "stool", "cabinet", "monitor")
+HARD: Final = ("bowl", "trash_bin", "bathtub")
 QUICK: Final = ("table", "chair", "bowl")
 # CoACD takes minutes on objects of many parts.
 SLOWEST: Final = 120
@@ -89,18 +83,3 @@ def shape_rows(
         for method in methods
         if method != "coacd" or len(components(parts_of(exhibit))) <= SLOWEST
     ]
-
-
-@click.command(help=__doc__)
-@click.option("--tolerance", type=float, default=0.01, help="Metres.")
-@click.option("--quick", is_flag=True, help="Three objects, without CoACD.")
-@click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
-def main(tolerance: float, quick: bool, target: Path | None) -> None:
-    methods = tuple(m for m in METHODS if not quick or m != "coacd")
-    rows = shape_rows(QUICK if quick else ORDINARY + HARD, methods, tolerance)
-    markdown = table(list(rows[0]), [list(row.values()) for row in rows])
-    publish("physics_shapes", {"tolerance": tolerance, "rows": rows}, markdown, target)
-
-
-if __name__ == "__main__":
-    main()
