@@ -14,7 +14,7 @@ TOLERANCE = 0.01
 MOST = {
     "box": 1, "table": 12, "coffee_table": 12, "side_table": 6, "monitor": 8, "television": 10,
     "chair": 30, "picture": 20, "bottle": 8, "jar": 6, "telephone": 12, "kitchen_cabinet": 20,
-    "wall_lamp": 16,
+    "wall_lamp": 16, "desk": 36, "dresser": 70,
 }  # fmt: skip
 
 
@@ -70,6 +70,18 @@ def test_a_door_frame_is_three_boxes() -> None:
     assert sum(abs(np.prod(np.ptp(s.mesh.points, axis=0))) for s in found.shapes) == pytest.approx(
         frame.volume, rel=1e-6
     )
+
+
+def test_an_open_box_of_one_piece_is_five_boards() -> None:
+    exhibit = exhibits(["dresser"])[0]
+    made = make(exhibit.category, exhibit.size, exhibit.style, np.random.default_rng(0))
+    mesh = made.parts["drawer_box_0"]
+    corners, _ = mesh.triangles()
+    found = collision_shapes([Part("drawer", mesh.points, mesh.indices[corners])])
+    assert [shape.box for shape in found.shapes] == [True] * 5
+    body = trimesh.Trimesh(mesh.points, mesh.indices[corners])
+    hulls = [trimesh.Trimesh(s.mesh.points, s.mesh.triangles) for s in found.shapes]
+    assert sum(hull.volume for hull in hulls) == pytest.approx(body.volume, rel=0.05)
 
 
 def test_solids_that_touch_in_an_edge_have_an_inside() -> None:
