@@ -47,14 +47,14 @@ RANKS = (
         "scan",
         "unpickling",
     ),
-    ("errors", "names"),
+    ("errors", "names", "untrusted"),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "errors", "names", "atomic", "unpickling",
+    "errors", "names", "atomic", "unpickling", "untrusted",
 }  # fmt: skip
 HEAVY = {
     "pxr",

@@ -1,0 +1,210 @@
+"""The one door for files that somebody else wrote: regular, of a sensible size, with a sound path.
+
+Readers of every format come through here before a byte is interpreted. A pipe would hang, a device
+has no end, a link may lead to either; a path may hold what no file system takes. Whoever needs the
+bytes calls `read_bytes` or `opened`; whoever hands the path to a library calls `checked` first.
+"""
+
+import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+from typing import BinaryIO, Final, Literal
+
+from openrooms_usd.errors import InputError
+
+Kind = Literal[
+    "text", "description", "json", "table", "pickle", "usd", "archive", "picture", "model",
+    "array", "points", "frames",
+]  # fmt: skip
+
+_MIB: Final = 1 << 20
+# Far beyond what real files of a kind need; points and frames are read in pieces.
+MOST_BYTES: Final[dict[Kind, int]] = {
+    "text": 16 * _MIB,
+    "description": 16 * _MIB,
+    "json": 64 * _MIB,
+    "table": 64 * _MIB,
+    "pickle": 64 * _MIB,
+    "usd": 1024 * _MIB,
+    "archive": 2048 * _MIB,
+    "picture": 512 * _MIB,
+    "model": 512 * _MIB,
+    "array": 512 * _MIB,
+    "points": 65_536 * _MIB,
+    "frames": 262_144 * _MIB,
+}
+# What Linux, macOS and Windows take at most.
+_LONGEST_NAME_BYTES: Final = 255
+_LONGEST_PATH_BYTES: Final = 4095
+# Without waiting: opening a pipe that nobody writes would never return.
+_FLAGS: Final = (
+    os.O_RDONLY
+    | getattr(os, "O_NONBLOCK", 0)
+    | getattr(os, "O_CLOEXEC", 0)
+    | getattr(os, "O_BINARY", 0)
+)
+_NO_FILES: Final = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def checked(path: Path, kind: Kind, *, remedy: str = "check the path") -> int:
+    """See that a path leads to a regular file of a sensible size.
+
+    Args:
+        path: The file; links are followed.
+        kind: What it should be.
+        remedy: What to do where there is no such file.
+
+    Returns:
+        Its size, bytes.
+
+    Raises:
+        InputError: It is missing, unreadable, no regular file, too large, or the path is unsound.
+    """
+    with opened(path, kind, remedy=remedy) as stream:
+        return os.fstat(stream.fileno()).st_size
+
+
+@contextmanager
+def opened(path: Path, kind: Kind, *, remedy: str = "check the path") -> Iterator[BinaryIO]:
+    """A file to read bytes from; what is read inside the block may fail for the same reasons.
+
+    Args:
+        path: The file; links are followed.
+        kind: What it should be.
+        remedy: What to do where there is no such file.
+
+    Raises:
+        InputError: It is missing, unreadable, no regular file, too large, or the path is unsound.
+    """
+    check_path(path)
+    try:
+        with open(os.open(path, _FLAGS), "rb") as stream:  # noqa: PTH123 -- a descriptor
+            _check_file(path, kind, os.fstat(stream.fileno()))
+            yield stream
+    except OSError as error:
+        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
+        if isinstance(error, FileNotFoundError):
+            raise InputError("no such file", place=path, remedy=remedy) from error
+        raise InputError(f"cannot read it: {reason or error}", place=path, remedy=remedy) from error
+
+
+def read_bytes(path: Path, kind: Kind, *, remedy: str = "check the path") -> bytes:
+    """A whole file.
+
+    Args:
+        path: The file; links are followed.
+        kind: What it should be.
+        remedy: What to do where there is no such file.
+
+    Raises:
+        InputError: It is missing, unreadable, no regular file, too large, or the path is unsound.
+    """
+    with opened(path, kind, remedy=remedy) as stream:
+        # Some files say that they are empty and have no end.
+        data = stream.read(MOST_BYTES[kind] + 1)
+    if len(data) > MOST_BYTES[kind]:
+        raise _too_large(path, kind, len(data))
+    return data
+
+
+def read_text(path: Path, kind: Kind = "text", *, remedy: str = "check the path") -> str:
+    """A whole text, with U+FFFD in place of what is not UTF-8; without a byte order mark.
+
+    Raises:
+        InputError: It is missing, unreadable, no regular file, too large, or the path is unsound.
+    """
+    return decoded(read_bytes(path, kind, remedy=remedy))
+
+
+def decoded(data: bytes) -> str:
+    """UTF-8 text, with U+FFFD in place of what is none; without a byte order mark."""
+    return data.decode("utf-8-sig", errors="replace")
+
+
+def check_path(path: Path) -> None:
+    """See that a file system could know a path; nothing is looked up.
+
+    Raises:
+        InputError: It holds a NUL byte or lone surrogates, or a name or the whole is too long.
+    """
+    try:
+        name = os.fsencode(path)
+    except UnicodeEncodeError:
+        raise _unsound(path, "it is no text that a path could be") from None
+    if b"\0" in name:
+        raise _unsound(path, "it holds a NUL byte")
+    if len(name) > _LONGEST_PATH_BYTES:
+        raise _unsound(path, f"it is longer than {_LONGEST_PATH_BYTES} bytes")
+    if any(len(os.fsencode(part)) > _LONGEST_NAME_BYTES for part in path.parts):
+        raise _unsound(path, f"a name in it is longer than {_LONGEST_NAME_BYTES} bytes")
+
+
+def inside(folder: Path, relative: str) -> Path:
+    """The path of a file that must lie in a folder, whatever links there are on the way.
+
+    Args:
+        folder: The folder.
+        relative: What somebody else's file names; forward slashes.
+
+    Returns:
+        ``folder / relative``; it need not exist.
+
+    Raises:
+        InputError: The path is absolute, unsound, or leaves the folder.
+    """
+    path = folder / relative
+    check_path(path)
+    parts = PurePosixPath(relative.replace("\\", "/")).parts
+    try:
+        leaves = not path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError):  # links in a circle
+        leaves = True
+    if not parts or Path(relative).is_absolute() or ".." in parts or leaves:
+        raise _unsound(path, f"it leaves the folder {folder}")
+    return path
+
+
+def is_plain_name(name: str) -> bool:
+    """Whether a text can be the name of one file or folder: no separator, no ``..``, not empty."""
+    if name in ("", ".", "..") or any(sign in name for sign in "/\\\0:"):
+        return False
+    try:
+        return len(os.fsencode(name)) <= _LONGEST_NAME_BYTES
+    except UnicodeEncodeError:
+        return False
+
+
+def _check_file(path: Path, kind: Kind, found: os.stat_result) -> None:
+    if not stat.S_ISREG(found.st_mode):
+        what = next((name for is_it, name in _NO_FILES if is_it(found.st_mode)), "something else")
+        raise InputError(
+            f"this is {what}, not a file", place=path, remedy="give the path of a regular file"
+        )
+    if found.st_size > MOST_BYTES[kind]:
+        raise _too_large(path, kind, found.st_size)
+
+
+def _too_large(path: Path, kind: Kind, size: int) -> InputError:
+    most = MOST_BYTES[kind] // _MIB
+    return InputError(
+        f"the file has {size / _MIB:,.0f} MiB; at most {most:,} MiB are read as {kind}",
+        place=path,
+        remedy="is this the right file?",
+    )
+
+
+def _unsound(path: Path, why: str) -> InputError:
+    shown = str(path).encode("utf-8", "backslashreplace").decode()
+    shown = shown if len(shown) <= 200 else f"{shown[:100]}...{shown[-60:]}"
+    return InputError(
+        f"this cannot be the path of a file: {why}", place=shown.replace("\0", "\\0"),
+        remedy="check the path",
+    )  # fmt: skip
