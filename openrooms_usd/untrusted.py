@@ -86,14 +86,24 @@ def opened(path: Path, kind: Kind, *, remedy: str = "check the path") -> Iterato
     """
     check_path(path)
     try:
-        with open(os.open(path, _FLAGS), "rb") as stream:  # noqa: PTH123 -- a descriptor
-            _check_file(path, kind, os.fstat(stream.fileno()))
-            yield stream
+        with _descriptor(path) as handle:
+            _check_file(path, kind, os.fstat(handle))
+            with open(handle, "rb", closefd=False) as stream:  # noqa: PTH123 -- a descriptor
+                yield stream
+    except FileNotFoundError as error:
+        raise InputError("no such file", place=path, remedy=remedy) from error
     except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
-        if isinstance(error, FileNotFoundError):
-            raise InputError("no such file", place=path, remedy=remedy) from error
-        raise InputError(f"cannot read it: {reason or error}", place=path, remedy=remedy) from error
+        reason = f"cannot read it: {error.strerror or error}"
+        raise InputError(reason, place=path, remedy=remedy) from error
+
+
+@contextmanager
+def _descriptor(path: Path) -> Iterator[int]:
+    handle = os.open(path, _FLAGS)
+    try:
+        yield handle
+    finally:
+        os.close(handle)
 
 
 def read_bytes(path: Path, kind: Kind, *, remedy: str = "check the path") -> bytes:
