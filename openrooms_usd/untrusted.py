@@ -88,7 +88,7 @@ def opened(path: Path, kind: Kind, *, remedy: str = "check the path") -> Iterato
     try:
         with _descriptor(path) as handle:
             _check_file(path, kind, os.fstat(handle))
-            with open(handle, "rb", closefd=False) as stream:  # noqa: PTH123 -- a descriptor
+            with open(handle, "rb", closefd=False) as stream:
                 yield stream
     except FileNotFoundError as error:
         raise InputError("no such file", place=path, remedy=remedy) from error
