@@ -15,8 +15,8 @@ from typing import BinaryIO, Final, Literal
 from openrooms_usd.errors import InputError
 
 Kind = Literal[
-    "text", "description", "json", "table", "pickle", "usd", "archive", "picture", "model",
-    "array", "points", "frames",
+    "text", "description", "json", "annotations", "table", "pickle", "usd", "archive", "picture",
+    "model", "array", "points", "frames",
 ]  # fmt: skip
 
 _MIB: Final = 1 << 20
@@ -25,6 +25,7 @@ MOST_BYTES: Final[dict[Kind, int]] = {
     "text": 16 * _MIB,
     "description": 16 * _MIB,
     "json": 64 * _MIB,
+    "annotations": 1024 * _MIB,
     "table": 64 * _MIB,
     "pickle": 64 * _MIB,
     "usd": 1024 * _MIB,
@@ -118,11 +119,14 @@ def read_bytes(path: Path, kind: Kind, *, remedy: str = "check the path") -> byt
         InputError: It is missing, unreadable, no regular file, too large, or the path is unsound.
     """
     with opened(path, kind, remedy=remedy) as stream:
-        # Some files say that they are empty and have no end.
-        data = stream.read(MOST_BYTES[kind] + 1)
-    if len(data) > MOST_BYTES[kind]:
-        raise _too_large(path, kind, len(data))
-    return data
+        data = stream.read(os.fstat(stream.fileno()).st_size)
+        # Some files say that they are empty, and have no end.
+        pieces = [data]
+        while piece := stream.read(_MIB):
+            pieces.append(piece)
+            if sum(map(len, pieces)) > MOST_BYTES[kind]:
+                raise _too_large(path, kind, sum(map(len, pieces)))
+    return data if len(pieces) == 1 else b"".join(pieces)
 
 
 def read_text(path: Path, kind: Kind = "text", *, remedy: str = "check the path") -> str:

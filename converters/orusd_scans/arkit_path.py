@@ -8,16 +8,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.scan.fusion import DepthFrame
-from orusd_scans.depthpicture import read_sixteen_bits
+from orusd_scans.depthpicture import read_picture, read_sixteen_bits
 from orusd_scans.frames import intrinsics
 from orusd_scans.jsonfile import Node
 from orusd_scans.scanned import broken
 
 Array = NDArray[np.float64]
 
-_LARGEST_TEXT: Final = 1 << 26
 _MILLIMETRES: Final = 1e-3
 # A moment farther than this from both neighbours on the path has no pose, seconds.
 _GAP: Final = 0.25
@@ -135,10 +135,8 @@ def depth_frames(folder: Path, poses: CameraPath, every: int) -> Iterator[DepthF
 
 
 def _confidence(path: Path, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    import OpenImageIO
-
-    levels = OpenImageIO.ImageBuf(str(path)).get_pixels(OpenImageIO.UINT8)
-    if levels is None or levels.shape[:2] != shape:
+    levels = read_picture(path, "uint8")
+    if levels.shape[:2] != shape:
         raise broken(path, "this is no picture of the size of its depth")
     return np.asarray(levels[:, :, 0] >= _SURE)
 
@@ -174,10 +172,5 @@ def _numbers(line: str, count: int, path: Path, index: int) -> Array:
 
 
 def _lines(path: Path) -> list[str]:
-    try:
-        if path.stat().st_size > _LARGEST_TEXT:
-            raise broken(path, "it is too large for such a text")
-        found = path.read_text("utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise broken(path, f"cannot read it: {error}", "check the path") from error
-    return [line for line in found if line.strip()]
+    lines = untrusted.read_text(path, "table").splitlines()
+    return [line for line in lines if line.strip()]

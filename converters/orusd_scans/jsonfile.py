@@ -2,15 +2,13 @@
 
 import json
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-
-# A capture of a large flat is below 2 MB.
-LARGEST: Final = 64 * 1024 * 1024
 
 
 class Node:
@@ -101,30 +99,17 @@ def _kind(value: Any) -> str:
     return kinds.get(type(value), "a number" if value is not None else "nothing")
 
 
-def read_json(path: Path, largest: int = LARGEST) -> Node:
-    """Read a JSON file.
+def read_json(path: Path, kind: untrusted.Kind = "json") -> Node:
+    """Read a JSON file; bytes that are not UTF-8 become U+FFFD.
 
     Args:
         path: The file.
-        largest: Bytes beyond which it is refused.
+        kind: How much of it there may be: of a capture by default.
 
     Raises:
-        InputError: It is missing, too large, not UTF-8, not JSON, or nested without end.
+        InputError: It is missing, no regular file, too large, not JSON, or nested without end.
     """
-    try:
-        size = path.stat().st_size
-        if size > largest:
-            raise InputError(
-                f"{size / 2**20:.0f} MB are too much for a capture (at most {largest >> 20} MB)",
-                place=path,
-            )
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise _not_json(path, f"byte {error.start} is not UTF-8 text") from error
-    except OSError as error:
-        raise InputError(
-            f"cannot read it: {error.strerror or error}", place=path, remedy="check the path"
-        ) from error
+    text = untrusted.read_text(path, kind)
     try:
         return Node(json.loads(text, parse_constant=_refuse_constant), path)
     except json.JSONDecodeError as error:

@@ -9,7 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orusd_scans.lzf import UnpackError, unpacked
-from orusd_scans.scanned import LONGEST_HEADER, Scanned, broken, cloud_of, counted, opened, table
+from orusd_scans.scanned import (
+    LONGEST_HEADER,
+    Scanned,
+    broken,
+    cloud_of,
+    counted,
+    lines_of,
+    opened,
+    size_of,
+    table,
+)
 
 _KEYS: Final = (
     "VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "VIEWPOINT", "POINTS", "DATA",
@@ -71,6 +81,8 @@ def _row(header: Mapping[str, list[str]], path: Path) -> np.dtype[Any]:
         if size not in _SIZES.get(kind, ()):
             raise broken(path, f"a field of the type {kind[:9]} and {size[:9]} bytes is not known")
         times = counted(path, count, "values")
+        if times < 1:
+            raise broken(path, f"the field {name[:60]!r} holds nothing")
         # Padding is called _ each time.
         known = name.lower() if name != "_" else f"_{i}"
         fields.append((known, f"<{kind.lower()}{size}", () if times == 1 else (times,)))
@@ -106,7 +118,7 @@ def _viewpoint(header: Mapping[str, list[str]], path: Path) -> NDArray[np.float6
 
 def _ascii(stream: BinaryIO, row: np.dtype[Any], count: int, path: Path) -> Any:
     width = sum(int(np.prod(row[name].shape, dtype=int)) for name in row.names or ())
-    values = table(stream, path, count)
+    values = table(lines_of(stream), path, count)
     if values.shape != (count, width):
         raise broken(
             path,
@@ -130,7 +142,7 @@ def _as_stored(column: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
 
 
 def _binary(stream: BinaryIO, row: np.dtype[Any], count: int, path: Path) -> Any:
-    left = path.stat().st_size - stream.tell()
+    left = size_of(stream) - stream.tell()
     if left < count * row.itemsize:
         raise broken(path, f"it ends too early: {count:,} points are announced")
     values = np.fromfile(stream, row, count)

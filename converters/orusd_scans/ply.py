@@ -13,7 +13,18 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from orusd_scans.scanned import LONGEST_HEADER, Scanned, broken, cloud_of, counted, opened, table
+from orusd_scans.scanned import (
+    LONGEST_HEADER,
+    MOST_POINTS,
+    Scanned,
+    broken,
+    cloud_of,
+    counted,
+    lines_of,
+    opened,
+    size_of,
+    table,
+)
 
 _TYPES: Final = {
     "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
@@ -55,7 +66,7 @@ def read_ply(path: Path) -> Scanned:
         for element in elements:
             values = reader.read(element)
             if element.name == "vertex":
-                columns = {n.lower(): v for n, v in values.items() if isinstance(v, np.ndarray)}
+                columns = {n.lower(): v for n, v in values.items() if np.ndim(v) == 1}
                 cloud = cloud_of(columns, path, notes)
             elif element.name == "face":
                 polygons = next((values[name] for name in _POLYGONS if name in values), None)
@@ -117,7 +128,7 @@ class _Binary:
 
     def __init__(self, stream: BinaryIO, path: Path, order: str) -> None:
         self._stream, self._path, self._order = stream, path, order
-        self._size = path.stat().st_size
+        self._size = size_of(stream)
 
     def read(self, element: _Element) -> dict[str, Any]:
         """The properties by name: arrays of values, and sequences of lists."""
@@ -197,7 +208,7 @@ class _Ascii:
 
     def __init__(self, stream: BinaryIO, path: Path) -> None:
         self._stream, self._path = stream, path
-        self._size = path.stat().st_size
+        self._size = size_of(stream)
 
     def read(self, element: _Element) -> dict[str, Any]:
         """The properties by name: arrays of values, and sequences of lists."""
@@ -214,7 +225,7 @@ class _Ascii:
         width = len(element.properties)
         if not element.count or not width:
             return np.empty((0, width))
-        values = table(islice(self._stream, element.count), self._path)
+        values = table(islice(lines_of(self._stream), element.count), self._path)
         if values.shape != (element.count, width):
             raise broken(
                 self._path,
@@ -225,7 +236,7 @@ class _Ascii:
 
     def _lists(self, element: _Element) -> dict[str, Any]:
         found: dict[str, list[NDArray[Any]]] = {p.name: [] for p in element.properties}
-        for line in islice(self._stream, element.count):
+        for line in islice(lines_of(self._stream), element.count):
             words = iter(line.split())
             try:
                 for p in element.properties:
@@ -241,8 +252,10 @@ class _Ascii:
 
 def _triangles(polygons: Any, path: Path) -> NDArray[np.int64]:
     """(F, 3) fans of the polygons; those of two corners or fewer are left out."""
-    if isinstance(polygons, np.ndarray) and polygons.ndim == 2:
-        return _fans(polygons, path)
+    if isinstance(polygons, np.ndarray):
+        if polygons.ndim != 2 and len(polygons):
+            raise broken(path, "its faces are no lists of vertices")
+        return _fans(polygons.reshape(len(polygons), -1), path)
     if not len(polygons):
         return np.empty((0, 3), np.int64)
     by_size: dict[int, list[NDArray[Any]]] = {}
@@ -251,8 +264,13 @@ def _triangles(polygons: Any, path: Path) -> NDArray[np.int64]:
     return np.concatenate([_fans(np.array(by_size[size]), path) for size in sorted(by_size)])
 
 
+def _are_whole(numbers: NDArray[Any]) -> bool:
+    with np.errstate(invalid="ignore"):
+        return bool(((numbers % 1 == 0) & (np.abs(numbers) <= MOST_POINTS)).all())
+
+
 def _fans(polygons: NDArray[Any], path: Path) -> NDArray[np.int64]:
-    if polygons.dtype.kind == "f" and not (np.isfinite(polygons) & (polygons % 1 == 0)).all():
+    if polygons.dtype.kind == "f" and not _are_whole(polygons):
         raise broken(path, "a face refers to vertices by numbers that are not whole")
     corners = polygons.astype(np.int64)
     fans = [corners[:, [0, i, i + 1]] for i in range(1, corners.shape[1] - 1)]

@@ -1,7 +1,6 @@
 """Points as text (XYZ, PTS, CSV), and as the arrays of an NPZ file."""
 
 import re
-import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from orusd_scans.scanned import MOST_POINTS, Scanned, broken, cloud_of, opened, table
+from openrooms_usd.unpickling.arrays import read_arrays
+from orusd_scans.scanned import Scanned, broken, cloud_of, lines_of, opened, table
 
 # What columns without a header mean, by their number; more are passed over.
 _BY_WIDTH: Final[dict[int, tuple[str, ...]]] = {
@@ -31,7 +31,6 @@ _TRIPLES: Final = {
     "colors": ("red", "green", "blue"),
 }
 _SINGLES: Final = ("label", "instance", "confidence")
-_MOST_BYTES: Final = 64 * MOST_POINTS
 
 
 def read_text(path: Path) -> Scanned:
@@ -50,7 +49,7 @@ def read_text(path: Path) -> Scanned:
         named = not _is_number(words[0])
         if not named and len(words) > 1:
             stream.seek(0)
-        values = table((re.sub(rb"[,;]", b" ", line) for line in stream), path)
+        values = table((re.sub(rb"[,;]", b" ", line) for line in lines_of(stream)), path)
     if len(values) == 0:
         raise broken(path, "it holds no points")
     names = tuple(word.strip('"').lower() for word in words) if named else _names(values, path)
@@ -87,18 +86,8 @@ def read_npz(path: Path) -> Scanned:
     Raises:
         InputError: It is no NPZ file, holds objects, or its arrays do not fit each other.
     """
-    with opened(path) as stream:
-        try:
-            with zipfile.ZipFile(stream) as archive:
-                if sum(info.file_size for info in archive.infolist()) > _MOST_BYTES:
-                    raise broken(path, "its arrays are too large for a scan")
-            stream.seek(0)
-            with np.load(stream, allow_pickle=False) as arrays:
-                known = {*_TRIPLES, *_SINGLES}
-                found = {name: arrays[name] for name in arrays.files if name in known}
-                eyes = arrays["eyes"] if "eyes" in arrays.files else None
-        except (ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-            raise broken(path, f"this is no NPZ file of numbers: {error}") from error
+    found = read_arrays(path, (*_TRIPLES, *_SINGLES, "eyes"), "points")
+    eyes = found.pop("eyes", None)
     notes: list[str] = []
     cloud = cloud_of(_columns(found, path), path, notes)
     if eyes is not None:
@@ -111,8 +100,6 @@ def read_npz(path: Path) -> Scanned:
 def _columns(arrays: Mapping[str, NDArray[Any]], path: Path) -> dict[str, NDArray[Any]]:
     columns: dict[str, NDArray[Any]] = {}
     for name, values in arrays.items():
-        if values.dtype.kind not in "buif":
-            raise broken(path, f"{name!r} holds no numbers")
         wide = name in _TRIPLES
         if values.ndim != 1 + wide or (wide and values.shape[1] < 3):
             raise broken(path, f"{name!r} has the shape {values.shape}")

@@ -30,8 +30,6 @@ from orusd_scans.worldframe import FARTHEST, WorldFrame
 Array = NDArray[np.float64]
 Symmetry = Literal["none", "2", "4", "inf"]
 
-# The annotations of all 1,506 scans with their keypoints.
-_LARGEST: Final = 1 << 30
 _SCALE: Final = 1e4
 _UNIT_LENGTH: Final = 1e-2
 # Axes of an aligned CAD may be off right angles by what rounding does.
@@ -180,7 +178,7 @@ def _json(data: Any) -> bytes:
 
 def _entry(source: Path, scan: str | None) -> Node:
     """The annotation of a scan."""
-    root = read_json(source, largest=_LARGEST)
+    root = read_json(source, "annotations")
     entries = Node({"": root.value}, source).items("") if isinstance(root.value, list) else []
     if not entries or not all(isinstance(e.value, dict) and "id_scan" in e.value for e in entries):
         raise root.error(

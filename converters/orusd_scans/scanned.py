@@ -1,15 +1,18 @@
 """What a reader of points or meshes hands over, and how it opens files that it cannot trust."""
 
+import os
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.cloud import Cloud
 from orusd_scans.plan import Up
@@ -19,6 +22,7 @@ Columns = Mapping[str, NDArray[Any]]
 
 MOST_POINTS: Final = 200_000_000
 LONGEST_HEADER: Final = 1 << 16  # bytes
+_LONGEST_LINE: Final = 1 << 16
 # Classes and numbers of objects.
 _LARGEST_NUMBER: Final = 1 << 24
 _NYU40: Final = 40
@@ -54,21 +58,26 @@ class Scanned:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[BinaryIO]:
+def opened(path: Path, kind: untrusted.Kind = "points") -> Iterator[BinaryIO]:
     """A file to read bytes from.
 
     Raises:
-        InputError: It cannot be read, or is empty.
+        InputError: It cannot be read, is no regular file, is too large for its kind, or is empty.
     """
-    try:
-        with path.open("rb") as stream:
-            if path.stat().st_size == 0:
-                raise broken(path, "the file is empty")
-            yield stream
-    except OSError as error:
-        raise InputError(
-            f"cannot read it: {error.strerror or error}", place=path, remedy="check the path"
-        ) from error
+    with untrusted.opened(path, kind) as stream:
+        if size_of(stream) == 0:
+            raise broken(path, "the file is empty")
+        yield stream
+
+
+def size_of(stream: BinaryIO) -> int:
+    """Bytes of the whole file that a stream reads."""
+    return os.fstat(stream.fileno()).st_size
+
+
+def lines_of(stream: BinaryIO) -> Iterator[bytes]:
+    """The lines from here on; those that no point needs are cut, and so found to be none."""
+    return iter(partial(stream.readline, _LONGEST_LINE), b"")
 
 
 def broken(path: Path, message: str, remedy: str = "export the scan again") -> InputError:

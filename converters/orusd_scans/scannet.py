@@ -233,7 +233,7 @@ def fuse_sens(path: Path, every: int = _EVERY) -> Fused:
     Raises:
         InputError: It cannot be read, is cut off, or holds nonsense.
     """
-    with opened(path) as stream:
+    with opened(path, "frames") as stream:
         return fuse(_depth_frames(Sens(stream, path), every))
 
 

@@ -6,14 +6,17 @@ pixels from the centre of the first one, so half a pixel is added to its princip
 """
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.errors import InputError
+from orusd_scans.depthpicture import picture_size
 from orusd_scans.frames import intrinsics, read_frames
 from orusd_scans.jsonfile import Node
 from orusd_scans.sens import Sens
@@ -21,7 +24,6 @@ from orusd_scans.worldframe import rigid
 
 Array = NDArray[np.float64]
 
-_LARGEST_TEXT: Final = 65_536  # bytes of a file with one matrix
 _PICTURES: Final = (".jpg", ".jpeg", ".png")
 _REMEDY: Final = "give a .sens file, a folder that the SensReader exported, or a frames JSON"
 
@@ -50,15 +52,10 @@ def read_scannet_frames(source: Path, notes: list[str]) -> tuple[CapturedFrame, 
         file = inside[0]
     if file.suffix.lower() != ".sens":
         raise InputError("no frames can be read from this", place=source, remedy=_REMEDY)
-    try:
-        with file.open("rb") as stream:
-            sens = Sens(stream, file)
-            K = centred(sens.color_intrinsics())
-            return posed(sens.poses(), K, sens.color_size, {}, notes)
-    except OSError as error:
-        raise InputError(
-            f"cannot read it: {error.strerror or error}", place=file, remedy="check the path"
-        ) from error
+    with untrusted.opened(file, "frames") as stream:
+        sens = Sens(stream, file)
+        K = centred(sens.color_intrinsics())
+        return posed(sens.poses(), K, sens.color_size, {}, notes)
 
 
 def _exported(folder: Path, notes: list[str]) -> tuple[CapturedFrame, ...]:
@@ -113,12 +110,10 @@ def _square(path: Path, size: int) -> list[list[float]]:
 
 def matrix(path: Path, size: int) -> Array:
     """A square matrix in a text file."""
+    words = untrusted.read_text(path, remedy=_REMEDY).split()
     try:
-        if path.stat().st_size > _LARGEST_TEXT:
-            raise ValueError("too much text")
-        numbers = [float(word) for word in path.read_text("utf-8").split()]
-        return np.asarray(np.array(numbers).reshape(size, size))
-    except (OSError, ValueError) as error:
+        return np.asarray(np.array([float(word) for word in words]).reshape(size, size))
+    except ValueError as error:
         raise InputError(
             f"no {size} x {size} matrix can be read: {error}", place=path, remedy=_REMEDY
         ) from error
@@ -127,15 +122,8 @@ def matrix(path: Path, size: int) -> Array:
 def _resolution(folder: Path, pictures: dict[int, str]) -> tuple[int, int]:
     """Width and height of the colour pictures: from a picture's header, or the scan's text file."""
     if pictures:
-        import OpenImageIO
-
-        picture = folder / "color" / pictures[min(pictures)]
-        opened = OpenImageIO.ImageInput.open(str(picture))
-        if opened is not None:
-            spec = opened.spec()
-            opened.close()
-            return int(spec.width), int(spec.height)
-        OpenImageIO.geterror()
+        with suppress(InputError):  # the scan's text file may say it, too
+            return picture_size(folder / "color" / pictures[min(pictures)])
     for path in (folder / f"{folder.resolve().name}.txt", folder / "_info.txt"):
         if path.is_file():
             found = settings(path)
@@ -151,6 +139,5 @@ def _resolution(folder: Path, pictures: dict[int, str]) -> tuple[int, int]:
 
 def settings(path: Path) -> dict[str, str]:
     """The ``key = value`` lines of a file."""
-    text = path.read_text("utf-8", "replace")[:_LARGEST_TEXT]
-    pairs = (line.partition("=") for line in text.splitlines())
+    pairs = (line.partition("=") for line in untrusted.read_text(path).splitlines())
     return {key.strip(): value.strip() for key, _, value in pairs}

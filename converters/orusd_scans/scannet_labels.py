@@ -15,7 +15,6 @@ from orusd_scans.jsonfile import Node, read_json
 from orusd_scans.ply import read_ply
 from orusd_scans.table import read_table
 
-_LARGEST: Final = 1 << 28  # bytes of the segments of a large mesh
 # The column of the raw names, in new and in old releases.
 _RAW: Final = ("raw_category", "category")
 
@@ -103,7 +102,7 @@ def _labelled(path: Path, count: int, notes: list[str]) -> NDArray[np.int32] | N
 
 
 def _segments(path: Path, count: int) -> NDArray[np.int64]:
-    node = read_json(path, largest=_LARGEST).need("segIndices")
+    node = read_json(path, "annotations").need("segIndices")
     owners = _whole_numbers(node)
     if len(owners) != count:
         raise node.error(

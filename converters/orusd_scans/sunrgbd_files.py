@@ -8,14 +8,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.capture import CapturedBox
-from openrooms_usd.errors import InputError
 from openrooms_usd.scan.cloud import Cloud
 from openrooms_usd.unpickling import read_pickled
 from orusd_scans.fields import number, text
 from orusd_scans.frames import intrinsics
 from orusd_scans.jsonfile import Node
-from orusd_scans.scanned import broken, cloud_of, counted, opened
+from orusd_scans.scanned import broken, cloud_of, counted, opened, size_of
 from orusd_scans.worldframe import FARTHEST, proper
 
 Array = NDArray[np.float64]
@@ -26,7 +26,6 @@ CLASSES: Final = (
     "bathtub",
 )  # fmt: skip
 _NAMES: Final = ("x", "y", "z", "red", "green", "blue")
-_LARGEST_TEXT: Final = 1 << 20
 _LARGEST: Final = 1e3  # metres
 _LABEL_FIELDS: Final = 13
 
@@ -147,7 +146,7 @@ def read_points(path: Path, features: int, notes: list[str]) -> Cloud:
         InputError: It is missing, or does not hold whole points.
     """
     with opened(path) as stream:
-        size = path.stat().st_size
+        size = size_of(stream)
         counted(path, str(size // (4 * features)))
         if size % (4 * features):
             raise broken(path, f"it holds no whole points of {features} numbers")
@@ -236,13 +235,7 @@ def camera_of_projection(projection: Array, node: Node) -> tuple[Array, Array]:
 
 
 def _lines(path: Path) -> list[str]:
-    try:
-        if path.stat().st_size > _LARGEST_TEXT:
-            raise broken(path, "it is too large for a text of SUN RGB-D")
-        found = path.read_text("utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read it: {error}", place=path, remedy="check the path") from error
-    return [line for line in found if line.strip()]
+    return [line for line in untrusted.read_text(path).splitlines() if line.strip()]
 
 
 def _numbers(line: str, count: int, path: Path, index: int) -> Array:

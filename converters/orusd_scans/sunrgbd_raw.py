@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.capture import CapturedBox
 from orusd_scans.fields import number, text
 from orusd_scans.frames import intrinsics
@@ -76,6 +77,6 @@ def _box(identifier: str, name: str, node: Node) -> CapturedBox:
 
 def _words(path: Path) -> list[float]:
     try:
-        return [float(word) for word in path.read_bytes()[:4096].split()]
-    except (OSError, ValueError) as error:
+        return [float(word) for word in untrusted.read_text(path).split()]
+    except ValueError as error:
         raise broken(path, f"numbers are expected: {error}") from error

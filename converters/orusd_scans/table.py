@@ -1,11 +1,13 @@
 """CSV tables of unknown origin: read with limits, every mistake with its line."""
 
 import csv
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from orusd_scans.jsonfile import LARGEST, Node
+from orusd_scans.jsonfile import Node
 
 
 def read_table(path: Path, need: Sequence[str], texts: Sequence[str] = ()) -> list[Node]:
@@ -20,9 +22,9 @@ def read_table(path: Path, need: Sequence[str], texts: Sequence[str] = ()) -> li
         An object for each row that is not empty; its place is its line.
 
     Raises:
-        InputError: It is missing, not UTF-8, too large, or a column is missing.
+        InputError: It is missing, no regular file, too large, or a column is missing.
     """
-    lines = _lines(path)
+    lines = untrusted.read_text(path, "table").splitlines(keepends=True)
     separator = max(",;\t", key=lines[0].count) if lines else ","
     rows = csv.reader(lines, delimiter=separator, strict=True)
     try:
@@ -32,22 +34,6 @@ def read_table(path: Path, need: Sequence[str], texts: Sequence[str] = ()) -> li
             f"not readable as CSV: {error}",
             place=f"{path}: line {rows.line_num}",
             remedy="save the table again as CSV, UTF-8",
-        ) from error
-
-
-def _lines(path: Path) -> list[str]:
-    try:
-        size = path.stat().st_size
-        if size > LARGEST:
-            raise InputError(f"{size / 2**20:.0f} MB are too much for a table", place=path)
-        return path.read_bytes().decode("utf-8-sig").splitlines(keepends=True)
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"byte {error.start} is not UTF-8 text", place=path, remedy="save the table as UTF-8"
-        ) from error
-    except OSError as error:
-        raise InputError(
-            f"cannot read it: {error.strerror or error}", place=path, remedy="check the path"
         ) from error
 
 
@@ -61,7 +47,7 @@ def _records(
             f"the header lacks {', '.join(missing)}",
             f"the first line names the columns, at least: {', '.join(need)}",
         )
-    if repeated := {name for name in header if name and header.count(name) > 1}:
+    if repeated := {name for name, times in Counter(header).items() if name and times > 1}:
         raise top.error(f"the header repeats {', '.join(sorted(repeated))}", "name each once")
     for row in rows:
         # csv counts the lines itself: fields in quotes may hold line ends.

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling.admitted import (
     CALLS,
@@ -23,7 +24,6 @@ from openrooms_usd.unpickling.admitted import (
     ordered,
 )
 
-LARGEST: Final = 16 * 1024 * 1024  # bytes: that of a light has a few hundred
 # Deeper nesting than any such file has; it keeps what follows from running out of stack.
 _DEEPEST: Final = 32
 
@@ -45,11 +45,7 @@ def read_pickled(path: Path) -> Any:
         InputError: It cannot be read, is no pickle, or holds anything else.
     """
     try:
-        if path.stat().st_size > LARGEST:
-            raise RefusedError(f"more than {LARGEST >> 20} MB")
-        return unpickled(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"cannot read it: {error.strerror or error}", place=path) from error
+        return unpickled(untrusted.read_bytes(path, "pickle"))
     except RefusedError as error:
         raise InputError(
             f"not a pickle of plain data: {error}",
