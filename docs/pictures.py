@@ -6,7 +6,6 @@ Every room goes the whole way on the command line: generate, compose, validate -
 
 import argparse
 import json
-import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -18,6 +17,7 @@ import OpenImageIO
 
 from benchmarks.scenes import orusd
 from docs.scan_picture import scanned
+from openrooms_usd import removal
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.render.previews import write_png
@@ -96,7 +96,7 @@ def light(folder: Path, samples: str) -> None:
 def robot(folder: Path) -> None:
     """What a robot sees on its way through the example: ``docs/robot.png``."""
     subprocess.run([sys.executable, "examples/05_navigate.py", folder / "robot"], check=True)
-    shutil.copyfile(folder / "robot/strip.png", "docs/robot.png")
+    removal.copy_file(folder / "robot/strip.png", Path("docs/robot.png"))
 
 
 def _fitted(

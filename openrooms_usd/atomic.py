@@ -1,11 +1,13 @@
-"""Files appear whole or not at all: write beside the target, then rename."""
+"""Files and folders appear whole or not at all: write beside the target, then rename.
 
-import os
-import shutil
+Where a command keeps a ledger of its folder, what appears there is noted in it.
+"""
+
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from openrooms_usd import ledger, removal, unfinished
 from openrooms_usd.errors import OutputError, writing
 
 
@@ -26,11 +28,7 @@ def making(folder: Path) -> Iterator[None]:
         yield
     except BaseException:
         for path in new:
-            try:
-                path.rmdir()
-            except FileNotFoundError:
-                continue
-            except OSError:
+            if not removal.remove_if_empty(path):
                 break
         raise
 
@@ -44,6 +42,20 @@ def naming(target: Path, beside: Path) -> Iterator[None]:
         error.message = error.message.replace(str(beside), str(target))
         error.place = error.place and error.place.replace(str(beside), str(target))
         raise
+
+
+def appear(beside: Path, target: Path) -> None:
+    """Give what was written whole its final name; a file of that name is replaced.
+
+    Args:
+        beside: A file or a folder on the same disk.
+        target: Its name to be; no folder may have it.
+
+    Raises:
+        OSError: It cannot be done.
+    """
+    ledger.note(beside, target)
+    removal.rename(beside, target)
 
 
 @contextmanager
@@ -62,13 +74,25 @@ def replacing(target: Path) -> Iterator[Path]:
     Raises:
         OutputError: The file cannot be written.
     """
-    beside = target.with_name(f".{target.stem}.{os.getpid()}{target.suffix}")
+    beside = unfinished.beside(target)
     with writing(target), making(target.parent), naming(target, beside):
         try:
             yield beside
-            beside.replace(target)
+            appear(beside, target)
         finally:
-            beside.unlink(missing_ok=True)
+            removal.remove_file(beside)
+
+
+def write_text(target: Path, text: str) -> None:
+    """Write ``text`` as UTF-8 with Unix line ends; the file appears whole or not at all."""
+    with replacing(target) as beside:
+        beside.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_bytes(target: Path, data: bytes) -> None:
+    """Write ``data``; the file appears whole or not at all."""
+    with replacing(target) as beside:
+        beside.write_bytes(data)
 
 
 @contextmanager
@@ -87,29 +111,76 @@ def filling(folder: Path) -> Iterator[Path]:
     Raises:
         OutputError: A file cannot be written.
     """
-    beside = folder / f".new.{os.getpid()}"
+    beside = unfinished.beside(folder / "new")
     with writing(folder), making(folder), naming(folder, beside):
         try:
-            # A run of this number that was killed may have left one.
-            shutil.rmtree(beside, ignore_errors=True)
             beside.mkdir()
             yield beside
             files = [path.relative_to(beside) for path in beside.rglob("*") if path.is_file()]
             # Files in subfolders first: those at the top refer to them.
             for file in sorted(files, key=lambda path: (-len(path.parts), path)):
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)
-                (beside / file).replace(folder / file)
+                appear(beside / file, folder / file)
         finally:
-            shutil.rmtree(beside, ignore_errors=True)
+            removal.remove_tree(beside)
 
 
-def write_text(target: Path, text: str) -> None:
-    """Write ``text`` as UTF-8 with Unix line ends; the file appears whole or not at all."""
-    with replacing(target) as beside:
-        beside.write_text(text, encoding="utf-8", newline="\n")
+@contextmanager
+def appearing(target: Path) -> Iterator[Path]:
+    """Give an empty folder beside ``target`` to fill, which then becomes ``target``.
+
+    When the block raises, what was written is removed.
+
+    Args:
+        target: The folder that shall appear; its parent is made when it is missing. Where one is
+            there at the end, see `swap`.
+
+    Yields:
+        The folder to write to.
+
+    Raises:
+        OutputError: It cannot be written, or the one that is there cannot be replaced.
+    """
+    beside = unfinished.beside(target)
+    with writing(target), making(target.parent), naming(target, beside):
+        try:
+            beside.mkdir()
+            yield beside
+            _swap(beside, target)
+        finally:
+            removal.remove_tree(beside)
 
 
-def write_bytes(target: Path, data: bytes) -> None:
-    """Write ``data``; the file appears whole or not at all."""
-    with replacing(target) as beside:
-        beside.write_bytes(data)
+def _swap(beside: Path, target: Path) -> None:
+    """Let a folder take a name; one that has it goes, provided that all in it was written here."""
+    if not target.is_symlink() and not target.exists():
+        appear(beside, target)
+        return
+    check_own(target)
+    old = unfinished.parked(target)
+    ledger.note(beside, target)
+    try:
+        removal.rename(target, old)
+        removal.rename(beside, target)
+    finally:
+        if old.exists() and not target.exists():
+            removal.rename(old, target)
+    removal.remove_tree(old)
+
+
+def check_own(target: Path) -> None:
+    """See that all in a folder was written by the command that has it to itself, and unchanged.
+
+    Raises:
+        OutputError: Something was not; it is named.
+    """
+    foreign = ledger.foreign(target)
+    if foreign:
+        first = "it is no folder of ours" if foreign[0] == "." else f"{foreign[0]!r} in it"
+        more = f" (and {len(foreign) - 1} more)" if len(foreign) > 1 else ""
+        was = "" if foreign[0] == "." else " was not written by an earlier run, or changed since"
+        raise OutputError(
+            f"this will not be replaced: {first}{more}{was}",
+            place=target,
+            remedy="move it away, or choose another output folder",
+        )

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from openrooms_usd import names
+from openrooms_usd import claims, names
 from openrooms_usd.description import load_room
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
 from openrooms_usd.description.room import Room
@@ -102,19 +102,21 @@ def compose_room(
     """
     room = _explicit(load_room(description))
     chosen = _chosen(only)
-    refuse_foreign(out / names.SCENE)
-    with drafting(out) as draft:
-        _check_complete(draft, chosen)
-        runner.create_edits(draft)
-        summaries = [
-            _run(stage, room, description.parent, draft, workers, progress) for stage in chosen
-        ]
-        runner.write_scene(draft)
-        if any(summary.state == "written" for summary in summaries):
-            runner.check(draft)
-    files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz))
-    notes = tuple(_about_settled(out, summaries))
-    return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans_of(out), notes)
+    with claims.claimed(out):
+        refuse_foreign(out / names.SCENE)
+        with drafting(out) as draft:
+            _check_complete(draft, chosen)
+            runner.create_edits(draft)
+            summaries = [
+                _run(stage, room, description.parent, draft, workers, progress) for stage in chosen
+            ]
+            runner.write_scene(draft)
+            if any(summary.state == "written" for summary in summaries):
+                runner.check(draft)
+        files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz))
+        orphans = orphans_of(out)
+    notes = (*_about_settled(out, summaries), *_about_strangers(out, draft))
+    return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans, notes)
 
 
 def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
@@ -129,6 +131,14 @@ def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str
     gone = orphans_of(out, names.SETTLED)
     if gone:
         yield f"{layer} has {len(gone)} opinions that do nothing, the first: {gone[0]}: {again}"
+
+
+def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:
+    """What lies among the files of a stage and is not ours to remove."""
+    if draft.stay:
+        first = draft.stay[0].relative_to(out).as_posix()
+        more = f" and {len(draft.stay) - 1} more stay" if len(draft.stay) > 1 else " stays"
+        yield f"{first}{more}: no layer refers to it, and compose did not write it as it is now"
 
 
 def _explicit(room: Room) -> Room:

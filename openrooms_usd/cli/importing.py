@@ -5,7 +5,7 @@ import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, BinaryIO, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -19,9 +19,11 @@ from openrooms_usd.capture import (
     checked_options,
     option_paths,
 )
+from openrooms_usd.claims import locked
 from openrooms_usd.cli.captured_text import describe, describe_scan
 from openrooms_usd.cli.console import json_option, print_json
 from openrooms_usd.errors import InputError, OutputError, writing
+from openrooms_usd.untrusted import check_path, opened
 
 if TYPE_CHECKING:
     pass
@@ -106,6 +108,7 @@ def import_capture(
     from openrooms_usd.description import parse_room
 
     importer: Importer = load(IMPORTERS, kind)
+    check_path(source)
     try:
         asked = checked_options(kind, importer, options)
         capture = importer.read(source, asked)
@@ -114,16 +117,17 @@ def import_capture(
         _check_names(packed)
     except OSError as error:
         raise _unreadable(source, error) from error
-    with writing(out):
-        _refuse_to_replace(out, packed.contents)
     described = describe if capture.floor is not None else describe_scan
     text = described(kind, capture, packed.file, packed.options)
     parse_room(text, str(out / ROOM))
-    with filling(out) as folder:
-        for name, content in packed.contents.items():
-            if not (out / name).exists():
-                _copy(content, folder / name)
-        write_text(folder / ROOM, text)
+    with locked(out):
+        with writing(out):
+            _refuse_to_replace(out, packed.contents)
+        with filling(out) as folder:
+            for name, content in packed.contents.items():
+                if not (out / name).exists():
+                    _copy(content, folder / name)
+            write_text(folder / ROOM, text)
     return capture
 
 
@@ -169,15 +173,8 @@ def _copy(content: bytes | Path, target: Path) -> None:
     if isinstance(content, bytes):
         write_bytes(target, content)
         return
-    with _opened(content) as source, replacing(target) as beside, beside.open("wb") as copy:
+    with opened(content, "frames") as source, replacing(target) as beside, beside.open("wb") as copy:
         shutil.copyfileobj(source, copy)
-
-
-def _opened(path: Path) -> BinaryIO:
-    try:
-        return path.open("rb")
-    except OSError as error:
-        raise _unreadable(path, error) from error
 
 
 def _unreadable(path: Path, error: OSError) -> InputError:

@@ -12,11 +12,7 @@
 
 import hashlib
 import json
-import os
-import shutil
-import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -25,22 +21,23 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import __version__, names
-from openrooms_usd.atomic import making, naming
-from openrooms_usd.errors import InputError, writing
+from openrooms_usd import names
+from openrooms_usd.atomic import appearing
+from openrooms_usd.codedigest import code_digest
+from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.furniture import Joint, part_of
+from openrooms_usd.library.furniture.joinery import Furniture, Joint, part_of
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
     from openrooms_usd.usd.materials import PreviewSurface
 
-# Part of every asset's name: raise it when the same key gives another asset without a new version.
-FORMAT: Final = 4
 GEOMETRY: Final = "geometry.usdc"
 # The Xform below Geometry that holds the fixed parts of an object whose other parts move.
 BODY: Final = "Body"
+# Lists the modules of all categories, of which a piece of furniture needs one.
+_CATEGORIES: Final = ("openrooms_usd.library.furniture",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,24 +73,32 @@ class Model:
         return np.stack([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])
 
 
+def model_of(furniture: Furniture) -> Model:
+    """Furniture of the library, under our licence."""
+    return Model(furniture.parts, joints=furniture.joints, licence=names.LICENCE)
+
+
 @dataclass(frozen=True)
 class Asset:
     """An asset to be: what determines it, and how to make it.
 
     Attributes:
         category: What it is; labels its root.
-        key: Plain data that determines its content, apart from this package's version.
+        key: Plain data that determines its content, together with code.
         build: Makes it.
+        code: The modules that ``build`` runs; none where the key holds what they made.
     """
 
     category: str
     key: tuple[Any, ...]
     build: Callable[[], Model] = field(compare=False)
+    code: tuple[str, ...] = ()
 
     @cached_property
     def name(self) -> str:
         """The category and 8 hexadecimal digits of what determines the content."""
-        text = json.dumps([FORMAT, __version__, self.category, *self.key])
+        code = code_digest(__name__, *self.code, leaves=_CATEGORIES)
+        text = json.dumps([code, self.category, *self.key])
         return f"{self.category}_{hashlib.sha256(text.encode()).hexdigest()[:8]}"
 
     @property
@@ -123,26 +128,11 @@ def publish(folder: Path, asset: Asset) -> str:
     target = folder / asset.name
     if not (target / f"{asset.name}.usda").is_file():
         model = asset.build()
-        with _appearing(target) as beside:
+        with appearing(target) as beside:
             pictures = _copy_textures(model, beside)
             _write_geometry(asset, pictures, beside / GEOMETRY)
             _write_interface(asset, model, beside / f"{asset.name}.usda")
     return asset.file
-
-
-@contextmanager
-def _appearing(target: Path) -> Iterator[Path]:
-    """A folder to write in that becomes ``target`` at the end, unless somebody was faster."""
-    beside = target.with_name(f".{target.name}.{os.getpid()}.{threading.get_ident()}")
-    with writing(target), making(target.parent), naming(target, beside):
-        try:
-            beside.mkdir()
-            yield beside
-            if target.is_dir():
-                shutil.rmtree(target)
-            beside.replace(target)
-        finally:
-            shutil.rmtree(beside, ignore_errors=True)
 
 
 def _copy_textures(model: Model, folder: Path) -> Model:

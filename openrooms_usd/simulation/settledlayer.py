@@ -1,14 +1,14 @@
 """The layer that a simulation writes: where it lies, what it does not see, how it is saved."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from pxr import Sdf, Usd
 
-from openrooms_usd import names
+from openrooms_usd import claims, names
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd import layers
 
@@ -68,14 +68,17 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
         if source.GetRootLayer().pseudoRoot.HasInfo(key):
             value = source.GetRootLayer().pseudoRoot.GetInfo(key)
             layer.pseudoRoot.SetInfo(key, value)
-    with layers.stacked(layer, stronger, weaker) as stage:
+    ours = composed and target.resolve() == own.resolve()
+    with (
+        claims.claimed(path.parent) if ours else nullcontext(),
+        layers.stacked(layer, stronger, weaker) as stage,
+    ):
         for key in _METADATA:
             if layer.pseudoRoot.HasInfo(key):
                 stage.GetRootLayer().pseudoRoot.SetInfo(key, layer.pseudoRoot.GetInfo(key))
         for used in stage.GetUsedLayers():
             if used.realPath and Path(used.realPath) == target.resolve():
                 stage.MuteLayer(used.identifier)
-        ours = composed and target.resolve() == own.resolve()
         yield SettledRoom(stage, layer, target, path.parent if ours else None)
 
 

@@ -1,20 +1,16 @@
 """A composition in the making: its layers replace the old ones together, or not at all."""
 
-import itertools
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
 
 from pxr import Sdf
 
-from openrooms_usd import atomic, names
+from openrooms_usd import atomic, claims, names, removal, unfinished
 from openrooms_usd.errors import writing
+from openrooms_usd.ledger import Ledger
 from openrooms_usd.usd import layers as usd_layers
-
-_NUMBERS: Final = itertools.count()
 
 
 @dataclass
@@ -26,12 +22,15 @@ class Draft:
 
     Attributes:
         out: The folder of the composition.
+        ledger: What this program has written there.
+        stay: What lies in the folders of new layers, is not referred to, and is not ours to remove.
     """
 
     out: Path
+    ledger: Ledger
+    stay: list[Path] = field(default_factory=list)
     _new: dict[Path, Path] = field(default_factory=dict)
-    _before: dict[str, set[str]] = field(default_factory=dict)
-    _kept: dict[str, set[str]] = field(default_factory=dict)
+    _kept: dict[str, frozenset[str]] = field(default_factory=dict)
 
     @property
     def layers(self) -> Path:
@@ -47,18 +46,14 @@ class Draft:
         """Where a layer lies at the moment; it need not exist."""
         return self._new.get(self._place(name), self._place(name))
 
-    def begin(self, name: str) -> Path:
-        """Note what the folder of a stage's files holds, and return the folder."""
-        folder = self.layers / name
-        self._before[name] = {
-            path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()
-        }
-        return folder
+    def folder(self, name: str) -> Path:
+        """Where the files of a stage lie that only its layer refers to."""
+        return self.layers / name
 
     @contextmanager
     def scratch(self, name: str) -> Iterator[Sdf.Layer]:
         """An empty layer in the folder of the layers: relative paths resolve in it."""
-        path = self._beside(self._place(name))
+        path = unfinished.beside(self._place(name))
         try:
             with writing(self._place(name)):
                 path.touch()
@@ -66,7 +61,7 @@ class Draft:
             yield layer
         finally:
             with suppress(OSError):
-                path.unlink()
+                removal.remove_file(path)
 
     def export(self, layer: Sdf.Layer, name: str, kept: Iterable[str] = ()) -> None:
         """Draft a layer.
@@ -79,7 +74,16 @@ class Draft:
         self._draft(layer, self._place(name))
         # The folder of any other layer holds what people put into it.
         if name in names.STAGES:
-            self._kept[name] = set(kept)
+            self.keep(name, kept)
+
+    def keep(self, name: str, files: Iterable[str]) -> None:
+        """Say what a layer refers to in the folder of its stage; the rest of ours is removed.
+
+        Args:
+            name: The stage.
+            files: Files and folders, relative to the stage's folder.
+        """
+        self._kept[name] = frozenset(files)
 
     def export_scene(self, layer: Sdf.Layer) -> None:
         """Draft the root layer."""
@@ -89,26 +93,35 @@ class Draft:
         """Let the new layers take their places, and remove what nothing refers to any more."""
         with writing(self.out):
             for target, beside in self._new.items():
-                beside.replace(target)
+                atomic.appear(beside, target)
             for name, kept in self._kept.items():
-                _remove_others(self.layers / name, kept)
+                self._remove_others(name, kept)
 
     def discard(self) -> None:
         """Remove everything that is new."""
         for beside in self._new.values():
-            beside.unlink(missing_ok=True)
-        for name, before in self._before.items():
-            _remove_others(self.layers / name, before)
+            removal.remove_file(beside)
+        for name in names.STAGES:
+            self.ledger.remove(self.ledger.created_below(self.folder(name)))
+
+    def _remove_others(self, name: str, kept: frozenset[str]) -> None:
+        """Remove what was written for earlier layers of a stage, and see what else is there."""
+        folder = self.folder(name)
+
+        def is_kept(path: Path) -> bool:
+            relative = path.relative_to(folder)
+            return any(part.as_posix() in kept for part in (relative, *relative.parents))
+
+        self.ledger.remove(path for path in self.ledger.below(folder) if not is_kept(path))
+        if self._place(name) in self._new and folder.is_dir():
+            inner = (path for path in sorted(folder.rglob("*")) if not path.is_dir())
+            self.stay += [path for path in inner if not is_kept(path)]
 
     def _place(self, name: str) -> Path:
         return self.layers / f"{name}.usda"
 
-    def _beside(self, target: Path) -> Path:
-        # Numbered, because USD refuses to make a layer while an old one of its name is held.
-        return target.with_name(f".{target.stem}.{os.getpid()}.{next(_NUMBERS)}{target.suffix}")
-
     def _draft(self, layer: Sdf.Layer, target: Path) -> None:
-        beside = self._beside(target)
+        beside = unfinished.beside(target)
         # Known before it is there: an interruption may come in between.
         self._new[target] = beside
         with atomic.naming(target, beside):
@@ -125,8 +138,8 @@ def drafting(out: Path) -> Iterator[Draft]:
     Raises:
         OutputError: It cannot be written.
     """
-    draft = Draft(out)
-    with atomic.making(draft.layers):
+    with claims.claimed(out) as ledger, atomic.making(out / names.LAYERS):
+        draft = Draft(out, ledger)
         try:
             yield draft
             draft.commit()
@@ -135,19 +148,3 @@ def drafting(out: Path) -> Iterator[Draft]:
             with suppress(OSError):
                 draft.discard()
             raise
-
-
-def _remove_others(folder: Path, kept: set[str]) -> None:
-    """Remove what is in a stage's folder and is not kept, nor in a folder that is."""
-    if not folder.is_dir():
-        return
-    for path in sorted(folder.rglob("*"), reverse=True):
-        relative = path.relative_to(folder)
-        if any(parent.as_posix() in kept for parent in (relative, *relative.parents)):
-            continue
-        if path.is_file():
-            path.unlink()
-        elif not any(path.iterdir()):
-            path.rmdir()
-    if not any(folder.iterdir()):
-        folder.rmdir()

@@ -44,7 +44,10 @@ def create_edits(draft: Draft) -> None:
 
 
 def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
-    """Whether a stage's layer was written from this fingerprint and all its files are there."""
+    """Whether a stage's layer was written from this fingerprint and all its files are there.
+
+    If so, the draft keeps these files.
+    """
     path = draft.layer(stage.name)
     if not path.is_file():
         return False
@@ -54,9 +57,12 @@ def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
         return False
     record = _record(layer, stage.name)
     files: Iterable[str] = record.get("files", ())
-    return record.get("fingerprint") == wanted and all(
-        (draft.layers / stage.name / file).exists() for file in files
-    )
+    if record.get("fingerprint") != wanted:
+        return False
+    if not all((draft.folder(stage.name) / file).exists() for file in files):
+        return False
+    draft.keep(stage.name, files)
+    return True
 
 
 def _record(layer: Sdf.Layer, stage: str) -> dict[str, Any]:
@@ -85,7 +91,7 @@ def run(
     Raises:
         OrusdError: The stage refuses the description, or a file cannot be written.
     """
-    folder = draft.begin(stage.name)
+    folder = draft.folder(stage.name)
     try:
         with draft.scratch(stage.name) as layer, _edits(stage.name, draft) as edits:
             usd_layers.apply_metadata(layer)

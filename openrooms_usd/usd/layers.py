@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from pxr import Ar, Sdf, Tf, Usd, UsdGeom
 
-from openrooms_usd import atomic, names
+from openrooms_usd import atomic, names, removal, unfinished
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.usd.diagnostics import reason
 
@@ -159,14 +159,16 @@ def export_by_content(layer: Sdf.Layer, folder: Path, stem: str, suffix: str) ->
     Returns:
         ``folder/stem-<12 hex digits>suffix``.
     """
-    beside = folder / f".{stem}.{os.getpid()}{suffix}"
+    beside = unfinished.beside(folder / f"{stem}{suffix}")
     with writing(folder), atomic.making(folder):
         try:
             _export(layer, beside)
             digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:12]
-            return beside.replace(folder / f"{stem}-{digest}{suffix}")
+            target = folder / f"{stem}-{digest}{suffix}"
+            atomic.appear(beside, target)
+            return target
         finally:
-            beside.unlink(missing_ok=True)
+            removal.remove_file(beside)
 
 
 def _export(layer: Sdf.Layer, path: Path) -> None:

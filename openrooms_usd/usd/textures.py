@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Ar
 
+from openrooms_usd import removal
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.surfaces import ColorSpace
 
@@ -176,4 +177,4 @@ def local_file(path: str) -> Iterator[Path]:
             copy.write(asset.GetBuffer())
         yield Path(name)
     finally:
-        Path(name).unlink(missing_ok=True)
+        removal.remove_file(Path(name))

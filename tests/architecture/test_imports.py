@@ -42,9 +42,14 @@ RANKS = (
         "atomic",
         "capture",
         "channels",
+        "claims",
+        "codedigest",
         "draws",
+        "ledger",
         "physics",
+        "removal",
         "scan",
+        "unfinished",
         "unpickling",
     ),
     ("errors", "names", "untrusted"),
@@ -54,7 +59,7 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "errors", "names", "atomic", "unpickling", "untrusted",
+    "errors", "names", "atomic", "claims", "ledger", "unpickling", "untrusted",
 }  # fmt: skip
 HEAVY = {
     "pxr",

@@ -1,11 +1,10 @@
 """Files appear whole or not at all."""
 
-import os
 from pathlib import Path
 
 import pytest
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, unfinished
 from openrooms_usd.errors import OutputError
 
 
@@ -33,9 +32,9 @@ def test_a_folder_that_is_a_file_is_an_output_error(tmp_path: Path) -> None:
 
 
 def test_a_folder_left_by_a_killed_run_is_in_nobody_s_way(tmp_path: Path) -> None:
-    left = tmp_path / f".new.{os.getpid()}"
+    left = unfinished.beside(tmp_path / "new")
     left.mkdir()
     (left / "half.txt").write_text("half")
     with atomic.filling(tmp_path) as beside:
         (beside / "whole.txt").write_text("whole")
-    assert [path.name for path in tmp_path.iterdir()] == ["whole.txt"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [left.name, "whole.txt"]

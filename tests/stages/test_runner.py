@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Usd, UsdGeom
 
+from openrooms_usd import atomic
 from openrooms_usd.compose import ComposeSummary, compose_room
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
@@ -27,9 +28,7 @@ class FakeLayout:
         UsdGeom.Xform.Define(context.stage, "/World")
         mesh = UsdGeom.Mesh.Define(context.stage, "/World/Room")
         mesh.CreatePointsAttr([(float(len(text)), float(i), 0.0) for i in range(100)])
-        kept = context.keep(f"file-{text}.txt")
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_text(text)
+        atomic.write_text(context.keep(f"file-{text}.txt"), text)
         if self.broken:
             raise InputError("the planted failure")
 
@@ -90,6 +89,21 @@ def test_what_a_stage_reads_runs_it_again_and_old_files_go(place: Path) -> None:
     assert len(names) == 2
     assert names[0].startswith("arrays-")
     assert names[1] == "file-three.txt"
+
+
+def test_what_people_put_among_the_files_of_a_stage_stays_and_is_named(place: Path) -> None:
+    compose(place)
+    layout = place / "out" / "layers" / "layout"
+    (layout / "wood.png").write_text("mine")
+    (layout / "file-one.txt").write_text("changed by hand")
+    (place / "input.txt").write_text("three")
+    assert compose(place).notes == (
+        "layers/layout/file-one.txt and 1 more stay: no layer refers to it, and compose did not "
+        "write it as it is now",
+    )
+    assert (layout / "wood.png").read_text() == "mine"
+    assert (layout / "file-one.txt").read_text() == "changed by hand"
+    assert compose(place).notes == ()
 
 
 def test_a_missing_file_of_a_layer_is_made_again(place: Path) -> None:

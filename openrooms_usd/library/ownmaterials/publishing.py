@@ -1,10 +1,9 @@
 """Copying the pictures of a user's material, so that a layer stands without the user's files."""
 
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, removal
 from openrooms_usd.library.ownmaterials.material import OwnMaterial
 
 
@@ -23,4 +22,4 @@ def publish(material: OwnMaterial, keep: Callable[[str], Path], folder: str = "t
         target = keep(f"{folder}/{name}")
         if not target.is_file():
             with atomic.replacing(target) as beside:
-                shutil.copyfile(file, beside)
+                removal.copy_file(file, beside)

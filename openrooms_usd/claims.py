@@ -1,0 +1,130 @@
+"""One writer a folder: a command locks the folder that it writes to, and sweeps it first.
+
+The lock is the operating system's (``flock``), which goes with its process: a lock file that a
+killed process has left holds nobody up. The file says who holds the lock, for the message.
+"""
+
+import os
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from openrooms_usd import atomic, ledger, removal, unfinished, untrusted
+from openrooms_usd.errors import InputError, OutputError, writing
+
+if TYPE_CHECKING:
+    from filelock import BaseFileLock
+
+FILE: Final = ".orusd.lock"
+
+_LONGEST_HOLDER: Final = 120  # characters
+# What this process holds: the folder and the thread, with the number of nested claims.
+_HELD: Final[dict[tuple[Path, int], int]] = {}
+
+
+@contextmanager
+def claimed(folder: Path) -> Iterator[ledger.Ledger]:
+    """Have a folder to oneself, with a ledger of what is written to it.
+
+    What killed processes have left there is swept. A claim within a claim of the same folder is
+    the same claim.
+
+    Args:
+        folder: The folder; it is made when it is missing, and goes again when the block raises and
+            it is empty.
+
+    Yields:
+        The folder's ledger.
+
+    Raises:
+        OutputError: Another process writes to the folder, or it cannot be written.
+    """
+    with locked(folder), ledger.kept(folder) as kept:
+        yield kept
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Have a folder to oneself, and swept, without a ledger."""
+    key = (folder.absolute(), threading.get_ident())
+    if key in _HELD:
+        _HELD[key] += 1
+        try:
+            yield
+        finally:
+            _HELD[key] -= 1
+        return
+    with atomic.making(folder), _exclusively(folder) as was_killed:
+        _HELD[key] = 1
+        try:
+            for inner in _to_sweep(folder) if was_killed else [folder]:
+                unfinished.sweep(inner)
+            yield
+        finally:
+            del _HELD[key]
+
+
+def _to_sweep(folder: Path) -> Iterator[Path]:
+    """A folder and those in it, but no link, and none that a process has to itself."""
+    for name, inner, _ in os.walk(folder):
+        yield Path(name)
+        inner[:] = [
+            each
+            for each in inner
+            if not (Path(name) / each / FILE).exists() and not (Path(name) / each).is_symlink()
+        ]
+
+
+@contextmanager
+def _exclusively(folder: Path) -> Iterator[bool]:
+    """Hold the lock of a folder; whether the process that had it last was killed."""
+    from filelock import FileLock, Timeout
+
+    path = folder / FILE
+    was_killed = os.path.lexists(path)
+    lock = FileLock(path, timeout=0)
+    with writing(folder):
+        try:
+            lock.acquire()
+        except Timeout:
+            raise _held_by(path, folder) from None
+        except NotADirectoryError as error:
+            raise OSError(error.errno, "this is no folder") from error
+    try:
+        with suppress(OSError):
+            path.write_text(f"process {os.getpid()} ({_command()})\n", encoding="utf-8")
+        yield was_killed
+    finally:
+        _release(lock, path)
+
+
+def _release(lock: "BaseFileLock", path: Path) -> None:
+    # While it is held: who waits for the old file sees that it is gone, and makes a new one.
+    if sys.platform != "win32":
+        with suppress(OSError):
+            removal.remove_file(path)
+    lock.release()
+    if sys.platform == "win32":
+        with suppress(OSError):
+            removal.remove_file(path)
+
+
+def _held_by(path: Path, folder: Path) -> OutputError:
+    try:
+        holder = untrusted.read_text(path).strip()[:_LONGEST_HOLDER]
+    except InputError:
+        holder = ""
+    return OutputError(
+        f"{holder or 'another process'} is writing into this folder",
+        place=folder,
+        remedy="wait until it has ended, or choose another output folder",
+    )
+
+
+def _command() -> str:
+    """What a person typed, without paths: ``orusd render``."""
+    words = [word for word in sys.argv[1:2] if word.isalpha()]
+    return " ".join([Path(sys.argv[0]).name or "python", *words])

@@ -1,0 +1,252 @@
+"""What a command has written into a folder: the proof that is needed to remove it again.
+
+The ledger is a file of the folder, ``.orusd.sha256``, in the format of ``sha256sum``: a line has
+the digest of a file and its path. A line is written before the file gets its name, so that also
+what a killed process has left is known. A file is removed only where a line names it, where its
+bytes are still those of the line, and where no link lies on the way.
+"""
+
+import hashlib
+import os
+import re
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+from openrooms_usd import removal, unfinished, untrusted
+from openrooms_usd.errors import InputError, writing
+
+FILE: Final = ".orusd.sha256"
+
+_LINE: Final = re.compile(r"(?P<digest>[0-9a-f]{64})  (?P<path>.+)")
+# Names with line ends would break the format: such files are never removed.
+_UNWRITABLE: Final = re.compile(r"[\n\r\0\\]")
+
+
+class Ledger:
+    """The ledger of one folder, while one process has the folder to itself.
+
+    Args:
+        folder: The folder; what lies below it is noted.
+        file: The ledger's name in the folder.
+    """
+
+    def __init__(self, folder: Path, file: str = FILE) -> None:
+        self.folder = folder.absolute()
+        self._file = self.folder / file
+        self._digests: dict[str, set[str]] = {}
+        self._created: set[str] = set()
+        self._lock = threading.Lock()
+        for path, digest in _read(self._file):
+            self._digests.setdefault(path, set()).add(digest)
+
+    def is_of(self, folder: Path, file: str) -> bool:
+        """Whether this is the ledger of a folder under a name."""
+        return self._file == folder.absolute() / file
+
+    def note(self, source: Path, target: Path) -> None:
+        """Note that a file, or all files of a folder, are about to get their final name.
+
+        Args:
+            source: Where the bytes lie now.
+            target: Where they will lie.
+
+        Raises:
+            OSError: The bytes cannot be read, or the ledger cannot be written.
+        """
+        if source.is_dir() and not source.is_symlink():
+            for inner in sorted(path for path in source.rglob("*") if path.is_file()):
+                self._note(inner, target / inner.relative_to(source))
+        else:
+            self._note(source, target)
+
+    def _note(self, source: Path, target: Path) -> None:
+        name = self._name(target)
+        if _UNWRITABLE.search(name):
+            return
+        with source.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        with self._lock:
+            if not os.path.lexists(target):
+                self._created.add(name)
+            if digest in self._digests.get(name, ()):
+                return
+            self._digests.setdefault(name, set()).add(digest)
+            with self._file.open("a", encoding="utf-8", newline="\n") as lines:
+                lines.write(f"{digest}  {name}\n")
+
+    def below(self, folder: Path) -> list[Path]:
+        """The files below a folder that were written once, sorted; some may be gone."""
+        base = self._name(folder)
+        return [self.folder / name for name in sorted(self._digests) if name.startswith(f"{base}/")]
+
+    def created_below(self, folder: Path) -> list[Path]:
+        """The files below a folder that were not there before this process wrote them."""
+        base = self._name(folder)
+        return [self.folder / name for name in sorted(self._created) if name.startswith(f"{base}/")]
+
+    def is_own(self, path: Path) -> bool:
+        """Whether a file is one that was written here, unchanged since, and behind no link."""
+        known = self._digests.get(self._name(path))
+        if not known or path.is_symlink() or not removal.real_parents(self.folder, path):
+            return False
+        return _digest(path) in known
+
+    def remove(self, paths: Iterable[Path]) -> list[Path]:
+        """Remove files that were written here, and the folders that are empty then.
+
+        Args:
+            paths: Files below the folder.
+
+        Returns:
+            Those that stay: what was changed since, what somebody else put there, and what lies
+            behind a link.
+
+        Raises:
+            OSError: A file cannot be removed.
+        """
+        stay = []
+        for path in map(Path.absolute, paths):
+            if self.is_own(path):
+                removal.remove_file(path)
+                self._remove_empty(path.parent)
+            elif os.path.lexists(path):
+                stay.append(path)
+        return stay
+
+    def _remove_empty(self, folder: Path) -> None:
+        while folder != self.folder and not folder.is_symlink() and removal.remove_if_empty(folder):
+            folder = folder.parent
+
+    def close(self) -> None:
+        """Write the lines of the files that are there, sorted; no file without any line."""
+        lines = [
+            f"{digest}  {name}\n"
+            for name in sorted(self._digests)
+            if os.path.lexists(self.folder / name)
+            for digest in sorted(self._latest(name))
+        ]
+        target = self._file
+        data = "".join(lines).encode()
+        if not lines:
+            removal.remove_file(target)
+        if not lines or _is_file_of(target, data):
+            return
+        beside = unfinished.beside(target)
+        try:
+            beside.write_bytes(data)
+            removal.rename(beside, target)
+        finally:
+            removal.remove_file(beside)
+
+    def _latest(self, name: str) -> set[str]:
+        """The digest of a file that was written more than once; all of them where it is changed."""
+        known = self._digests[name]
+        found = known & {_digest(self.folder / name)} if len(known) > 1 else known
+        return found or known
+
+    def _name(self, path: Path) -> str:
+        return path.absolute().relative_to(self.folder).as_posix()
+
+
+def _is_file_of(path: Path, data: bytes) -> bool:
+    try:
+        return untrusted.read_bytes(path, "model") == data
+    except InputError:
+        return False
+
+
+def _digest(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal; empty where it cannot be read."""
+    try:
+        with untrusted.opened(path, "frames") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except InputError:
+        return ""
+
+
+def _read(path: Path) -> list[tuple[str, str]]:
+    """The lines of a ledger: paths within its folder and digests; what is no such line is not."""
+    try:
+        text = untrusted.read_text(path, "model") if os.path.lexists(path) else ""
+    except InputError:
+        return []
+    found = (_LINE.fullmatch(line) for line in text.splitlines())
+    rows = [(match["path"], match["digest"]) for match in found if match]
+    return [(path, digest) for path, digest in rows if _is_inner(path)]
+
+
+def _is_inner(path: str) -> bool:
+    parts = PurePosixPath(path).parts
+    return (
+        bool(parts)
+        and not path.startswith("/")
+        and ".." not in parts
+        and not parts[-1].startswith(".orusd.")
+    )
+
+
+# Those of the folders that this process has to itself now, the innermost last.
+_OPEN: Final[list[Ledger]] = []
+
+
+@contextmanager
+def kept(folder: Path, file: str = FILE) -> Iterator[Ledger]:
+    """Keep a ledger of what is written below a folder inside the block; blocks may be nested.
+
+    Args:
+        folder: A folder that is there, and that no other process writes to (see `claims`).
+        file: The ledger's name in the folder.
+
+    Raises:
+        OutputError: The ledger cannot be written.
+    """
+    known = next((one for one in _OPEN if one.is_of(folder, file)), None)
+    if known:
+        yield known
+        return
+    with writing(folder):
+        ledger = Ledger(folder, file)
+        _OPEN.append(ledger)
+        try:
+            yield ledger
+        finally:
+            _OPEN.remove(ledger)
+            ledger.close()
+
+
+def note(source: Path, target: Path) -> None:
+    """Note in the innermost open ledger that something is about to get its final name.
+
+    Raises:
+        OSError: The bytes cannot be read, or the ledger cannot be written.
+    """
+    target = target.absolute()
+    for ledger in reversed(_OPEN):
+        if target.is_relative_to(ledger.folder):
+            if not unfinished.is_unfinished(target.relative_to(ledger.folder)):
+                ledger.note(source, target)
+            return
+
+
+def foreign(folder: Path) -> list[str]:
+    """What lies in a folder and is not known to be written by this program, or was changed since.
+
+    Args:
+        folder: Below one whose ledger is open, or anywhere.
+
+    Returns:
+        Paths in the folder, sorted; ``.`` where the folder itself is a link or a file.
+    """
+    folder = folder.absolute()
+    if folder.is_symlink() or not folder.is_dir():
+        return ["."]
+    ledger = next((kept for kept in reversed(_OPEN) if folder.is_relative_to(kept.folder)), None)
+    inner = sorted(path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir())
+    return [
+        path.relative_to(folder).as_posix()
+        for path in inner
+        if not (ledger and ledger.is_own(path))
+    ]
