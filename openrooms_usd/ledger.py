@@ -4,6 +4,8 @@ The ledger is a file of the folder, ``.orusd.sha256``, in the format of ``sha256
 the digest of a file and its path. A line is written before the file gets its name, so that also
 what a killed process has left is known. A file is removed only where a line names it, where its
 bytes are still those of the line, and where no link lies on the way.
+
+Files at the top of the folder have fixed names: they are replaced and never removed, and not noted.
 """
 
 import hashlib
@@ -64,7 +66,7 @@ class Ledger:
 
     def _note(self, source: Path, target: Path) -> None:
         name = self._name(target)
-        if _UNWRITABLE.search(name):
+        if "/" not in name or _UNWRITABLE.search(name):
             return
         with source.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()

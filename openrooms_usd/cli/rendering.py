@@ -166,6 +166,9 @@ def _print_summary(summary: "RenderSummary") -> None:
             f"see the report in {summary.out / 'manifest.json'}"
         )
     click.echo(f"rendered with {summary.manifest['renderer']['backend']}")
+    for path in summary.stay:
+        said = f"{path} stays: it is no view of this run, and holds what no run wrote"
+        click.echo(said, err=True)
     if summary.advice:
         click.echo(summary.advice, err=True)
     click.echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")

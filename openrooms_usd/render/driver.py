@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from openrooms_usd import adapters
+from openrooms_usd import adapters, claims
 from openrooms_usd.channels import each
 from openrooms_usd.convert import add_missing
 from openrooms_usd.render import folder, manifest, shading
@@ -30,12 +30,14 @@ class RenderSummary:
         manifest: What stands in ``manifest.json``.
         timing: What stands in ``timing.json``.
         advice: What would make it faster on this machine; empty when nothing would.
+        stay: Views of an earlier run that are not described any more, and not ours to remove.
     """
 
     out: Path
     manifest: Mapping[str, Any]
     timing: Mapping[str, Any]
     advice: str = ""
+    stay: tuple[Path, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The summary as plain data."""
@@ -134,45 +136,49 @@ def render_stage(
     request = replace(request, halves=error_maps or Shading.makes(asked))
     folder.check_writable(out)
 
-    # 2. Translate the stage.
-    stage = open_stage(path)
-    began = time.perf_counter()
-    session = adapter.open(stage, variant=variant, bsdf=bsdf)
-    add_missing(session.report, stage)
-    translation = time.perf_counter() - began
-    request = sized(request, resolution or session.resolution)
-    views = choose_cameras(cameras, session.cameras)
-    folder.check_replaceable(out, views)
-    listed = replace(request, channels=written)
-    lights = len(session.lights)
-    folder.check_space(out, raw_bytes(listed, lights))
-
-    # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
-    entry = manifest.run_entry(path, renderer, session, listed)
-    if denoiser:
-        entry["denoiser"] = denoiser.entry()
-    friction = None
-    if FRICTION in asked:
-        friction = FrictionMap(read_materials(stage, session.legend.material))
-        entry["friction"] = friction.entry()
-    run = Run(out, entry, session.report, session.lights)
-    run.timing |= {"machine": manifest.machine_entry(session.backend), "translation": translation}
-    for index, (name, camera) in enumerate(views.items()):
-        part = _part(progress, name, index, len(views))
+    with claims.claimed(out) as kept:
+        # 2. Translate the stage.
+        stage = open_stage(path)
         began = time.perf_counter()
-        view = session.render(replace(request, camera=camera), part)
-        took = time.perf_counter() - began
-        if Shading.makes(asked):
-            view = Shading.complete(view, each(before_shading, lights))
-        if friction:
-            view = friction.complete(view, each(before_friction, lights))
+        session = adapter.open(stage, variant=variant, bsdf=bsdf)
+        add_missing(session.report, stage)
+        translation = time.perf_counter() - began
+        request = sized(request, resolution or session.resolution)
+        views = choose_cameras(cameras, session.cameras)
+        folder.check_replaceable(out, views)
+        listed = replace(request, channels=written)
+        lights = len(session.lights)
+        folder.check_space(out, raw_bytes(listed, lights))
+
+        # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
+        entry = manifest.run_entry(path, renderer, session, listed)
         if denoiser:
-            view = denoiser.complete(view, each(asked, lights))
-        if not error_maps:
-            view = _without_halves(view)
-        shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
-        run.add(name, view, listed, took, shown)
-    return RenderSummary(out, run.manifest, run.timing, session.advice)
+            entry["denoiser"] = denoiser.entry()
+        friction = None
+        if FRICTION in asked:
+            friction = FrictionMap(read_materials(stage, session.legend.material))
+            entry["friction"] = friction.entry()
+        run = Run(out, entry, session.report, kept, session.lights)
+        run.timing |= {
+            "machine": manifest.machine_entry(session.backend),
+            "translation": translation,
+        }
+        for index, (name, camera) in enumerate(views.items()):
+            part = _part(progress, name, index, len(views))
+            began = time.perf_counter()
+            view = session.render(replace(request, camera=camera), part)
+            took = time.perf_counter() - began
+            if Shading.makes(asked):
+                view = Shading.complete(view, each(before_shading, lights))
+            if friction:
+                view = friction.complete(view, each(before_friction, lights))
+            if denoiser:
+                view = denoiser.complete(view, each(asked, lights))
+            if not error_maps:
+                view = _without_halves(view)
+            shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
+            run.add(name, view, listed, took, shown)
+    return RenderSummary(out, run.manifest, run.timing, session.advice, tuple(run.stay))
 
 
 def _available(given: tuple[str, ...]) -> tuple[str, ...]:

@@ -1,16 +1,19 @@
 """The folder of a run: checked before the long work, and views that appear whole or not at all."""
 
 import json
+import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Final
 
-from openrooms_usd.atomic import making, naming
+from openrooms_usd import atomic
 from openrooms_usd.channels import CHANNELS, definition
-from openrooms_usd.errors import OutputError, writing
+from openrooms_usd.errors import InputError, OutputError, writing
+from openrooms_usd.ledger import Ledger
+from openrooms_usd.names import CREATOR
+from openrooms_usd.untrusted import is_plain_name, read_text
 
 MANIFEST: Final = "manifest.json"
 TIMING: Final = "timing.json"
@@ -77,17 +80,23 @@ def check_space(out: Path, needed: int) -> None:
 def check_replaceable(out: Path, views: Iterable[str]) -> None:
     """See that only earlier renders would be replaced, nothing that somebody else put there.
 
+    Args:
+        out: The folder of the run, which this process has claimed.
+        views: The names of the views to be.
+
     Raises:
-        OutputError: A folder or file of a view's name is not a render.
+        OutputError: What has the name of a view was not written by an earlier run, or there is a
+            manifest of something else.
     """
+    if os.path.lexists(out / MANIFEST) and not is_render_manifest(out):
+        raise OutputError(
+            "this is not the manifest of a render, and will not be replaced",
+            place=out / MANIFEST,
+            remedy="choose another output folder, or remove it yourself",
+        )
     for name in views:
-        target = out / name
-        if target.exists() and not _is_view(target):
-            raise OutputError(
-                "this is not an earlier render and will not be replaced",
-                place=target,
-                remedy="choose another output folder, or remove it yourself",
-            )
+        if os.path.lexists(out / name):
+            atomic.check_own(out / name)
 
 
 def _is_view(folder: Path) -> bool:
@@ -95,44 +104,66 @@ def _is_view(folder: Path) -> bool:
     return any((folder / file).is_file() for file in (CHANNELS_FILE, LIGHTS_FILE, *grids))
 
 
-@contextmanager
-def replacing_folder(target: Path) -> Iterator[Path]:
-    """Give a folder beside ``target`` to fill, and swap it in on success.
-
-    When the block raises, what was written is removed and ``target`` is as it was.
-
-    Args:
-        target: The folder that shall appear.
-
-    Yields:
-        The empty folder to write to.
+def load_manifest(folder: Path) -> tuple[str, dict[str, Any]]:
+    """The text of a manifest and the JSON object that it is, otherwise unchecked.
 
     Raises:
-        OutputError: It cannot be written.
+        InputError: There is none, or it is no JSON object of a render with views.
     """
-    beside, old = (target.with_name(f".{target.name}.{word}") for word in ("tmp", "old"))
-    with writing(target), making(target.parent), naming(target, beside):
-        try:
-            _remove(beside)
-            beside.mkdir()
-            yield beside
-            if target.exists():
-                target.replace(old)
-            beside.replace(target)
-        finally:
-            if old.exists() and not target.exists():
-                old.replace(target)
-            _remove(beside)
-            _remove(old)
+    text, found = _load(folder)
+    if not isinstance(found.get("views"), dict) or not found["views"]:
+        place = folder / MANIFEST
+        raise InputError("the render has no finished view", place=place, remedy="render again")
+    return text, found
+
+
+def _load(folder: Path) -> tuple[str, dict[str, Any]]:
+    path, remedy = folder / MANIFEST, "give a folder that 'orusd render' wrote"
+    if not os.path.lexists(path):
+        raise InputError(
+            "this is no finished render",
+            place=folder,
+            remedy=f"{remedy}: it holds a {MANIFEST} with views",
+        )
+    text = read_text(path, "annotations", remedy=remedy)
+    try:
+        found = json.loads(text, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"not readable as JSON: {error}", place=path, remedy=remedy) from error
+    if not isinstance(found, dict) or not str(found.get("generator", "")).startswith(CREATOR):
+        raise InputError("this is not the manifest of a render", place=path, remedy=remedy)
+    return text, found
+
+
+def _refuse_constant(name: str) -> float:
+    raise ValueError(f"{name} is not a JSON number")
+
+
+def is_render_manifest(folder: Path) -> bool:
+    """Whether the manifest in a folder is that of a render."""
+    try:
+        load_manifest(folder)
+    except InputError:
+        return False
+    return True
+
+
+def is_relit_manifest(folder: Path) -> bool:
+    """Whether the manifest in a folder is that of a relit picture."""
+    try:
+        return "view" in _load(folder)[1]
+    except InputError:
+        return False
 
 
 def listed_views(out: Path) -> dict[str, Any]:
-    """The views in the manifest of a folder, with their entries; empty without a sound one."""
-    try:
-        views = json.loads((out / MANIFEST).read_text("utf-8"))["views"]
-        return {name: entry for name, entry in views.items() if Path(name).name == name}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return {}
+    """The views in the manifest of a render in a folder, with their entries, unchecked.
+
+    Empty where no render wrote it; names that no folder can have are left out.
+    """
+    views = load_manifest(out)[1]["views"] if is_render_manifest(out) else {}
+    named = views.items() if isinstance(views, dict) else ()
+    return {name: entry for name, entry in named if is_plain_name(name)}
 
 
 def earlier_views(out: Path) -> frozenset[str]:
@@ -140,13 +171,24 @@ def earlier_views(out: Path) -> frozenset[str]:
     return frozenset(name for name in listed_views(out) if _is_view(out / name))
 
 
-def remove_views(out: Path, views: Iterable[str]) -> None:
-    """Remove views of an earlier run that the new manifest does not describe."""
+def remove_views(out: Path, views: Iterable[str], written: Ledger) -> list[Path]:
+    """Remove views of an earlier run that the new manifest does not describe.
+
+    Args:
+        out: The folder of the run.
+        views: Their names.
+        written: The folder's ledger.
+
+    Returns:
+        What stays, because no earlier run wrote it as it is now.
+
+    Raises:
+        OutputError: A file cannot be removed.
+    """
+    stay = []
     with writing(out):
-        for name in views:
-            _remove(out / name)
-
-
-def _remove(folder: Path) -> None:
-    if folder.exists():
-        shutil.rmtree(folder)
+        for name in sorted(views):
+            written.remove(written.below(out / name))
+            if os.path.lexists(out / name):
+                stay.append(out / name)
+    return stay

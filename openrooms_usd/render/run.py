@@ -15,6 +15,7 @@ from openrooms_usd.channels import definition, each
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
+from openrooms_usd.ledger import Ledger
 from openrooms_usd.render import exr, folder, manifest, sheet
 from openrooms_usd.render.contract import RenderRequest, View
 from openrooms_usd.render.fits import write_fits
@@ -50,17 +51,28 @@ class Run:
         out: The folder.
         entry: What all views share, from `manifest.run_entry`.
         report: What became of every prim; the manifest has what it says when a view is added.
+        written: The ledger of ``out``, which this process has claimed.
         lights: Those of the scene, by their numbers.
+
+    Attributes:
+        stay: Views of an earlier run that are not described any more, and not ours to remove.
     """
 
     def __init__(
-        self, out: Path, entry: manifest.Plain, report: Report, lights: Sequence[LightRecord] = ()
+        self,
+        out: Path,
+        entry: manifest.Plain,
+        report: Report,
+        written: Ledger,
+        lights: Sequence[LightRecord] = (),
     ) -> None:
         self.manifest: manifest.Plain = {**entry, "views": {}}
         self.timing: manifest.Plain = {"views": {}}
         self._out = out
         self._report = report
         self._lights = lights
+        self.stay: list[Path] = []
+        self._ledger = written
         self._earlier = folder.earlier_views(out)
         self._rows: dict[str, list[sheet.Tile]] = {}
 
@@ -90,7 +102,7 @@ class Run:
         # Where one of them finds no space, neither appears: the view first, then what lists it.
         with (
             atomic.filling(self._out) as lists,
-            folder.replacing_folder(self._out / name) as beside,
+            atomic.appearing(self._out / name) as beside,
         ):
             previews = write_view(beside, view)
             entry = manifest.view_entry(name, view, previews, self._lights, photograph)
@@ -112,7 +124,8 @@ class Run:
             if len(rows) <= sheet.MOST_VIEWS:
                 sheet.write_sheet(lists / folder.SHEET, list(rows.values()))
             self._rows, self.manifest, self.timing = rows, listed, timed
-        folder.remove_views(self._out, self._earlier - listed["views"].keys())
+        gone = self._earlier - listed["views"].keys()
+        self.stay = folder.remove_views(self._out, gone, self._ledger)
 
     def _write_openings(self, target: Path) -> None:
         """The surroundings as each opening sees them, the same for all views."""
