@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
-from openrooms_usd import __version__, names
+from openrooms_usd import adapters, names
+from openrooms_usd.codedigest import code_digest
+from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
@@ -18,8 +20,8 @@ from openrooms_usd.errors import InputError
 if TYPE_CHECKING:
     from pxr import Usd
 
-# Part of every fingerprint: raise it when what the stages write changes without a new version.
-FORMAT: Final = 3
+# What writes the layer of every stage, beside the stage itself.
+_RUNNER: Final = "openrooms_usd.stages.runner"
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ class Stage(Protocol):
 def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
     """A hash of everything that a stage's layer depends on.
 
-    That is: this package's version, the stage's section, the room type, the seed, its input files,
+    That is: the code that it runs, the stage's section, the room type, the seed, its input files,
     the layers that it reads, and the human edits. The room's name is read by no stage.
 
     Args:
@@ -154,7 +156,8 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
     """
     section = getattr(room, stage.name)
     parts: dict[str, Any] = {
-        "format": [__version__, FORMAT, stage.name],
+        "stage": stage.name,
+        "code": code_digest(type(stage).__module__, _RUNNER, *_importers(room)),
         "section": section and section.model_dump(mode="json"),
         "room": [room.room, room.seed],
         "inputs": {
@@ -167,6 +170,13 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
         },
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def _importers(room: Room) -> Iterator[str]:
+    """The modules of the importers that fill sections; what is missing is said later."""
+    sections = [s for s in (room.layout, room.alignment) if isinstance(s, CapturedSection)]
+    known = adapters.available(adapters.IMPORTERS) if sections else {}
+    yield from (known[s.reader].module for s in sections if s.reader in known)
 
 
 def file_digest(path: Path) -> str:

@@ -4,17 +4,19 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, partial
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd import names
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.assets import Asset, Model, read_asset
-from openrooms_usd.library.furniture import Furniture, Size, category, make, styles
+from openrooms_usd.library.assets import Asset, Model, model_of, read_asset
+from openrooms_usd.library.furniture import Size, category, make, module_of, styles
 from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.stages.base import StageContext, file_digest
+
+# What every piece of furniture runs, beside its category's module.
+_MAKERS: Final = ("openrooms_usd.draws", "openrooms_usd.library.furniture")
 
 
 @dataclass
@@ -48,9 +50,13 @@ class Catalogue:
         elif style not in category(name).styles:
             known = ", ".join(category(name).styles)
             raise InputError(f"no {name} has the style {style!r}", remedy=f"known: {known}")
-        key = (name, *size, style, self.context.room.seed)
-        rng = partial(self.context.rng, "alignment", "details", name, repr(size), style)
-        return self._asset(label or name, key, lambda: _model(make(name, size, style, rng())))
+        draws = ("alignment", "details", name, repr(size), style)
+        rng = partial(self.context.rng, *draws)
+        key = (name, *size, style, self.context.room.seed, *draws)
+        code = (*_MAKERS, module_of(name))
+        return self._asset(
+            label or name, key, lambda: model_of(make(name, size, style, rng())), code
+        )
 
     def _draw(self, name: str, size: Size) -> str:
         choices = styles(name, size)
@@ -75,20 +81,23 @@ class Catalogue:
         self._assets[item.category, *how] = asset
         return asset
 
-    def _asset(self, label: str, key: tuple[Any, ...], build: Callable[[], Model]) -> Asset:
-        return self._assets.setdefault((label, *key), Asset(label, key, cache(build)))
-
-
-def _model(furniture: Furniture) -> Model:
-    return Model(furniture.parts, joints=furniture.joints, licence=names.LICENCE)
+    def _asset(
+        self,
+        label: str,
+        key: tuple[Any, ...],
+        build: Callable[[], Model],
+        code: tuple[str, ...] = (),
+    ) -> Asset:
+        return self._assets.setdefault((label, *key), Asset(label, key, cache(build), code))
 
 
 def _model_digest(model: Model) -> str:
-    """A hash of all that a model brings: meshes, materials with their textures, and licence.
+    """A hash of all of a model that an asset holds, pictures too.
 
     The file alone does not determine them, because it may refer to others.
     """
-    digest = hashlib.sha256(f"{model.licence!r}\n".encode())
+    plain = (model.licence, sorted(model.titles.items()), model.double_sided, model.joints)
+    digest = hashlib.sha256(f"{plain!r}\n".encode())
     for part, mesh in model.parts.items():
         for name, values in vars(mesh).items():
             digest.update(f"{part} {name} {None if values is None else values.shape}\n".encode())

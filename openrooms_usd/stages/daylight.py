@@ -7,13 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-from openrooms_usd import __version__, names
+from openrooms_usd import names
+from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.lights import SkyEnvironment
 from openrooms_usd.library.environments import horizontal_illuminance
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sky import Air, daylight
 from openrooms_usd.library.solar import sun_position
-from openrooms_usd.stages.base import FORMAT, StageContext
+from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.frames import TIME, local_to_world
 from openrooms_usd.usd.lights import define_dome
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
@@ -30,7 +31,7 @@ def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
     Raises:
         OutputError: The panorama cannot be written.
     """
-    key = f"{__version__} {FORMAT} {environment.model_dump_json()}"
+    key = f"{code_digest(__name__)} {environment.model_dump_json()}"
     file = f"sky_{hashlib.sha256(key.encode()).hexdigest()[:8]}.exr"
     target = context.keep(file)
     if not target.is_file():

@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from openrooms_usd import __version__, names
+from openrooms_usd import names
+from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.lights import (
     ConstantEnvironment,
     FileEnvironment,
@@ -25,7 +26,7 @@ from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.stages.base import FORMAT, StageContext, file_digest
+from openrooms_usd.stages.base import StageContext, file_digest
 from openrooms_usd.stages.daylight import author_portals, author_sky
 from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
@@ -106,7 +107,8 @@ def _author_constant(context: StageContext, environment: ConstantEnvironment) ->
 def _author_panorama(context: StageContext, environment: FileEnvironment) -> None:
     """A dome with a picture in nits that only this layer refers to."""
     source = context.input(environment.file)
-    key = [__version__, FORMAT, file_digest(source), environment.illuminance, environment.scale]
+    code = code_digest(__name__)
+    key = [code, file_digest(source), environment.illuminance, environment.scale]
     digest = hashlib.sha256(json.dumps(key).encode()).hexdigest()[:8]
     stem = re.sub(r"[^A-Za-z0-9]+", "_", source.stem).strip("_")[:40] or "environment"
     file = f"{stem}_{digest}.exr"

@@ -21,9 +21,10 @@ from typing import Final
 
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
-from openrooms_usd import __version__, names
+from openrooms_usd import names
+from openrooms_usd.codedigest import code_digest
 from openrooms_usd.library.assignment.kinds import kind_of
-from openrooms_usd.stages.base import FORMAT, StageContext
+from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.palette import TEXTURES, Palette
 from openrooms_usd.stages.swatches import Swatch
 from openrooms_usd.usd.layers import apply_metadata, export
@@ -84,11 +85,11 @@ class Dressed:
     def digest(self, palette: Palette) -> str:
         """8 hexadecimal digits of all that the look's layer depends on."""
         bindings = [
-            [number, path, palette.name(swatch), path in self.forced]
+            [number, path, palette.name(swatch), palette.content(swatch), path in self.forced]
             for number, look in enumerate(self.looks)
             for path, swatch in sorted(look.items())
         ]
-        text = json.dumps([__version__, FORMAT, self.category, bindings])
+        text = json.dumps([code_digest(__name__), self.category, bindings])
         return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 

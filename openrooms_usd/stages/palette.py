@@ -34,16 +34,21 @@ class Palette:
         self._seen: dict[Swatch, Appearance] = {}
 
     def name(self, swatch: Swatch) -> str:
-        """The name of its Material prim."""
+        """The name of its Material prim: the same whatever its textures have become."""
         if swatch.file is not None:
             own = self._own_material(swatch)
             title = "".join(c if c.isascii() and c.isalnum() else "_" for c in own.name)
-            # With its pictures named by their content: nothing of where they lie.
-            return f"own_{title}_{swatch.digest(own.in_metres(''))}"
+            return f"own_{title}_{swatch.digest}"
+        if swatch.family is None:
+            return f"{swatch.title or swatch.substance}_{swatch.digest}"
+        return f"{swatch.family}_{swatch.number}_{swatch.digest}"
+
+    def content(self, swatch: Swatch) -> str:
+        """What its Material holds that its name does not say, in few letters."""
+        if swatch.file is not None:
+            return self._own_material(swatch).identifier
         sets = swatch.textures(self._resolution)
-        if sets is None:
-            return f"{swatch.title or swatch.substance}_{swatch.digest()}"
-        return f"{swatch.family}_{swatch.number}_{swatch.digest(sets.digest)}"
+        return sets.digest if sets else ""
 
     def publish(self, swatches: Iterable[Swatch]) -> None:
         """Write the textures that are not there yet, each once.

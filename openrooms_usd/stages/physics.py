@@ -12,6 +12,7 @@ from typing import Final
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.room import Room
@@ -82,10 +83,11 @@ def _publish(context: StageContext, things: Iterable[Thing]) -> dict[int, str]:
     Returns:
         The anchored path of its layer, by ``id`` of the thing.
     """
+    code = code_digest(__name__)
     wanted: dict[int, str] = {}
     missing: dict[Path, Thing] = {}
     for thing in things:
-        file = f"{BODIES}/{thing.title}_{thing.digest()}.usda"
+        file = f"{BODIES}/{thing.title}_{thing.digest(code)}.usda"
         wanted[id(thing)] = file
         target = context.keep(file)
         arrays = context.keep(f"{file.removesuffix('.usda')}.usdc")

@@ -1,7 +1,7 @@
 """Collision shapes that were worked out before: in the user's cache, beside the textures.
 
-An entry is one file, named by all that determines the shapes and by the modules that make them. It
-appears whole; one that cannot be read is as none.
+An entry is one file, named by all that determines the shapes, code and libraries too. It appears
+whole; one that cannot be read is as none.
 """
 
 import hashlib
@@ -9,21 +9,23 @@ import io
 import json
 from collections.abc import Sequence
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-import openrooms_usd.physics
-from openrooms_usd import atomic
+from openrooms_usd import atomic, unfinished
+from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.description.physics import Shapes as Method
+from openrooms_usd.errors import OutputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.library.textures.cache import cache_folder
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.decomposition import ConvexShape, Shapes, collision_shapes
 
 _FOLDER: Final = "shapes"
+# Says where caches are; no shape hangs on the textures that it makes.
+_TEXTURES: Final = ("openrooms_usd.library.textures.cache",)
 
 
 def cached_shapes(parts: Sequence[Part], method: Method, tolerance: float) -> Shapes:
@@ -44,22 +46,18 @@ def cached_shapes(parts: Sequence[Part], method: Method, tolerance: float) -> Sh
     found = _taken(entry, parts)
     if found is None:
         found = collision_shapes(parts, method, tolerance)
-        with suppress(OSError):
+        with suppress(OSError, OutputError):
             entry.parent.mkdir(parents=True, exist_ok=True)
+            unfinished.sweep(entry.parent)
             atomic.write_bytes(entry, _bytes(found, parts))
     return found
 
 
-@cache
-def _makers() -> str:
-    """A digest of the modules that make shapes: what others have made is never taken."""
-    folder = Path(str(openrooms_usd.physics.__file__)).parent
-    sources = sorted(folder.glob("*.py"))
-    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
-
-
 def _digest(parts: Sequence[Part], method: Method, tolerance: float) -> str:
-    found = hashlib.sha256(json.dumps([_makers(), method, tolerance]).encode())
+    # What other code or other libraries have made is never taken.
+    makers = code_digest(__name__, leaves=_TEXTURES)
+    libraries = library_versions(__name__, leaves=_TEXTURES)
+    found = hashlib.sha256(json.dumps([makers, libraries, method, tolerance]).encode())
     contacts = list(dict.fromkeys(part.contact for part in parts))
     for part in parts:
         # Which parts share a material matters, and not what it is called.

@@ -22,14 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd import __version__, names
+from openrooms_usd import names
 from openrooms_usd.description.physics import Physics, PhysicsObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.construction import movable, tolerance_of
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.furniture.joinery import Support
 from openrooms_usd.physics.collision_error import RESOLUTION
-from openrooms_usd.stages.base import FORMAT, StageContext
+from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.physics_parts import RigidLink, looks_of, read_links
 from openrooms_usd.stages.physics_shapes import Settings, Worked, worked_out
 from openrooms_usd.usd.bodies import frame_and_scale
@@ -77,10 +77,14 @@ class Thing:
     links: tuple[RigidLink, ...]
     settings: Settings
 
-    def digest(self) -> str:
-        """8 hexadecimal digits of all that its layer depends on."""
+    def digest(self, code: str) -> str:
+        """8 hexadecimal digits of all that its layer depends on.
+
+        Args:
+            code: The digest of the code that writes the layer.
+        """
         parts: list[Any] = [
-            __version__, FORMAT, self.category, self.fixed, self.mass, self.friction,
+            code, self.category, self.fixed, self.mass, self.friction,
             self.scale.tolist(), self.looks, vars(self.settings),
         ]  # fmt: skip
         content = hashlib.sha256()

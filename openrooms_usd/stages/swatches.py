@@ -2,13 +2,11 @@
 
 import hashlib
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Final
 
-from openrooms_usd import __version__
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library import textures
-from openrooms_usd.stages.base import FORMAT
 
 Color = tuple[float, float, float]
 
@@ -75,7 +73,16 @@ class Swatch:
         texels = resolution * 2 if size > _LARGE else resolution
         return textures.Material(self.family, self.number, self.color, self.roughness, texels, size)
 
-    def digest(self, *more: object) -> str:
-        """8 hexadecimal digits of all that determines it, and of what is given beside."""
-        text = json.dumps([__version__, FORMAT, repr(self), *map(str, more)])
+    @property
+    def digest(self) -> str:
+        """8 hexadecimal digits of what is said of it, which other code does not change.
+
+        Prims are named by it, and people's edits by prims; so nothing that is left as it is counts.
+        """
+        said = {
+            item.name: value
+            for item in fields(self)
+            if (value := getattr(self, item.name)) != item.default
+        }
+        text = json.dumps(said, sort_keys=True, default=float)
         return hashlib.sha256(text.encode()).hexdigest()[:8]

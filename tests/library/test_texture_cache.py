@@ -56,19 +56,35 @@ def test_everything_that_determines_a_set_is_in_its_digest() -> None:
     assert replace(DENIM, size=usual).digest == DENIM.digest
 
 
-def test_other_recipes_are_other_entries(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_entries_of_other_code_and_of_other_libraries_are_not_taken(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = contents(cached(DENIM, folder / "a", "x"))
+    [entry] = (folder / "cache/textures").iterdir()
+    for number, name in enumerate(("code_digest", "library_versions")):
+        with monkeypatch.context() as patch:
+            patch.setattr(cache, name, lambda *_, leaves=(): ("another",))
+            assert DENIM.entry != entry.name
+            assert contents(cached(DENIM, folder / f"b{number}", "x")) == made
+            unmakeable(patch)
+            cached(DENIM, folder / f"c{number}", "x")
+    assert len(list((folder / "cache/textures").iterdir())) == 3
+
+
+def test_code_names_the_files_of_layers_and_what_is_installed_does_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     before = DENIM.digest
-    with monkeypatch.context() as patch:
-        patch.setattr(cache, "FORMAT", cache.FORMAT + 1)
-        assert DENIM.digest != before
-    monkeypatch.setattr(cache, "_recipes", lambda: "edited")
+    monkeypatch.setattr(cache, "library_versions", lambda *_, leaves=(): ("numpy 0",))
+    assert DENIM.digest == before
+    monkeypatch.setattr(cache, "code_digest", lambda *_, leaves=(): "another")
     assert DENIM.digest != before
 
 
 @pytest.mark.parametrize("damage", ["changed", "cut", "gone", "sums"])
 def test_damaged_entries_are_made_again(folder: Path, damage: str) -> None:
     whole = contents(cached(DENIM, folder / "a", "x"))
-    entry = folder / "cache/textures" / DENIM.digest
+    entry = folder / "cache/textures" / DENIM.entry
     victim = entry / ("checksums.json" if damage == "sums" else "normal.png")
     if damage == "gone":
         victim.unlink()
@@ -116,7 +132,7 @@ def test_many_writers_at_once(folder: Path) -> None:
     for thread in threads:
         thread.join()
     assert len(results) == 6 and all(result == results[0] for result in results)
-    entry = folder / "cache/textures" / DENIM.digest
+    entry = folder / "cache/textures" / DENIM.entry
     assert sorted(path.name for path in entry.iterdir()) == [
         "albedo.png", "checksums.json", "normal.png", "roughness.png"
     ]  # fmt: skip

@@ -1,6 +1,5 @@
 """Parametric furniture: semantic parts as meshes, from a category, a size, a style and a seed."""
 
-import re
 from difflib import get_close_matches
 from typing import Final
 
@@ -64,6 +63,7 @@ from openrooms_usd.library.furniture.joinery import (
     Parts,
     Size,
     fitted,
+    part_of,
 )
 
 __all__ = [
@@ -77,6 +77,7 @@ __all__ = [
     "Size",
     "category",
     "make",
+    "module_of",
     "part_of",
     "styles",
 ]
@@ -153,6 +154,16 @@ def category(name: str) -> CategorySpec:
     return CATEGORIES[name]
 
 
+def module_of(name: str) -> str:
+    """The full name of the module that builds a category.
+
+    Raises:
+        InputError: The library cannot make it.
+    """
+    spec = category(name)
+    return next(module.__name__ for module in _MODULES if module.SPECS.get(name) is spec)
+
+
 def styles(name: str, size: Size | None = None) -> tuple[str, ...]:
     """The styles of a category that suit a size (metres); all of them when none does.
 
@@ -190,11 +201,6 @@ def make(name: str, size: Size, style: str, rng: np.random.Generator) -> Furnitu
         )
     width, depth, height = np.clip(size, spec.least, spec.most).tolist()
     return fitted(spec.styles[style].build((width, depth, height), rng), size)
-
-
-def part_of(mesh_name: str) -> str:
-    """The semantic part of a mesh: ``leg`` of ``leg_2``."""
-    return re.sub(r"_\d+$", "", mesh_name)
 
 
 def _unknown(what: str, name: str, known: tuple[str, ...]) -> InputError:

@@ -4,6 +4,7 @@ The object frame: metres, Z up, origin in the middle of the base, width along X,
 front towards -Y.
 """
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
@@ -111,6 +112,11 @@ FRONT: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  #
 def numbered(part: str, meshes: Iterable[Mesh]) -> Parts:
     """Instances of one part: ``leg_0``, ``leg_1`` ..."""
     return {f"{part}_{i}": mesh for i, mesh in enumerate(meshes)}
+
+
+def part_of(mesh_name: str) -> str:
+    """The semantic part of a mesh: ``leg`` of ``leg_2``."""
+    return re.sub(r"_\d+$", "", mesh_name)
 
 
 def board(low: ArrayLike, high: ArrayLike, edge: float = 0.002) -> Mesh:

@@ -7,24 +7,29 @@ time write the same; a list of their checksums comes last and tells what was dam
 import hashlib
 import json
 import os
-import tempfile
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from functools import cache
 from pathlib import Path
 from typing import Final
 
-from openrooms_usd import atomic
-from openrooms_usd.library.textures.catalogue import DEFAULT_RESOLUTION, family_of, make
+from openrooms_usd import atomic, unfinished
+from openrooms_usd.codedigest import code_digest, library_versions
+from openrooms_usd.errors import OutputError
+from openrooms_usd.library.textures.catalogue import (
+    DEFAULT_RESOLUTION,
+    family_of,
+    make,
+    substance_of,
+)
 from openrooms_usd.library.textures.family import Color
 from openrooms_usd.library.textures.storage import map_file, rendered_maps, write_set
 
-# Part of every digest, beside the recipes: raise it when files differ for another reason.
-FORMAT: Final = 1
 # Says where the cache is; empty or one of these words: there is none.
 VARIABLE: Final = "ORUSD_CACHE"
 _OFF: Final = ("", "0", "off", "no", "none")
 _SUMS: Final = "checksums.json"
+# Lists the modules of all substances, of which a material needs one.
+_CATALOGUE: Final = ("openrooms_usd.library.textures.catalogue",)
 
 
 @dataclass(frozen=True)
@@ -51,15 +56,20 @@ class Material:
     def digest(self) -> str:
         """Sixty-four hexadecimal digits that differ where the files may differ."""
         size = family_of(self.name).size if self.size is None else self.size
-        told = [FORMAT, _recipes(), {**asdict(self), "size": size}]
-        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+        code = code_digest(*self._makers, leaves=_CATALOGUE)
+        told = [code, {**asdict(self), "size": size}]
+        return _sum(json.dumps(told, sort_keys=True).encode())
 
+    @property
+    def entry(self) -> str:
+        """The name of its entry in the cache, which other versions of libraries do not share."""
+        libraries = library_versions(*self._makers, leaves=_CATALOGUE)
+        return _sum(json.dumps([self.digest, *libraries]).encode())
 
-@cache
-def _recipes() -> str:
-    """A digest of the modules that make textures: an entry of other recipes is never taken."""
-    sources = sorted(Path(__file__).parent.glob("*.py"))
-    return _sum(b"".join(source.read_bytes() for source in sources))
+    @property
+    def _makers(self) -> tuple[str, str]:
+        """The modules that make it: this one's, and that of its substance."""
+        return __name__, f"{__package__}.{substance_of(self.name)}"
 
 
 def cache_folder() -> Path | None:
@@ -98,13 +108,13 @@ def cached(material: Material, folder: Path, stem: str) -> list[Path]:
     maps = rendered_maps(material.name)
     files = [map_file(folder, stem, item) for item in maps]
     place = cache_folder()
-    entry = place / material.digest if place else None
+    entry = place / material.entry if place else None
     if entry and _taken(entry, maps, files):
         return files
     made = make(**asdict(material))
     write_set(made, folder, stem, maps)
     if entry:
-        with suppress(OSError):
+        with suppress(OSError, OutputError):
             _keep(entry, maps, files)
     return files
 
@@ -126,22 +136,13 @@ def _taken(entry: Path, maps: tuple[str, ...], files: list[Path]) -> bool:
 def _keep(entry: Path, maps: tuple[str, ...], files: list[Path]) -> None:
     """Add files to the cache, in place of what was damaged there."""
     entry.mkdir(parents=True, exist_ok=True)
+    unfinished.sweep(entry)
     found = {item: file.read_bytes() for item, file in zip(maps, files, strict=True)}
     for item, data in found.items():
-        _replace(entry / f"{item}.png", data)
+        atomic.write_bytes(entry / f"{item}.png", data)
     # Last, because it is what makes the entry whole.
     sums = {item: _sum(data) for item, data in found.items()}
-    _replace(entry / _SUMS, json.dumps(sums).encode())
-
-
-def _replace(target: Path, data: bytes) -> None:
-    handle, beside = tempfile.mkstemp(dir=target.parent, prefix=".new-")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(beside).replace(target)
-    finally:
-        Path(beside).unlink(missing_ok=True)
+    atomic.write_bytes(entry / _SUMS, json.dumps(sums).encode())
 
 
 def _sum(data: bytes) -> str:
