@@ -1,5 +1,6 @@
 """A view on its way into the dataset: what it can give, and at which resolutions."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -58,7 +59,7 @@ class Frame:
         if name.endswith("_i"):
             return name.removesuffix("_i") in self.view.lights
         files = (self.view.folder / f"{name}{suffix}" for suffix in (".exr", ".npy"))
-        return name in self.view.pixels or any(file.exists() for file in files)
+        return name in self.view.pixels or any(os.path.lexists(file) for file in files)
 
     def light(self, channel: str, light: Light) -> Pixels:
         """(height, width, components) a channel of one light.

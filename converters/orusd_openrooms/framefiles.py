@@ -41,7 +41,7 @@ def _write_parts(path: Path, frame: Frame) -> None:
 
     What emits has the object 0 and a model of its own, as lamps and windows of the release have.
     """
-    numbers = {name: frame.view.pixels[name][..., 0].astype(np.int64) for name in _PARTS}
+    numbers = {name: frame.view.labels(name) for name in _PARTS}
     there, emits = numbers["instance"] > 0, numbers["emission_mask"] > 0
     model = numbers["instance"] + np.where(emits, frame.instances, 0)
     # Loaders take the material 0 of a model for what surrounds it.
@@ -54,7 +54,7 @@ _PARTS: Final = ("instance", "material", "emission_mask")
 
 def _write_labels(path: Path, frame: Frame) -> None:
     with atomic.replacing(path) as beside:
-        np.save(beside, frame.view.pixels["semantic"][..., 0].astype(np.int32), allow_pickle=False)
+        np.save(beside, frame.view.labels("semantic").astype(np.int32), allow_pickle=False)
 
 
 def _write_environment(path: Path, frame: Frame) -> None:

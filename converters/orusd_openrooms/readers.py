@@ -3,6 +3,7 @@
 Pictures come in the order red, green, blue, rows from the top; frames are those of the files.
 """
 
+import math
 import struct
 from pathlib import Path
 from typing import Any, Final, Literal
@@ -10,8 +11,11 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.render.npy import read_npy
 from openrooms_usd.unpickling import read_pickled
+from openrooms_usd.untrusted import checked, read_text
 
 Floats = NDArray[np.float32]
 
@@ -25,6 +29,8 @@ def read_light(path: Path) -> Floats:
         InputError: It is missing or is no such picture.
     """
     pixels: Floats = _read_image(path, "hdr").astype(np.float32)
+    if pixels.shape[-1] != 3:
+        raise InputError(f"{pixels.shape[-1]} channels, not 3", place=path)
     return pixels
 
 
@@ -91,13 +97,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
     Raises:
         InputError: It is missing, damaged, or holds objects.
     """
-    try:
-        labels = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError(f"not a readable array: {error}", place=path) from error
-    if labels.ndim != 2 or labels.dtype.kind not in "iu":
-        raise InputError(f"no labels: {labels.ndim} dimensions of {labels.dtype}", place=path)
-    return np.asarray(labels, np.int64)
+    return np.asarray(read_npy(path, 2, "iu"), np.int64)
 
 
 def read_environments(
@@ -136,14 +136,22 @@ def read_lobes(path: Path) -> Floats:
     except ImportError as error:
         remedy = "pip install 'openrooms-usd[openrooms]'"
         raise MissingPackageError("HDF5 needs the package 'h5py'", remedy=remedy) from error
+    checked(path, "array")
     try:
         with h5py.File(path, "r") as file:
-            lobes = np.asarray(file["data"][()], np.float32)
-    except (OSError, KeyError, TypeError, ValueError) as error:
+            data = file["data"]
+            _check_lobes(path, data.shape, data.dtype.kind)
+            return np.asarray(data[()], np.float32)
+    # What the library makes of damage, and a group in the place of the data set.
+    except (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError) as error:
         raise InputError(f"no data set 'data': {error}", place=path) from error
-    if lobes.ndim != 4 or lobes.shape[-1] != 6:
-        raise InputError(f"no lobes: an array of {lobes.shape}", place=path)
-    return lobes
+
+
+def _check_lobes(path: Path, shape: tuple[int, ...] | None, kind: str) -> None:
+    """See what a data set holds before memory is taken for it."""
+    sound = shape is not None and len(shape) == 4 and shape[-1] == 6 and kind == "f"
+    if not sound or not 0 < math.prod(shape or ()) <= _MOST_PIXELS:
+        raise InputError(f"no lobes: an array of {shape}", place=path)
 
 
 def read_cameras(path: Path) -> list[NDArray[np.float64]]:
@@ -153,15 +161,15 @@ def read_cameras(path: Path) -> list[NDArray[np.float64]]:
         InputError: It is missing or damaged.
     """
     try:
-        first, *rows = path.read_text("utf-8").splitlines()
+        first, *rows = read_text(path, "table").splitlines()
         count = int(first)
         numbers = np.array([[float(word) for word in row.split()] for row in rows])
-        found = list(numbers.reshape(count, 3, 3)) if count else []
-    except OSError as error:
-        raise InputError(f"cannot read it: {error.strerror}", place=path) from error
+        found = numbers.reshape(max(count, 0), 3, 3)
     except ValueError as error:
         raise InputError(f"not a list of cameras: {error}", place=path) from error
-    return found
+    if not np.isfinite(found).all():
+        raise InputError("not a list of cameras: a number is not finite", place=path)
+    return list(found)
 
 
 def read_light_box(path: Path) -> dict[str, Any]:
@@ -177,11 +185,9 @@ def read_light_box(path: Path) -> dict[str, Any]:
 
 
 def _read_binary(path: Path, kind: str, depth: int) -> NDArray[Any]:
+    data = untrusted.read_bytes(path, "picture")
     try:
-        data = path.read_bytes()
         height, width = struct.unpack_from("<ii", data)
-    except OSError as error:
-        raise InputError(f"cannot read it: {error.strerror}", place=path) from error
     except struct.error as error:
         raise InputError("shorter than its own header", place=path) from error
     if not (0 < height * width <= _MOST_PIXELS and height > 0):
@@ -194,15 +200,23 @@ def _read_binary(path: Path, kind: str, depth: int) -> NDArray[Any]:
 def _read_image(path: Path, form: str) -> NDArray[Any]:
     import OpenImageIO
 
-    source: Any = OpenImageIO.ImageInput.open(str(path))
-    if source is None:
-        raise InputError(f"not a readable image: {OpenImageIO.geterror()}", place=path)
+    checked(path, "picture")
     try:
-        if source.format_name() != form:
-            raise InputError(f"a picture of the kind {source.format_name()}", place=path)
-        pixels = source.read_image(source.spec().format)
-        if pixels is None:
-            raise InputError(f"a damaged image: {source.geterror()}", place=path)
-    finally:
-        source.close()
+        source: Any = OpenImageIO.ImageInput.open(str(path))
+        if source is None:
+            raise InputError(f"not a readable image: {OpenImageIO.geterror()}", place=path)
+        try:
+            spec = source.spec()
+            if source.format_name() != form:
+                raise InputError(f"a picture of the kind {source.format_name()}", place=path)
+            if not 0 < spec.width * spec.height <= _MOST_PIXELS:
+                raise InputError(f"a picture of {spec.width}x{spec.height}", place=path)
+            pixels = source.read_image(spec.format)
+            if pixels is None:
+                raise InputError(f"a damaged image: {source.geterror()}", place=path)
+        finally:
+            source.close()
+    # Its messages quote the file, in whatever bytes.
+    except UnicodeDecodeError as error:
+        raise InputError("a damaged image: its header is no text", place=path) from error
     return np.asarray(pixels)

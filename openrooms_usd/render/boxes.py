@@ -11,8 +11,9 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import __version__, names
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.coco import tight_box
-from openrooms_usd.render.finished import FinishedRender, FinishedView, open_render
+from openrooms_usd.render.coco import masks
+from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
+from openrooms_usd.render.rle import tight_box
 from openrooms_usd.usd.frames import local_to_world, world_from_stage
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 
@@ -77,25 +78,25 @@ def boxes(folder: Path, stage: Usd.Stage) -> Plain:
     Raises:
         InputError: It is no render, lacks the channel ``instance``, or shows another stage.
     """
-    render = open_render(folder, ("instance",))
+    render = read_render(folder, ("instance",))
     things = _things(render, stage)
     return {
         "generator": f"{names.CREATOR} {__version__}",
-        "stage": render.manifest["stage"],
-        "conventions": {**render.manifest["conventions"], **CONVENTIONS},
-        "views": {name: _view(render, render.view(name), things) for name in render.names},
+        "stage": render.manifest.stage,
+        "conventions": {**render.manifest.conventions, **CONVENTIONS},
+        "views": {view.name: _view(render, view, things) for view in render.each()},
     }
 
 
-def _view(render: FinishedRender, view: FinishedView, things: dict[str, _Thing]) -> Plain:
-    rows = [_row(render, view, things, *seen) for seen in view.masks().items()]
-    shared = ("resolution", "K", "world_from_camera")
-    return {**{name: view.entry[name] for name in shared}, "objects": rows}
+def _view(render: RenderedScene, view: RenderedView, things: dict[str, _Thing]) -> Plain:
+    rows = [_row(render, view, things, *seen) for seen in masks(render, view)]
+    shared = view.entry.model_dump(include={"resolution", "K", "world_from_camera"})
+    return {**shared, "objects": rows}
 
 
 def _row(
-    render: FinishedRender,
-    view: FinishedView,
+    render: RenderedScene,
+    view: RenderedView,
     things: dict[str, _Thing],
     instance: int,
     mask: NDArray[np.bool_],
@@ -104,12 +105,12 @@ def _row(
     camera_from_world: Array = np.linalg.inv(view.world_from_camera).astype(np.float64)
     seen = tight_box(mask)
     thing = things.get(path)
-    whole = thing and _projected(thing.edges, view.intrinsics, camera_from_world, view.size)
+    whole = thing and _projected(thing.edges, view.K, camera_from_world, (view.width, view.height))
     if not thing or not whole or not _encloses(whole, seen):
         raise InputError(
             f"the view {view.name!r} shows {path} where this stage does not have it",
             place=render.folder,
-            remedy=f"give the stage that was rendered ({render.manifest['stage']}), or render anew",
+            remedy=f"give the stage that was rendered ({render.manifest.stage}), or render anew",
         )
     return {
         "instance": instance,
@@ -130,7 +131,7 @@ def _encloses(whole: list[float], seen: tuple[int, int, int, int]) -> bool:
     return bool((slack <= 0.1).all())
 
 
-def _things(render: FinishedRender, stage: Usd.Stage) -> dict[str, _Thing]:
+def _things(render: RenderedScene, stage: Usd.Stage) -> dict[str, _Thing]:
     """The boxes and edges of the render's instances, by their paths."""
     wanted = frozenset(render.legend("instance").values())
     meshes: dict[str, list[PlacedMesh]] = defaultdict(list)

@@ -1,6 +1,6 @@
 """What is seen in a finished render as one COCO file: boxes, areas and masks of its objects."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import __version__, names
-from openrooms_usd.render.finished import FinishedRender, FinishedView, open_render
-from openrooms_usd.render.rle import compressed, run_lengths
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
+from openrooms_usd.render.manifest_schema import AGAIN
+from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
+from openrooms_usd.render.rle import compressed, run_lengths, tight_box
 from openrooms_usd.usd.taxonomies import CLASSES, TAXONOMIES, UNLABELED
 
 Plain = dict[str, Any]
@@ -40,24 +43,23 @@ def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
         InputError: It is no render, or lacks the channels that this needs.
     """
     channel = CHANNELS[taxonomy]
-    render = open_render(folder, ("instance", *([channel] if channel else [])))
+    render = read_render(folder, ("instance", *([channel] if channel else [])))
     numbers = _class_numbers(render, taxonomy)
     images: list[Plain] = []
     annotations: list[Plain] = []
-    for name in render.names:
-        view = render.view(name)
+    for view in render.each():
         images.append(_image(view, len(images) + 1))
-        for instance, mask in view.masks().items():
+        for instance, mask in masks(render, view):
             number = _class(render, view, instance, mask, channel, numbers)
             if number:
-                row = _annotation(mask, render.legend("instance").get(instance, ""), instance)
+                row = _annotation(mask, render.legend("instance")[instance], instance)
                 row |= {"image_id": len(images), "category_id": number}
                 annotations.append({"id": len(annotations) + 1, **row})
     return {
         "info": {
-            "description": f"{render.manifest['stage']}, classes of {taxonomy}",
+            "description": f"{render.manifest.stage}, classes of {taxonomy}",
             "version": f"{names.CREATOR} {__version__}",
-            "conventions": render.manifest["conventions"],
+            "conventions": render.manifest.conventions,
         },
         "images": images,
         "categories": [
@@ -68,7 +70,25 @@ def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
     }
 
 
-def _class_numbers(render: FinishedRender, taxonomy: str) -> dict[str, int]:
+def masks(render: RenderedScene, view: RenderedView) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+    """The numbers of the instances that a view shows, each with its (height, width) pixels.
+
+    Raises:
+        InputError: The manifest does not name one of them.
+    """
+    labels, named = view.labels("instance"), render.legend("instance")
+    seen = [int(number) for number in np.unique(labels) if number > 0]
+    unknown = [number for number in seen if number not in named]
+    if unknown:
+        raise InputError(
+            f"it shows the object {unknown[0]}, which the manifest does not name",
+            place=view.folder / CHANNELS_FILE,
+            remedy=AGAIN,
+        )
+    return ((number, labels == number) for number in seen)
+
+
+def _class_numbers(render: RenderedScene, taxonomy: str) -> dict[str, int]:
     """The number of every class; in our own taxonomy, words that are not ours come last."""
     if taxonomy in TAXONOMIES:
         return {c: n for n, c in enumerate(TAXONOMIES[taxonomy]) if c != UNLABELED}
@@ -77,8 +97,8 @@ def _class_numbers(render: FinishedRender, taxonomy: str) -> dict[str, int]:
 
 
 def _class(
-    render: FinishedRender,
-    view: FinishedView,
+    render: RenderedScene,
+    view: RenderedView,
     instance: int,
     mask: NDArray[np.bool_],
     channel: str | None,
@@ -86,21 +106,26 @@ def _class(
 ) -> int:
     if channel is None:
         return numbers.get(render.legend("category").get(instance, ""), 0)
-    return int(view.labels[channel][mask][0])
+    number = int(view.labels(channel)[mask][0])
+    if number and number not in numbers.values():
+        raise InputError(
+            f"the channel {channel!r} holds {number}, which is no number of a class",
+            place=view.folder / CHANNELS_FILE,
+            remedy=AGAIN,
+        )
+    return number
 
 
-def _image(view: FinishedView, number: int) -> Plain:
-    width, height = view.size
-    channels = view.entry["channels"]
-    shown = "radiance" if "radiance" in channels else "instance"
+def _image(view: RenderedView, number: int) -> Plain:
+    shown = "radiance" if "radiance" in view.entry.channels else "instance"
     return {
         "id": number,
-        "file_name": channels[shown]["preview"],
-        "width": width,
-        "height": height,
-        "camera": view.entry["camera"],
-        "K": view.entry["K"],
-        "world_from_camera": view.entry["world_from_camera"],
+        "file_name": f"{view.name}/{preview_file(shown)}",
+        "width": view.width,
+        "height": view.height,
+        "camera": view.entry.camera,
+        "K": view.entry.K,
+        "world_from_camera": view.entry.world_from_camera,
     }
 
 
@@ -114,16 +139,3 @@ def _annotation(mask: NDArray[np.bool_], prim: str, instance: int) -> Plain:
         "segmentation": {"size": list(mask.shape), "counts": compressed(run_lengths(mask))},
         "iscrowd": 0,
     }
-
-
-def tight_box(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
-    """Left, top, right and bottom edge of the pixels of a mask that is not empty.
-
-    Args:
-        mask: (height, width).
-
-    Returns:
-        Pixels from the upper left corner of the picture; right and bottom are exclusive.
-    """
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1

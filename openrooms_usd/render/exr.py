@@ -1,17 +1,25 @@
 """OpenEXR files: one part, channels by name, the same bytes for the same pixels."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.channels import CHANNELS, definition
+from openrooms_usd.channels import definition
 from openrooms_usd.errors import InputError
+from openrooms_usd.untrusted import checked
 from openrooms_usd.usd import imagefile
 
+Pixels = NDArray[np.float32]
+
 _ROWS: Final = 256  # written at once: a multiple of the 16 rows that zip compression packs together
+
+# What is read at most, and how many numbers a byte can hold: of halves, deflated as far as it goes.
+_MOST_NUMBERS: Final = 2**31
+_MOST_RATIO: Final = 520
+_AGAIN: Final = "render again"
 
 # Rec.709 primaries and D65, x and y of red, green, blue and white.
 _CHROMATICITIES: Final = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -75,30 +83,103 @@ def _write(
     imagefile.finish(output, done, path)
 
 
-def read_channels(path: Path) -> dict[str, NDArray[np.float32]]:
-    """Read a file of `write_channels` back.
+def read_channels(path: Path, size: tuple[int, int] | None = None) -> dict[str, Pixels]:
+    """The layers of a picture, whatever their names.
 
     Args:
-        path: The file.
+        path: An EXR file with channels ``<layer>.<part>``.
+        size: Width and height that it must have, if they are known.
 
     Returns:
-        (height, width, components) by channel name, in the order of the table.
+        (height, width, parts) by layer, in the file's order; parts as X Y Z, as R G B, or alone.
 
     Raises:
-        InputError: The file is missing or is no image.
+        InputError: It is missing, no such picture, damaged, of another size, or a layer that is
+            one of our channels lacks a part.
     """
+    names, picture = _read(path, size)
+    layers: dict[str, dict[str, int]] = {}
+    for place, name in enumerate(names):
+        layer, _, part = name.rpartition(".")
+        layers.setdefault(layer, {})[part] = place
+    for layer, places in layers.items():
+        _check_parts(path, layer, places)
+    return {
+        layer: picture[..., [places[part] for part in sorted(places, key=_rank)]]
+        for layer, places in layers.items()
+    }
+
+
+def read_picture(path: Path) -> Pixels:
+    """A picture without layers: (height, width, 3), red first.
+
+    Raises:
+        InputError: It is missing, no such picture, or damaged.
+    """
+    found = read_channels(path).get("")
+    if found is None or found.shape[-1] != 3:
+        raise InputError("it has not just the channels R, G, B", place=path, remedy=_AGAIN)
+    return found
+
+
+def _rank(part: str) -> int:
+    return "RGBXYZ".find(part)
+
+
+def _check_parts(path: Path, layer: str, parts: Iterable[str]) -> None:
+    try:
+        wanted = definition(layer).components
+    except KeyError:  # somebody else's
+        return
+    if {*parts} != {*wanted}:
+        raise InputError(
+            f"the channel {layer!r} has the parts {', '.join(sorted(parts))}, not "
+            f"{', '.join(wanted)}",
+            place=path, remedy=_AGAIN,
+        )  # fmt: skip
+
+
+def _read(path: Path, size: tuple[int, int] | None) -> tuple[list[str], Pixels]:
     import OpenImageIO
 
-    source: Any = OpenImageIO.ImageInput.open(str(path))
-    if source is None:
-        raise InputError(f"not a readable image: {OpenImageIO.geterror()}", place=path)
+    bytes_there = checked(path, "picture", remedy=_AGAIN)
     try:
-        place = {name: index for index, name in enumerate(source.spec().channelnames)}
-        pixels = source.read_image(OpenImageIO.FLOAT)
-    finally:
-        source.close()
-    return {
-        name: np.stack([pixels[..., place[part]] for part in exr_channels(name)], axis=-1)
-        for name in CHANNELS
-        if exr_channels(name)[0] in place
-    }
+        source: Any = OpenImageIO.ImageInput.open(str(path))
+        if source is None:
+            raise InputError(_reason(OpenImageIO.geterror()), place=path, remedy=_AGAIN)
+        try:
+            _check_header(path, source, size, bytes_there)
+            names = list(source.spec().channelnames)
+            pixels = source.read_image(OpenImageIO.FLOAT)
+            if pixels is None:
+                raise InputError(_reason(source.geterror()), place=path, remedy=_AGAIN)
+        finally:
+            source.close()
+    # Its names and its own messages quote the file, in whatever bytes.
+    except UnicodeDecodeError as error:
+        raise InputError(_reason("its header is no text"), place=path, remedy=_AGAIN) from error
+    return names, np.asarray(pixels, np.float32)
+
+
+def _check_header(path: Path, source: Any, size: tuple[int, int] | None, bytes_there: int) -> None:
+    spec = source.spec()
+    if source.format_name() != "openexr" or spec.deep or spec.depth != 1:
+        raise InputError("this is no flat OpenEXR picture", place=path, remedy=_AGAIN)
+    if size and (spec.width, spec.height) != size:
+        raise InputError(
+            f"the picture has {spec.width}x{spec.height} pixels, the manifest says "
+            f"{size[0]}x{size[1]}",
+            place=path, remedy=_AGAIN,
+        )  # fmt: skip
+    numbers = spec.width * spec.height * spec.nchannels
+    if not 0 < numbers <= min(_MOST_NUMBERS, _MOST_RATIO * bytes_there):
+        raise InputError(
+            f"it claims {spec.width}x{spec.height} pixels of {spec.nchannels} numbers in "
+            f"{bytes_there:,} bytes",
+            place=path, remedy=_AGAIN,
+        )  # fmt: skip
+
+
+def _reason(text: str) -> str:
+    first = next(iter(text.strip().splitlines()), "unknown reason")
+    return f"not a readable image: {first}"

@@ -7,9 +7,10 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.coco import tight_box
+from openrooms_usd.render.rle import tight_box
 
 LightKind = Literal["lamp", "opening", "elsewhere"]
+LobeName = Literal["sun", "sky", "ground"]
 Array = NDArray[np.float64]
 
 # Nearer to the camera's plane nothing is projected, metres.

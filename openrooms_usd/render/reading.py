@@ -1,23 +1,33 @@
 """Finished renders as plain arrays by name: pixels, lights and grids, whatever rendered them."""
 
-import json
+import os
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
-from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, listed_views
+from openrooms_usd.render.exr import Pixels, read_channels, read_picture
+from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE
+from openrooms_usd.render.lights import LightRecord
+from openrooms_usd.render.manifest_schema import (
+    AGAIN,
+    MOST_LABELS,
+    Manifest,
+    ViewEntry,
+    read_manifest,
+)
+from openrooms_usd.render.npy import read_npy
 
-Pixels = NDArray[np.float32]
-
-_NUMBERED: Final = re.compile(r"(.+)_(\d+)")
+_NUMBERED: Final = re.compile(r"(.+)_([0-9]{1,9})")
+# Of the fits of environment maps: the numbers of a lobe, or of a coefficient.
+_FITS: Final = {"environment_sg": 6, "environment_sh": 3}
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,50 +42,68 @@ class RenderedView:
 
     name: str
     folder: Path
-    entry: Mapping[str, Any]
+    entry: ViewEntry
 
     @property
     def width(self) -> int:
         """Pixels."""
-        return int(self.entry["resolution"][0])
+        return self.entry.resolution[0]
 
     @property
     def height(self) -> int:
         """Pixels."""
-        return int(self.entry["resolution"][1])
+        return self.entry.resolution[1]
 
     @property
     def K(self) -> NDArray[np.float64]:  # noqa: N802
         """(3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5)."""
-        return np.array(self.entry["K"], dtype=np.float64)
+        return np.array(self.entry.K, dtype=np.float64)
 
     @property
     def world_from_camera(self) -> NDArray[np.float64]:
         """(4, 4) from the OpenCV camera frame to the world, metres."""
-        return np.array(self.entry["world_from_camera"], dtype=np.float64)
+        return np.array(self.entry.world_from_camera, dtype=np.float64)
 
     @cached_property
     def pixels(self) -> dict[str, Pixels]:
         """(height, width, components) by channel name.
 
         Raises:
-            InputError: The file is missing or is no image.
+            InputError: The file is missing, damaged, or not of the view's size.
         """
         # A view may have nothing but lights or grids.
-        if "channels" not in self.entry.get("files", ["channels"]):
+        if self.entry.files is not None and "channels" not in self.entry.files:
             return {}
-        return read_layers(self.folder / CHANNELS_FILE)
+        return read_channels(self.folder / CHANNELS_FILE, self.entry.resolution)
+
+    def labels(self, channel: str) -> NDArray[np.int64]:
+        """(height, width) the numbers of a label channel.
+
+        Raises:
+            InputError: It is missing, or something in it is no number of a label.
+        """
+        path = self.folder / CHANNELS_FILE
+        if channel not in self.pixels:
+            raise InputError(f"it has no channel {channel!r}", place=path, remedy=AGAIN)
+        found = self.pixels[channel][..., 0]
+        # A NaN lies between nothing.
+        if not ((found >= 0.0) & (found <= MOST_LABELS) & (found == np.trunc(found))).all():
+            raise InputError(
+                f"the channel {channel!r} holds what is no whole number", place=path, remedy=AGAIN
+            )
+        return found.astype(np.int64)
 
     @cached_property
     def lights(self) -> dict[str, dict[int, Pixels]]:
         """(height, width, components) by channel name and the light's number; empty without any.
 
         Raises:
-            InputError: The file is no image.
+            InputError: The file is damaged, or not of the view's size.
         """
         path = self.folder / LIGHTS_FILE
+        layers = read_channels(path, self.entry.resolution) if os.path.lexists(path) else {}
         found: dict[str, dict[int, Pixels]] = {}
-        for name, pixels in (read_layers(path) if path.exists() else {}).items():
+        for name, pixels in layers.items():
             if parts := _NUMBERED.fullmatch(name):
                 found.setdefault(parts[1], {})[int(parts[2])] = pixels
         return found
@@ -87,16 +115,16 @@ class RenderedView:
             InputError: The file is no image, or no grid of hemispheres.
         """
         path = self.folder / f"{name}.exr"
-        if not path.exists():
+        if not os.path.lexists(path):
             return None
         picture = read_picture(path)
-        height, width, depth = picture.shape
-        if height % HEMISPHERE.rows or width % HEMISPHERE.columns or depth != 3:
+        height, width, _ = picture.shape
+        if height % HEMISPHERE.rows or width % HEMISPHERE.columns:
             raise InputError(
-                f"{width}x{height}x{depth} is no grid of hemispheres of "
+                f"{width}x{height} is no grid of hemispheres of "
                 f"{HEMISPHERE.columns}x{HEMISPHERE.rows}",
-                place=path,
-            )
+                place=path, remedy=AGAIN,
+            )  # fmt: skip
         return untiled(picture)
 
     def fit(self, name: str) -> Pixels | None:
@@ -109,12 +137,14 @@ class RenderedView:
             InputError: The file is damaged.
         """
         path = self.folder / f"{name}.npy"
-        if not path.exists():
+        if not os.path.lexists(path):
             return None
-        try:
-            found: Pixels = np.load(path, allow_pickle=False)
-        except (OSError, ValueError) as error:
-            raise InputError(f"not a readable array: {error}", place=path) from error
+        found = read_npy(path, 4, "f")
+        if found.shape[-1] != _FITS[name]:
+            raise InputError(
+                f"{found.shape[-1]} numbers are no {name}, which has {_FITS[name]}",
+                place=path, remedy=AGAIN,
+            )  # fmt: skip
         return found
 
 
@@ -129,87 +159,47 @@ class RenderedScene:
     """
 
     folder: Path
-    manifest: Mapping[str, Any]
+    manifest: Manifest
     views: Mapping[str, RenderedView]
 
     @property
-    def lights(self) -> list[dict[str, Any]]:
-        """What the manifest says of each light, in the order of their numbers."""
-        return sorted(self.manifest.get("lights", []), key=lambda light: int(light["number"]))
+    def lights(self) -> list[LightRecord]:
+        """What is known of each light, in the order of their numbers."""
+        return sorted(
+            (light.record() for light in self.manifest.lights), key=lambda light: light.number
+        )
+
+    def each(self) -> Iterator[RenderedView]:
+        """The views, one after the other, each without what was read of the one before."""
+        # A view keeps the arrays that it has read: a copy takes them along when it goes.
+        return (replace(view) for view in self.views.values())
 
     def legend(self, channel: str) -> dict[int, str]:
-        """What the numbers of a label channel mean."""
-        return {int(n): str(name) for n, name in self.manifest["legend"].get(channel, {}).items()}
+        """What the numbers of a label channel, or the ``category`` of an instance, mean."""
+        return self.manifest.legend.get(channel, {})
 
 
-def read_render(folder: Path) -> RenderedScene:
+def read_render(folder: Path, channels: tuple[str, ...] = ()) -> RenderedScene:
     """Open a finished render.
 
     Args:
         folder: What ``orusd render`` wrote.
+        channels: What it must have.
 
     Raises:
-        InputError: It is no render, or has no finished view.
+        InputError: It is no render, has no finished view, its manifest is not sound, or it lacks
+            a channel.
     """
-    entries = listed_views(folder)
-    if not entries:
+    manifest = read_manifest(folder)
+    missing = [name for name in channels if name not in manifest.channels]
+    if missing:
         raise InputError(
-            "this is no finished render",
+            f"the render has no channel {' and no channel '.join(missing)}",
             place=folder,
-            remedy="give a folder that 'orusd render' wrote: it holds a manifest.json with views",
+            remedy=f"render again with --channels all, or with {','.join(channels)} among them",
         )
-    manifest = json.loads((folder / MANIFEST).read_text("utf-8"))
-    views = {name: RenderedView(name, folder / name, entries[name]) for name in sorted(entries)}
-    return RenderedScene(folder, manifest, views)
-
-
-def read_layers(path: Path) -> dict[str, Pixels]:
-    """The layers of a picture, whatever their names.
-
-    Args:
-        path: An EXR file with channels ``<layer>.<part>``.
-
-    Returns:
-        (height, width, parts) by layer, in the file's order; parts as X Y Z, as R G B, or alone.
-
-    Raises:
-        InputError: It is missing or is no image.
-    """
-    names, picture = _read(path)
-    layers: dict[str, dict[str, int]] = {}
-    for place, name in enumerate(names):
-        layer, _, part = name.rpartition(".")
-        layers.setdefault(layer, {})[part] = place
-    return {
-        layer: picture[..., [places[part] for part in sorted(places, key=_rank)]]
-        for layer, places in layers.items()
+    views = {
+        name: RenderedView(name, folder / name, manifest.views[name])
+        for name in sorted(manifest.views)
     }
-
-
-def read_picture(path: Path) -> Pixels:
-    """A picture without layers: (height, width, 3), red first.
-
-    Raises:
-        InputError: It is missing or is no image.
-    """
-    return read_layers(path)[""]
-
-
-def _rank(part: str) -> int:
-    return "RGBXYZ".find(part)
-
-
-def _read(path: Path) -> tuple[list[str], Pixels]:
-    import OpenImageIO
-
-    source: Any = OpenImageIO.ImageInput.open(str(path))
-    if source is None:
-        raise InputError(f"not a readable image: {OpenImageIO.geterror()}", place=path)
-    try:
-        names = list(source.spec().channelnames)
-        pixels = source.read_image(OpenImageIO.FLOAT)
-        if pixels is None:
-            raise InputError(f"a damaged image: {source.geterror()}", place=path)
-    finally:
-        source.close()
-    return names, np.asarray(pixels, np.float32)
+    return RenderedScene(folder, manifest, views)

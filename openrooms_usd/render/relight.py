@@ -5,6 +5,7 @@ weighted sum is the picture in which the lights have these weights.
 """
 
 import difflib
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,7 +17,8 @@ from numpy.typing import NDArray
 from openrooms_usd import __version__, atomic, names
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.render import exr
-from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, listed_views
+from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, is_relit_manifest
+from openrooms_usd.render.lights import LightRecord
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview, write_png
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
@@ -61,7 +63,7 @@ def relight(view: Path, out: Path, relighting: Relighting) -> dict[str, Any]:
     scene, seen = _open(view)
     factors = light_factors(scene.lights, relighting, view)
     pixels = relit(_contributions(scene, seen), factors)
-    shown = preview("radiance", pixels, seen.entry.get("exposure"))
+    shown = preview("radiance", pixels, seen.entry.exposure)
     entry = _entry(scene, seen, relighting, factors) | {"preview_shows": shown.shows}
     with atomic.filling(out) as beside:
         exr.write_rgb(beside / FILES["radiance"], pixels)
@@ -87,23 +89,23 @@ def relit(
 
 
 def light_factors(
-    lights: Sequence[Mapping[str, Any]], relighting: Relighting, place: Path
+    lights: Sequence[LightRecord], relighting: Relighting, place: Path
 ) -> dict[int, NDArray[np.float64]]:
     """(3,) what each light's red, green and blue are multiplied by, by its number.
 
     Args:
-        lights: The manifest's entries.
+        lights: Those of the render.
         relighting: How they shall be.
         place: The view, for messages.
 
     Raises:
         InputError: A light is unknown, was off, or cannot have what is wanted.
     """
-    known = {str(light["name"]): light for light in lights}
+    known = {light.name: light for light in lights}
     for name in (*relighting.scales, *relighting.kelvin):
         _check_light(name, known, place)
     return {
-        int(light["number"]): _scale(relighting.scales.get(name, 1.0), name, place)
+        light.number: _scale(relighting.scales.get(name, 1.0), name, place)
         * _tint(light, relighting.kelvin.get(name), place)
         for name, light in known.items()
     }
@@ -119,7 +121,7 @@ def blackbody(kelvin: float) -> NDArray[np.float64]:
     return np.asarray(color / luminance(color))
 
 
-def _check_light(name: str, known: Mapping[str, Mapping[str, Any]], place: Path) -> None:
+def _check_light(name: str, known: Mapping[str, LightRecord], place: Path) -> None:
     if name not in known:
         near = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
@@ -127,7 +129,7 @@ def _check_light(name: str, known: Mapping[str, Mapping[str, Any]], place: Path)
             f"no light is named {name!r}", place=place,
             remedy=f"{hint}there are: {', '.join(known) or 'none'}",
         )  # fmt: skip
-    if not known[name].get("on", True):
+    if not known[name].on:
         raise InputError(
             f"the light {name!r} was off when this was rendered: nothing is known of what it does",
             place=place,
@@ -144,10 +146,10 @@ def _scale(scale: float, name: str, place: Path) -> NDArray[np.float64]:
     return np.full(3, scale)
 
 
-def _tint(light: Mapping[str, Any], wanted: float | None, place: Path) -> NDArray[np.float64]:
+def _tint(light: LightRecord, wanted: float | None, place: Path) -> NDArray[np.float64]:
     if wanted is None:
         return np.ones(3)
-    name, was = light["name"], light.get("kelvin")
+    name, was = light.name, light.kelvin
     if was is None:
         raise InputError(
             f"the light {name!r} has no colour temperature to be changed", place=place,
@@ -158,7 +160,7 @@ def _tint(light: Mapping[str, Any], wanted: float | None, place: Path) -> NDArra
         raise InputError(
             f"{wanted:g} K is not between {low:g} and {high:g} K", place=name, remedy="such as 2700"
         )
-    before, after = blackbody(float(was)), blackbody(wanted)
+    before, after = blackbody(was), blackbody(wanted)
     if np.any((before <= 0.0) & (after > 0.0)):
         raise InputError(
             f"at {was:g} K the light {name!r} lacks a colour that {wanted:g} K needs", place=place,
@@ -168,15 +170,17 @@ def _tint(light: Mapping[str, Any], wanted: float | None, place: Path) -> NDArra
 
 
 def _check_out(out: Path) -> None:
-    if (out / CHANNELS_FILE).exists() or listed_views(out):
+    foreign = os.path.lexists(out / MANIFEST) and not is_relit_manifest(out)
+    rendered = any(os.path.lexists(out / name) for name in (CHANNELS_FILE, LIGHTS_FILE))
+    if rendered or foreign:
         raise OutputError(
-            "a render lies here: its picture and its manifest would be lost", place=out,
+            "what lies here is no earlier relit picture and would be lost", place=out,
             remedy="choose another output folder",
         )  # fmt: skip
 
 
 def _open(view: Path) -> tuple[RenderedScene, RenderedView]:
-    inside = (view / MANIFEST).exists()
+    inside = os.path.lexists(view / MANIFEST)
     scene = read_render(view if inside else view.absolute().parent)
     if not inside and view.absolute().name in scene.views:
         return scene, scene.views[view.absolute().name]
@@ -191,7 +195,7 @@ def _open(view: Path) -> tuple[RenderedScene, RenderedView]:
 
 def _contributions(scene: RenderedScene, view: RenderedView) -> dict[int, NDArray[np.float32]]:
     found = view.lights.get("radiance", {})
-    missing = [str(light["name"]) for light in scene.lights if int(light["number"]) not in found]
+    missing = [light.name for light in scene.lights if light.number not in found]
     if missing or not found:
         raise InputError(
             f"the view does not hold what {', '.join(missing) or 'the lights'} contribute",
@@ -207,21 +211,21 @@ def _entry(
 ) -> dict[str, Any]:  # fmt: skip
     lights = [
         {
-            "number": light["number"],
-            "name": light["name"],
-            "scale": relighting.scales.get(light["name"], 1.0),
-            "kelvin": relighting.kelvin.get(light["name"], light.get("kelvin")),
-            "factor": factors[int(light["number"])].tolist(),
+            "number": light.number,
+            "name": light.name,
+            "scale": relighting.scales.get(light.name, 1.0),
+            "kelvin": relighting.kelvin.get(light.name, light.kelvin),
+            "factor": factors[light.number].tolist(),
         }
         for light in scene.lights
     ]
-    kept = ("camera", "resolution", "K", "world_from_camera", "exposure")
+    kept = {"camera", "resolution", "K", "world_from_camera", "exposure"}
     return {
         "generator": f"{names.CREATOR} {__version__}",
         "view": view.name,
-        "stage": scene.manifest.get("stage"),
-        "seed": scene.manifest.get("seed"),
+        "stage": scene.manifest.stage,
+        "seed": scene.manifest.seed,
         "lights": lights,
         "files": FILES,
-        **{name: view.entry[name] for name in kept if name in view.entry},
+        **view.entry.model_dump(include=kept),
     }

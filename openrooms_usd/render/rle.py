@@ -41,3 +41,16 @@ def _number(value: int) -> str:
         text += chr(_FIRST + (group if done else group | _MORE))
         if done:
             return text
+
+
+def tight_box(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
+    """Left, top, right and bottom edge of the pixels of a mask that is not empty.
+
+    Args:
+        mask: (height, width).
+
+    Returns:
+        Pixels from the upper left corner of the picture; right and bottom are exclusive.
+    """
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1

@@ -11,7 +11,7 @@ from pxr import Usd
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest, render_stage
-from openrooms_usd.render.reading import read_layers
+from openrooms_usd.render.exr import read_channels
 from orusd_mitsuba import arriving, direct_light, light_film
 from orusd_mitsuba import session as mitsuba_session
 
@@ -60,7 +60,7 @@ def rendered(file: Path, out: Path, **how: Any) -> tuple[dict[str, Any], dict[st
     render_stage(file, out, **({"resolution": (24, 18), "grid": (6, 4)} | how))
     view = json.loads((out / "manifest.json").read_text())["views"]["Camera"]
     files = (view["files"].get(name) for name in ("channels", "lights"))
-    stored = {n: p for file in files if file for n, p in read_layers(out / file).items()}
+    stored = {n: p for file in files if file for n, p in read_channels(out / file).items()}
     return stored, view["channels"]
 
 

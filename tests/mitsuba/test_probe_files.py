@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from openrooms_usd.render.exr import read_picture
 from openrooms_usd.render.probes import harmonics, irradiance, probe_stage
-from openrooms_usd.render.reading import read_picture
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import variants
 

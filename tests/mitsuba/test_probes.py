@@ -10,8 +10,8 @@ import pytest
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics as sh
 from openrooms_usd.library import environments
+from openrooms_usd.render.exr import read_picture
 from openrooms_usd.render.probes import harmonics, irradiance, probe_stage
-from openrooms_usd.render.reading import read_picture
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, define_portal
 from orusd_mitsuba import variants

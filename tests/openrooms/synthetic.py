@@ -6,27 +6,28 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 
+from openrooms_usd.channels import definition
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.render.lights import Gaussian, LightRecord
 from openrooms_usd.render.reading import RenderedScene, read_render
 from orusd_openrooms import OpenRoomsDataset
 
 LAMP, WINDOW, ELSEWHERE = 0, 1, 2
 RADIANCE = [900.0, 800.0, 500.0]
-FIT = {
-    "sun": {"axis": [0.2, 0.9, 0.4], "sharpness": 60.0, "intensity": [5000.0, 4500.0, 4000.0]},
-    "sky": {"axis": [0.0, 0.6, 0.8], "sharpness": 2.0, "intensity": [90.0, 110.0, 150.0]},
-    "ground": {"axis": [0.0, 0.8, -0.6], "sharpness": 1.0, "intensity": [30.0, 25.0, 20.0]},
-    "loss": 12.5,
-}
+GAUSSIANS = (
+    Gaussian("sun", np.array([5000.0, 4500.0, 4000.0]), np.array([0.36, 0.8, 0.48]), 60.0),
+    Gaussian("sky", np.array([90.0, 110.0, 150.0]), np.array([0.0, 0.6, 0.8]), 2.0),
+    Gaussian("ground", np.array([30.0, 25.0, 20.0]), np.array([0.0, 0.8, -0.6]), 1.0),
+)
+FIT_ERROR = 0.125
 
 
 def write_exr(path: Path, layers: dict[str, np.ndarray]) -> None:
     """Layers as ``<layer>.<part>``; the empty name for plain R, G, B. No compression: fast."""
-    parts = {1: "Y", 3: "RGB"}
     names, planes = [], []
     for name, pixels in layers.items():
         prefix = f"{name}." if name else ""
-        names += [prefix + part for part in parts[pixels.shape[-1]]]
+        names += [prefix + part for part in (definition(name).components if name else "RGB")]
         planes.append(pixels.astype(np.float32))
     joined = np.ascontiguousarray(np.concatenate(planes, axis=-1))
     height, width = joined.shape[:2]
@@ -48,28 +49,29 @@ def look_at(origin: np.ndarray, target: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def turned(angle: float, center: list[float]) -> list[list[float]]:
+def turned(angle: float, center: list[float]) -> np.ndarray:
     c, s = np.cos(angle), np.sin(angle)
     matrix = np.eye(4)
     matrix[:3, :3] = [[c, -s, 0], [s, c, 0], [0, 0, 1]]
     matrix[:3, 3] = center
-    return matrix.tolist()
+    return matrix
 
 
+# As the renderer has them: its own writing of them goes into the manifest.
 LIGHTS = [
-    {
-        "number": ELSEWHERE, "name": "elsewhere", "kind": "elsewhere", "on": True, "path": "",
-    },
-    {
-        "number": LAMP, "name": "lamp", "kind": "lamp", "on": True, "path": "/World/Furniture/lamp",
-        "world_from_box": turned(0.5, [0.3, 2.0, 2.4]), "size": [0.3, 0.5, 0.2],
-        "radiance": RADIANCE,
-    },
-    {
-        "number": WINDOW, "name": "window", "kind": "opening", "on": True, "path": "/World/Room/W",
-        "world_from_box": [[-1, 0, 0, -0.8], [0, 0, 1, 4.0], [0, 1, 0, 1.5], [0, 0, 0, 1]],
-        "size": [1.2, 1.4, 0.0], "radiance": [500.0, 600.0, 700.0], "fit": FIT,
-    },
+    LightRecord(
+        ELSEWHERE, "elsewhere", "", "elsewhere", True, np.eye(4), np.zeros(3), np.ones(3), 0.0
+    ),
+    LightRecord(
+        LAMP, "lamp", "/World/Furniture/lamp", "lamp", True, turned(0.5, [0.3, 2.0, 2.4]),
+        np.array([0.3, 0.5, 0.2]), np.array(RADIANCE), 800.0, kelvin=3000.0, instance=3,
+    ),
+    LightRecord(
+        WINDOW, "window", "/World/Room/W", "opening", True,
+        np.array([[-1.0, 0, 0, -0.8], [0, 0, 1, 4.0], [0, 1, 0, 1.5], [0, 0, 0, 1]]),
+        np.array([1.2, 1.4, 0.0]), np.array([500.0, 600.0, 700.0]), 3000.0,
+        gaussians=GAUSSIANS, fit_error=FIT_ERROR,
+    ),
 ]  # fmt: skip
 
 
@@ -158,7 +160,9 @@ def make_render(
         for k, pose in enumerate(poses)
     }
     legend = {"instance": {"1": "/World/Room/Floor", "2": "/World/Room/Walls/Wall_0"}}
-    manifest = {"views": entries, "lights": LIGHTS, "legend": legend, "channels": {}}
+    lights = [light.as_dict() for light in LIGHTS]
+    manifest = {"views": entries, "lights": lights, "legend": legend, "channels": {},
+                "generator": "openrooms_usd 0.1.0"}  # fmt: skip
     (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     return read_render(folder)
 

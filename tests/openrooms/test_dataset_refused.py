@@ -36,10 +36,10 @@ def test_variants_share_their_views(render: RenderedScene, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("key", ["K", "world_from_camera", "resolution"])
 def test_variants_share_their_cameras(key: str, render: RenderedScene, tmp_path: Path) -> None:
-    entries = {name: {**view.entry} for name, view in render.views.items()}
-    changed = np.array(entries["view_1"][key])
+    entries = {name: view.entry for name, view in render.views.items()}
+    changed = np.array(getattr(entries["view_1"], key))
     changed.flat[0] += 1
-    entries["view_1"][key] = changed.tolist()
+    entries["view_1"] = entries["view_1"].model_copy(update={key: changed.tolist()})
     views = {name: RenderedView(name, render.folder / name, entries[name]) for name in entries}
     other = RenderedScene(render.folder, render.manifest, views)
     with pytest.raises(InputError, match="its views are not those"):
@@ -69,7 +69,7 @@ def test_a_damaged_light_is_named(render: RenderedScene, tmp_path: Path) -> None
     manifest = json.loads((tmp_path / "day/manifest.json").read_text())
     del manifest["lights"][1]["size"]
     (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
-    with pytest.raises(InputError, match=r"light 0 is not described.*'size'"):
+    with pytest.raises(InputError, match=r"manifest.json: lights\[1\].size: it is missing"):
         write([read_render(tmp_path / "day")], tmp_path / "data")
 
 

@@ -16,7 +16,7 @@ from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.lights import box, camera_from_world, single_source, source, spread
 from orusd_openrooms.readers import read_bytes, read_light, read_light_box
 from orusd_openrooms.records import Light, Lobe, lights_of
-from tests.openrooms.synthetic import FIT, LAMP, RADIANCE, WINDOW
+from tests.openrooms.synthetic import FIT_ERROR, GAUSSIANS, LAMP, RADIANCE, WINDOW
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def test_the_loaders_join_every_light(folder: Path) -> None:
                 np.zeros(1, dtype=np.float32),
             ], axis=0)  # fmt: skip
             assert joined.shape == (22,)
-            assert src["loss"] / src["scale"] == FIT["loss"]
+            assert src["loss"] / src["scale"] == FIT_ERROR
             assert Path(name.replace("mask", "imDSNoOccluApprox").replace("png", "hdr")).is_file()
         for stem in ("imDS", "imDSNoOcclu"):
             light = read_light(Path(name.replace("mask", stem).replace(".png", ".rgbe")))
@@ -125,12 +125,11 @@ def test_a_lamp_gives_its_radiance_and_a_window_its_lobes(render: RenderedScene)
     camera = camera_from_world(render.views["view_0"].world_from_camera)
     np.testing.assert_array_equal(source(lamp, camera)["intensity"], RADIANCE)
     found = source(window, camera)
-    for name, ending in (("sun", ""), ("sky", "Sky"), ("ground", "Grd")):
-        np.testing.assert_array_equal(found[f"intensity{ending}"], FIT[name]["intensity"])
-        assert found[f"lamb{ending}"] == FIT[name]["sharpness"]
+    for gaussian, ending in zip(GAUSSIANS, ("", "Sky", "Grd"), strict=True):
+        np.testing.assert_array_equal(found[f"intensity{ending}"], gaussian.amplitude)
+        assert found[f"lamb{ending}"] == gaussian.sharpness
         world = camera[:3, :3].T @ found[f"axis{ending}"]
-        axis = np.array(FIT[name]["axis"])
-        np.testing.assert_allclose(world, axis / np.linalg.norm(axis), atol=1e-12)
+        np.testing.assert_allclose(world, gaussian.axis, atol=1e-12)
 
 
 def opening(lobes: dict[str, Lobe]) -> Light:
@@ -150,7 +149,7 @@ def test_an_opening_without_a_fit_is_even(render: RenderedScene, tmp_path: Path)
     shutil.copytree(render.folder, tmp_path / "day")
     manifest = json.loads((tmp_path / "day/manifest.json").read_text())
     for light in manifest["lights"]:
-        light.pop("fit", None)
+        light["gaussians"] = []
     (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
     window = lights_of(read_render(tmp_path / "day"))[1]
     for made in (source, single_source):

@@ -70,7 +70,7 @@ def test_labels_that_are_objects_are_not_loaded(tmp_path: Path) -> None:
         readers.read_labels(tmp_path / "a.npy")
     for odd in (np.zeros(3, int), np.zeros((2, 2))):
         np.save(tmp_path / "a.npy", odd)
-        with pytest.raises(InputError, match="no labels"):
+        with pytest.raises(InputError, match=r"not a readable array: [12] dim"):
             readers.read_labels(tmp_path / "a.npy")
 
 

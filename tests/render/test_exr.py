@@ -56,7 +56,7 @@ def test_round_trip(tmp_path, numbers, names):
     images = {name: numbers(name, 300, 7, 1) for name in names}
     exr.write_channels(tmp_path / "a.exr", images)
     back = exr.read_channels(tmp_path / "a.exr")
-    assert list(back) == [name for name in CHANNELS if name in names]
+    assert set(back) == set(names)
     for name, pixels in images.items():
         if CHANNELS[name].storage == "float":
             assert np.array_equal(back[name], pixels), name
@@ -113,6 +113,6 @@ def test_full_disk_is_an_error(tmp_path, size):
 
 def test_missing_and_broken_files(tmp_path):
     (tmp_path / "broken.exr").write_bytes(b"v/1\x01 and nothing more")
-    for name in ("missing.exr", "broken.exr"):
-        with pytest.raises(InputError, match="not a readable image"):
+    for name, said in (("missing.exr", "no such file"), ("broken.exr", "not a readable image")):
+        with pytest.raises(InputError, match=said):
             exr.read_channels(tmp_path / name)

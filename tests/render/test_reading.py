@@ -8,7 +8,9 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.reading import RenderedView, read_layers, read_picture, read_render
+from openrooms_usd.render.exr import read_channels, read_picture
+from openrooms_usd.render.manifest_schema import ViewEntry
+from openrooms_usd.render.reading import RenderedView, read_render
 
 
 def write_exr(path: Path, names: list[str], pixels: np.ndarray) -> None:
@@ -19,21 +21,27 @@ def write_exr(path: Path, names: list[str], pixels: np.ndarray) -> None:
     assert done and output.close()
 
 
+ENTRY = {"resolution": [8, 6], "K": np.eye(3).tolist(), "world_from_camera": np.eye(4).tolist()}
+LIGHT = {
+    "kind": "lamp", "on": True, "world_from_box": np.eye(4).tolist(), "size": [1.0, 1.0, 1.0],
+    "radiance": [1.0, 1.0, 1.0],
+}  # fmt: skip
+
+
 @pytest.fixture
 def pixels() -> np.ndarray:
     return np.random.default_rng(0).random((6, 8, 7)).astype(np.float32)
 
 
 def view(folder: Path) -> RenderedView:
-    entry = {"resolution": [8, 6], "K": np.eye(3).tolist(), "world_from_camera": np.eye(4).tolist()}
-    return RenderedView("view", folder, entry)
+    return RenderedView("view", folder, ViewEntry.model_validate_json(json.dumps(ENTRY)))
 
 
 def test_layers_keep_their_parts_in_order(pixels: np.ndarray, tmp_path: Path) -> None:
     """Files list parts as they like, the alphabet's order among them: B, G, R."""
     names = ["a.B", "a.G", "a.R", "n.Z", "n.X", "n.Y", "d.Y"]
     write_exr(tmp_path / "a.exr", names, pixels)
-    found = read_layers(tmp_path / "a.exr")
+    found = read_channels(tmp_path / "a.exr")
     np.testing.assert_array_equal(found["a"], pixels[..., [2, 1, 0]])
     np.testing.assert_array_equal(found["n"], pixels[..., [4, 5, 3]])
     np.testing.assert_array_equal(found["d"], pixels[..., [6]])
@@ -76,18 +84,23 @@ def test_a_fit_of_objects_is_not_loaded(tmp_path: Path) -> None:
 
 def test_what_is_no_picture_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.exr").write_bytes(b"nothing")
-    for path in (tmp_path / "a.exr", tmp_path / "none.exr"):
-        with pytest.raises(InputError, match="not a readable image"):
-            read_picture(path)
+    for name, said in (("a.exr", "not a readable image"), ("none.exr", "no such file")):
+        with pytest.raises(InputError, match=said):
+            read_picture(tmp_path / name)
 
 
 def test_views_and_lights_come_in_order(tmp_path: Path) -> None:
-    entries = {name: {"resolution": [8, 6]} for name in ("b", "a")}
-    lights = [{"number": 1}, {"number": 0}]
+    entries = dict.fromkeys(("b", "a"), ENTRY)
+    lights = [{**LIGHT, "number": number, "name": str(number)} for number in (1, 0)]
     legend = {"instance": {"3": "/World/Room"}}
-    manifest = {"views": entries, "lights": lights, "legend": legend}
+    manifest = {
+        "views": entries,
+        "lights": lights,
+        "legend": legend,
+        "generator": "openrooms_usd 1",
+    }
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     scene = read_render(tmp_path)
     assert [*scene.views] == ["a", "b"] and scene.views["a"].folder == tmp_path / "a"
-    assert [light["number"] for light in scene.lights] == [0, 1]
+    assert [light.number for light in scene.lights] == [0, 1]
     assert scene.legend("instance") == {3: "/World/Room"} and scene.legend("none") == {}

@@ -10,13 +10,16 @@ from pxr import UsdLux
 
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.render import exr
-from openrooms_usd.render.reading import read_picture
+from openrooms_usd.render.exr import read_picture
 from openrooms_usd.render.relight import Relighting, blackbody, relight
 
+SHAPE: dict[str, Any] = {
+    "world_from_box": np.eye(4).tolist(), "size": [1.0, 1.0, 1.0], "radiance": [1.0, 1.0, 1.0],
+}  # fmt: skip
 LIGHTS = [
-    {"number": 0, "name": "lamp_1", "kelvin": 4000.0, "on": True},
-    {"number": 1, "name": "lamp_2", "kelvin": 3000.0, "on": False},
-    {"number": 2, "name": "window_0", "kelvin": None, "on": True},
+    {"number": 0, "name": "lamp_1", "kind": "lamp", "kelvin": 4000.0, "on": True, **SHAPE},
+    {"number": 1, "name": "lamp_2", "kind": "lamp", "kelvin": 3000.0, "on": False, **SHAPE},
+    {"number": 2, "name": "window_0", "kind": "opening", "kelvin": None, "on": True, **SHAPE},
 ]
 
 
@@ -34,7 +37,8 @@ def view(tmp_path: Path) -> Path:
     exr.write_channels(folder / "channels.exr", {"radiance": sum(parts())})
     entry = {"resolution": [8, 6], "exposure": 1e-9, "camera": "/World/Cameras/left",
              "K": np.eye(3).tolist(), "world_from_camera": np.eye(4).tolist()}  # fmt: skip
-    manifest = {"views": {"left": entry}, "lights": LIGHTS, "stage": "scene.usda", "legend": {}}
+    manifest = {"views": {"left": entry}, "lights": LIGHTS, "stage": "scene.usda", "legend": {},
+                "generator": "openrooms_usd 0.1.0"}  # fmt: skip
     (tmp_path / "out/manifest.json").write_text(json.dumps(manifest))
     return folder
 
@@ -127,7 +131,7 @@ def test_a_render_is_never_overwritten(view: Path) -> None:
 def test_light_from_elsewhere_is_a_light_too(view: Path) -> None:
     path = view.parent / "manifest.json"
     manifest = json.loads(path.read_text())
-    manifest["lights"][2] = {"number": 2, "name": "elsewhere", "kelvin": None, "on": True}
+    manifest["lights"][2] |= {"name": "elsewhere", "kind": "elsewhere"}
     path.write_text(json.dumps(manifest))
     np.testing.assert_array_equal(picture(view, {"elsewhere": 0.0}), parts()[0])
     with pytest.raises(InputError, match="no colour temperature"):
