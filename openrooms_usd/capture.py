@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.untrusted import check_path
 
 Confidence = Literal["low", "medium", "high"]
 
@@ -209,6 +210,7 @@ def read_capture(
         MissingPackageError: The importer needs a package that is not installed.
     """
     importer: Importer = adapters.load(adapters.IMPORTERS, kind)
+    check_path(source)
     return importer.read(source, checked_options(kind, importer, options, base))
 
 
@@ -230,6 +232,8 @@ def checked_options(
             )
     paths = option_paths(importer)
     folder = base or Path()
+    for name in paths & options.keys():
+        check_path(folder / options[name])
     return {name: str(folder / v) if name in paths else v for name, v in options.items()}
 
 

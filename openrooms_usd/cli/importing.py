@@ -173,7 +173,7 @@ def _copy(content: bytes | Path, target: Path) -> None:
     if isinstance(content, bytes):
         write_bytes(target, content)
         return
-    with opened(content, "frames") as source, replacing(target) as beside, beside.open("wb") as copy:
+    with opened(content, "frames") as source, replacing(target) as path, path.open("wb") as copy:
         shutil.copyfileobj(source, copy)
 
 

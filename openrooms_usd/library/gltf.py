@@ -1,23 +1,21 @@
 """Reads GLB and PLY files through trimesh: nodes as pieces, with constant materials."""
 
-import importlib.util
-import json
-import struct
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd import untrusted
+from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.pieces import Piece, Reading
+from openrooms_usd.scan.glb import glb_header
+from openrooms_usd.scan.meshscene import ShownMesh, shown_meshes
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface
-
-DRACO: Final = "KHR_draco_mesh_compression"
-_MAGIC: Final = b"glTF"
-_JSON: Final = 0x4E4F534A
 
 
 def read_glb(path: Path) -> Reading:
@@ -27,16 +25,9 @@ def read_glb(path: Path) -> Reading:
         InputError: It is no GLB file, or it is truncated.
         MissingPackageError: It is compressed by Draco and DracoPy is not installed.
     """
-    content = path.read_bytes()
-    header = _header(content, path)
-    used = header.get("extensionsRequired", [])
-    if DRACO in used and importlib.util.find_spec("DracoPy") is None:
-        raise MissingPackageError(
-            "its meshes are compressed by Draco, and the decoder is not installed",
-            place=path,
-            remedy="pip install 'openrooms-usd[draco]'",
-        )
-    pieces = _pieces(_load(content, "glb", path), path.stem)
+    content = untrusted.read_bytes(path, "model")
+    header = glb_header(content, path)
+    pieces = _pieces(shown_meshes(path, content=content), path.stem)
     return Reading(pieces, _picture_notes(header), licence=_copyright(header))
 
 
@@ -46,28 +37,10 @@ def read_ply(path: Path) -> Reading:
     Raises:
         InputError: It is no PLY file, is truncated, or holds points without faces.
     """
-    content = path.read_bytes()
+    content = untrusted.read_bytes(path, "model")
     if not content.startswith(b"ply"):
         raise InputError("not a PLY file", place=path, remedy="export the mesh again")
-    return Reading(_pieces(_load(content, "ply", path), path.stem), up="Z")
-
-
-def _header(content: bytes, path: Path) -> dict[str, Any]:
-    """The JSON of a GLB file, its lengths checked."""
-    try:
-        magic, version, length, size, kind = struct.unpack_from("<4sIIII", content)
-        if magic != _MAGIC or version != 2 or kind != _JSON:
-            raise ValueError("it does not begin as GLB 2 does")
-        if length > len(content):
-            raise ValueError(f"it is truncated: {len(content)} of {length} bytes")
-        header = json.loads(content[20 : 20 + size])
-        if not isinstance(header, dict):
-            raise ValueError("its description is no JSON object")
-    except (struct.error, ValueError, RecursionError) as error:
-        raise InputError(
-            f"not a readable GLB file: {error}", place=path, remedy="export the mesh again"
-        ) from error
-    return header
+    return Reading(_pieces(shown_meshes(path, content=content), path.stem), up="Z")
 
 
 def _picture_notes(header: dict[str, Any]) -> list[str]:
@@ -80,48 +53,40 @@ def _copyright(header: dict[str, Any]) -> str:
     return str(asset.get("copyright") or "") if isinstance(asset, dict) else ""
 
 
-def _load(content: bytes, kind: str, path: Path) -> Any:
-    """A trimesh scene; whatever trimesh stumbles over is the file's fault."""
-    import io
-
-    import trimesh
-
-    try:
-        return trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False)
-    except MemoryError:
-        raise
-    except Exception as error:
-        raise InputError(
-            f"not a readable {kind.upper()} file: {error}",
-            place=path,
-            remedy="open it with a mesh viewer and export it again",
-        ) from error
-
-
-def _pieces(scene: Any, title: str) -> list[Piece]:
-    pieces = []
-    for node in sorted(scene.graph.nodes_geometry):
-        matrix, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if len(getattr(mesh, "faces", ())):
-            known = name if scene.geometry.keys() - {"geometry_0"} else title
-            pieces.append(Piece(known, _mesh(mesh).transformed(matrix), _surface(mesh.visual)))
-    return pieces
+def _pieces(shown: Sequence[ShownMesh], title: str) -> list[Piece]:
+    # What has no name in the file is called so by trimesh.
+    named = {one.name for one in shown} - {"geometry_0"}
+    return [
+        Piece(
+            one.name if named else title,
+            _mesh(one.mesh).transformed(one.file_from_mesh),
+            _surface(one.mesh.visual),
+        )
+        for one in shown
+    ]
 
 
 def _mesh(mesh: Any) -> Mesh:
-    faces = np.asarray(mesh.faces, dtype=np.int32)
-    corners = faces.reshape(-1)
+    points, faces = np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces)
+    corners = faces.astype(np.int32).reshape(-1)
     # Normals that trimesh would make up are worse than ours, which know creases.
     given = "vertex_normals" in mesh._cache.cache
-    uv = getattr(mesh.visual, "uv", None)
     return Mesh(
-        points=np.asarray(mesh.vertices, dtype=np.float64),
+        points=points,
         counts=np.full(len(faces), 3, dtype=np.int32),
         indices=corners,
-        normals=np.asarray(mesh.vertex_normals, dtype=np.float32)[corners] if given else None,
-        st=None if uv is None else np.asarray(uv, dtype=np.float32)[corners],
+        normals=_at(corners, mesh.vertex_normals if given else None, len(points), 3),
+        st=_at(corners, getattr(mesh.visual, "uv", None), len(points), 2),
     )
+
+
+def _at(
+    corners: NDArray[np.int32], values: Any, count: int, width: int
+) -> NDArray[np.float32] | None:
+    """What each corner has of values of the points; None where they are not theirs."""
+    if values is None or np.shape(values) != (count, width):
+        return None
+    return np.asarray(values, dtype=np.float32)[corners]
 
 
 def _surface(visual: Any) -> "PreviewSurface | None":

@@ -8,16 +8,17 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.topology import is_closed
 from openrooms_usd.geometry.uv import cube_projection, metric
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import Model
-from openrooms_usd.library.furniture import Size
+from openrooms_usd.library.furniture.joinery import Size
 from openrooms_usd.library.gltf import read_glb, read_ply
 from openrooms_usd.library.pieces import Piece, Reading, is_textured, mended, prim_names
-from openrooms_usd.library.usdfile import layers_of, read_usd
+from openrooms_usd.library.usdfile import USD_SUFFIXES, layers_of, read_usd
 from openrooms_usd.library.wavefront import libraries_of, read_obj
 
 Up = Literal["Y", "Z"]
@@ -68,14 +69,8 @@ def read_model(
             place=path,
             remedy=f"convert it to one of: {', '.join(_READERS)}",
         )
-    if not path.is_file():
-        raise InputError("no such file", place=path, remedy="check the path")
-    try:
-        reading = reader(path)
-    except OSError as error:
-        raise InputError(
-            f"cannot be read: {error.strerror or error}", place=path, remedy="check the file"
-        ) from error
+    untrusted.checked(path, "model" if suffix not in USD_SUFFIXES else "usd")
+    reading = reader(path)
     turn = _turn(up or reading.up, front) * (unit or reading.unit)
     model = replace(_as_model(_sound(reading, path), turn, reading.notes), licence=reading.licence)
     return _fitted(model, size, turn, path)
@@ -92,10 +87,11 @@ def dependencies(path: Path) -> list[Path]:
     """
     finder = _FINDERS.get(path.suffix.lower())
     try:
-        found = set(finder(path)) if finder and path.is_file() else set()
-    except (OSError, ValueError):
+        if finder is None or not path.is_file():
+            return []
+        return sorted(set(finder(path)) - {path.resolve()})
+    except (OSError, ValueError, RuntimeError, InputError):
         return []
-    return sorted(found - {path.resolve()})
 
 
 def _turn(up: Up, front: Front) -> NDArray[np.float64]:
@@ -187,10 +183,7 @@ _READERS: Final[dict[str, Callable[[Path], Reading]]] = {
     ".obj": read_obj,
     ".glb": read_glb,
     ".ply": read_ply,
-    ".usd": read_usd,
-    ".usda": read_usd,
-    ".usdc": read_usd,
-    ".usdz": read_usd,
+    **dict.fromkeys(USD_SUFFIXES, read_usd),
 }
 
 _FINDERS: Final[dict[str, Callable[[Path], Iterable[Path]]]] = {

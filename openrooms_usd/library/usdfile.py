@@ -1,10 +1,11 @@
 """Reads USD files as pieces: one a gprim, with its bound UsdPreviewSurface."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
+from openrooms_usd import untrusted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.pieces import Piece, Reading
 
@@ -14,12 +15,16 @@ if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface
     from openrooms_usd.usd.meshes import PlacedMesh
 
+USD_SUFFIXES: Final = (".usd", ".usda", ".usdc", ".usdz")
+
 
 def read_usd(path: Path) -> Reading:
     """Read a USD, USDA, USDC or USDZ file.
 
+    Layers outside its folder that it refers to are read, which is noted.
+
     Raises:
-        InputError: It is no readable USD file.
+        InputError: It is no readable USD file, or refers to what is no file.
     """
     from pxr import UsdGeom
 
@@ -27,10 +32,11 @@ def read_usd(path: Path) -> Reading:
     from openrooms_usd.usd.layers import open_stage
     from openrooms_usd.usd.meshes import read_meshes
 
+    notes = _checked_layers(path)
     stage = open_stage(path)
     reading = read_meshes(stage)
     stage_from_world = np.linalg.inv(world_from_stage(stage))
-    notes = [f"{prim}: {outcome}, {reason}" for prim, outcome, reason in reading.losses]
+    notes += [f"{prim}: {outcome}, {reason}" for prim, outcome, reason in reading.losses]
     pieces = []
     for placed in reading:
         stage_from_local = stage_from_world @ placed.world_from_local
@@ -42,11 +48,42 @@ def read_usd(path: Path) -> Reading:
     return Reading(pieces, notes, up, UsdGeom.GetStageMetersPerUnit(stage), _licence(stage))
 
 
+def _checked_layers(path: Path) -> list[str]:
+    """See that USD may open a file and all that it refers to; notes on what lies elsewhere.
+
+    USD would wait for a pipe, or read a device to its end.
+    """
+    from pxr import Sdf, Tf
+
+    home = path.parent.resolve()
+    waiting, seen, outside = [path], {path.resolve()}, list[str]()
+    while waiting:
+        file = waiting.pop()
+        untrusted.checked(file, "usd")
+        try:
+            layer = Sdf.Layer.FindOrOpen(str(file))
+        except Tf.ErrorException:
+            continue  # said when it is composed
+        for name in layer.GetCompositionAssetDependencies() if layer else ():
+            other = Path(layer.ComputeAbsolutePath(name).partition("[")[0])
+            untrusted.check_path(other)
+            if other.suffix.lower() not in USD_SUFFIXES or not other.exists():
+                continue
+            if (real := other.resolve()) in seen:
+                continue
+            seen.add(real)
+            waiting.append(other)
+            if not real.is_relative_to(home):
+                outside.append(name)
+    return [f"{name!r}, outside the model's folder, is read, too" for name in sorted(outside)]
+
+
 def layers_of(path: Path) -> list[Path]:
     """All files that a USD file refers to, directly or through others; absolute paths."""
     from pxr import Tf, UsdUtils
 
     try:
+        _checked_layers(path)
         layers, assets, _ = UsdUtils.ComputeAllDependencies(str(path))
     except Tf.ErrorException:
         # What is broken is said when the file is read.
@@ -102,4 +139,5 @@ def _surface(placed: "PlacedMesh", path: Path, notes: list[str]) -> "PreviewSurf
 def _inside(file: str, model: Path) -> bool:
     """Whether a picture is a file in or below the model's folder, or packed with it."""
     outer = Path(file.partition("[")[0])
+    untrusted.check_path(outer)
     return outer.is_file() and outer.resolve().is_relative_to(model.parent.resolve())

@@ -1,5 +1,6 @@
 """Reads OBJ files: groups and materials as pieces, polygons kept, MTL constants and pictures."""
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.pieces import Piece, Reading
@@ -72,7 +74,7 @@ def read_obj(path: Path) -> Reading:
 
 def libraries_of(path: Path) -> Iterator[Path]:
     """The material libraries of an OBJ file and their pictures, as far as they are read."""
-    text = path.read_text(encoding="utf-8", errors="replace")
+    text = untrusted.read_text(path, "model")
     for line in re.findall(r"^[ \t]*mtllib[ \t]+([^#\n]+)", text, re.MULTILINE):
         library = beside(path, " ".join(line.split()), [])
         if library is not None:
@@ -84,7 +86,7 @@ def libraries_of(path: Path) -> Iterator[Path]:
 def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Statements with their line numbers; comments dropped, continued lines joined."""
     pending = ""
-    text = path.read_text(encoding="utf-8", errors="replace")
+    text = untrusted.read_text(path, "model")
     for number, line in enumerate(text.split("\n"), start=1):
         joined = pending + line.partition("#")[0].strip()
         if joined.endswith("\\"):
@@ -174,7 +176,13 @@ def beside(model: Path, name: str, notes: list[str]) -> Path | None:
     ShapeNet keeps the pictures of ``models/model_normalized.obj`` in the folder ``images`` beside.
     """
     folder = model.parent.resolve()
-    path = (folder / name.replace("\\", "/")).resolve()
+    path = folder / name.replace("\\", "/")
+    try:
+        untrusted.check_path(path)
+        path = path.resolve()
+    except (InputError, OSError, RuntimeError):  # links in a circle
+        notes.append(f"{name[:60]!r} cannot be the path of a file and is ignored")
+        return None
     images = folder.with_name("images") if folder.name == "models" else folder
     if not path.is_relative_to(folder) and not path.is_relative_to(images):
         notes.append(f"{name!r} lies outside the model's folder and is ignored")
@@ -210,15 +218,22 @@ def _surface(path: Path, values: dict[str, list[str]], notes: list[str]) -> "Pre
     """
     from openrooms_usd.usd.materials import PreviewSurface
 
-    r, g, b = (min(max(float(v), 0.0), 1.0) for v in values.get("Kd", ["0.8"] * 3)[:3])
-    exponent = min(max(float(values.get("Ns", ["10"])[0]), 0.0), 1e6)
-    opacity = float(values["d"][-1]) if "d" in values else 1.0
+    r, g, b = (_clipped(v, 1.0) for v in values.get("Kd", ["0.8"] * 3)[:3])
+    exponent = _clipped(values.get("Ns", ["10"])[0], 1e6)
+    opacity = _clipped(values["d"][-1], 1.0) if "d" in values else 1.0
     picture = _picture(path, values["map_Kd"][-1], notes) if "map_Kd" in values else None
     return PreviewSurface(
         base_color=picture or (r, g, b),
         roughness=round((2.0 / (exponent + 2.0)) ** 0.25, 4),
-        opacity=min(max(opacity, 0.0), 1.0),
+        opacity=opacity,
     )
+
+
+def _clipped(word: str, most: float) -> float:
+    number = float(word)
+    if not math.isfinite(number):
+        raise ValueError(f"{word} is no number")
+    return min(max(number, 0.0), most)
 
 
 def _picture(path: Path, name: str, notes: list[str]) -> "Texture | None":

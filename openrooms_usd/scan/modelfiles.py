@@ -10,7 +10,9 @@ from typing import Any, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.scan.meshscene import shown_meshes
 from openrooms_usd.scan.models import CadModel, Symmetry, Up
 
 Array = NDArray[np.float64]
@@ -18,8 +20,7 @@ Known = TypeVar("Known")
 
 INDEX: Final = "index.json"
 _SUFFIXES: Final = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
-_LARGEST: Final = 1 << 28
-_LARGEST_INDEX: Final = 1 << 26
+_EXPORT: Final = "export it again as OBJ, PLY or uncompressed GLB"
 # Spellings without case: ours, the group's, and Scan2CAD's.
 _SYMMETRIES: Final[dict[str, Symmetry]] = {
     **dict.fromkeys(("none", "1", "c1", "__sym_none"), "none"),
@@ -61,6 +62,7 @@ def cad_files(folder: Path, suffixes: Collection[str] = _SUFFIXES) -> tuple[CadF
     Raises:
         InputError: The folder or the index cannot be read.
     """
+    untrusted.check_path(folder)
     if not folder.is_dir():
         raise InputError("no such folder of CADs", place=folder, remedy="check alignment.cad")
     index = _read_index(folder / INDEX)
@@ -124,13 +126,11 @@ def _distinct(parts: tuple[str, ...], all_parts: Collection[tuple[str, ...]]) ->
 
 
 def _read_index(path: Path) -> Mapping[str, Any]:
-    if not path.is_file():
+    if not path.exists():
         return {}
     try:
-        if path.stat().st_size > _LARGEST_INDEX:
-            raise ValueError("it is larger than 64 MiB")
-        index = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        index = json.loads(untrusted.read_text(path, "json"))
+    except (ValueError, RecursionError) as error:
         raise InputError(
             f"the index of the CADs cannot be read: {error}", place=path, remedy="mend the JSON"
         ) from error
@@ -190,35 +190,16 @@ def _chosen(
 
 
 def _mesh(path: Path) -> tuple[Array, NDArray[np.int32]]:
-    """Vertices and triangles of a file."""
-    import trimesh
-
-    try:
-        if path.stat().st_size > _LARGEST:
-            raise ValueError("it is larger than 256 MiB")
-        vertices, faces = _joined(trimesh.load_scene(path, process=False, skip_materials=True))
-        if not len(faces) or faces.min() < 0 or faces.max() >= len(vertices):
-            raise ValueError("it has no faces, or faces without corners")
-        if not vertices.any():
-            raise ValueError("all its corners lie in the origin; a compressed GLB needs DracoPy")
-    except Exception as error:
-        # trimesh's readers raise whatever a broken file leads them to.
-        raise InputError(
-            f"the CAD cannot be read: {error or type(error).__name__}",
-            place=path,
-            remedy="export it again as OBJ, PLY or uncompressed GLB",
-        ) from error
-    return vertices, faces
-
-
-def _joined(scene: Any) -> tuple[Array, NDArray[np.int32]]:
-    """One mesh of all that a scene shows."""
-    vertices, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int32)], 0
-    for node in scene.graph.nodes_geometry:
-        matrix, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if hasattr(mesh, "faces"):
-            vertices.append(np.asarray(mesh.vertices) @ matrix[:3, :3].T + matrix[:3, 3])
-            faces.append(np.asarray(mesh.faces, dtype=np.int32).reshape(-1, 3) + count)
-            count += len(mesh.vertices)
-    return np.concatenate(vertices), np.concatenate(faces)
+    """Vertices and triangles of all that a file shows, as one mesh."""
+    shown = shown_meshes(path, materials=False)
+    if not shown:
+        raise InputError("it has no faces", place=path, remedy=_EXPORT)
+    starts = np.cumsum([0, *(len(one.vertices) for one in shown)]).tolist()
+    vertices = np.concatenate([one.vertices for one in shown])
+    faces = [one.faces + start for one, start in zip(shown, starts, strict=False)]
+    if not np.isfinite(vertices).all():
+        raise InputError("it has corners that are not finite", place=path, remedy=_EXPORT)
+    if not vertices.any():
+        text = "all its corners lie in the origin; a compressed GLB needs DracoPy"
+        raise InputError(text, place=path, remedy=_EXPORT)
+    return vertices, np.concatenate(faces).astype(np.int32)

@@ -41,6 +41,7 @@ from openrooms_usd.stages.following import Following
 from openrooms_usd.stages.placement import FLOOR, Placement, Source, Stand, Supports
 from openrooms_usd.stages.poses import author_upright, moved_by_hand
 from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.untrusted import check_path
 
 ASSETS: Final = "assets"
 _TYPES: Final = Sdf.ValueTypeNames
@@ -107,6 +108,7 @@ def _scanned_inputs(alignment: ScanAlignment, room: Room, source: Path) -> list[
     scan = capture_inputs(layout, source) if isinstance(layout, ScanLayout) else []
     if alignment.cad is None:
         return scan
+    check_path(source / alignment.cad)
     files = [path for path in (source / alignment.cad).rglob("*") if path.is_file()]
     return [*scan, *sorted(os.path.relpath(path, source) for path in files)]
 

@@ -10,6 +10,7 @@ from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
 from openrooms_usd.library.meshfile import dependencies
 from openrooms_usd.stages.base import StageContext, input_file
+from openrooms_usd.untrusted import check_path
 
 
 def captured_section(room: Room) -> CapturedSection | None:
@@ -44,8 +45,13 @@ def capture_inputs(section: CapturedSection, source: Path) -> list[str]:
         section: The section.
         source: The description's folder.
     """
-    own = _below(source, section.file) if (source / section.file).is_dir() else [section.file]
+    own = _below(source, section.file) if _is_folder(source, section.file) else [section.file]
     return list(dict.fromkeys([*own, *_named(section, source)]))
+
+
+def _is_folder(source: Path, relative: str) -> bool:
+    check_path(source / relative)
+    return (source / relative).is_dir()
 
 
 def _below(source: Path, folder: str) -> list[str]:
@@ -59,8 +65,8 @@ def _named(section: CapturedSection, source: Path) -> Iterator[str]:
         return
     paths = option_paths(adapters.load(adapters.IMPORTERS, section.reader))
     named = [value for name, value in section.asked.items() if name in paths]
-    yield from (value for value in named if not (source / value).is_dir())
-    if any((source / value).is_dir() for value in named):
+    yield from (value for value in named if not _is_folder(source, value))
+    if any(_is_folder(source, value) for value in named):
         capture = read_capture(section.reader, source / section.file, section.asked, source)
         for file in sorted({model.file for model in capture.models if model.file}):
             for path in (file.resolve(), *dependencies(file)):

@@ -4,7 +4,6 @@ Only numbers are admitted: no objects, which would be pickles, no texts and no r
 """
 
 import math
-import os
 import tokenize
 import warnings
 from collections.abc import Collection
@@ -29,16 +28,6 @@ _DAMAGE: Final = (
 # Packed numbers unpack to no more than this, or to so many times the file: honest ones are noisy.
 _SMALL: Final = 256 << 20
 _MOST_GAIN: Final = 64
-
-
-def read_array(path: Path, kind: untrusted.Kind = "array") -> NDArray[Any]:
-    """The numbers of a ``.npy`` file.
-
-    Raises:
-        InputError: It cannot be read, is damaged or cut off, or holds anything but numbers.
-    """
-    with untrusted.opened(path, kind) as stream:
-        return _array(stream, os.fstat(stream.fileno()).st_size, path)
 
 
 def read_arrays(

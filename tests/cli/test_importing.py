@@ -111,10 +111,10 @@ def test_nothing_is_written_for_what_cannot_be_read(tmp_path: Path) -> None:
 def test_a_capture_that_may_not_be_read_is_named(
     capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(path: Path) -> bytes:
+    def refuse(*given: object) -> int:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_bytes", refuse)
+    monkeypatch.setattr("openrooms_usd.untrusted.os.open", refuse)
     result = run("roomplan", capture, "-o", tmp_path / "room")
     assert isinstance(result.exception, InputError)
     assert str(capture) in str(result.exception)

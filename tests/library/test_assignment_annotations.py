@@ -63,8 +63,8 @@ def test_what_is_no_annotation_is_refused(tmp_path: Path, text: str, message: st
 
 
 def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot read the annotation"):
+    with pytest.raises(InputError, match="no such file"):
         read_annotation(tmp_path / "none.txt")
     (tmp_path / "ann.txt").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match="it is not text"):
+    with pytest.raises(InputError, match="expected the number of a part"):
         read_annotation(tmp_path / "ann.txt")

@@ -59,8 +59,8 @@ def test_symmetries_are_spelt_in_several_ways(tmp_path: Path, symmetry: object) 
         ("index.json", "[]", "no object"),
         ("index.json", '{"a": 3}', "neither"),
         ("index.json", '{"a": {"symmetry": "7"}}', "symmetry"),
-        ("a.obj", "v 0 0 0\nf 1 2 3\n", "cannot be read"),
-        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 999999999999\n", "cannot be read"),
+        ("a.obj", "v 0 0 0\nf 1 2 3\n", "not a readable OBJ"),
+        ("a.ply", "ply\nformat ascii 1.0\nelement vertex 999999999999\n", "not a readable PLY"),
         ("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
     ],
 )

@@ -52,7 +52,7 @@ def test_draco_without_its_package_is_said(tmp_path: Path) -> None:
     (tmp_path / "d.glb").write_bytes(body + struct.pack("<I4s", len(header), b"JSON") + header)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "DracoPy", None)
-        patch.setattr("orusd_scans.meshfile.find_spec", lambda name: None)
+        patch.setattr("importlib.util.find_spec", lambda name: None)
         with pytest.raises(MissingPackageError, match="Draco"):
             read_mesh(tmp_path / "d.glb")
 

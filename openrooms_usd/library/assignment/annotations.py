@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+from openrooms_usd import untrusted
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.errors import InputError
@@ -35,9 +36,8 @@ CATEGORIES: Final[tuple[Substance, ...]] = (
 )
 AREA_LIGHT: Final = 9
 PART_COUNT: Final = "matNum.txt"
-# No honest annotation is longer.
-_LONGEST: Final = 2**22
-_NUMBERED: Final = re.compile(r"(?:^|_)part_?(\d+)$", re.IGNORECASE)
+_NUMBER: Final = re.compile(r"[0-9]{1,9}", re.ASCII)
+_NUMBERED: Final = re.compile(r"(?:^|_)part_?([0-9]{1,9})$", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -100,14 +100,7 @@ def read_annotation(path: Path) -> Annotation:
 
 
 def _lines(path: Path) -> Iterator[tuple[int, str]]:
-    try:
-        if path.stat().st_size > _LONGEST:
-            raise InputError("too long for an annotation", place=path, remedy="give another file")
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        message = f"cannot read the annotation: {reason}"
-        raise InputError(message, place=path, remedy="check the path and the file") from error
+    text = untrusted.read_text(path, remedy="check the path and the file")
     stripped = ((number, line.strip()) for number, line in enumerate(text.splitlines(), 1))
     return ((number, line) for number, line in stripped if line)
 
@@ -133,12 +126,12 @@ def _count(path: Path, lines: list[tuple[int, str]]) -> int | None:
     headers = [text.lstrip("# ") for _, text in lines if text.startswith("#")]
     if beside.is_file():
         headers = [text for _, text in _lines(beside)]
-    return next((int(text) for text in headers if text.isdecimal()), None)
+    return next((int(text) for text in headers if _NUMBER.fullmatch(text)), None)
 
 
 def _row(path: Path, line: int, text: str) -> tuple[int, list[int]]:
     words = text.split()
-    if len(words) < 2 or not all(word.isascii() and word.isdecimal() for word in words):
+    if len(words) < 2 or not all(_NUMBER.fullmatch(word) for word in words):
         raise InputError(
             f"expected the number of a part and of its categories, found {text[:60]!r}",
             place=f"{path}:{line}",

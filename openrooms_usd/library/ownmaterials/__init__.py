@@ -12,6 +12,7 @@ from openrooms_usd.library.ownmaterials.folders import files_in, read_folder
 from openrooms_usd.library.ownmaterials.material import OwnMaterial
 from openrooms_usd.library.ownmaterials.naming import map_of
 from openrooms_usd.library.ownmaterials.publishing import publish
+from openrooms_usd.untrusted import check_path
 
 __all__ = [
     "OwnMaterial",
@@ -61,6 +62,7 @@ def files_of(path: Path) -> list[Path]:
 
 
 def _is_materialx(path: Path) -> bool:
+    check_path(path)
     if path.is_dir():
         return False
     if path.suffix.lower() == MATERIALX and path.is_file():

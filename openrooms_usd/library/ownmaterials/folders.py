@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.ownmaterials.licences import licence_files, licence_in
 from openrooms_usd.library.ownmaterials.material import F0, OwnMaterial
@@ -145,6 +146,7 @@ def _chosen(folder: Path, kind: Map, found: list[tuple[str, Path]], losses: list
 
 
 def _rank(path: Path) -> tuple[int, int, str]:
+    untrusted.checked(path, "picture")
     facts = picture_facts(str(path))
     return -facts.width * facts.height, _SUFFIXES.index(path.suffix.lower()), path.name
 

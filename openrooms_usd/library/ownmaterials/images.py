@@ -83,7 +83,9 @@ class Images:
         if not name:
             self.missing.append(f"{where} names no file")
         elif target is None:
-            self.missing.append(f"{where} names {name}, which lies outside the material's folder")
+            self.missing.append(
+                f"{where} names {name[:200]}, which lies outside the material's folder"
+            )
         elif not target.is_file():
             self.missing.append(f"{where} names {name}, which is missing")
         else:

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 from typing import Final
 
-from openrooms_usd.errors import InputError
+from openrooms_usd import untrusted
 from openrooms_usd.library.ownmaterials.material import UNKNOWN_LICENCE
 
 _FILES: Final = re.compile(r"(licen[cs]e|copying|copyright)([._-].*)?", re.IGNORECASE)
@@ -38,13 +38,8 @@ def licence_in(folder: Path) -> str:
         InputError: The file that states it cannot be read.
     """
     for file in licence_files(folder):
-        try:
-            with file.open("rb") as content:
-                text = content.read(_MOST_BYTES).decode("utf-8", errors="replace")
-        except OSError as error:
-            raise InputError(
-                f"cannot read: {error.strerror}", place=file, remedy="check its permissions"
-            ) from error
+        with untrusted.opened(file, "text", remedy="check its permissions") as content:
+            text = untrusted.decoded(content.read(_MOST_BYTES))
         if licence := _name(text):
             return licence
     return UNKNOWN_LICENCE

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Final
 
+from openrooms_usd import untrusted
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 
 # What stands where nobody has said under which terms a material may be used.
@@ -76,8 +77,8 @@ class OwnMaterial:
 
 
 def _content_name(file: Path) -> str:
-    with file.open("rb") as content:
-        digest = hashlib.file_digest(content, "sha256").hexdigest()[:12]
+    with untrusted.opened(file, "picture") as content:
+        digest = hashlib.file_digest(content, "sha256").hexdigest()[:12]  # type: ignore[arg-type]
     return f"{digest}{file.suffix.lower()}"
 
 

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Final
 from xml.parsers import expat
 
+from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.ownmaterials.licences import licence_files
 
-_MOST_BYTES: Final = 16 * 2**20
 _DEEPEST: Final = 64
 _MOST_INCLUDES: Final = 256
 _ENTITIES: Final = re.compile(r"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
@@ -43,16 +43,7 @@ def read_outline(path: Path) -> Outline:
     Raises:
         InputError: It cannot be read, is no XML, has a DOCTYPE or entities, or is nested too deep.
     """
-    try:
-        with path.open("rb") as file:
-            content = file.read(_MOST_BYTES + 1)
-        text = content.decode("utf-8-sig")
-    except OSError as error:
-        raise _refused(path, f"cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise _refused(path, "is not written in UTF-8") from error
-    if len(content) > _MOST_BYTES:
-        raise _refused(path, f"is larger than {_MOST_BYTES // 2**20} MiB")
+    text = untrusted.read_text(path)
     if _ENTITIES.search(text):
         raise _refused(path, "declares a DOCTYPE or entities, which no material needs")
     outline = Outline(text)
@@ -80,26 +71,28 @@ def _parse(outline: Outline) -> None:
         elif attributes.get("type") == "filename" and attributes.get("value"):
             outline.files.append(prefixes[-1] + attributes["value"])
 
-    parser = expat.ParserCreate(namespace_separator=" ")
+    # Whatever encoding the file says that it has: it is text already.
+    parser = expat.ParserCreate("utf-8", namespace_separator=" ")
     parser.StartElementHandler = start
     parser.EndElementHandler = lambda name: prefixes.pop()
     parser.Parse(outline.text.encode(), True)
 
 
 def located(name: str, folder: Path) -> Path | None:
-    """Where a named file lies, or None when the name leads out of the folder.
+    """Where a named file lies, or None when the name leads out of the folder, or to no file.
 
     Args:
         name: As a file says it; an absolute path is the user's own choice.
         folder: The folder of the .mtlx.
     """
     plain = name.replace("\\", "/")
-    if Path(plain).is_absolute():
-        return Path(plain)
-    if "\0" in plain:
-        return None
     target = Path(os.path.normpath(folder / plain))
-    return target if target.resolve().is_relative_to(folder.resolve()) else None
+    try:
+        untrusted.check_path(target)
+        inside = target.resolve().is_relative_to(folder.resolve())
+    except (InputError, OSError, RuntimeError):  # links in a circle
+        return None
+    return target if inside or Path(plain).is_absolute() else None
 
 
 def included(path: Path, name: str) -> Path:
@@ -111,13 +104,13 @@ def included(path: Path, name: str) -> Path:
     target = located(name, path.parent)
     if target is None or Path(name).is_absolute():
         raise InputError(
-            f"it includes {name!r}, which lies outside its folder",
+            f"it includes {name[:200]!r}, which lies outside its folder",
             place=path,
             remedy="copy the included file into the folder",
         )
     if not target.is_file():
         raise InputError(
-            f"it includes {name!r}, which is missing", place=path, remedy="copy it there"
+            f"it includes {name[:200]!r}, which is missing", place=path, remedy="copy it there"
         )
     return target
 
