@@ -1,18 +1,27 @@
 """LAS, LAZ and E57 files of laser scanners, through laspy and pye57."""
 
+import re
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.errors import InputError, MissingPackageError
-from orusd_scans.scanned import Scanned, broken, cloud_of, counted, opened
+from openrooms_usd.errors import MissingPackageError, OrusdError
+from orusd_scans.scanned import Scanned, broken, cloud_of, counted, opened, size_of
 
 _LAS: Final = ("x", "y", "z", "red", "green", "blue")
+_LAS_HEAD: Final = 375  # bytes
+# Packed points have a byte each, and more; so few may have less.
+_FEW: Final = 1 << 16
+_E57_HEAD: Final = struct.Struct("<8sIIQQQQ")
+_E57_PAGE: Final = 1024
+_MOST_XML: Final = 1 << 26
+_ENTITIES: Final = re.compile(rb"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
 _REMEDY: Final = "pip install 'openrooms_usd[scans]'"
 
 
@@ -26,18 +35,34 @@ def read_las(path: Path) -> Scanned:
     laspy = _package("laspy")
     if path.suffix.lower() == ".laz":
         _package("lazrs")
-    with opened(path) as stream, _blamed(path, "LAS"), laspy.open(stream, closefd=False) as reader:
-        header = reader.header
-        counted(path, str(header.point_count))
-        room = path.stat().st_size - header.offset_to_point_data
-        if not header.are_points_compressed:
-            room -= header.point_count * header.point_format.size
-        if room < 0:
-            raise broken(path, f"it ends too early: {header.point_count:,} points are announced")
-        points = reader.read()
+    with opened(path) as stream, _blamed(path, "LAS"):
+        _check_las(stream, path)
+        with laspy.open(stream, closefd=False) as reader:
+            header = reader.header
+            count = counted(path, str(header.point_count))
+            room = size_of(stream) - header.offset_to_point_data
+            packed = header.are_points_compressed
+            needed = count - _FEW if packed else count * header.point_format.size
+            if room < max(needed, 0):
+                raise broken(path, f"it ends too early: {count:,} points are announced")
+            points = reader.read()
         known = {"x", "y", "z", *points.point_format.dimension_names}
         columns = {name: np.asarray(points[name]) for name in _LAS if name in known}
     return Scanned(cloud_of(columns, path, []))
+
+
+def _check_las(stream: BinaryIO, path: Path) -> None:
+    """Refuse numbers of records that laspy would go on counting after the end of the file.
+
+    (ASPRS, "LAS Specification 1.4 - R15", 2019, table 3.)
+    """
+    head = stream.read(_LAS_HEAD).ljust(_LAS_HEAD, b"\0")
+    stream.seek(0)
+    length, start, records = struct.unpack_from("<HII", head, 94)
+    more_start, more = struct.unpack_from("<QI", head, 235) if head[25] >= 4 else (0, 0)
+    ends = (length + 54 * records, start, more_start + 60 * more)
+    if max(ends) > size_of(stream) or ends[0] > start:
+        raise broken(path, "it ends too early, or its header is damaged")
 
 
 def read_e57(path: Path) -> Scanned:
@@ -48,12 +73,15 @@ def read_e57(path: Path) -> Scanned:
         MissingPackageError: pye57 is not installed.
     """
     pye57 = _package("pye57")
-    with opened(path):
-        pass
+    with opened(path) as stream:
+        size = size_of(stream)
+        _check_e57(stream, path)
     with _blamed(path, "E57"):
         file = pye57.E57(str(path))
         try:
-            counted(path, str(sum(file.get_header(i).point_count for i in range(file.scan_count))))
+            points = sum(file.get_header(i).point_count for i in range(file.scan_count))
+            if counted(path, str(points)) > size:
+                raise broken(path, f"it ends too early: {points:,} points are announced")
             scans = [
                 file.read_scan(i, colors=True, ignore_missing_fields=True)
                 for i in range(file.scan_count)
@@ -66,6 +94,25 @@ def read_e57(path: Path) -> Scanned:
         raise broken(path, "it holds no scans")
     cloud = cloud_of(_joined(scans), path, [])
     return Scanned(replace(cloud, eyes=np.array(places)) if places else cloud)
+
+
+def _check_e57(stream: BinaryIO, path: Path) -> None:
+    """Refuse a description that declares entities, which its reader would look up and unfold.
+
+    (ASTM E2807, clause 7: the XML section, in pages that end in checksums.)
+    """
+    head = stream.read(_E57_HEAD.size)
+    if len(head) < _E57_HEAD.size or not head.startswith(b"ASTM-E57"):
+        raise broken(path, "this is no E57 file")
+    _, _, _, _, offset, length, page = _E57_HEAD.unpack(head)
+    if page != _E57_PAGE or offset + length > size_of(stream) or length > _MOST_XML:
+        raise broken(path, "it ends too early, or its header is damaged")
+    stream.seek(offset - offset % page)
+    pages = stream.read((length // (page - 4) + 2) * page)
+    text = b"".join(pages[i : i + page - 4] for i in range(0, len(pages), page))
+    text = text[offset % page :][:length]
+    if not text.lstrip(b"\xef\xbb\xbf").startswith(b"<?xml") or _ENTITIES.search(text):
+        raise broken(path, "its description is no XML, or declares entities")
 
 
 def _joined(scans: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
@@ -89,8 +136,8 @@ def _blamed(path: Path, kind: str) -> Iterator[None]:
     """Whatever the libraries stumble over is the file's fault."""
     try:
         yield
-    except (InputError, MemoryError):
+    except (OrusdError, KeyboardInterrupt, SystemExit):
         raise
-    except Exception as error:
+    except BaseException as error:  # a library in Rust raises what is no Exception
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise broken(path, f"not a readable {kind} file: {reason[:200]}") from error

@@ -74,7 +74,7 @@ class Sens:
     def depths(self, every: int = 1) -> Iterator[tuple[int, Node, NDArray[np.float32]]]:
         """Number, pose and depth picture (H, W), metres, of one in some frames."""
         width, height = self.depth_size
-        if not 0 < width * height <= _MOST_PIXELS or not 0.0 < self._units < np.inf:
+        if not 0 < width * height <= _MOST_PIXELS or not 1e-3 < self._units < 1e9:
             raise self._error(f"depth pictures of {width}x{height} pixels make no sense")
         if self._coding not in (_RAW, _ZLIB):
             raise self._error(f"its depth is packed by a method that is not known: {self._coding}")
@@ -82,7 +82,8 @@ class Sens:
             if number % every:
                 self._skip(length, self._size)
                 continue
-            self._check(length, self._size)
+            # What is packed may be a little longer than what is not.
+            self._check(length, 4 * width * height + 1024)
             values = self._depth(self._stream.read(length), number)
             metres = values.reshape(height, width).astype(np.float32) / np.float32(self._units)
             yield number, pose, metres

@@ -28,6 +28,8 @@ CLASSES: Final = (
 _NAMES: Final = ("x", "y", "z", "red", "green", "blue")
 _LARGEST: Final = 1e3  # metres
 _LABEL_FIELDS: Final = 13
+# One frame has some 50,000 points of 6 numbers.
+_MOST_NUMBERS: Final = 1 << 26
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,13 +127,17 @@ def read_matrix(path: Path, notes: list[str]) -> Cloud:
     Raises:
         InputError: It cannot be read, or has no such matrix.
     """
-    from scipy.io import loadmat
+    from scipy.io import loadmat, whosmat
 
-    with opened(path):
+    with opened(path, "array") as stream:
         try:
-            found: Any = loadmat(str(path), variable_names=["instance"]).get("instance")
-        except MemoryError:
-            raise
+            kinds = {name: (shape, kind) for name, shape, kind in whosmat(stream)}
+            shape, kind = kinds.get("instance", ((), "nothing"))
+            # Of nested kinds the reader runs out of stack.
+            if kind not in ("double", "single") or math.prod(shape) > _MOST_NUMBERS:
+                raise ValueError(f"'instance' is {kind} of {'x'.join(map(str, shape))}")
+            stream.seek(0)
+            found: Any = loadmat(stream, variable_names=["instance"]).get("instance")
         except Exception as error:
             raise broken(path, f"not a readable MAT file: {str(error)[:200]}") from error
     if not isinstance(found, np.ndarray) or found.dtype.kind != "f":

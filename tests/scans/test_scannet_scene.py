@@ -152,7 +152,7 @@ def test_damaged_depth_is_refused(tmp_path: Path, coding: int, depth: bytes, sai
 
 
 def test_depth_that_unfolds_without_end_takes_no_memory(tmp_path: Path) -> None:
-    path = sens(tmp_path / "bomb.sens", 1, zlib.compress(bytes(10**8)))
+    path = sens(tmp_path / "bomb.sens", 1, zlib.compress(bytes(10**7)))
     tracemalloc.start()
     with pytest.raises(InputError, match="is not of 6,144 bytes"):
         fuse_sens(path)
