@@ -202,6 +202,14 @@ def _contributions(scene: RenderedScene, view: RenderedView) -> dict[int, NDArra
             place=view.folder / LIGHTS_FILE,
             remedy="render again with --channels radiance_i among them",
         )
+    unknown = found.keys() - {light.number for light in scene.lights}
+    if unknown:
+        raise InputError(
+            f"the view holds what light {min(unknown)} contributes, which the manifest does not "
+            "know",
+            place=view.folder / LIGHTS_FILE,
+            remedy="render again",
+        )
     return found
 
 
