@@ -14,9 +14,35 @@ Every error carries a stable code, the message, the place (file, field or prim) 
 command line prints ``str(error)`` and leaves with ``exit_code``; nobody ever needs a traceback.
 """
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Final
+
+# What moves a terminal's cursor, colours it, turns the direction of writing or is no character.
+_UNPRINTABLE: Final = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
+)
+
+
+def printable(text: object, *, lines: bool = True) -> str:
+    """A text that holds names from files, such that a terminal only shows it.
+
+    Args:
+        text: Anything.
+        lines: Whether line breaks stay; in a name alone they are escaped too.
+
+    Returns:
+        The text with control characters, marks of direction and lone surrogates as escapes.
+    """
+    shown = _UNPRINTABLE.sub(_escaped, str(text))
+    return shown if lines else shown.replace("\n", "\\n")
+
+
+def _escaped(found: re.Match[str]) -> str:
+    code = ord(found[0])
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"
 
 
 class OrusdError(Exception):
@@ -38,8 +64,10 @@ class OrusdError(Exception):
         super().__init__(message)
 
     def __str__(self) -> str:
-        text = f"{self.place}: {self.message}" if self.place else self.message
-        return f"{text}\n  remedy: {self.remedy}" if self.remedy else text
+        # Lists in a message have lines of their own; a place is one name.
+        place = f"{printable(self.place, lines=False)}: " if self.place else ""
+        remedy = f"\n  remedy: {printable(self.remedy)}" if self.remedy else ""
+        return f"{place}{printable(self.message)}{remedy}"
 
     def as_dict(self) -> dict[str, str | None]:
         """The error as plain data, for ``--json``."""

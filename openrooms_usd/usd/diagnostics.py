@@ -3,24 +3,64 @@
 import os
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
 from pxr import Tf, Usd, UsdUtils
 
-# Where in memory something lies, and names of rules in USD's own grammar.
+from openrooms_usd.errors import InputError, printable
+
+# What Python gets where USD cannot read something: the second for names that are no text.
+UNREADABLE: Final = (Tf.ErrorException, UnicodeDecodeError)
+# What else values that nobody expects end in: prims that cannot be, and nesting without an end.
+_BROKEN: Final = (*UNREADABLE, RuntimeError, RecursionError)
+
+# Where in memory something lies, names of rules in USD's own grammar, and of its source files.
 _NOISE: Final = re.compile(
     r"\s*\([^()]*\b0x[^()]*\)"
     r"|(?: (?:of|in|from|on) layer )?@anon:[^@]*@"
     r"| matching pxrInternal\S+"
+    r"|\s*\bpxrInternal_\w+?__pxrReserved__::"
+    r"|(?: at line \d+)? (?:in|of) (?:file )?\S+\.(?:cpp|h)\b(?: line \d+)?"
 )
+# Longer sentences quote the file itself.
+_LONGEST: Final = 300
 
 
-def reason(error: Tf.ErrorException) -> str:
-    """What USD says is wrong, without where in USD it was said."""
-    # The first of its errors is the cause, the others what followed from it.
-    return _plain(error.args[0].commentary)
+def reason(error: BaseException) -> str:
+    """What USD says is wrong, in one sentence, without where in USD it was said."""
+    if isinstance(error, UnicodeDecodeError):
+        return "it holds names that are not UTF-8 text"
+    if isinstance(error, RecursionError):
+        return "it nests too deeply"
+    if not isinstance(error, Tf.ErrorException) or not error.args:
+        return plain(error) or "it is damaged"
+    try:
+        # The first of its errors is the cause, the others what followed from it.
+        return plain(error.args[0].commentary) or "it is damaged"
+    except UnicodeDecodeError as other:
+        return reason(other)
+
+
+@contextmanager
+def reading(path: object) -> Iterator[None]:
+    """Say of a file what USD cannot read of it, also where values are read late.
+
+    Args:
+        path: The file, for the message.
+
+    Raises:
+        InputError: USD, or what Python makes of its values, fails inside the block.
+    """
+    try:
+        yield
+    except _BROKEN as error:
+        raise InputError(
+            f"not a readable USD file: {reason(error)}",
+            place=path,
+            remedy="open it with a USD tool that shows the mistake, or export it again",
+        ) from error
 
 
 def composition_errors(stage: Usd.Stage) -> list[tuple[str, str]]:
@@ -32,14 +72,25 @@ def composition_errors(stage: Usd.Stage) -> list[tuple[str, str]]:
     """
     home = f"{Path(stage.GetRootLayer().realPath).absolute().parent}{os.sep}"
     return [
-        (str(error.rootSite.path), _plain(error).replace(home, "./"))
+        (str(error.rootSite.path), _said(error).replace(home, "./"))
         for error in stage.GetCompositionErrors()
     ]
 
 
-def _plain(said: object) -> str:
-    """One line, without addresses in memory and names of rules in USD's own grammar."""
-    return _NOISE.sub("", " ".join(str(said).split()))
+def _said(error: object) -> str:
+    try:
+        return plain(error)
+    except UnicodeDecodeError as other:
+        return reason(other)
+
+
+def plain(said: object) -> str:
+    """One line of bounded length, without what is of USD's own program."""
+    text = printable(_NOISE.sub("", " ".join(str(said).split())), lines=False).strip()
+    if len(text) <= _LONGEST:
+        return text
+    # What USD quotes is long; what it says of it stands at either end.
+    return f"{text[: _LONGEST - 104]} ... {text[-99:]}"
 
 
 @contextmanager
@@ -49,5 +100,6 @@ def quiet() -> Iterator[None]:
     try:
         yield
     finally:
-        delegate.TakeUncoalescedDiagnostics()
+        with suppress(UnicodeDecodeError):
+            delegate.TakeUncoalescedDiagnostics()
         del delegate

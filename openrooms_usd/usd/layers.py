@@ -13,11 +13,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from pxr import Ar, Sdf, Tf, Usd, UsdGeom
+from pxr import Ar, Sdf, Usd, UsdGeom
 
 from openrooms_usd import atomic, names, removal, unfinished
 from openrooms_usd.errors import InputError, writing
-from openrooms_usd.usd.diagnostics import reason
+from openrooms_usd.usd import preflight
+from openrooms_usd.usd.diagnostics import UNREADABLE, reading, reason
 
 # Arrays with more elements than this leave the text layer.
 LONG_ARRAY: Final = 24
@@ -40,26 +41,20 @@ def open_stage(path: Path) -> Usd.Stage:
     """Open a USD stage from disk.
 
     Raises:
-        InputError: The file is missing, or is not USD.
+        InputError: The file is missing, is not USD, or is not fit to be opened (`preflight`).
     """
-    if not path.is_file():
-        message = "this is no file" if path.exists() else "no such file"
-        raise InputError(message, place=path, remedy="check the path")
-    if path.suffix.lower() == ".usdz" and not zipfile.is_zipfile(path):
+    if path.suffix.lower() == ".usdz" and path.is_file() and not zipfile.is_zipfile(path):
         # USD reads the first files of an archive that is cut off, and misses the others.
         raise InputError(
             "not a whole USDZ archive", place=path, remedy="copy it again, or export it again"
         )
-    try:
+    # USD caches layers by name as long as somebody holds them: they are read once.
+    held = preflight.check_stage_file(path)
+    with reading(path):
         stage = Usd.Stage.Open(str(path))
-        # USD caches layers by name; one that was written again since then is read again.
+        # What was missing when a stage of before was composed may be there now.
         stage.Reload()
-    except Tf.ErrorException as error:
-        raise InputError(
-            f"not a readable USD file: {reason(error)}",
-            place=path,
-            remedy="open it with a USD tool that shows the mistake, or export it again",
-        ) from error
+    del held
     return stage
 
 
@@ -131,7 +126,7 @@ def create(path: Path) -> Sdf.Layer:
     """
     try:
         return Sdf.Layer.CreateNew(str(path))
-    except Tf.ErrorException as error:
+    except UNREADABLE as error:
         raise OSError(reason(error)) from error
 
 
@@ -143,7 +138,7 @@ def save(layer: Sdf.Layer) -> None:
     """
     try:
         layer.Save()
-    except Tf.ErrorException as error:
+    except UNREADABLE as error:
         raise OSError(reason(error)) from error
 
 
@@ -174,7 +169,7 @@ def export_by_content(layer: Sdf.Layer, folder: Path, stem: str, suffix: str) ->
 def _export(layer: Sdf.Layer, path: Path) -> None:
     try:
         done = layer.Export(str(path))
-    except Tf.ErrorException as error:
+    except UNREADABLE as error:
         raise OSError(reason(error)) from error
     if not done:
         raise OSError("USD could not write the file")
@@ -213,11 +208,11 @@ def _stage(sublayers: list[str]) -> Usd.Stage:
 
 def _fresh(files: Iterable[Path]) -> list[str]:
     """The files that are there; USD's copies of them are read again."""
-    there = [str(path) for path in files if path.is_file()]
+    there = [path for path in files if path.exists()]
     # Layers are cached by path for the whole process: a file may have been replaced since.
-    for layer in filter(None, map(Sdf.Layer.Find, there)):
-        layer.Reload()
-    return there
+    for path in there:
+        preflight.check_stage_file(path)
+    return [str(path) for path in there]
 
 
 def relative_assets(folder: Path) -> Callable[[Sdf.Layer, str], str]:
