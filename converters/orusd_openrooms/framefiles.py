@@ -29,11 +29,13 @@ def write_frame(place: Place, number: int, frame: Frame) -> None:
         InputError: A file of the render is damaged.
         OutputError: A file cannot be written.
     """
-    for name, made in _FRAME.items():
-        path = place.frame(name, number)
-        if path and not frame.misses(name, made.needs):
-            made.write(path, frame)
-    write_lights(place, number, frame)
+    # Pixels of a render may hold any number, and what is none: no reason for numpy to speak.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for name, made in _FRAME.items():
+            path = place.frame(name, number)
+            if path and not frame.misses(name, made.needs):
+                made.write(path, frame)
+        write_lights(place, number, frame)
 
 
 def _write_parts(path: Path, frame: Frame) -> None:

@@ -139,7 +139,11 @@ def read_lobes(path: Path) -> Floats:
     checked(path, "array")
     try:
         with h5py.File(path, "r") as file:
-            data = file["data"]
+            # Nothing of other files: no links to them, and no numbers that lie there.
+            own = isinstance(file.get("data", getlink=True), h5py.HardLink)
+            data = file["data"] if own else None
+            if data is None or data.external or data.is_virtual:
+                raise InputError("its data set 'data' is not in this file", place=path)
             _check_lobes(path, data.shape, data.dtype.kind)
             return np.asarray(data[()], np.float32)
     # What the library makes of damage, and a group in the place of the data set.
@@ -163,8 +167,10 @@ def read_cameras(path: Path) -> list[NDArray[np.float64]]:
     try:
         first, *rows = read_text(path, "table").splitlines()
         count = int(first)
+        if count < 0:
+            raise ValueError("their number is negative")
         numbers = np.array([[float(word) for word in row.split()] for row in rows])
-        found = numbers.reshape(max(count, 0), 3, 3)
+        found = numbers.reshape(count, 3, 3)
     except ValueError as error:
         raise InputError(f"not a list of cameras: {error}", place=path) from error
     if not np.isfinite(found).all():

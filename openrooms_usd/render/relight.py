@@ -62,8 +62,10 @@ def relight(view: Path, out: Path, relighting: Relighting) -> dict[str, Any]:
     _check_out(out)
     scene, seen = _open(view)
     factors = light_factors(scene.lights, relighting, view)
-    pixels = relit(_contributions(scene, seen), factors)
-    shown = preview("radiance", pixels, seen.entry.exposure)
+    # Pixels may hold any number, and what is none: the preview marks them.
+    with np.errstate(over="ignore", invalid="ignore"):
+        pixels = relit(_contributions(scene, seen), factors)
+        shown = preview("radiance", pixels, seen.entry.exposure)
     entry = _entry(scene, seen, relighting, factors) | {"preview_shows": shown.shows}
     with atomic.filling(out) as beside:
         exr.write_rgb(beside / FILES["radiance"], pixels)

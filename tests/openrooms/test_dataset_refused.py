@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
-from tests.openrooms.synthetic import make_render
+from tests.openrooms.synthetic import make_render, write_exr
 from tests.openrooms.synthetic import write_dataset as write
 
 VARIANTS = ("main_xml", "mainDiffMat_xml", "mainDiffLight_xml")
@@ -88,3 +88,31 @@ def test_the_command(render: RenderedScene, tmp_path: Path) -> None:
 def test_a_folder_that_is_no_render(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no finished render"):
         read_render(tmp_path)
+
+
+def test_scenes_of_others_stay_in_the_lists_whatever_their_names(
+    render: RenderedScene, tmp_path: Path
+) -> None:
+    (tmp_path / "train.txt").write_bytes(b"r\xe9sidence\n")
+    write([render], tmp_path)
+    assert (tmp_path / "train.txt").read_bytes() == b"r\xe9sidence\nscene0000_00\n"
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 3e38, -3e38])
+def test_pixels_may_be_any_number(render: RenderedScene, tmp_path: Path, value: float) -> None:
+    """All but labels: a renderer may find no number, and its manifest says where."""
+    shutil.copytree(render.folder, tmp_path / "day")
+    view = render.views["view_1"]
+    kept = ("instance", "material", "semantic", "emission_mask")
+    layers = {name: pixels.copy() for name, pixels in view.pixels.items()}
+    for name in layers.keys() - {*kept}:
+        layers[name][10:20, 30:40] = value
+    write_exr(tmp_path / "day/view_1/channels.exr", layers)
+    lights = {f"{name}_{n}": np.full_like(p, value) for name, of in view.lights.items()
+              for n, p in of.items()}  # fmt: skip
+    write_exr(tmp_path / "day/view_1/lights.exr", lights)
+    write([read_render(tmp_path / "day")], tmp_path / "data")
+    layers["semantic"][3, 3] = value
+    write_exr(tmp_path / "day/view_1/channels.exr", layers)
+    with pytest.raises(InputError, match="'semantic' holds what is no whole number"):
+        write([read_render(tmp_path / "day")], tmp_path / "data")

@@ -81,6 +81,48 @@ def test_an_array_of_other_sizes_is_no_fit(tmp_path: Path) -> None:
         readers.read_lobes(tmp_path / "a.h5")
 
 
+def huge(file: h5py.File) -> None:
+    file.create_dataset("data", (2**20, 2**20, 12, 6), "f4", chunks=(1, 1, 12, 6))
+
+
+def outside(file: h5py.File) -> None:
+    (Path(file.filename).parent / "raw").write_bytes(b"\0" * 288)
+    file.create_dataset("data", (1, 1, 12, 6), "f4", external=[("raw", 0, 288)])
+
+
+@pytest.mark.parametrize(
+    "fill",
+    [
+        huge, outside,
+        lambda file: file.create_group("data"),
+        lambda file: file.create_dataset("data", data="text"),
+        lambda file: file.create_dataset("data", data=h5py.Empty("f4")),
+        lambda file: file.create_dataset("data", (1, 1, 12, 6), "i4"),
+        lambda file: file.create_dataset("data", (0, 1, 12, 6), "f4"),
+        lambda file: file.__setitem__("data", h5py.ExternalLink("other.h5", "/data")),
+        lambda file: file.__setitem__("data", h5py.SoftLink("/data")),
+    ],
+)  # fmt: skip
+def test_lobes_are_an_array_in_the_file_itself(
+    fill: Callable[[h5py.File], object], tmp_path: Path
+) -> None:
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        fill(file)
+    with pytest.raises(InputError, match=r"a\.h5: (no lobes|no data set|its data set)"):
+        readers.read_lobes(tmp_path / "a.h5")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "x", "-1\n", "1\n0 0 0\n", "1\n" + "0 0 nan\n" * 3, "99999999999999999999\n0 0 0\n",
+     "1\n0 0\n0 0 0\n0 0 0\n", "1\n0 0 \u00e9\n"],
+)  # fmt: skip
+def test_what_is_no_list_of_cameras(text: str, tmp_path: Path) -> None:
+    (tmp_path / "cam.txt").write_bytes(text.encode("latin-1"))
+    with pytest.raises(InputError, match=r"cam\.txt: not a list of cameras"):
+        readers.read_cameras(tmp_path / "cam.txt")
+
+
 def test_a_grey_picture_is_refused(tmp_path: Path) -> None:
     grey = OpenImageIO.ImageBuf(np.zeros((4, 4, 1), np.uint8))
     assert grey.write(str(tmp_path / "a.png"), "uint8")
