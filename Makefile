@@ -8,7 +8,7 @@ BIN := .venv/bin
 export PIP_ROOT_USER_ACTION := ignore
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test venv lint types unit check benchmarks pictures clean
+.PHONY: help demo test venv lint types unit check benchmarks fuzz pictures clean
 
 help:
 	@echo "make demo        compose and render the bundled example into out/demo"
@@ -16,6 +16,7 @@ help:
 	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
 	@echo "make check       ruff and mypy"
 	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
+	@echo "make fuzz        give broken and hostile input of every kind to every command"
 	@echo "make pictures    draw the pictures of the documentation"
 	@echo "make venv        set up .venv with the tools for development"
 	@echo "make clean       remove .venv, out and caches"
@@ -46,6 +47,10 @@ benchmarks: .venv/installed-dev
 	for name in first_picture compose generate materials friction light scan physics; do \
 		$(BIN)/python -m benchmarks.$$name --json out/benchmarks/$$name.json || exit 1; done
 	$(BIN)/python -m benchmarks.radiance --denoise --json out/benchmarks/radiance.json
+
+fuzz: .venv/installed-dev
+	@mkdir -p out/fuzz
+	$(BIN)/python -m benchmarks.fuzz --cases 20000 --keep out/fuzz/bad --json out/fuzz/tally.json
 
 pictures: .venv/installed-dev
 	$(BIN)/python -m docs.pictures

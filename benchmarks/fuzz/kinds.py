@@ -1,0 +1,37 @@
+"""What is tested: a kind of input, how a sound one is planted, and the commands that read it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+Run = str | Callable[[Path], object]
+"""Words of the command line with ``{in}`` and ``{out}``, or a function of the case's folder."""
+
+INPUT, OUT = "in", "out"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of input.
+
+    Attributes:
+        name: Its name in the tally.
+        plant: Writes sound input into ``in`` and, where a command changes a folder that exists,
+            that folder as ``out``; both lie in the folder that it is given.
+        runs: What reads it, each with the share of the cases that it gets.
+        victims: Patterns of the files that are spoilt, below the folder that was planted.
+        needs: Packages without which it is skipped.
+        share: How many cases it gets beside others.
+    """
+
+    name: str
+    plant: Callable[[Path], None]
+    runs: tuple[tuple[int, Run], ...]
+    victims: tuple[str, ...] = ("in/**/*",)
+    needs: tuple[str, ...] = ()
+    share: int = 2
+
+    def files(self, planted: Path) -> list[str]:
+        """The files that are spoilt, relative to the folder that was planted; sorted."""
+        found = {path for pattern in self.victims for path in planted.glob(pattern)}
+        return sorted(str(path.relative_to(planted)) for path in found if path.is_file())
