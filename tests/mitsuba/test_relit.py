@@ -47,8 +47,8 @@ def z_scores(old: Any, how: Callable[[str], Relighting], path: str, fresh: Any) 
         fresh: The stage to render.
     """
     before, after = MitsubaRenderer().open(old), MitsubaRenderer().open(fresh)
-    lights = [light.as_dict() for light in before.lights]
-    (name,) = (light["name"] for light in lights if light["path"] == path)
+    lights = before.lights
+    (name,) = (light.name for light in lights if light.path == path)
     factors = light_factors(lights, how(name), Path("old"))
     ours, theirs = [], []
     for seed in range(HALVES):
