@@ -75,6 +75,7 @@ def compose_room(
     only: str | None = None,
     flatten: bool = False,
     usdz: bool = False,
+    include_outside: bool = False,
     workers: int | None = None,
     progress: Callable[[str], None] = lambda stage: None,
 ) -> ComposeSummary:
@@ -88,6 +89,7 @@ def compose_room(
         only: Run this stage alone, on the layers that are there.
         flatten: Also write ``scene.usdc``, the layer stack merged into one layer.
         usdz: Also write ``scene.usdz``, everything in one file.
+        include_outside: Whether files outside ``out`` may go into these files.
         workers: Threads that a stage may use; all cores by default. The bytes never depend on it.
         progress: Called with each stage's name before it runs.
 
@@ -113,7 +115,7 @@ def compose_room(
             runner.write_scene(draft)
             if any(summary.state == "written" for summary in summaries):
                 runner.check(draft)
-        files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz))
+        files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz, include_outside))
         orphans = orphans_of(out)
     notes = (*_about_settled(out, summaries), *_about_strangers(out, draft))
     return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans, notes)
@@ -136,7 +138,7 @@ def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str
 def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:
     """What lies among the files of a stage and is not ours to remove."""
     if draft.stay:
-        first = draft.stay[0].relative_to(out).as_posix()
+        first = draft.stay[0].relative_to(out.absolute()).as_posix()
         more = f" and {len(draft.stay) - 1} more stay" if len(draft.stay) > 1 else " stays"
         yield f"{first}{more}: no layer refers to it, and compose did not write it as it is now"
 
@@ -196,16 +198,16 @@ def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
             )
 
 
-def _extras(scene: Path, flatten: bool, usdz: bool) -> tuple[Path, ...]:
+def _extras(scene: Path, flatten: bool, usdz: bool, include_outside: bool) -> tuple[Path, ...]:
     from openrooms_usd import package
 
-    wanted: Mapping[str, tuple[bool, Callable[[Path, Path], None]]] = {
+    wanted: Mapping[str, tuple[bool, Callable[..., None]]] = {
         ".usdc": (flatten, package.flatten),
         ".usdz": (usdz, package.package),
     }
     files = []
     for suffix, (asked, write) in wanted.items():
         if asked:
-            write(scene, scene.with_suffix(suffix))
+            write(scene, scene.with_suffix(suffix), include_outside=include_outside)
             files.append(scene.with_suffix(suffix))
     return tuple(files)

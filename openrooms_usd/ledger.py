@@ -81,13 +81,16 @@ class Ledger:
 
     def below(self, folder: Path) -> list[Path]:
         """The files below a folder that were written once, sorted; some may be gone."""
-        base = self._name(folder)
-        return [self.folder / name for name in sorted(self._digests) if name.startswith(f"{base}/")]
+        return self._below(folder, self._digests)
 
     def created_below(self, folder: Path) -> list[Path]:
         """The files below a folder that were not there before this process wrote them."""
-        base = self._name(folder)
-        return [self.folder / name for name in sorted(self._created) if name.startswith(f"{base}/")]
+        return self._below(folder, self._created)
+
+    def _below(self, folder: Path, known: Iterable[str]) -> list[Path]:
+        inside = self._name(folder)
+        start = "" if inside == "." else f"{inside}/"
+        return [self.folder / name for name in sorted(known) if name.startswith(start)]
 
     def is_own(self, path: Path) -> bool:
         """Whether a file is one that was written here, unchanged since, and behind no link."""

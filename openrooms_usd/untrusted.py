@@ -9,8 +9,9 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BufferedReader
 from pathlib import Path, PurePosixPath
-from typing import BinaryIO, Final, Literal
+from typing import Final, Literal
 
 from openrooms_usd.errors import InputError
 
@@ -74,7 +75,7 @@ def checked(path: Path, kind: Kind, *, remedy: str = "check the path") -> int:
 
 
 @contextmanager
-def opened(path: Path, kind: Kind, *, remedy: str = "check the path") -> Iterator[BinaryIO]:
+def opened(path: Path, kind: Kind, *, remedy: str = "check the path") -> Iterator[BufferedReader]:
     """A file to read bytes from; what is read inside the block may fail for the same reasons.
 
     Args:

@@ -1,18 +1,19 @@
 """Writes finished renders as a scene of an OpenRooms dataset."""
 
+import os
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.errors import InputError, OrusdError, writing
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.render.reading import RenderedScene, RenderedView
+from openrooms_usd.untrusted import read_bytes
 from orusd_openrooms import cameras, layout, readers
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
@@ -47,15 +48,17 @@ class OpenRoomsDataset:
         _check(renders, options)
         missing: dict[str, str] = {}
         frames: dict[str, list[int]] = {}
-        with atomic.filling(root) as beside:
-            for split, render in zip(options.splits, renders, strict=True):
-                place = Place(beside, options.scene, split, options.layout)
-                frames[split] = _write_split(place, render, options, missing)
-                _write_cameras(place, root, render, options.first)
-            _write_lists(beside, root, options)
-            written = {path.relative_to(beside) for path in beside.rglob("*") if path.is_file()}
-        _remove_stale(root, written)
-        notes = tuple(_notes(renders, root))
+        with claims.locked(root), ledger.kept(root, file=f".orusd.{options.scene}.sha256") as kept:
+            with atomic.filling(root) as beside:
+                for split, render in zip(options.splits, renders, strict=True):
+                    place = Place(beside, options.scene, split, options.layout)
+                    frames[split] = _write_split(place, render, options, missing)
+                    _write_cameras(place, root, render, options.first)
+                _write_lists(beside, root, options)
+                files = (path for path in beside.rglob("*") if path.is_file())
+                written = {path.relative_to(beside) for path in files}
+            stay = _remove_stale(root, written, kept)
+        notes = (*_notes(renders, root), *stay)
         return DatasetSummary(root, frames, len(written), missing, notes)
 
 
@@ -65,9 +68,8 @@ def _write_split(
     lights = lights_of(render)
     instances = max(render.legend("instance"), default=0)
     numbers = [options.first + index for index in range(len(render.views))]
-    for number, view in zip(numbers, render.views.values(), strict=True):
-        # A view keeps the arrays that it has read: a copy takes them along when it goes.
-        frame = Frame(replace(view), lights, options.order, instances)
+    for number, view in zip(numbers, render.each(), strict=True):
+        frame = Frame(view, lights, options.order, instances)
         write_frame(place, number, frame)
         missing |= frame.missing
     return numbers
@@ -77,7 +79,7 @@ def _write_cameras(place: Place, root: Path, render: RenderedScene, first: int) 
     """The cameras of a scene: the new ones in the place of their numbers, others stay."""
     folder = place.scene_folder
     earlier = root / folder.relative_to(place.root) / "cam.txt"
-    poses = readers.read_cameras(earlier) if earlier.exists() else []
+    poses = readers.read_cameras(earlier) if os.path.lexists(earlier) else []
     # Frames count from 1, or from 0 as in sets that others rendered again.
     start = max(0, first - 1)
     if len(poses) < start:
@@ -98,23 +100,31 @@ def _write_cameras(place: Place, root: Path, render: RenderedScene, first: int) 
 def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
     """``train.txt`` and ``test.txt``: the scene stands in one of them."""
     for name in _LISTS:
-        path = root / f"{name}.txt"
-        scenes = set(path.read_text("utf-8").split()) if path.exists() else set()
-        scenes.discard(options.scene)
+        path, own = root / f"{name}.txt", options.scene.encode()
+        # Names of others stay as they are, in whatever encoding.
+        scenes = set(read_bytes(path, "table").split()) if os.path.lexists(path) else set()
+        scenes.discard(own)
         if name == options.subset:
-            scenes.add(options.scene)
-        atomic.write_text(beside / path.name, "".join(f"{scene}\n" for scene in sorted(scenes)))
+            scenes.add(own)
+        atomic.write_bytes(beside / path.name, b"".join(scene + b"\n" for scene in sorted(scenes)))
 
 
-def _remove_stale(root: Path, written: Iterable[Path]) -> None:
-    """Remove lights of an earlier render of the same frames: loaders take all that they find."""
-    kept = set(written)
-    folders = {path.parent for path in kept if path.parent.name.startswith("light_")}
+def _remove_stale(root: Path, written: Iterable[Path], known: ledger.Ledger) -> list[str]:
+    """Remove lights of an earlier render of the same frames: loaders take all that they find.
+
+    Returns:
+        A sentence for each file that stays, because it is not ours to remove.
+    """
+    new = set(written)
+    folders = {path.parent for path in new if path.parent.name.startswith("light_")}
     with writing(root):
-        for folder in folders:
-            for path in (root / folder).iterdir():
-                if path.relative_to(root) not in kept:
-                    path.unlink()
+        inner = [path for folder in sorted(folders) for path in sorted((root / folder).iterdir())]
+        stay = known.remove(path for path in inner if path.relative_to(root) not in new)
+    return [
+        f"{path.relative_to(root.absolute()).as_posix()} stays, which no earlier run wrote as it "
+        "is now: loaders will take it"
+        for path in stay
+    ]
 
 
 def _check(renders: Sequence[RenderedScene], options: DatasetOptions) -> None:

@@ -2,19 +2,21 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd import names
+from openrooms_usd import claims, names
 from openrooms_usd.edits.flattened import Differences
 from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers
 from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_sublayers
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
+from openrooms_usd.usd.diagnostics import reading
 from openrooms_usd.usd.layers import open_stage, stacked_files
 
 # What a layer means by saying nothing (UsdGeom).
@@ -80,9 +82,16 @@ def adopt(scene: Path, saved: Path | None = None, *, dry_run: bool = False) -> A
         StageError: It is no version of this scene, has other axes or units, or would not compose.
         OutputError: The layers cannot be written.
     """
+    _check_name(scene)
+    # What a killed call has left is swept also where there is nothing to move any more.
+    alone = claims.claimed(scene.parent) if scene.is_file() and not dry_run else nullcontext()
+    with alone:
+        return _adopted(scene, saved, dry_run=dry_run)
+
+
+def _adopted(scene: Path, saved: Path | None, *, dry_run: bool) -> Adoption:
     out, source = scene.parent, saved or scene
     edits = out / names.LAYERS / f"{names.EDITS}.usda"
-    _check_name(scene)
     stage = open_stage(source)
     layer = stage.GetRootLayer()
     foreign = foreign_to(layer, out)

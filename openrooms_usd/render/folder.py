@@ -99,9 +99,16 @@ def check_replaceable(out: Path, views: Iterable[str]) -> None:
             atomic.check_own(out / name)
 
 
+# At least one of them is in every view.
+_EXACT_FILES: Final = (
+    CHANNELS_FILE,
+    LIGHTS_FILE,
+    *(grid_file(name) for name, row in CHANNELS.items() if row.scope == "grid"),
+)
+
+
 def _is_view(folder: Path) -> bool:
-    grids = (grid_file(name) for name, row in CHANNELS.items() if row.scope == "grid")
-    return any((folder / file).is_file() for file in (CHANNELS_FILE, LIGHTS_FILE, *grids))
+    return any((folder / file).is_file() for file in _EXACT_FILES)
 
 
 def load_manifest(folder: Path) -> tuple[str, dict[str, Any]]:
@@ -166,9 +173,14 @@ def listed_views(out: Path) -> dict[str, Any]:
     return {name: entry for name, entry in named if is_plain_name(name)}
 
 
-def earlier_views(out: Path) -> frozenset[str]:
-    """The views that the manifest of an earlier run lists and that lie there; empty without one."""
-    return frozenset(name for name in listed_views(out) if _is_view(out / name))
+def earlier_views(out: Path, written: Ledger) -> frozenset[str]:
+    """The views of earlier runs: those that the manifest lists, and those that the ledger knows.
+
+    A run that was killed may have listed its own views and not yet removed all of the earlier ones.
+    """
+    listed = {name for name in listed_views(out) if _is_view(out / name)}
+    exact = (path.relative_to(written.folder) for path in written.below(out))
+    return frozenset({*listed, *(path.parts[0] for path in exact if path.name in _EXACT_FILES)})
 
 
 def remove_views(out: Path, views: Iterable[str], written: Ledger) -> list[Path]:

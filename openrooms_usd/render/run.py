@@ -73,7 +73,7 @@ class Run:
         self._lights = lights
         self.stay: list[Path] = []
         self._ledger = written
-        self._earlier = folder.earlier_views(out)
+        self._earlier = folder.earlier_views(out, written)
         self._rows: dict[str, list[sheet.Tile]] = {}
 
     def add(

@@ -106,7 +106,8 @@ class Draft:
 
     def _remove_others(self, name: str, kept: frozenset[str]) -> None:
         """Remove what was written for earlier layers of a stage, and see what else is there."""
-        folder = self.folder(name)
+        # As the ledger names its files.
+        folder = self.folder(name).absolute()
 
         def is_kept(path: Path) -> bool:
             relative = path.relative_to(folder)

@@ -62,6 +62,7 @@ def test_the_tree_of_the_release(split: Path) -> None:
     found = files(split)
     lights = {file for file in found if file.startswith("LightSource")}
     assert found - lights - expected == {
+        ".orusd.scene0000_00.sha256",
         "train.txt",
         "test.txt",
         *(f"scenes/xml/scene0000_00/{name}" for name in ("cam.txt", "transform.dat",

@@ -106,6 +106,20 @@ def test_what_people_put_among_the_files_of_a_stage_stays_and_is_named(place: Pa
     assert compose(place).notes == ()
 
 
+def test_a_folder_given_relatively_is_the_same(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    compose(place)
+    before = tree(place / "out")
+    monkeypatch.chdir(place)
+    for text in ("three", "one"):
+        (place / "input.txt").write_text(text)
+        summary = compose_room(Path("room.yaml"), Path("out"))
+        assert [row.state for row in summary.stages] == ["written", "written"]
+        assert summary.notes == ()
+    assert tree(place / "out") == before
+
+
 def test_a_missing_file_of_a_layer_is_made_again(place: Path) -> None:
     compose(place)
     before = tree(place / "out")

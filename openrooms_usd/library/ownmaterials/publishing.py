@@ -22,4 +22,4 @@ def publish(material: OwnMaterial, keep: Callable[[str], Path], folder: str = "t
         target = keep(f"{folder}/{name}")
         if not target.is_file():
             with atomic.replacing(target) as beside:
-                removal.copy_file(file, beside)
+                removal.copy_file(Path(file), beside)
