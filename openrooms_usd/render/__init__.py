@@ -2,8 +2,8 @@
 
 ``contract`` is what an adapter implements; ``driver`` is the story of a run, ``plan`` what it shall
 render and ``run`` what it has written; the other modules are the files: ``exr``, ``previews`` (with
-``color``) and ``sheet`` (each whole), ``manifest`` and the ``folder`` of them all. ``reading`` gives
-finished renders back, by ``manifest_schema``, which trusts no file.
+``color``) and ``sheet`` (each whole), ``manifest`` and the ``folder`` of them all. ``reading`` and
+``manifest_schema`` give finished renders back and trust no file.
 """
 
 from openrooms_usd.render.contract import (
