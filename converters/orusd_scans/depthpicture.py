@@ -77,11 +77,19 @@ def _opened(path: Path) -> Iterator[Any]:
     import OpenImageIO
 
     untrusted.checked(path, "picture")
-    source = OpenImageIO.ImageInput.open(str(path))
-    if source is None:
-        reason = (OpenImageIO.geterror().strip().splitlines() or ["its format is not known"])[0]
-        raise InputError(f"cannot read the picture: {reason}", place=path, remedy="check the file")
     try:
-        yield source
-    finally:
-        source.close()
+        source = OpenImageIO.ImageInput.open(str(path))
+        if source is None:
+            reason = (OpenImageIO.geterror().strip().splitlines() or ["its format is not known"])[0]
+            raise _unreadable(reason, path)
+        try:
+            yield source
+        finally:
+            source.close()
+    # Its messages quote the file, in whatever bytes.
+    except UnicodeDecodeError as error:
+        raise _unreadable("its header is no text", path) from error
+
+
+def _unreadable(reason: str, path: Path) -> InputError:
+    return InputError(f"cannot read the picture: {reason}", place=path, remedy="check the file")

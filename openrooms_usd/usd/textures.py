@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Ar
 
-from openrooms_usd import removal
+from openrooms_usd import removal, untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.diagnostics import plain, reading
 from openrooms_usd.usd.surfaces import ColorSpace
 
 # More values than this are refused before they fill the memory: 16,384 x 8,192 RGBA.
 _LARGEST: Final = 2**29
+# Fewer than these are harmless, whatever the file; no format packs more of them into a byte.
+_FEW: Final = 2**26
+_MOST_RATIO: Final = 4096
 
 
 @dataclass(frozen=True)
@@ -67,19 +71,11 @@ def read_texture(path: str) -> NDArray[np.float32]:
     Raises:
         InputError: There is no such file, or it is not a picture that can be read.
     """
-    with _opened(path) as picture:
-        spec = picture.spec()
-        if not 0 < spec.width * spec.height * spec.nchannels <= _LARGEST:
-            raise InputError(
-                f"{spec.width} x {spec.height} pixels of {spec.nchannels} channels are not read",
-                place=path,
-                remedy="give a smaller picture",
-            )
+    with _opened(path, weighed=True) as picture:
         pixels = picture.read_image("float")
         if pixels is None or picture.has_error:
-            reason = picture.geterror().strip() or "it is damaged"
             raise InputError(
-                f"unreadable picture: {reason}",
+                f"unreadable picture: {plain(picture.geterror()) or 'it is damaged'}",
                 place=path,
                 remedy="open it in an image viewer and save it again",
             )
@@ -97,10 +93,8 @@ def read_codes(path: str) -> NDArray[np.uint8] | None:
         `read_texture` then says why.
     """
     try:
-        with _opened(path) as picture:
-            spec = picture.spec()
-            few = 0 < spec.width * spec.height * spec.nchannels <= _LARGEST
-            if str(spec.format) != "uint8" or not few:
+        with _opened(path, weighed=True) as picture:
+            if str(picture.spec().format) != "uint8":
                 return None
             pixels = picture.read_image("uint8")
             if pixels is None or picture.has_error:
@@ -132,25 +126,44 @@ def color_space(path: str) -> ColorSpace:
 
 
 @contextmanager
-def _opened(path: str) -> Iterator[Any]:
+def _opened(path: str, *, weighed: bool = False) -> Iterator[Any]:
+    """A picture's header, and its pixels where it was weighed whether they are too many."""
     import OpenImageIO
 
     with local_file(path) as file:
         # An alpha channel must come as it is stored, not multiplied into the colour.
         config = OpenImageIO.ImageSpec()
         config.attribute("oiio:UnassociatedAlpha", 1)
-        picture = OpenImageIO.ImageInput.open(str(file), config)
-        if picture is None:
-            reason = OpenImageIO.geterror().strip().splitlines()
-            raise InputError(
-                f"not a readable picture: {reason[0] if reason else 'unknown format'}",
-                place=path,
-                remedy="use PNG, JPEG, EXR or HDR",
-            )
         try:
-            yield picture
-        finally:
-            picture.close()
+            picture = OpenImageIO.ImageInput.open(str(file), config)
+            if picture is None:
+                raise _unreadable(plain(OpenImageIO.geterror()) or "unknown format", path)
+            try:
+                if weighed:
+                    _check_size(picture.spec(), file.stat().st_size, path)
+                yield picture
+            finally:
+                picture.close()
+        # Its messages and names quote the file, in whatever bytes.
+        except UnicodeDecodeError as error:
+            raise _unreadable("its header is no text", path) from error
+
+
+def _unreadable(reason: str, path: str) -> InputError:
+    return InputError(
+        f"not a readable picture: {reason}", place=path, remedy="use PNG, JPEG, EXR or HDR"
+    )
+
+
+def _check_size(spec: Any, size: int, path: str) -> None:
+    """Refuse what fills the memory, or claims more than its bytes can hold."""
+    values = spec.width * spec.height * spec.nchannels
+    if not 0 < values <= min(_LARGEST, max(_FEW, _MOST_RATIO * size)):
+        raise InputError(
+            f"{spec.width} x {spec.height} pixels of {spec.nchannels} channels are not read",
+            place=path,
+            remedy="give a smaller picture",
+        )
 
 
 @contextmanager
@@ -160,14 +173,15 @@ def local_file(path: str) -> Iterator[Path]:
     The file is ``path`` itself, or a temporary copy that lives as long as the ``with`` block.
 
     Raises:
-        InputError: There is no such file.
+        InputError: There is no such file, or it is none that a picture could be.
     """
     if not Ar.IsPackageRelativePath(path):
-        if not Path(path).is_file():
-            raise InputError("no such file", place=path, remedy="check the texture's path")
+        untrusted.checked(Path(path), "picture", remedy="check the texture's path")
         yield Path(path)
         return
-    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
+    untrusted.checked(Path(Ar.SplitPackageRelativePathOuter(path)[0]), "archive")
+    with reading(path):
+        asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(path))
     if asset is None:
         raise InputError("no such file in the package", place=path, remedy="package it again")
     inner = Ar.SplitPackageRelativePathInner(path)[1]
