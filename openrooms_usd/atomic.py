@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from openrooms_usd import ledger, removal, unfinished
+from openrooms_usd import ledger, removal, unfinished, untrusted
 from openrooms_usd.errors import OutputError, writing
 
 
@@ -72,8 +72,9 @@ def replacing(target: Path) -> Iterator[Path]:
         The path to write to.
 
     Raises:
-        OutputError: The file cannot be written.
+        OutputError: The file cannot be written, or the target is a device, a pipe or a folder.
     """
+    _check_replaceable(target)
     beside = unfinished.beside(target)
     with writing(target), making(target.parent), naming(target, beside):
         try:
@@ -93,6 +94,18 @@ def write_bytes(target: Path, data: bytes) -> None:
     """Write ``data``; the file appears whole or not at all."""
     with replacing(target) as beside:
         beside.write_bytes(data)
+
+
+def _check_replaceable(target: Path) -> None:
+    """See that no device, pipe or folder would give way to a file, also behind a link."""
+    with writing(target):
+        what = untrusted.kind_of(target)
+    if what and what != "a file":
+        raise OutputError(
+            f"this is {what}, and will not be replaced by a file",
+            place=target,
+            remedy="choose another output file",
+        )
 
 
 @contextmanager

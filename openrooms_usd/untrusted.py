@@ -47,7 +47,8 @@ _FLAGS: Final = (
     | getattr(os, "O_CLOEXEC", 0)
     | getattr(os, "O_BINARY", 0)
 )
-_NO_FILES: Final = (
+_KINDS: Final = (
+    (stat.S_ISREG, "a file"),
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a pipe"),
     (stat.S_ISSOCK, "a socket"),
@@ -197,9 +198,25 @@ def is_plain_name(name: str) -> bool:
         return False
 
 
+def kind_of(path: Path) -> str:
+    """What a path leads to, links followed: ``a file``, ``a folder``; empty where nothing is.
+
+    Raises:
+        OSError: It cannot be looked at.
+    """
+    try:
+        return _named(path.stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError):
+        return ""
+
+
+def _named(mode: int) -> str:
+    return next((name for is_it, name in _KINDS if is_it(mode)), "something else")
+
+
 def _check_file(path: Path, kind: Kind, found: os.stat_result) -> None:
-    if not stat.S_ISREG(found.st_mode):
-        what = next((name for is_it, name in _NO_FILES if is_it(found.st_mode)), "something else")
+    what = _named(found.st_mode)
+    if what != "a file":
         raise InputError(
             f"this is {what}, not a file", place=path, remedy="give the path of a regular file"
         )

@@ -1,5 +1,6 @@
 """Files appear whole or not at all."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -38,3 +39,23 @@ def test_a_folder_left_by_a_killed_run_is_in_nobody_s_way(tmp_path: Path) -> Non
     with atomic.filling(tmp_path) as beside:
         (beside / "whole.txt").write_text("whole")
     assert sorted(path.name for path in tmp_path.iterdir()) == [left.name, "whole.txt"]
+
+
+def test_a_device_or_a_pipe_never_gives_way_to_a_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("/dev/null")
+    (tmp_path / "folder").mkdir()
+    for name, what in (("pipe", "a pipe"), ("link", "a device"), ("folder", "a folder")):
+        with pytest.raises(OutputError, match=f"this is {what}, and will not be replaced"):
+            atomic.write_text(tmp_path / name, "x")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "link", "pipe"]
+    assert (tmp_path / "link").is_symlink()
+
+
+def test_a_link_gives_way_and_what_it_leads_to_stays(tmp_path: Path) -> None:
+    (tmp_path / "kept").write_text("kept")
+    for name, leads in (("good", "kept"), ("broken", "nowhere")):
+        (tmp_path / name).symlink_to(leads)
+        atomic.write_text(tmp_path / name, "new")
+        assert not (tmp_path / name).is_symlink()
+    assert (tmp_path / "kept").read_text() == "kept"
