@@ -26,7 +26,7 @@ _HELD: Final[dict[tuple[Path, int], int]] = {}
 
 
 @contextmanager
-def claimed(folder: Path) -> Iterator[ledger.Ledger]:
+def claimed(folder: Path, file: str = ledger.FILE) -> Iterator[ledger.Ledger]:
     """Have a folder to oneself, with a ledger of what is written to it.
 
     What killed processes have left there is swept. A claim within a claim of the same folder is
@@ -35,6 +35,7 @@ def claimed(folder: Path) -> Iterator[ledger.Ledger]:
     Args:
         folder: The folder; it is made when it is missing, and goes again when the block raises and
             it is empty.
+        file: The name of the ledger in it.
 
     Yields:
         The folder's ledger.
@@ -42,18 +43,24 @@ def claimed(folder: Path) -> Iterator[ledger.Ledger]:
     Raises:
         OutputError: Another process writes to the folder, or it cannot be written.
     """
-    with locked(folder), ledger.kept(folder) as kept:
+    with locked(folder) as was_killed, ledger.kept(folder, file) as kept:
+        if was_killed:
+            kept.tidy()
         yield kept
 
 
 @contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Have a folder to oneself, and swept, without a ledger."""
+def locked(folder: Path) -> Iterator[bool]:
+    """Have a folder to oneself, and swept, without a ledger.
+
+    Yields:
+        Whether the process that had it last was killed.
+    """
     key = (folder.absolute(), threading.get_ident())
     if key in _HELD:
         _HELD[key] += 1
         try:
-            yield
+            yield False
         finally:
             _HELD[key] -= 1
         return
@@ -62,7 +69,7 @@ def locked(folder: Path) -> Iterator[None]:
         try:
             for inner in _to_sweep(folder) if was_killed else [folder]:
                 unfinished.sweep(inner)
-            yield
+            yield was_killed
         finally:
             del _HELD[key]
 

@@ -40,6 +40,7 @@ class Ledger:
         self._file = self.folder / file
         self._digests: dict[str, set[str]] = {}
         self._created: set[str] = set()
+        self._is_stale = False
         self._lock = threading.Lock()
         for path, digest in _read(self._file):
             self._digests.setdefault(path, set()).add(digest)
@@ -76,6 +77,7 @@ class Ledger:
             if digest in self._digests.get(name, ()):
                 return
             self._digests.setdefault(name, set()).add(digest)
+            self._is_stale = True
             with self._file.open("a", encoding="utf-8", newline="\n") as lines:
                 lines.write(f"{digest}  {name}\n")
 
@@ -116,6 +118,7 @@ class Ledger:
         for path in map(Path.absolute, paths):
             if self.is_own(path):
                 removal.remove_file(path)
+                self._is_stale = True
                 self._remove_empty(path.parent)
             elif os.path.lexists(path):
                 stay.append(path)
@@ -125,8 +128,17 @@ class Ledger:
         while folder != self.folder and not folder.is_symlink() and removal.remove_if_empty(folder):
             folder = folder.parent
 
+    def tidy(self) -> None:
+        """Let `close` write the ledger anew, also where nothing is noted or removed."""
+        self._is_stale = True
+
     def close(self) -> None:
-        """Write the lines of the files that are there, sorted; no file without any line."""
+        """Write the lines of the files that are there, sorted; no file without any line.
+
+        Nothing is written where nothing was noted or removed.
+        """
+        if not self._is_stale:
+            return
         lines = [
             f"{digest}  {name}\n"
             for name in sorted(self._digests)

@@ -48,7 +48,7 @@ class OpenRoomsDataset:
         _check(renders, options)
         missing: dict[str, str] = {}
         frames: dict[str, list[int]] = {}
-        with claims.locked(root), ledger.kept(root, file=f".orusd.{options.scene}.sha256") as kept:
+        with claims.claimed(root, f".orusd.{options.scene}.sha256") as kept:
             with atomic.filling(root) as beside:
                 for split, render in zip(options.splits, renders, strict=True):
                     place = Place(beside, options.scene, split, options.layout)
