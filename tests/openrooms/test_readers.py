@@ -86,8 +86,9 @@ def huge(file: h5py.File) -> None:
 
 
 def outside(file: h5py.File) -> None:
-    (Path(file.filename).parent / "raw").write_bytes(b"\0" * 288)
-    file.create_dataset("data", (1, 1, 12, 6), "f4", external=[("raw", 0, 288)])
+    raw = Path(file.filename).parent / "raw"
+    raw.write_bytes(b"\0" * 288)
+    file.create_dataset("data", (1, 1, 12, 6), "f4", external=[(str(raw), 0, 288)])
 
 
 @pytest.mark.parametrize(
