@@ -61,7 +61,12 @@ class Exporter(Protocol):
 
 
 def convert_stage(
-    path: Path, destination: Path, *, to: str = "mitsuba", options: Mapping[str, Any] | None = None
+    path: Path,
+    destination: Path,
+    *,
+    to: str = "mitsuba",
+    options: Mapping[str, Any] | None = None,
+    include_outside: bool = False,
 ) -> Report:
     """Convert a USD file to a foreign form.
 
@@ -70,20 +75,27 @@ def convert_stage(
         destination: The file or folder to write.
         to: The exporter's name.
         options: What the exporter understands.
+        include_outside: Whether pictures outside the file's folder may be copied.
 
     Returns:
         What became of every prim.
 
     Raises:
         InputError: The file is no USD, or no exporter has that name.
+        StageError: It needs pictures outside its folder, or is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
+    from openrooms_usd.usd.diagnostics import reading
     from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.outside import is_picture, refuse_outside
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
     stage = open_stage(path)
-    report = exporter.convert(stage, destination, options or {})
-    add_missing(report, stage)
+    if not include_outside:
+        refuse_outside(stage, str(destination), is_picture)
+    with reading(path):
+        report = exporter.convert(stage, destination, options or {})
+        add_missing(report, stage)
     return report
 
 

@@ -13,9 +13,11 @@ from typing import Final
 
 from pxr import Ar, Sdf, Usd, UsdUtils
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, untrusted
 from openrooms_usd.errors import OutputError, StageError
 from openrooms_usd.usd import layers
+from openrooms_usd.usd.diagnostics import reading
+from openrooms_usd.usd.outside import is_sublayer_of, refuse_outside
 
 # What the USDZ specification allows: layers, and beside them images and packages as they are.
 LAYERS: Final = (".usda", ".usdc", ".usd")
@@ -30,20 +32,26 @@ _PADDING: Final = 0x1986
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 
 
-def flatten(scene: Path, target: Path) -> None:
+def flatten(scene: Path, target: Path, *, include_outside: bool = False) -> None:
     """Merge the layer stack of a scene into one layer; references and variants stay.
 
     Args:
         scene: The scene's root layer.
         target: The layer to write. Asset paths in it are relative to its folder.
+        include_outside: Whether layers of the stack may lie outside the scene's folder.
 
     Raises:
         InputError: The scene cannot be read.
+        StageError: A layer of the stack lies outside the scene's folder.
         OutputError: The target cannot be written.
     """
     stage = layers.open_stage(scene)
-    flat = UsdUtils.FlattenLayerStack(stage, layers.relative_assets(target.parent), "")
-    layers.export(_ordered(flat), target)
+    if not include_outside:
+        refuse_outside(stage, target.name, is_sublayer_of(stage))
+    with reading(scene):
+        flat = UsdUtils.FlattenLayerStack(stage, layers.relative_assets(target.parent), "")
+        ordered = _ordered(flat)
+    layers.export(ordered, target)
 
 
 def _ordered(layer: Sdf.Layer) -> Sdf.Layer:
@@ -56,25 +64,30 @@ def _ordered(layer: Sdf.Layer) -> Sdf.Layer:
     return ordered
 
 
-def package(scene: Path, target: Path) -> None:
+def package(scene: Path, target: Path, *, include_outside: bool = False) -> None:
     """Write a scene and all files that it depends on into one USDZ archive.
 
-    Files below the scene's folder keep their place. Files from elsewhere move to
-    ``external/<number>/`` and the layers that name them are rewritten. The same scene gives the
-    same bytes, wherever it lies and whenever it is packaged.
+    Files below the scene's folder keep their place. Files from elsewhere are refused, or, where
+    they are asked for, move to ``external/<number>/``, and the layers that name them are rewritten.
+    The same scene gives the same bytes, wherever it lies and whenever it is packaged.
 
     Args:
         scene: The scene's root layer.
         target: The ``.usdz`` to write.
+        include_outside: Whether files outside the scene's folder go into the archive too.
 
     Raises:
-        InputError: The scene cannot be read.
-        StageError: A file that it needs is missing, or may not be in a USDZ archive.
+        InputError: The scene, or a file that it needs, cannot be read.
+        StageError: A file that it needs is missing, lies outside the scene's folder, or may not be
+            in a USDZ archive.
         OutputError: The target cannot be written.
     """
     stage = layers.open_stage(scene)
-    places = _places(_dependencies(stage))
-    with atomic.replacing(target) as beside:
+    if not include_outside:
+        refuse_outside(stage, target.name)
+    with reading(scene):
+        places = _places(_dependencies(stage))
+    with atomic.replacing(target) as beside, reading(scene):
         try:
             _write_archive(beside, places)
         except zipfile.LargeZipFile as error:
@@ -130,10 +143,16 @@ def _write_archive(target: Path, places: dict[Path, PurePosixPath]) -> None:
     moved = {file.parent: place.parent for file, place in places.items()}
     with target.open("wb") as out, zipfile.ZipFile(out, "w", allowZip64=False) as archive:
         for file, place in places.items():
-            data = file.read_bytes()
+            data = untrusted.read_bytes(file, _kind(file))
             if file.suffix.lower() in LAYERS:
                 data = _relocated(file, data, moved)
             archive.writestr(_entry(str(place), out.tell()), data)
+
+
+def _kind(file: Path) -> untrusted.Kind:
+    if file.suffix.lower() in LAYERS:
+        return "usd"
+    return "archive" if file.suffix.lower() == ".usdz" else "picture"
 
 
 def _relocated(file: Path, data: bytes, moved: dict[Path, PurePosixPath]) -> bytes:

@@ -13,7 +13,7 @@ from typing import Final
 from pxr import Usd
 
 from openrooms_usd.usd import layers
-from openrooms_usd.usd.diagnostics import quiet
+from openrooms_usd.usd.diagnostics import quiet, reading
 from openrooms_usd.validation import layer_rules, prim_rules
 from openrooms_usd.validation.core import core_findings
 from openrooms_usd.validation.model import Finding, Rule, Severity, Subject
@@ -75,16 +75,21 @@ def validate_stage(path: Path, *, strict: bool = False) -> list[Finding]:
         What is wrong, errors first; empty for a clean stage.
 
     Raises:
-        InputError: The file is missing, or is not USD.
+        InputError: The file is missing, is not USD, or holds what cannot be read at all.
     """
     with quiet():
         return check(layers.open_stage(path), strict=strict)
 
 
 def check(stage: Usd.Stage, *, strict: bool = False) -> list[Finding]:
-    """Check a stage that is open already; see `validate_stage`."""
+    """Check a stage that is open already; see `validate_stage`.
+
+    Raises:
+        InputError: It holds what cannot be read at all.
+    """
     subject = Subject(stage)
-    found = [*core_findings(subject), *_house_findings(subject, RULES)]
+    with reading(subject.root.realPath or subject.root.identifier):
+        found = [*core_findings(subject), *_house_findings(subject, RULES)]
     if strict:
         found = [replace(finding, severity="error") for finding in found]
     return sorted(set(found))

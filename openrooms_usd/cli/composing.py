@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 @click.option("--only", type=click.Choice(names.STAGES), help="Run this stage alone.")
 @click.option("--flatten", is_flag=True, help="Also write scene.usdc, one layer.")
 @click.option("--usdz", is_flag=True, help="Also write scene.usdz, one file.")
+@click.option(
+    "--include-outside", is_flag=True, help="Let files outside OUT go into scene.usdc, scene.usdz."
+)
 @click.option("--workers", type=click.IntRange(1, 256), help="Threads; all cores by default.")
 @json_option
 def compose(
@@ -31,6 +34,7 @@ def compose(
     only: str | None,
     flatten: bool,
     usdz: bool,
+    include_outside: bool,
     workers: int | None,
     as_json: bool,
 ) -> None:
@@ -45,7 +49,13 @@ def compose(
     started = time.perf_counter()
     with quiet():
         summary = compose_room(
-            description, out, only=only, flatten=flatten, usdz=usdz, workers=workers
+            description,
+            out,
+            only=only,
+            flatten=flatten,
+            usdz=usdz,
+            include_outside=include_outside,
+            workers=workers,
         )
     if as_json:
         print_json(summary.as_dict())

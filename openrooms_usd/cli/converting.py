@@ -22,8 +22,16 @@ _FLAGS: Final = {"true": True, "false": False}
     metavar="NAME=VALUE",
     help="What to ask of the exporter; may be repeated.",
 )
+@click.option("--include-outside", is_flag=True, help="Copy pictures outside STAGE's folder too.")
 @json_option
-def convert(stage: Path, out: Path, to: str, options: tuple[str, ...], as_json: bool) -> None:
+def convert(
+    stage: Path,
+    out: Path,
+    to: str,
+    options: tuple[str, ...],
+    include_outside: bool,
+    as_json: bool,
+) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
 
     KIND is mitsuba, urdf, mjcf, usdphysics, or what another installed exporter is called. What
@@ -33,7 +41,9 @@ def convert(stage: Path, out: Path, to: str, options: tuple[str, ...], as_json: 
     from openrooms_usd.usd.diagnostics import quiet
 
     with quiet():
-        report = convert_stage(stage, out, to=to, options=_given(options))
+        report = convert_stage(
+            stage, out, to=to, options=_given(options), include_outside=include_outside
+        )
     if as_json:
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return

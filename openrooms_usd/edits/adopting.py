@@ -85,7 +85,7 @@ def adopt(scene: Path, saved: Path | None = None, *, dry_run: bool = False) -> A
     _check_name(scene)
     # What a killed call has left is swept also where there is nothing to move any more.
     alone = claims.claimed(scene.parent) if scene.is_file() and not dry_run else nullcontext()
-    with alone:
+    with alone, reading(saved or scene):
         return _adopted(scene, saved, dry_run=dry_run)
 
 

@@ -5,10 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pxr import Ar, Sdf, Tf
+from pxr import Ar, Sdf
 
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
+from openrooms_usd.usd import preflight
+from openrooms_usd.usd.diagnostics import UNREADABLE
 from openrooms_usd.usd.layers import apply_metadata
 
 # How a layer's own fields are called that hold its structure and no metadata.
@@ -87,11 +89,15 @@ def refuse_foreign(scene: Path) -> None:
     """Refuse to write over a root layer that another program saved something into.
 
     Raises:
+        InputError: It, or a layer beside it, is not fit to be opened (`usd.preflight`).
         StageError: It holds more than compose writes.
     """
+    for path in (scene, *own_layers(scene.parent)):
+        if path.exists():
+            preflight.check_file(path)
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(scene)) if scene.is_file() else None
-    except Tf.ErrorException:
+    except UNREADABLE:
         # What is no layer holds no opinions.
         return
     foreign = layer and foreign_to(_read_again(scene, layer), scene.parent)

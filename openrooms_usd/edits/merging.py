@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Final
 
-from pxr import Sdf, Tf, Usd, UsdUtils
+from pxr import Sdf, Usd, UsdUtils
 
 from openrooms_usd.edits.foreign import Foreign, anchored
 from openrooms_usd.errors import StageError
-from openrooms_usd.usd.diagnostics import reason
+from openrooms_usd.usd.diagnostics import UNREADABLE, reason
 from openrooms_usd.usd.layers import apply_metadata, relative_assets
 
 _RATE: Final = "timeCodesPerSecond"
@@ -60,7 +60,7 @@ def _check_opens(path: str, source: Path) -> None:
     """USD passes over layers that it cannot open, and what they say would be gone."""
     try:
         found = Sdf.Layer.FindOrOpen(path)
-    except Tf.ErrorException:
+    except UNREADABLE:
         found = None
     if not found:
         raise StageError(
@@ -100,7 +100,7 @@ def merged_over(opinions: Sdf.Layer, edits: Path, outside: dict[str, None]) -> S
 
     try:
         merged = UsdUtils.FlattenLayerStack(Usd.Stage.Open(root), rewrite, "")
-    except Tf.ErrorException as error:
+    except UNREADABLE as error:
         raise StageError(f"USD cannot merge it: {reason(error)}", place=edits) from error
     if not before.HasTimeCodesPerSecond():
         merged.ClearTimeCodesPerSecond()

@@ -12,6 +12,7 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.edits.foreign import own_layers
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.diagnostics import UNREADABLE, reading
 from openrooms_usd.usd.layers import open_stage, stacked_files
 
 Reason: TypeAlias = Literal["missing", "instance", "variant", "target", "operation"]
@@ -58,16 +59,22 @@ class Orphan:
 def edit_layers(edits: Sdf.Layer) -> list[Sdf.Layer]:
     """The layer of the edits and all layers below it, strongest first."""
     found: dict[str, Sdf.Layer] = {}
-    waiting = [edits]
+    waiting: list[Sdf.Layer | None] = [edits]
     while waiting:
         layer = waiting.pop(0)
         if layer is None or layer.identifier in found:
             continue
         found[layer.identifier] = layer
-        waiting.extend(
-            Sdf.Layer.FindOrOpenRelativeToLayer(layer, path) for path in layer.subLayerPaths
-        )
+        waiting.extend(_sublayer(layer, path) for path in layer.subLayerPaths)
     return list(found.values())
+
+
+def _sublayer(layer: Sdf.Layer, path: str) -> Sdf.Layer | None:
+    try:
+        return Sdf.Layer.FindOrOpenRelativeToLayer(layer, path)
+    except UNREADABLE:
+        # USD's composition tells of it.
+        return None
 
 
 def orphans_of(out: Path, name: str = names.EDITS) -> tuple[Orphan, ...]:
@@ -93,7 +100,8 @@ def orphans_of(out: Path, name: str = names.EDITS) -> tuple[Orphan, ...]:
     edits = alone.GetRootLayer()
     if not (edits.rootPrims or edits.subLayerPaths):
         return ()
-    return tuple(find_orphans(stacked_files(stack), edit_layers(edits)))
+    with reading(layer):
+        return tuple(find_orphans(stacked_files(stack), edit_layers(edits)))
 
 
 def find_orphans(stage: Usd.Stage, layers: Iterable[Sdf.Layer]) -> list[Orphan]:

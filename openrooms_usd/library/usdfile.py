@@ -1,11 +1,13 @@
 """Reads USD files as pieces: one a gprim, with its bound UsdPreviewSurface."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from openrooms_usd import untrusted
+from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.pieces import Piece, Reading
 
@@ -26,14 +28,21 @@ def read_usd(path: Path) -> Reading:
     Raises:
         InputError: It is no readable USD file, or refers to what is no file.
     """
+    from openrooms_usd.usd.diagnostics import reading
+    from openrooms_usd.usd.layers import open_stage
+
+    notes = _layers_elsewhere(path)
+    stage = open_stage(path)
+    with reading(path):
+        return _read(stage, path, notes)
+
+
+def _read(stage: "Usd.Stage", path: Path, notes: list[str]) -> Reading:
     from pxr import UsdGeom
 
     from openrooms_usd.usd.frames import world_from_stage
-    from openrooms_usd.usd.layers import open_stage
     from openrooms_usd.usd.meshes import read_meshes
 
-    notes = _checked_layers(path)
-    stage = open_stage(path)
     reading = read_meshes(stage)
     stage_from_world = np.linalg.inv(world_from_stage(stage))
     notes += [f"{prim}: {outcome}, {reason}" for prim, outcome, reason in reading.losses]
@@ -48,44 +57,32 @@ def read_usd(path: Path) -> Reading:
     return Reading(pieces, notes, up, UsdGeom.GetStageMetersPerUnit(stage), _licence(stage))
 
 
-def _checked_layers(path: Path) -> list[str]:
-    """See that USD may open a file and all that it refers to; notes on what lies elsewhere.
+def _layers_elsewhere(path: Path) -> list[str]:
+    """Notes on the layers outside a file's folder that it is composed of.
 
-    USD would wait for a pipe, or read a device to its end.
+    Raises:
+        InputError: One of its layers is not fit to be opened.
     """
-    from pxr import Sdf, Tf
+    from openrooms_usd.usd.preflight import check_stage_file
 
-    home = path.parent.resolve()
-    waiting, seen, outside = [path], {path.resolve()}, list[str]()
-    while waiting:
-        file = waiting.pop()
-        untrusted.checked(file, "usd")
-        try:
-            layer = Sdf.Layer.FindOrOpen(str(file))
-        except Tf.ErrorException:
-            continue  # said when it is composed
-        for name in layer.GetCompositionAssetDependencies() if layer else ():
-            other = Path(layer.ComputeAbsolutePath(name).partition("[")[0])
-            untrusted.check_path(other)
-            if other.suffix.lower() not in USD_SUFFIXES or not other.exists():
-                continue
-            if (real := other.resolve()) in seen:
-                continue
-            seen.add(real)
-            waiting.append(other)
-            if not real.is_relative_to(home):
-                outside.append(name)
-    return [f"{name!r}, outside the model's folder, is read, too" for name in sorted(outside)]
+    home, start = path.parent.resolve(), path.parent.absolute()
+    files = {Path(layer.realPath.partition("[")[0]) for layer in check_stage_file(path)}
+    outside = (file for file in files if not file.resolve().is_relative_to(home))
+    names = sorted(os.path.relpath(file, start) for file in outside)
+    return [f"{name!r}, outside the model's folder, is read, too" for name in names]
 
 
 def layers_of(path: Path) -> list[Path]:
     """All files that a USD file refers to, directly or through others; absolute paths."""
-    from pxr import Tf, UsdUtils
+    from pxr import UsdUtils
+
+    from openrooms_usd.usd.diagnostics import UNREADABLE
+    from openrooms_usd.usd.preflight import check_stage_file
 
     try:
-        _checked_layers(path)
+        check_stage_file(path)
         layers, assets, _ = UsdUtils.ComputeAllDependencies(str(path))
-    except Tf.ErrorException:
+    except (*UNREADABLE, InputError):
         # What is broken is said when the file is read.
         return []
     files = (Path(file) for file in [*(layer.realPath for layer in layers), *assets])

@@ -13,8 +13,8 @@ from openrooms_usd.errors import InputError, printable
 
 # What Python gets where USD cannot read something: the second for names that are no text.
 UNREADABLE: Final = (Tf.ErrorException, UnicodeDecodeError)
-# What else values that nobody expects end in: prims that cannot be, and nesting without an end.
-_BROKEN: Final = (*UNREADABLE, RuntimeError, RecursionError)
+# How the exception of a prim that USD does not have begins.
+_NO_PRIM: Final = "Accessed "
 
 # Where in memory something lies, names of rules in USD's own grammar, and of its source files.
 _NOISE: Final = re.compile(
@@ -55,7 +55,10 @@ def reading(path: object) -> Iterator[None]:
     """
     try:
         yield
-    except _BROKEN as error:
+    except (*UNREADABLE, RuntimeError) as error:
+        is_usd = isinstance(error, (*UNREADABLE, RecursionError))
+        if not is_usd and not str(error).startswith(_NO_PRIM):
+            raise
         raise InputError(
             f"not a readable USD file: {reason(error)}",
             place=path,

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from pxr import Sdf, Tf, Usd, UsdShade, UsdValidation
+from pxr import Sdf, Usd, UsdShade, UsdValidation
 
-from openrooms_usd.usd.diagnostics import reason
+from openrooms_usd.usd.diagnostics import UNREADABLE, plain, reason
 from openrooms_usd.validation.model import Finding, Severity, Subject
 
 _SEVERITY: Final[dict[UsdValidation.ValidationErrorType, Severity]] = {
@@ -19,12 +19,12 @@ def core_findings(subject: Subject) -> Iterator[Finding]:
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     try:
         yield from _run(subject, validators)
-    except Tf.ErrorException:
+    except UNREADABLE:
         # One that throws hides what the others found: a broken layer does it.
         for validator in validators:
             try:
                 yield from _run(subject, [validator])
-            except Tf.ErrorException as error:
+            except UNREADABLE as error:
                 name = validator.GetMetadata().name
                 yield Finding("error", name, subject.name(subject.root), reason(error))
 
@@ -65,4 +65,4 @@ def _place(subject: Subject, error: UsdValidation.ValidationError) -> str:
 
 
 def _text(subject: Subject, error: UsdValidation.ValidationError) -> str:
-    return " ".join(error.GetMessage().split()).replace(subject.home, "./")
+    return plain(error.GetMessage()).replace(subject.home, "./")

@@ -9,7 +9,9 @@ from typing import Final, Literal
 
 from pxr import Kind, Sdf, Usd, UsdShade
 
-from openrooms_usd import names
+from openrooms_usd import names, untrusted
+from openrooms_usd.errors import InputError
+from openrooms_usd.usd.diagnostics import reading
 
 # Files that are pictures, also inside a package.
 _PICTURE: Final = re.compile(
@@ -51,9 +53,13 @@ def licences(stage: Usd.Stage) -> list[Licence]:
     component that is referenced. A texture has the terms of the nearest prim that states some,
     from its shader up to the asset that it came with, or else those in a file ``NAME.license``
     beside it (the convention of REUSE).
+
+    Raises:
+        InputError: The stage holds what cannot be read at all.
     """
     home = str(stage.GetRootLayer().realPath).rpartition("/")[0] + "/"
-    counts = _below(stage.GetPseudoRoot(), "", {})
+    with reading(stage.GetRootLayer().realPath):
+        counts = _below(stage.GetPseudoRoot(), "", {})
     return sorted(
         Licence(terms, kind, name.removeprefix(home), count)
         for (terms, kind, name), count in counts.items()
@@ -117,8 +123,8 @@ def _pictures(prim: Usd.Prim) -> Iterator[str]:
 def _beside(file: str) -> str:
     sidecar = Path(f"{file}.license")
     try:
-        text = sidecar.read_text("utf-8") if "[" not in file else ""
-    except (OSError, UnicodeDecodeError):
+        text = untrusted.read_text(sidecar) if "[" not in file else ""
+    except InputError:
         return ""
     found = _SPDX.search(text)
     return (found[1] if found else text.strip().partition("\n")[0]).strip()

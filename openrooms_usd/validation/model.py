@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal
 
-from pxr import Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from openrooms_usd import names
 from openrooms_usd.edits.orphans import edit_layers
+from openrooms_usd.usd.diagnostics import UNREADABLE
 from openrooms_usd.usd.semantics import read_label
 
 Severity = Literal["error", "warning"]
@@ -106,7 +107,7 @@ class Subject:
             return info
 
         # A layer that cannot be read is found by USD's own validators.
-        with suppress(Tf.ErrorException):
+        with suppress(*UNREADABLE):
             UsdUtils.ComputeAllDependencies(self.root.identifier, note)
         return tuple(found)
 
@@ -121,8 +122,10 @@ class Subject:
                 spec.path.GetPrefixes()
             ):
                 prim = self.stage.GetPrimAtPath(spec.path)
-                definers = [s for s in prim.GetPrimStack() if s.specifier == Sdf.SpecifierDef]
-                if all(definer.layer in own for definer in definers):
+                # USD shows nothing where a layer writes below an instance.
+                stack = prim.GetPrimStack() if prim else ()
+                definers = [s for s in stack if s.specifier == Sdf.SpecifierDef]
+                if definers and all(definer.layer in own for definer in definers):
                     found.add(spec.path)
         return frozenset(found)
 

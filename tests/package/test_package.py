@@ -233,7 +233,7 @@ def composed(stage: Usd.Stage) -> dict[str, object]:
 def assert_all_alike(scene: Path) -> None:
     flat, packed = scene.with_suffix(".usdc"), scene.with_suffix(".usdz")
     flatten(scene, flat)
-    package(scene, packed)
+    package(scene, packed, include_outside=True)
     layered = composed(Usd.Stage.Open(str(scene)))
     assert len(layered) > 10
     assert composed(Usd.Stage.Open(str(flat))) == layered
@@ -282,16 +282,16 @@ def test_bytes_depend_on_nothing_but_the_scene(tmp_path: Path) -> None:
         os.utime(path, (1e9, 1e9))
     for path in (first, second):
         flatten(path, path.with_suffix(".usdc"))
-        package(path, path.with_suffix(".usdz"))
+        package(path, path.with_suffix(".usdz"), include_outside=True)
     for suffix in (".usdc", ".usdz"):
         assert first.with_suffix(suffix).read_bytes() == second.with_suffix(suffix).read_bytes()
-    package(first, first.with_suffix(".usdz"))
+    package(first, first.with_suffix(".usdz"), include_outside=True)
     assert first.with_suffix(".usdz").read_bytes() == second.with_suffix(".usdz").read_bytes()
 
 
 def test_an_archive_keeps_the_rules_of_usdz(scene: Path) -> None:
     target = scene.with_suffix(".usdz")
-    package(scene, target)
+    package(scene, target, include_outside=True)
     data = target.read_bytes()
     with zipfile.ZipFile(target) as archive:
         assert archive.testzip() is None
@@ -314,7 +314,7 @@ def test_an_archive_holds_what_usd_would_put_into_it(scene: Path, tmp_path: Path
     (scene.parent / "layers/edits.usda").write_text(
         HEADER % {"stage": "edits", "prim": "World", "more": ""}
     )
-    package(scene, scene.with_suffix(".usdz"))
+    package(scene, scene.with_suffix(".usdz"), include_outside=True)
     reference = tmp_path / "reference.usdz"
     assert UsdUtils.CreateNewUsdzPackage(str(scene), str(reference))
     with zipfile.ZipFile(scene.with_suffix(".usdz")) as ours, zipfile.ZipFile(reference) as theirs:
@@ -323,7 +323,7 @@ def test_an_archive_holds_what_usd_would_put_into_it(scene: Path, tmp_path: Path
 
 
 def test_files_from_elsewhere_move_in_and_nothing_else_is_rewritten(scene: Path) -> None:
-    package(scene, scene.with_suffix(".usdz"))
+    package(scene, scene.with_suffix(".usdz"), include_outside=True)
     with zipfile.ZipFile(scene.with_suffix(".usdz")) as archive:
         names = archive.namelist()
         assert "external/0/guest.usda" in names and "external/0/guest.png" in names
@@ -337,7 +337,7 @@ def test_absolute_paths_do_not_reach_an_archive(scene: Path) -> None:
     edits = scene.parent / "layers/edits.usda"
     elsewhere = scene.parent.parent / "elsewhere"
     edits.write_text(edits.read_text().replace("../../elsewhere", str(elsewhere)))
-    package(scene, scene.with_suffix(".usdz"))
+    package(scene, scene.with_suffix(".usdz"), include_outside=True)
     assert str(elsewhere).encode() not in scene.with_suffix(".usdz").read_bytes()
 
 
@@ -369,7 +369,7 @@ def test_what_cannot_be_packaged_is_named(
 ) -> None:
     spoil(scene)
     with pytest.raises(StageError, match=named):
-        package(scene, scene.with_suffix(".usdz"))
+        package(scene, scene.with_suffix(".usdz"), include_outside=True)
     assert not scene.with_suffix(".usdz").exists()
 
 
@@ -377,9 +377,96 @@ def test_what_cannot_be_packaged_is_named(
 def test_what_cannot_be_written_leaves_nothing(
     write: Callable[[Path, Path], None], scene: Path, tmp_path: Path
 ) -> None:
+    spoil_edits(scene, "")
     (tmp_path / "file").write_text("taken")
     with pytest.raises(OutputError):
         write(scene, tmp_path / "file" / "scene.usdz")
     with pytest.raises(InputError):
         write(tmp_path / "none.usda", tmp_path / "out.usdz")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["elsewhere", "file", "room"]
+
+
+def refer(said: str) -> Callable[[Path], None]:
+    """Let the edits name a picture beside the room."""
+
+    def change(scene: Path) -> None:
+        path = said.replace("ELSEWHERE", str(scene.parent.parent / "elsewhere"))
+        spoil_edits(scene, f'over "World" {{\n  asset secret = @{path}@\n}}\n')
+
+    return change
+
+
+def spoil_edits(scene: Path, body: str, more: str = "") -> None:
+    header = HEADER % {"stage": "edits", "prim": "World", "more": more}
+    (scene.parent / "layers/edits.usda").write_text(header + body)
+
+
+def link(scene: Path) -> None:
+    (scene.parent / "layers/secret.png").symlink_to(scene.parent.parent / "elsewhere/guest.png")
+    refer("./secret.png")(scene)
+
+
+def link_folder(scene: Path) -> None:
+    (scene.parent / "layers/more").symlink_to(scene.parent.parent / "elsewhere")
+    refer("./more/guest.png")(scene)
+
+
+def stack(scene: Path) -> None:
+    spoil_edits(scene, "", "subLayers = [@../../elsewhere/guest.usda@]")
+
+
+def choose_not(scene: Path) -> None:
+    """A variant that nobody selects would go along all the same."""
+    arc = "references = @../../elsewhere/guest.usda@"
+    spoil_edits(
+        scene,
+        f'over "World" (variantSets = "v") {{\n  variantSet "v" = {{\n    "x" ({arc}) {{\n    }}\n'
+        "  }\n}\n",
+    )
+
+
+OUTSIDE: dict[str, Callable[[Path], None]] = {
+    "relative": refer("../../elsewhere/guest.png"),
+    "absolute": refer("ELSEWHERE/guest.png"),
+    "link": link,
+    "linked folder": link_folder,
+    "sublayer": stack,
+    "variant": choose_not,
+    "reference": lambda scene: None,
+}
+
+
+@pytest.mark.parametrize("way", OUTSIDE)
+def test_files_outside_the_folder_are_named_and_not_packaged(way: str, scene: Path) -> None:
+    OUTSIDE[way](scene)
+    with pytest.raises(StageError, match="elsewhere/guest") as caught:
+        package(scene, scene.with_suffix(".usdz"))
+    assert "layers/edits.usda refers to" in str(caught.value)
+    assert "--include-outside" in str(caught.value)
+    assert not scene.with_suffix(".usdz").exists()
+    package(scene, scene.with_suffix(".usdz"), include_outside=True)
+    assert scene.with_suffix(".usdz").is_file()
+
+
+def test_a_layer_from_outside_is_not_merged_into_a_flattened_scene(scene: Path) -> None:
+    stack(scene)
+    with pytest.raises(StageError, match="elsewhere"):
+        flatten(scene, scene.with_suffix(".usdc"))
+    assert not scene.with_suffix(".usdc").exists()
+    flatten(scene, scene.with_suffix(".usdc"), include_outside=True)
+    assert scene.with_suffix(".usdc").is_file()
+
+
+def test_a_room_that_is_reached_by_a_link_lies_in_its_own_folder(scene: Path) -> None:
+    spoil_edits(scene, "")
+    (scene.parent.parent / "link").symlink_to(scene.parent)
+    package(scene.parent.parent / "link/scene.usda", scene.with_suffix(".usdz"))
+
+
+def test_a_pipe_is_not_packaged(scene: Path) -> None:
+    spoil_edits(scene, "")
+    texture = scene.parent / "layers/materials/dark.png"
+    texture.unlink()
+    os.mkfifo(texture)
+    with pytest.raises(InputError, match="not a file"):
+        package(scene, scene.with_suffix(".usdz"))
