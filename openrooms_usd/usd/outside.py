@@ -1,0 +1,112 @@
+"""Files outside a scene's folder: they go into nothing that is passed on, unless asked for.
+
+A layer may name any file of the machine that it is opened on. Whoever packages a scene of others
+would pass those files on without knowing. The folder of the scene is the folder of its root layer;
+what lies inside is decided after following all links.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from pxr import Ar, Sdf, Usd, UsdUtils
+
+from openrooms_usd.errors import StageError
+from openrooms_usd.usd.diagnostics import reading
+
+# More names than this say no more.
+_NAMED: Final = 5
+_LAYERS: Final = (".usda", ".usdc", ".usd")
+
+
+@dataclass(frozen=True, order=True)
+class Outside:
+    """A file that a scene needs and that lies outside its folder.
+
+    Attributes:
+        file: Where it lies, all links followed.
+        layer: The layer that refers to it, relative to the scene's folder where it lies there.
+        path: What that layer says.
+    """
+
+    file: str
+    layer: str
+    path: str
+
+    def __str__(self) -> str:
+        said = f" (as {self.path})" if self.path != self.file else ""
+        return f"{self.layer} refers to {self.file}{said}"
+
+
+def files_outside(stage: Usd.Stage) -> list[Outside]:
+    """The files outside a scene's folder that it needs, unselected variants included.
+
+    Those that the scene's own layers name come first.
+
+    Raises:
+        InputError: A file of the scene cannot be read.
+    """
+    root = Path(stage.GetRootLayer().realPath)
+    home = root.parent.resolve()
+    found: set[Outside] = set()
+
+    def note(layer: Sdf.Layer, info: UsdUtils.DependencyInfo) -> UsdUtils.DependencyInfo:
+        for path in {info.assetPath, *info.dependencies}:
+            file = _leads_to(layer, path)
+            if file and file != root.resolve() and not file.is_relative_to(home):
+                name = layer.realPath.removeprefix(f"{root.parent}/")
+                found.add(Outside(str(file), name, path))
+        return info
+
+    with reading(root):
+        UsdUtils.ComputeAllDependencies(str(root), note)
+    return sorted(found, key=lambda row: (row.layer.startswith("/"), row))
+
+
+def refuse_outside(
+    stage: Usd.Stage, what: str, concerns: Callable[[Outside], bool] = lambda found: True
+) -> None:
+    """Refuse to pass on files from outside a scene's folder.
+
+    Args:
+        stage: The scene.
+        what: Where they would go, for the message.
+        concerns: Which of them would go there.
+
+    Raises:
+        InputError: A file of the scene cannot be read.
+        StageError: There are some.
+    """
+    found = [row for row in files_outside(stage) if concerns(row)]
+    if not found:
+        return
+    root = stage.GetRootLayer().realPath
+    rows = "".join(f"\n  {row}" for row in found[:_NAMED])
+    more = f"\n  and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    raise StageError(
+        f"files outside {Path(root).parent} would go into {what}:{rows}{more}",
+        place=root,
+        remedy="copy them into the folder and refer to them there, take them out, or say "
+        "--include-outside where they may be passed on",
+    )
+
+
+def is_picture(found: Outside) -> bool:
+    """Whether a file is copied as it is: layers are read, and what is in them is written anew."""
+    return Path(found.file).suffix.lower() not in _LAYERS
+
+
+def is_sublayer_of(stage: Usd.Stage) -> Callable[[Outside], bool]:
+    """Whether a file is a layer that becomes one with the root layer when that is flattened."""
+    stack = {str(Path(layer.realPath).resolve()) for layer in stage.GetLayerStack(False)}
+    return lambda found: found.file in stack
+
+
+def _leads_to(layer: Sdf.Layer, path: str) -> Path | None:
+    """The file that an asset path leads to; a package where it leads inside of one."""
+    if not path:
+        return None
+    resolved = str(Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(layer, path)))
+    outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
+    return Path(outer).resolve() if outer else None
