@@ -107,6 +107,7 @@ def render_stage(
         RenderError: The renderer cannot do it.
     """
     from openrooms_usd.usd.cameras import photograph
+    from openrooms_usd.usd.diagnostics import reading
     from openrooms_usd.usd.layers import open_stage
 
     # 1. Refuse what cannot work before anything slow begins.
@@ -140,8 +141,9 @@ def render_stage(
         # 2. Translate the stage.
         stage = open_stage(path)
         began = time.perf_counter()
-        session = adapter.open(stage, variant=variant, bsdf=bsdf)
-        add_missing(session.report, stage)
+        with reading(path):
+            session = adapter.open(stage, variant=variant, bsdf=bsdf)
+            add_missing(session.report, stage)
         translation = time.perf_counter() - began
         request = sized(request, resolution or session.resolution)
         views = choose_cameras(cameras, session.cameras)
