@@ -258,6 +258,8 @@ def _refusal(path: Path, rows: list[ErrorDetails]) -> InputError:
     first, more = rows[0], len(rows) - 1
     steps = tuple(step for step in first["loc"] if step != "[key]")
     text = first["msg"].removeprefix("Value error, ").replace("Input should be", "expected")
+    if first["type"] == "too_long":
+        text = f"expected at most {first['ctx']['max_length']} entries"
     said = (
         "it is missing" if first["type"] == "missing" else f"{text}, found {_shown(first['input'])}"
     )
