@@ -5,7 +5,7 @@ from typing import Any
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 
 
 @click.command()
@@ -37,7 +37,7 @@ def annotate(
     if as_json:
         print_json({"file": str(out), "views": views, "objects": count})
     else:
-        click.echo(f"wrote {out}: {count} objects in {views} views")
+        echo(f"wrote {out}: {count} objects in {views} views")
 
 
 def _boxes(render: Path, stage: Path | None) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import click
 
 from openrooms_usd import names
 from openrooms_usd.atomic import filling
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 
 if TYPE_CHECKING:
     from openrooms_usd.compose import ComposeSummary
@@ -61,19 +61,19 @@ def compose(
         print_json(summary.as_dict())
         return
     for row in summary.stages:
-        click.echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
+        echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
         for note in row.notes:
-            click.echo(f"           note: {note}")
+            echo(f"           note: {note}")
     for note in summary.notes:
-        click.echo(f"note: {note}")
+        echo(f"note: {note}")
     for orphan in summary.orphans[:_SHOWN]:
-        click.echo(f"edits: {orphan}")
+        echo(f"edits: {orphan}")
     if len(summary.orphans) > _SHOWN:
-        click.echo(f"edits: {len(summary.orphans) - _SHOWN} more; orusd edits orphans {out}")
+        echo(f"edits: {len(summary.orphans) - _SHOWN} more; orusd edits orphans {out}")
     seconds = time.perf_counter() - started
-    click.echo(f"{_done(summary)}: {summary.scene} ({seconds:.2f} s)")
+    echo(f"{_done(summary)}: {summary.scene} ({seconds:.2f} s)")
     for path in summary.files:
-        click.echo(f"wrote {path}")
+        echo(f"wrote {path}")
 
 
 # Orphans beyond these are counted.
@@ -123,9 +123,9 @@ def demo(ctx: click.Context, out: Path, spp: int | None, as_json: bool) -> None:
         paths = {"description": room, "scene": out / names.SCENE, "render": out / "render"}
         print_json({name: str(path) for name, path in paths.items()})
         return
-    click.echo(f"\nthe pictures: {out / 'render' / 'contact_sheet.png'}")
-    click.echo(f"the scene:    {out / names.SCENE}  (open it in any USD viewer)")
-    click.echo(f"to change:    {room}, then: orusd compose {room} -o {out}")
+    echo(f"\nthe pictures: {out / 'render' / 'contact_sheet.png'}")
+    echo(f"the scene:    {out / names.SCENE}  (open it in any USD viewer)")
+    echo(f"to change:    {room}, then: orusd compose {room} -o {out}")
 
 
 def copy_example(folder: Path) -> Path:

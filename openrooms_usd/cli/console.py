@@ -1,4 +1,4 @@
-"""What the commands share: the ``--json`` option, how a result is printed, a bar of progress."""
+"""What the commands share: ``--json``, how text and a result are printed, a bar of progress."""
 
 import json
 import sys
@@ -8,6 +8,8 @@ from typing import Any, TypeVar
 
 import click
 
+from openrooms_usd.errors import printable
+
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -16,6 +18,11 @@ def json_option(command: Command) -> Command:
     return click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")(
         command
     )
+
+
+def echo(text: object = "", *, err: bool = False, nl: bool = True) -> None:
+    """Print for people: names from files cannot move the cursor or forge what stands there."""
+    click.echo(printable(text), err=err, nl=nl)
 
 
 def print_json(data: object) -> None:

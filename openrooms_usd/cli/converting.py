@@ -6,7 +6,7 @@ from typing import Final
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 
 _FLAGS: Final = {"true": True, "false": False}
 
@@ -48,9 +48,9 @@ def convert(
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return
     for prim, outcome, reason in report.losses():
-        click.echo(f"{outcome:<12} {prim}: {reason}")
+        echo(f"{outcome:<12} {prim}: {reason}")
     counts = (f"{report.count(kind)} {kind}" for kind in ("translated", "approximated", "skipped"))
-    click.echo(f"wrote {out}: {', '.join(counts)}")
+    echo(f"wrote {out}: {', '.join(counts)}")
 
 
 def _given(options: Iterable[str]) -> dict[str, str | bool]:

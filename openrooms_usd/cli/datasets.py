@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 
 if TYPE_CHECKING:
     from openrooms_usd.render.datasets import DatasetSummary
@@ -62,8 +62,8 @@ def dataset(
 def print_dataset(summary: "DatasetSummary") -> None:
     """Say what a dataset has received."""
     for name, reason in sorted(summary.missing.items()):
-        click.echo(f"no {name}: {reason}")
+        echo(f"no {name}: {reason}")
     for note in summary.notes:
-        click.echo(f"note: {note}")
+        echo(f"note: {note}")
     views = sum(map(len, summary.frames.values()))
-    click.echo(f"wrote {summary.root}: {summary.files} files of {views} views")
+    echo(f"wrote {summary.root}: {summary.files} files of {views} views")

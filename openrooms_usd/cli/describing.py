@@ -8,7 +8,7 @@ from typing import Final
 import click
 
 from openrooms_usd.atomic import filling, write_text
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 from openrooms_usd.errors import OutputError
 
 DESCRIPTION: Final = "room.yaml"
@@ -40,8 +40,8 @@ def init(folder: Path, as_json: bool) -> None:
         paths = {"description": folder / DESCRIPTION, "schema": folder / schema.FILE}
         print_json({name: str(path) for name, path in paths.items()})
         return
-    click.echo(f"wrote {folder / DESCRIPTION}")
-    click.echo(f"next:  orusd compose {folder / DESCRIPTION} -o {folder / 'out'}")
+    echo(f"wrote {folder / DESCRIPTION}")
+    echo(f"next:  orusd compose {folder / DESCRIPTION} -o {folder / 'out'}")
 
 
 @click.command()
@@ -49,7 +49,7 @@ def schema() -> None:
     """Print the JSON Schema of room.yaml (draft 2020-12)."""
     from openrooms_usd.description.schema import schema_text
 
-    click.echo(schema_text(), nl=False)
+    echo(schema_text(), nl=False)
 
 
 @click.command()
@@ -73,11 +73,11 @@ def doctor(as_json: bool) -> None:
         for name, states in found.renderers.items():
             _print_table(f"renderer {name}", states)
         for remedy in found.remedies:
-            click.echo(f"remedy: {remedy}")
+            echo(f"remedy: {remedy}")
     sys.exit(0 if found.healthy else 1)
 
 
 def _print_table(title: str, rows: dict[str, str]) -> None:
-    click.echo(title)
+    echo(title)
     for key, value in rows.items():
-        click.echo(f"  {key:<16} {value}")
+        echo(f"  {key:<16} {value}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from openrooms_usd import names
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 
 if TYPE_CHECKING:
     from openrooms_usd.edits.adopting import Adoption
@@ -53,20 +53,20 @@ def _print(adoption: "Adoption", dry_run: bool) -> None:
     for change in adoption.changes[:_ROWS]:
         more = len(change.fields) - _NAMES
         said = ", ".join(change.fields[:_NAMES]) + (f" and {more} more" if more > 0 else "")
-        click.echo(f"{'new' if change.new else 'changed':<8} {change.path}: {said}")
+        echo(f"{'new' if change.new else 'changed':<8} {change.path}: {said}")
     if len(adoption.changes) > _ROWS:
-        click.echo(f"{len(adoption.changes) - _ROWS} more; --json lists all")
+        echo(f"{len(adoption.changes) - _ROWS} more; --json lists all")
     for sentence in adoption.left[:_ROWS]:
-        click.echo(f"note: {sentence}")
+        echo(f"note: {sentence}")
     if adoption.compared:
-        click.echo(f"compared {adoption.compared} values of a flattened file")
+        echo(f"compared {adoption.compared} values of a flattened file")
     count = f"{len(adoption.changes)} prims"
     if adoption.written:
-        click.echo(f"moved what is said about {count} to {adoption.edits}")
+        echo(f"moved what is said about {count} to {adoption.edits}")
     elif dry_run and adoption.changes:
-        click.echo(f"would move what is said about {count} to {adoption.edits}")
+        echo(f"would move what is said about {count} to {adoption.edits}")
     else:
-        click.echo("nothing to adopt")
+        echo("nothing to adopt")
 
 
 @edits.command()
@@ -83,6 +83,6 @@ def orphans(out: Path, as_json: bool) -> None:
         print_json({"orphans": [{**asdict(row), "remedy": row.remedy} for row in found]})
         return
     for row in found:
-        click.echo(f"{row}\n  remedy: {row.remedy}")
+        echo(f"{row}\n  remedy: {row.remedy}")
     count = len(found)
-    click.echo(f"{out / names.LAYERS / names.EDITS}.usda: {count or 'no'} orphans")
+    echo(f"{out / names.LAYERS / names.EDITS}.usda: {count or 'no'} orphans")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, get_args
 import click
 
 from openrooms_usd.atomic import filling, write_text
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.errors import OutputError, writing
 
@@ -42,8 +42,8 @@ def generate(
         print_json({"rooms": rows})
         return
     for row in rows:
-        click.echo(f"wrote {row['room']}: {row['area']:.1f} m2, {row['objects']} objects")
-    click.echo(f"next: orusd compose {rows[0]['room']} -o OUT")
+        echo(f"wrote {row['room']}: {row['area']:.1f} m2, {row['objects']} objects")
+    echo(f"next: orusd compose {rows[0]['room']} -o OUT")
 
 
 def generate_rooms(

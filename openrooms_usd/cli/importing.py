@@ -21,7 +21,7 @@ from openrooms_usd.capture import (
 )
 from openrooms_usd.claims import locked
 from openrooms_usd.cli.captured_text import describe, describe_scan
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 from openrooms_usd.errors import InputError, OutputError, writing
 from openrooms_usd.untrusted import check_path, opened
 
@@ -70,10 +70,10 @@ def _command(kind: str) -> click.Command:
             print_json(report)
             return
         for key in ("walls", "openings", "objects", "models", "frames", "points"):
-            click.echo(f"{key:<9} {report[key]}")
+            echo(f"{key:<9} {report[key]}")
         for note in report["notes"]:
-            click.echo(f"note: {note}")
-        click.echo(f"wrote {report['room']}; next: orusd compose {report['room']} -o OUT")
+            echo(f"note: {note}")
+        echo(f"wrote {report['room']}; next: orusd compose {report['room']} -o OUT")
 
     for name, text in importer.options.items():
         metavar = "PATH" if name in option_paths(importer) else "TEXT"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json, progress_bar
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 
 
 @click.group()
@@ -38,7 +38,7 @@ def list_(as_json: bool) -> None:
     for name, spec in sorted(CATEGORIES.items()):
         width, depth, height = spec.size
         size = f"{width:g} x {depth:g} x {height:g} m"
-        click.echo(f"{name:<16} {size:<22} {spec.support:<8} {', '.join(spec.styles)}")
+        echo(f"{name:<16} {size:<22} {spec.support:<8} {', '.join(spec.styles)}")
 
 
 @library.command()
@@ -86,4 +86,4 @@ def sheet(
     if as_json:
         print_json({"file": str(out), "shown": [[item.category, item.style] for item in shown]})
         return
-    click.echo(f"wrote {out}: {len(shown)} objects ({time.perf_counter() - started:.1f} s)")
+    echo(f"wrote {out}: {len(shown)} objects ({time.perf_counter() - started:.1f} s)")

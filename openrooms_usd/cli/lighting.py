@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 
 Position = tuple[float, float, float]
@@ -75,8 +75,8 @@ def relight(
         return
     for light in manifest["lights"]:
         factor = " ".join(f"{value:.3g}" for value in light["factor"])
-        click.echo(f"{light['name']:<16} x {factor}")
-    click.echo(f"wrote {out / 'radiance.exr'} and radiance.png")
+        echo(f"{light['name']:<16} x {factor}")
+    echo(f"wrote {out / 'radiance.exr'} and radiance.png")
 
 
 @click.command()
@@ -126,5 +126,5 @@ def probe(
     for entry in found["probes"]:
         error = entry["estimated_error"]
         measured = "" if error is None else f"  estimated error {error:.2g}"
-        click.echo(f"{entry['name']:<16}{measured}")
-    click.echo(f"wrote {out / 'probes.json'} and {len(found['probes'])} panoramas")
+        echo(f"{entry['name']:<16}{measured}")
+    echo(f"wrote {out / 'probes.json'} and {len(found['probes'])} panoramas")

@@ -6,7 +6,7 @@ from typing import get_args
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json, progress_bar
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.description.substances import Substance
 
 _SUBSTANCES = click.Choice(get_args(Substance))
@@ -40,9 +40,9 @@ def list_(as_json: bool) -> None:
         )
         return
     for kind, families in FAMILIES.items():
-        click.echo(f"{kind} ({len(families)})")
+        echo(f"{kind} ({len(families)})")
         for name, family in families.items():
-            click.echo(f"  {name:<26} {family.size:>5g} m  {', '.join(sorted(family.uses))}")
+            echo(f"  {name:<26} {family.size:>5g} m  {', '.join(sorted(family.uses))}")
 
 
 @materials.command()
@@ -89,4 +89,4 @@ def sheet(
     if as_json:
         print_json({"files": [str(file) for file in files]})
         return
-    click.echo(f"wrote {len(files)} pictures to {out} ({time.perf_counter() - started:.1f} s)")
+    echo(f"wrote {len(files)} pictures to {out} ({time.perf_counter() - started:.1f} s)")

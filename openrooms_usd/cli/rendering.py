@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES, Bsdf
 
 if TYPE_CHECKING:
@@ -154,24 +154,24 @@ def _print_summary(summary: "RenderSummary") -> None:
     for name, view in summary.manifest["views"].items():
         width, height = view["resolution"]
         took = summary.timing["views"][name]
-        click.echo(
+        echo(
             f"{name:<16} {width}x{height}  {_quality(view)}{took['render'] + took['output']:.1f} s"
         )
         for warning in _warnings(view, summary.manifest["stop"].get("error")):
-            click.echo(f"    warning: {warning}", err=True)
+            echo(f"    warning: {warning}", err=True)
     report = summary.manifest["report"]
     if report["losses"]:
-        click.echo(
+        echo(
             f"{report['approximated']} prims approximated, {report['skipped']} skipped: "
             f"see the report in {summary.out / 'manifest.json'}"
         )
-    click.echo(f"rendered with {summary.manifest['renderer']['backend']}")
+    echo(f"rendered with {summary.manifest['renderer']['backend']}")
     for path in summary.stay:
         said = f"{path} stays: it is no view of this run, and holds what no run wrote"
-        click.echo(said, err=True)
+        echo(said, err=True)
     if summary.advice:
-        click.echo(summary.advice, err=True)
-    click.echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")
+        echo(summary.advice, err=True)
+    echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")
 
 
 def _quality(view: Mapping[str, Any]) -> str:
@@ -206,7 +206,7 @@ def channels(markdown: bool, as_json: bool) -> None:
     if as_json:
         print_json([channel.as_dict() for channel in CHANNELS.values()])
     elif markdown:
-        click.echo(markdown_page(), nl=False)
+        echo(markdown_page(), nl=False)
     else:
         _print_table()
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
 
 if TYPE_CHECKING:
     from openrooms_usd.simulate import Friction
@@ -73,14 +73,14 @@ def simulate(
 def _print(settled: "Settled") -> None:
     farthest = [row for row in settled.moved if row.millimetres >= _SHOWN_FROM]
     for row in farthest[:_SHOWN]:
-        click.echo(f"{row.body:<24} {row.millimetres:8.1f} mm {row.degrees:7.2f} deg")
+        echo(f"{row.body:<24} {row.millimetres:8.1f} mm {row.degrees:7.2f} deg")
     if len(farthest) > _SHOWN:
-        click.echo(f"and {len(farthest) - _SHOWN} others by at least {_SHOWN_FROM:g} mm")
+        echo(f"and {len(farthest) - _SHOWN} others by at least {_SHOWN_FROM:g} mm")
     for path in settled.held:
-        click.echo(f"{path} stays where a stronger layer has it", err=True)
+        echo(f"{path} stays where a stronger layer has it", err=True)
     most = settled.moved[0].millimetres if settled.moved else 0.0
-    click.echo(
+    echo(
         f"{len(settled.moved)} things that can move, by at most {most:.1f} mm "
         f"after {settled.seconds:g} s in {settled.engine}"
     )
-    click.echo(f"wrote {settled.out}")
+    echo(f"wrote {settled.out}")

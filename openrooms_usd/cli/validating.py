@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.errors import printable
 
 if TYPE_CHECKING:
     from openrooms_usd.validation.licences import Licence
@@ -59,10 +60,10 @@ def _print_findings(stage: Path, findings: "list[Finding]") -> None:
     from rich.text import Text
 
     if not findings:
-        click.echo(f"{stage}: clean")
+        echo(f"{stage}: clean")
         return
     errors = sum(finding.severity == "error" for finding in findings)
-    click.echo(f"{stage}: {errors} errors, {len(findings) - errors} warnings")
+    echo(f"{stage}: {errors} errors, {len(findings) - errors} warnings")
     table = Table("", "rule", "where", "what")
     for column in table.columns:
         column.overflow = "fold"
@@ -73,13 +74,13 @@ def _print_findings(stage: Path, findings: "list[Finding]") -> None:
             # Which of USD's plugins it comes from, before the colon, tells a person nothing.
             code = finding.code.rpartition(":")[2]
             cells = (finding.severity, code, finding.place, finding.message)
-            table.add_row(*map(Text, cells))
+            table.add_row(*map(Text, map(printable, cells)))
     Console().print(table)
     for code, count in shown.items():
         if count > _ROWS:
-            click.echo(f"{code}: {count - _ROWS} more; --json lists all")
+            echo(f"{code}: {count - _ROWS} more; --json lists all")
     for code, remedy in sorted({(f.code, f.remedy) for f in findings if f.remedy}):
-        click.echo(f"{code}: {remedy}")
+        echo(f"{code}: {remedy}")
 
 
 def _print_licences(terms: "list[Licence]") -> None:
@@ -97,14 +98,15 @@ def _print_licences(terms: "list[Licence]") -> None:
         group = (term.licence, term.kind)
         shown[group] += 1
         if shown[group] <= _ROWS:
-            table.add_row(*map(Text, (term.licence, term.kind, term.name, str(term.prims))))
+            cells = (term.licence, term.kind, term.name, str(term.prims))
+            table.add_row(*map(Text, map(printable, cells)))
     Console().print(table)
     for (licence, kind), count in shown.items():
         if count > _ROWS:
-            click.echo(f"{licence}: {count - _ROWS} more {kind}s; --json lists all")
+            echo(f"{licence}: {count - _ROWS} more {kind}s; --json lists all")
     unknown = sum(term.is_unknown for term in terms)
     if unknown:
-        click.echo(
+        echo(
             f"warning: {unknown} assets and textures do not say under which licence they may be "
             "used: state it in their assetInfo, or in a file NAME.license beside them",
             err=True,

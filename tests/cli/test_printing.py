@@ -1,0 +1,73 @@
+"""Names from files of others reach a terminal as text, never as commands to it."""
+
+import ast
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from openrooms_usd import cli
+from openrooms_usd.cli.console import echo
+from openrooms_usd.errors import InputError, OrusdError, printable
+
+HOSTILE = [
+    "\x1b[2J",
+    "\x07",
+    "\x9b31m",
+    "\x7f",
+    "\r",
+    "\b",
+    "\u202e",
+    "\u2066",
+    "\u2028",
+    "\ud800",
+    "\0",
+]
+FOLDER = Path(cli.__file__).parent
+
+
+@pytest.mark.parametrize("sign", HOSTILE)
+def test_an_error_escapes_what_a_terminal_obeys(sign: str) -> None:
+    error = InputError(f"bad {sign} message", place=f"a{sign}b", remedy=f"do {sign}")
+    assert sign[0] not in str(error)
+    assert str(error).isprintable() or "\n" in str(error)
+    # What programs read is as it is.
+    assert error.as_dict()["place"] == f"a{sign}b"
+
+
+def test_lists_of_ours_keep_their_lines_and_names_make_none() -> None:
+    error = OrusdError("two:\n  one\n  other", place="a\nremedy: trust me", remedy="mend\nboth")
+    assert str(error) == "a\\nremedy: trust me: two:\n  one\n  other\n  remedy: mend\nboth"
+
+
+@pytest.mark.parametrize("text", ["Stühle", "椅子", "tab\there", "é", "a b", "☃"])
+def test_what_people_write_stays(text: str) -> None:
+    assert printable(text) == text
+
+
+@pytest.mark.parametrize("sign", HOSTILE)
+def test_commands_print_it_escaped(sign: str, capsys: pytest.CaptureFixture[str]) -> None:
+    echo(f"note: {sign}")
+    assert sign[0] not in capsys.readouterr().out
+
+
+def test_commands_print_by_one_function_alone() -> None:
+    for path in FOLDER.glob("*.py"):
+        if path.name in ("console.py", "__init__.py"):
+            continue
+        tree = ast.walk(ast.parse(path.read_text()))
+        calls = [ast.unparse(node.func) for node in tree if isinstance(node, ast.Call)]
+        assert not {"click.echo", "click.secho", "print"} & set(calls), path.name
+
+
+def test_a_stage_of_others_cannot_colour_its_report(tmp_path: Path) -> None:
+    name = "a\x1b[31m"
+    (tmp_path / "a.usda").write_text(
+        '#usda 1.0\ndef Cube "a" (\n  assetInfo = {\n'
+        f'    string name = "{name}"\n    string license = "{name}"\n  }}\n) {{\n}}\n'
+    )
+    shown = CliRunner().invoke(cli.orusd, ["validate", str(tmp_path / "a.usda")])
+    assert "\x1b[31m" not in shown.output and "\\x1b[31m" in shown.output.replace("\n", "")
+    data = CliRunner().invoke(cli.orusd, ["validate", "--json", str(tmp_path / "a.usda")])
+    assert json.loads(data.stdout)["licences"][0]["name"] == name
