@@ -245,21 +245,27 @@ def changes(before: Seen, after: Seen, accepted: bool) -> tuple[Verdict | None, 
         for path in before.keys() | after.keys()
         if before.get(path) != after.get(path)
     )  # fmt: skip
-    within = (f"{OUT}/", OUT)
+    # A list of what is ours may lose what is no longer there, whatever else becomes of a case.
+    changed = [path for path in changed if not (_is_ledger(path) and path in before)]
     for path in changed:
-        inside = path == OUT or path.startswith(within[0])
+        inside = path == OUT or path.startswith(f"{OUT}/")
         kept = Path(path).name.startswith(KEEP) and path in before
         if not inside or kept:
             return "outside touched", _said(path, before, after)
     if not accepted and changed:
         return "half-written", _said(changed[0], before, after)
-    hidden = [path for path in changed if path in after and _is_left(Path(path).name)]
+    hidden = [path for path in changed if path in after and _is_draft(path)]
     return ("half-written", _said(hidden[0], before, after)) if hidden else (None, "")
 
 
-def _is_left(name: str) -> bool:
-    """Whether a file's name is that of a draft; what `.orusd` begins is a ledger that stays."""
-    return name.startswith(".") and not name.startswith(".orusd")
+def _is_ledger(path: str) -> bool:
+    """Whether a file in ``out`` is the list of what was written there."""
+    return path.startswith(f"{OUT}/.orusd")
+
+
+def _is_draft(path: str) -> bool:
+    """Whether a file has the name of one that is not finished."""
+    return Path(path).name.startswith(".") and not _is_ledger(path)
 
 
 def _said(path: str, before: Seen, after: Seen) -> str:
