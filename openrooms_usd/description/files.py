@@ -12,9 +12,10 @@ from openrooms_usd.description.reading import read_yaml
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.scalars import FIRST, PLAIN
 from openrooms_usd.description.syntax import place_of
-from openrooms_usd.errors import DescriptionError, InputError
+from openrooms_usd.errors import DescriptionError
+from openrooms_usd.untrusted import MOST_BYTES, read_bytes
 
-MAX_BYTES: Final = 16 * 2**20
+MAX_BYTES: Final = MOST_BYTES["description"]
 
 
 def load_room(path: Path) -> Room:
@@ -31,15 +32,7 @@ def load_room(path: Path) -> Room:
         DescriptionError: It is no valid description; the message lists every mistake.
     """
     remedy = "`orusd init DIR` writes a room to start from"
-    try:
-        if not path.is_file():
-            state = "this is no file" if path.exists() else "no such file"
-            raise InputError(state, place=path, remedy=remedy)
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise InputError(f"cannot read: {error.strerror or error}", place=path) from error
-    return parse_room(data, str(path))
+    return parse_room(read_bytes(path, "description", remedy=remedy), str(path))
 
 
 def parse_room(text: str | bytes, name: str = "room.yaml") -> Room:

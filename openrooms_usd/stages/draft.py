@@ -1,5 +1,6 @@
 """A composition in the making: its layers replace the old ones together, or not at all."""
 
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -31,6 +32,10 @@ class Draft:
     stay: list[Path] = field(default_factory=list)
     _new: dict[Path, Path] = field(default_factory=dict)
     _kept: dict[str, frozenset[str]] = field(default_factory=dict)
+    _folders: frozenset[Path] = frozenset()
+
+    def __post_init__(self) -> None:
+        self._folders = _folders(self.layers)
 
     @property
     def layers(self) -> Path:
@@ -103,6 +108,9 @@ class Draft:
             removal.remove_file(beside)
         for name in names.STAGES:
             self.ledger.remove(self.ledger.created_below(self.folder(name)))
+        # Workers that fail at the same time leave folders to each other.
+        for folder in sorted(_folders(self.layers) - self._folders, reverse=True):
+            removal.remove_if_empty(folder)
 
     def _remove_others(self, name: str, kept: frozenset[str]) -> None:
         """Remove what was written for earlier layers of a stage, and see what else is there."""
@@ -127,6 +135,12 @@ class Draft:
         self._new[target] = beside
         with atomic.naming(target, beside):
             usd_layers.export(layer, beside)
+
+
+def _folders(layers: Path) -> frozenset[Path]:
+    """The folders of stages and those in them."""
+    tops = [layers / name for name in names.STAGES if not (layers / name).is_symlink()]
+    return frozenset(Path(inner) for top in tops for inner, _, _ in os.walk(top))
 
 
 @contextmanager

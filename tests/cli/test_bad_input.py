@@ -23,7 +23,7 @@ FAULTY: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "empty": ("", ("1:1", "empty", "orusd init")),
     "truncated": ("layout:\n  polygon: [[0, 0], [4", ("room.yaml:2",)),
     "binary": (bytes(range(256)) * 8, ("room.yaml:2:118", "0x80 is not UTF-8")),
-    "huge": (b"# " + b"x" * 70_000_000, ("larger than", "MiB")),
+    "huge": (b"# " + b"x" * 70_000_000, ("at most 16 MiB", "right file")),
     "recursive": ("layout: &a\n  polygon: *a\n", ("room.yaml:2",)),
     "bomb": (
         "a: &a [x, x, x, x, x, x, x, x]\n"
@@ -110,11 +110,11 @@ def test_missing_files(orusd: Any, lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
     missing = tmp_path / "nosuch"
     orusd("compose", missing, "-o", out).refused(INPUT, "nosuch: no such file", "orusd init")
-    orusd("compose", tmp_path, "-o", out).refused(INPUT, "this is no file")
+    orusd("compose", tmp_path, "-o", out).refused(INPUT, "not a file")
     orusd("validate", missing).refused(INPUT, "nosuch: no such file")
     orusd("render", missing, "-o", out).refused(INPUT, "nosuch: no such file")
     orusd("convert", missing, out).refused(INPUT, "nosuch: no such file")
-    orusd("convert", tmp_path, out).refused(INPUT, "this is no file")
+    orusd("convert", tmp_path, out).refused(INPUT, "not a file")
     orusd("import", "roomplan", missing, "-o", out).refused(INPUT, "no such file")
     assert list(tmp_path.iterdir()) == []
 

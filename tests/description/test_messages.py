@@ -37,9 +37,9 @@ def test_the_message_names_the_file(tmp_path: Path) -> None:
 def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         load_room(tmp_path / "missing.yaml")
-    with pytest.raises(InputError, match="this is no file"):
+    with pytest.raises(InputError, match="a folder, not a file"):
         load_room(tmp_path)
-    with pytest.raises(InputError, match="cannot read: File name too long"):
+    with pytest.raises(InputError, match="longer than 4095 bytes"):
         load_room(tmp_path / ("x" * 5000))
 
 
