@@ -16,6 +16,7 @@ from orusd_scans.scanned import Scanned, broken, cloud_of, counted, opened, size
 
 _LAS: Final = ("x", "y", "z", "red", "green", "blue")
 _LAS_HEAD: Final = 375  # bytes
+_PACKED: Final = 0xC0  # of the byte that says the point format
 # Packed points have a byte each, and more; so few may have less.
 _FEW: Final = 1 << 16
 _E57_HEAD: Final = struct.Struct("<8sIIQQQQ")
@@ -57,12 +58,34 @@ def _check_las(stream: BinaryIO, path: Path) -> None:
     (ASPRS, "LAS Specification 1.4 - R15", 2019, table 3.)
     """
     head = stream.read(_LAS_HEAD).ljust(_LAS_HEAD, b"\0")
-    stream.seek(0)
     length, start, records = struct.unpack_from("<HII", head, 94)
     more_start, more = struct.unpack_from("<QI", head, 235) if head[25] >= 4 else (0, 0)
     ends = (length + 54 * records, start, more_start + 60 * more)
     if max(ends) > size_of(stream) or ends[0] > start:
         raise broken(path, "it ends too early, or its header is damaged")
+    if head[104] & _PACKED:
+        _check_chunks(stream, start, path)
+    stream.seek(0)
+
+
+def _check_chunks(stream: BinaryIO, start: int, path: Path) -> None:
+    """Refuse a table of more chunks than there are bytes: its reader ends the whole process.
+
+    (Isenburg, "LASzip: lossless compression of LiDAR data", 2013; the table's place stands before
+    the points, or at the file's end where the writer could not go back.)
+    """
+    size = size_of(stream)
+    for where in (start, size - 8):
+        stream.seek(max(where, 0))
+        (table,) = struct.unpack("<q", stream.read(8).ljust(8, b"\0"))
+        if table != -1:
+            break
+    if not start <= table <= size - 8:
+        raise broken(path, "its table of chunks lies outside the file")
+    stream.seek(table)
+    _, chunks = struct.unpack("<II", stream.read(8))
+    if chunks > size - start:
+        raise broken(path, f"it announces {chunks:,} chunks, which cannot be in it")
 
 
 def read_e57(path: Path) -> Scanned:

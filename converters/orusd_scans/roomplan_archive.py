@@ -1,5 +1,6 @@
 """The layers in a USDZ of unknown origin: read one by one in memory, within limits."""
 
+import io
 import tempfile
 import zipfile
 from collections.abc import Iterator
@@ -10,8 +11,9 @@ from pxr import Sdf, Tf
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling.archives import opened_archive
-from openrooms_usd.untrusted import decoded
+from openrooms_usd.usd.crates import check_crate
 from openrooms_usd.usd.diagnostics import quiet, reason
+from openrooms_usd.usd.preflight import check_text
 
 _LAYERS: Final = (".usda", ".usdc", ".usd")
 # Of all layers together; a capture of a large flat is below 2 MB.
@@ -53,22 +55,25 @@ def _checked(path: Path, archive: zipfile.ZipFile) -> list[zipfile.ZipInfo]:
 
 
 def _layer(path: Path, name: str, data: bytes) -> Sdf.Layer:
+    place = f"{path}[{name}]"
     try:
         with quiet():
-            return _text(data) if data.startswith(b"#usda") else _binary(data)
+            return _text(data, place) if data.startswith(b"#") else _binary(data, place)
     except Tf.ErrorException as error:
         text = f"not readable as USD: {reason(error)}"
-        raise InputError(text, place=f"{path}[{name}]", remedy=_AGAIN) from error
+        raise InputError(text, place=place, remedy=_AGAIN) from error
 
 
-def _text(data: bytes) -> Sdf.Layer:
+def _text(data: bytes, place: str) -> Sdf.Layer:
+    check_text(data, place)
     layer = Sdf.Layer.CreateAnonymous(".usda")
-    layer.ImportFromString(decoded(data))
+    layer.ImportFromString(data.decode())
     return layer
 
 
-def _binary(data: bytes) -> Sdf.Layer:
+def _binary(data: bytes, place: str) -> Sdf.Layer:
     """A crate, which USD reads from files only."""
+    check_crate(io.BytesIO(data), len(data), place)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "layer.usdc"
         file.write_bytes(data)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pxr import Sdf
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.diagnostics import reading
 from orusd_scans.capturedroom import CapturedRoom, Record, Section, misplaced
 from orusd_scans.fields import text
 from orusd_scans.jsonfile import Node
@@ -50,13 +51,15 @@ def read_usdz(path: Path, notes: list[str]) -> CapturedRoom:
     lists: dict[str, list[Record]] = {name: [] for name in (*_LISTS.values(), "objects")}
     sections: list[Section] = []
     for name, layer in layers(path):
-        _check_frame(layer, f"{path}[{name}]")
-        for prim in _walk(layer.rootPrims, _is_component):
-            if _is_component(prim):
-                record = _sound(_record, prim, f"{path}[{name}]{prim.path}")
-                lists[_LISTS.get(record.category, "objects")].append(record)
-            elif prim.nameParent and prim.nameParent.name == _SECTIONS:
-                sections.append(_sound(_section, prim, f"{path}[{name}]{prim.path}"))
+        place = f"{path}[{name}]"
+        with reading(place):
+            _check_frame(layer, place)
+            for prim in _walk(layer.rootPrims, _is_component):
+                if _is_component(prim):
+                    record = _sound(_record, prim, f"{place}{prim.path}")
+                    lists[_LISTS.get(record.category, "objects")].append(record)
+                elif prim.nameParent and prim.nameParent.name == _SECTIONS:
+                    sections.append(_sound(_section, prim, f"{place}{prim.path}"))
     if not any(lists.values()):
         text = "this is USD, but no parametric export of RoomPlan: no prim has a category"
         raise InputError(text, place=path, remedy=_AGAIN)

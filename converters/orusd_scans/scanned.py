@@ -23,6 +23,7 @@ Columns = Mapping[str, NDArray[Any]]
 MOST_POINTS: Final = 200_000_000
 LONGEST_HEADER: Final = 1 << 16  # bytes
 _LONGEST_LINE: Final = 1 << 16
+_LONGEST_MESSAGE: Final = 400  # letters
 # Classes and numbers of objects.
 _LARGEST_NUMBER: Final = 1 << 24
 _NYU40: Final = 40
@@ -81,8 +82,9 @@ def lines_of(stream: BinaryIO) -> Iterator[bytes]:
 
 
 def broken(path: Path, message: str, remedy: str = "export the scan again") -> InputError:
-    """An error about the contents of a file."""
-    return InputError(message, place=path, remedy=remedy)
+    """An error about the contents of a file; what it quotes of them is cut."""
+    short = message if len(message) <= _LONGEST_MESSAGE else f"{message[:_LONGEST_MESSAGE]}..."
+    return InputError(short, place=path, remedy=remedy)
 
 
 def counted(path: Path, text: str, what: str = "points") -> int:
@@ -133,7 +135,7 @@ def cloud_of(columns: Columns, path: Path, notes: list[str]) -> Cloud:
         raise broken(path, "it holds no points")
     normals, colors = _three(columns, _NORMAL), _three(columns, _COLOR)
     return Cloud(
-        points=np.column_stack(places).astype(np.float64, copy=False),
+        points=_double(np.column_stack(places)),
         normals=None if normals is None else _single(np.column_stack(normals)),
         colors=None if colors is None else np.column_stack([_byte(c, path) for c in colors]),
         label=_numbers(columns, _LABEL, path, notes, _NYU40),
@@ -147,8 +149,14 @@ def _three(columns: Columns, names: tuple[tuple[str, ...], ...]) -> list[NDArray
     return None if found is None else [columns[name] for name in found]
 
 
+def _double(values: NDArray[Any]) -> Array:
+    with np.errstate(invalid="ignore"):  # what is no number is dropped later
+        return values.astype(np.float64, copy=False)
+
+
 def _single(values: NDArray[Any]) -> NDArray[np.float32]:
-    with np.errstate(over="ignore"):  # what becomes infinite is dropped with other broken normals
+    # What becomes infinite is dropped with other broken normals.
+    with np.errstate(over="ignore", invalid="ignore"):
         return values.astype(np.float32)
 
 

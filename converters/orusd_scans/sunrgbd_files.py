@@ -129,7 +129,8 @@ def read_matrix(path: Path, notes: list[str]) -> Cloud:
     """
     from scipy.io import loadmat, whosmat
 
-    with opened(path, "array") as stream:
+    with opened(path, "array") as opened_stream:
+        stream: Any = opened_stream
         try:
             kinds = {name: (shape, kind) for name, shape, kind in whosmat(stream)}
             shape, kind = kinds.get("instance", ((), "nothing"))

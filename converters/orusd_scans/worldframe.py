@@ -37,7 +37,8 @@ class WorldFrame:
 
     def points(self, source: Array) -> Array:
         """Points (..., 3) in the world, metres; the origin is taken off first."""
-        return np.asarray(self.unit * ((source - self.origin) @ self.rotation.T))
+        with np.errstate(invalid="ignore", over="ignore"):  # what is no number is dropped later
+            return np.asarray(self.unit * ((source - self.origin) @ self.rotation.T))
 
     def matrix(self, source_from_local: Array) -> Array:
         """(4, 4) from a local frame to the world, in metres."""

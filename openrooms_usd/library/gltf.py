@@ -56,14 +56,15 @@ def _copyright(header: dict[str, Any]) -> str:
 def _pieces(shown: Sequence[ShownMesh], title: str) -> list[Piece]:
     # What has no name in the file is called so by trimesh.
     named = {one.name for one in shown} - {"geometry_0"}
-    return [
-        Piece(
-            one.name if named else title,
-            _mesh(one.mesh).transformed(one.file_from_mesh),
-            _surface(one.mesh.visual),
-        )
-        for one in shown
-    ]
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused later
+        return [
+            Piece(
+                one.name if named else title,
+                _mesh(one.mesh).transformed(one.file_from_mesh),
+                _surface(one.mesh.visual),
+            )
+            for one in shown
+        ]
 
 
 def _mesh(mesh: Any) -> Mesh:

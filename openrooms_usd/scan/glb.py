@@ -129,8 +129,9 @@ def _check_amounts(header: Mapping[str, Any], most: int) -> None:
 
 def _corners(primitive: Mapping[str, Any], counts: Sequence[int]) -> int:
     """The longest of a primitive's arrays."""
-    named = [*primitive["attributes"].values(), *filter(None, [primitive.get("indices")])]
-    return max(counts[_whole(index)] for index in named)
+    named = [*primitive["attributes"].values()]
+    named += [primitive["indices"]] if "indices" in primitive else []
+    return max((counts[_whole(index)] for index in named), default=0)
 
 
 def _check_tree(nodes: Sequence[Mapping[str, Any]]) -> None:

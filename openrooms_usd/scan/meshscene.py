@@ -122,6 +122,15 @@ def _resolver(read: Callable[[str], bytes]) -> Any:
         def get(self, key: str) -> bytes:
             return read(key)
 
+        def keys(self) -> list[str]:
+            return []
+
+        def namespaced(self, namespace: str) -> Any:
+            raise ValueError("a file in a file")
+
+        def write(self, name: str, data: Any) -> None:
+            raise ValueError("nothing is written")
+
     return Beside()
 
 

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd import untrusted
 from openrooms_usd.library.ownmaterials.mtlxtext import located
 from openrooms_usd.usd.surfaces import (
     NORMAL_BIAS,
@@ -89,6 +90,7 @@ class Images:
         elif not target.is_file():
             self.missing.append(f"{where} names {name}, which is missing")
         else:
+            untrusted.checked(target, "picture")
             return target.absolute()
         return None
 

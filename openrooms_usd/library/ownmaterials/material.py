@@ -78,7 +78,7 @@ class OwnMaterial:
 
 def _content_name(file: Path) -> str:
     with untrusted.opened(file, "picture") as content:
-        digest = hashlib.file_digest(content, "sha256").hexdigest()[:12]  # type: ignore[arg-type]
+        digest = hashlib.file_digest(content, "sha256").hexdigest()[:12]
     return f"{digest}{file.suffix.lower()}"
 
 

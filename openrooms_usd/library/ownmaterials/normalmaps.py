@@ -65,7 +65,7 @@ def read_relief(file: str, stated: Green | None, heights: str | None = None) -> 
         return "a grey-scale picture holds heights, not normals"
     if facts.width * facts.height * facts.channels > _MOST_VALUES:
         return Relief(*_stored(stated or "up", False), () if stated else (_ASSUMED,))
-    pixels = np.nan_to_num(read_texture(file)[..., :3].astype(np.float64))
+    pixels = _finite(read_texture(file)[..., :3])
     if pixels.shape[:2] != (1, 1) and np.ptp(pixels, axis=2).max() < 1e-3:
         return "all its pixels are grey: it holds heights, not normals"
     signed = facts.is_float and bool(pixels.min() < -0.01)
@@ -73,6 +73,11 @@ def read_relief(file: str, stated: Green | None, heights: str | None = None) -> 
         return Relief(*_stored(stated, signed))
     green, loss = _measured(pixels if signed else pixels * 2.0 - 1.0, heights)
     return Relief(*_stored(green, signed), (loss,))
+
+
+def _finite(values: NDArray[np.float32]) -> Array:
+    with np.errstate(invalid="ignore"):
+        return np.nan_to_num(values.astype(np.float64))
 
 
 def _measured(normals: Array, heights: str | None) -> tuple[Green, str]:
@@ -112,7 +117,7 @@ def height_agreement(normals: Array, heights: str) -> float:
     facts = picture_facts(heights)
     if (facts.height, facts.width) != normals.shape[:2] or facts.height < 3:
         return 0.0
-    values = np.nan_to_num(read_texture(heights)[..., 0].astype(np.float64))
+    values = _finite(read_texture(heights)[..., 0])
     # Rows run against t.
     return _correlation(normals[1:-1, :, 1], values[2:] - values[:-2])
 

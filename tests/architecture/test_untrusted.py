@@ -1,0 +1,113 @@
+"""Readers of foreign files open nothing themselves: all of it comes through the one door."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Modules and folders whose paths come from somebody else; more may be added.
+READERS = (
+    "converters/orusd_scans",
+    "openrooms_usd/library/gltf.py",
+    "openrooms_usd/library/meshfile.py",
+    "openrooms_usd/library/ownmaterials",
+    "openrooms_usd/library/usdfile.py",
+    "openrooms_usd/library/wavefront.py",
+    "openrooms_usd/library/assignment/annotations.py",
+    "openrooms_usd/scan/glb.py",
+    "openrooms_usd/scan/meshscene.py",
+    "openrooms_usd/scan/modelfiles.py",
+    "openrooms_usd/unpickling",
+)
+# Calls by the last word of what is called, where it may be a method of any object ...
+METHODS = {"read_bytes", "read_text", "fromfile", "genfromtxt", "memmap", "mmap"}
+# ... and by their whole name. Files that a reader makes itself are written, so not forbidden.
+CALLS = {
+    "open", "io.open", "os.open", "np.load", "zipfile.ZipFile", "zipfile.is_zipfile",
+    "tarfile.open", "gzip.open", "laspy.open", "pye57.E57", "h5py.File", "loadmat", "whosmat",
+    "trimesh.load", "trimesh.load_scene", "trimesh.load_mesh", "OpenImageIO.ImageInput.open",
+    "OpenImageIO.ImageBuf", "Sdf.Layer.FindOrOpen", "Sdf.Layer.OpenAsAnonymous", "Usd.Stage.Open",
+    "open_stage", "UsdUtils.ComputeAllDependencies",
+}  # fmt: skip
+# What is allowed all the same: how often, and why the door has been passed there.
+ALLOWED = {
+    ("converters/orusd_scans/depthpicture.py", "OpenImageIO.ImageInput.open"): "checked before",
+    ("converters/orusd_scans/laser.py", "laspy.open"): "reads the stream of the door",
+    ("converters/orusd_scans/laser.py", "pye57.E57"): "wants a path; opened and checked before",
+    ("converters/orusd_scans/pcd.py", "np.fromfile"): "reads the stream of the door",
+    ("converters/orusd_scans/ply.py", "np.fromfile"): "reads the stream of the door",
+    ("converters/orusd_scans/sunrgbd_files.py", "np.fromfile"): "reads the stream of the door",
+    ("converters/orusd_scans/sunrgbd_files.py", "loadmat"): "reads the stream of the door",
+    ("converters/orusd_scans/sunrgbd_files.py", "whosmat"): "reads the stream of the door",
+    ("openrooms_usd/library/usdfile.py", "open_stage"): "all its layers are checked before",
+    ("openrooms_usd/library/usdfile.py", "UsdUtils.ComputeAllDependencies"): "checked before",
+    ("openrooms_usd/scan/meshscene.py", "trimesh.load_scene"): "reads bytes of the door",
+    ("openrooms_usd/unpickling/archives.py", "zipfile.ZipFile"): "reads the stream of the door",
+}
+
+
+def modules() -> Iterator[Path]:
+    for name in READERS:
+        path = ROOT / name
+        assert path.exists(), name
+        yield from sorted(path.rglob("*.py")) if path.is_dir() else [path]
+
+
+def opening(source: str) -> Iterator[tuple[int, str]]:
+    """The line and the name of every call that opens a path by itself."""
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.Call):
+            continue
+        name = ast.unparse(node.func)
+        base, _, last = name.rpartition(".")
+        through = base == "untrusted" or (base == "" and last in METHODS)
+        # Of a path: `path.open("rb")`, which of an archive is `archive.open(info)`.
+        of_path = base and last == "open" and all(isinstance(a, ast.Constant) for a in node.args)
+        if name in CALLS or of_path or (last in METHODS and not through):
+            yield node.lineno, name
+
+
+@pytest.mark.parametrize("path", list(modules()), ids=lambda path: str(path.relative_to(ROOT)))
+def test_readers_open_nothing_themselves(path: Path) -> None:
+    name = path.relative_to(ROOT).as_posix()
+    wrong = [
+        f"{name}:{line}: {call}"
+        for line, call in opening(path.read_text(encoding="utf-8"))
+        if (name, call) not in ALLOWED
+    ]
+    assert wrong == [], "use openrooms_usd.untrusted, or say in ALLOWED why not"
+
+
+def test_nothing_is_allowed_that_is_not_there() -> None:
+    there = {
+        (path.relative_to(ROOT).as_posix(), call)
+        for path in modules()
+        for _, call in opening(path.read_text(encoding="utf-8"))
+    }
+    assert set(ALLOWED) - there == set()
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        'path.open("rb")', "path.open()", "path.read_bytes()", 'path.read_text("utf-8")',
+        'open(path, "rb")', "np.load(path)", "np.fromfile(path)", "zipfile.ZipFile(path)",
+        "OpenImageIO.ImageInput.open(str(path))", "Usd.Stage.Open(str(path))", "pye57.E57(path)",
+    ],
+)  # fmt: skip
+def test_what_opens_a_path_is_found(code: str) -> None:
+    assert list(opening(code))
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        'untrusted.read_text(path)', 'untrusted.read_bytes(path, "model")', "archive.open(info)",
+        'untrusted.opened(path, "text")', "read_text(path)", "stream.read()",
+    ],
+)  # fmt: skip
+def test_the_door_is_no_offence(code: str) -> None:
+    assert not list(opening(code))
