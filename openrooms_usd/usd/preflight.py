@@ -9,6 +9,7 @@ sensible size, whether its text is text, and how deeply it nests.
 import re
 from collections.abc import Iterator
 from functools import cache
+from io import SEEK_END, BytesIO
 from itertools import chain
 from pathlib import Path, PurePosixPath
 from tempfile import NamedTemporaryFile
@@ -18,7 +19,8 @@ from pxr import Ar, Sdf, UsdUtils
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.diagnostics import UNREADABLE
+from openrooms_usd.usd import crates
+from openrooms_usd.usd.diagnostics import UNREADABLE, reading
 
 # Rooms nest some ten deep; USD's parser overflows its stack beyond some thousands.
 DEEPEST: Final = 200
@@ -91,8 +93,11 @@ def check_file(path: Path) -> None:
         untrusted.checked(path, "archive")
         return
     with untrusted.opened(path, "usd") as stream:
-        # Crates are read in pieces by USD, and can be large; what is no USD it refuses itself.
-        if not stream.read(len(_TEXT)).startswith(_TEXT):
+        # Crates are read in pieces, as they can be large; what is no USD is refused by USD.
+        start = stream.read(len(crates.MAGIC))
+        if start == crates.MAGIC and not crates.is_sound(stream, stream.seek(0, SEEK_END)):
+            raise _damaged(path)
+        if not start.startswith(_TEXT):
             return
     check_text(untrusted.read_bytes(path, "usd"), path)
 
@@ -167,6 +172,8 @@ def _check_bytes(name: str, facts: tuple[int, ...]) -> None:
             _check_bytes(Ar.JoinPackageRelativePath([name, entry]), facts)
         return
     data = _packaged(name)
+    if data.startswith(crates.MAGIC) and not crates.is_sound(BytesIO(data), len(data)):
+        raise _damaged(name)
     if data.startswith(_TEXT):
         check_text(data, name)
 
@@ -217,7 +224,9 @@ def _references(layer: Sdf.Layer, variables: dict[str, object]) -> Iterator[str]
     for path in dict.fromkeys((*arcs, *others)):
         file = Sdf.Layer.SplitIdentifier(path)[0] if path else ""
         if file and _is_layer(file):
-            found = Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(layer, file))
+            whole = Sdf.ComputeAssetPathRelativeToLayer(layer, file)
+            untrusted.check_path(Path(Ar.SplitPackageRelativePathOuter(whole)[0]))
+            found = Ar.GetResolver().Resolve(whole)
             if found:
                 yield str(found)
 
@@ -232,15 +241,18 @@ def _evaluated(path: str, known: dict[str, object], layer: Sdf.Layer) -> str:
 
 @cache
 def _check_depth(name: str, facts: tuple[int, ...]) -> None:
-    """Refuse a layer whose prims nest too deeply: crates nest without brackets."""
+    """Refuse a crate whose prims nest too deeply, without brackets, or are not all there."""
     layer = Sdf.Layer.Find(name)
     if layer.GetFileFormat().formatId == "usda":
         return
-    level: list[Sdf.PrimSpec] = list(layer.rootPrims)
-    for _ in range(DEEPEST):
-        level = [child for spec in level for child in _below(spec)]
-        if not level:
-            return
+    with reading(name):
+        level: list[Sdf.PrimSpec] = list(layer.rootPrims)
+        for _ in range(DEEPEST):
+            if not all(spec and None not in list(spec.properties) for spec in level):
+                raise _damaged(name)
+            level = [child for spec in level for child in _below(spec)]
+            if not level:
+                return
     raise _too_deep(name)
 
 
@@ -249,6 +261,14 @@ def _below(spec: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:
     if spec.HasInfo("variantSetNames"):
         for variants in spec.variantSets.values():
             yield from (variant.primSpec for variant in variants.variants.values())
+
+
+def _damaged(place: object) -> InputError:
+    return InputError(
+        "not a readable USD file: it is damaged, and does not hold what it says",
+        place=place,
+        remedy="copy it again, or export it again",
+    )
 
 
 def _too_deep(place: object) -> InputError:
