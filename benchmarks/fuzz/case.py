@@ -5,6 +5,7 @@ the input as it was planted, so that a campaign whose own inputs are refused is 
 """
 
 import os
+import re
 import shutil
 import stat
 import sys
@@ -33,6 +34,9 @@ _OURS: Final = ("openrooms_usd", "orusd_")
 # What a terminal acts upon.
 _CODES: Final = frozenset(range(32)) - frozenset(b"\t\n\r") | {127}
 _HOSTILE: Final = 0.05
+# How often what is spoilt is among what the command is told to read, where that is known.
+_READ: Final = 0.85
+_WORD: Final = re.compile(r"[\s/{}]+")
 _HASHED: Final = 8 << 20  # bytes
 
 Seen = dict[str, tuple[int, int, int]]
@@ -93,6 +97,9 @@ def prepare(kind: Kind, number: int, seed: int, planted: Path, folder: Path) -> 
     rng = Random(f"{seed} {kind.name} {number}")
     files = kind.files(planted)
     chosen = rng.choices(range(len(kind.runs)), [share for share, _ in kind.runs])[0]
+    run = kind.runs[chosen][1]
+    read = [file for file in files if named(file, run)]
+    files = read if read and rng.random() < _READ else files
     if rng.random() < _HOSTILE:
         replace_file(folder / rng.choice(files), rng)
     else:
@@ -101,7 +108,18 @@ def prepare(kind: Kind, number: int, seed: int, planted: Path, folder: Path) -> 
             others = [other for other in files if Path(other).suffix == path.suffix]
             other = (planted / rng.choice(others)).read_bytes()
             path.write_bytes(spoilt(name, path.read_bytes(), other, rng))
-    return chosen, kind.runs[chosen][1]
+    return chosen, run
+
+
+def named(file: str, run: Run) -> bool:
+    """Whether a run names a file, or a folder that it lies in.
+
+    Args:
+        file: Relative to the folder that was planted.
+        run: Words, or a function with its arguments.
+    """
+    text = run if isinstance(run, str) else " ".join(getattr(run, "args", ()))
+    return not {*_WORD.split(text)}.isdisjoint(Path(file).parts[1:])
 
 
 def spoilt(name: str, data: bytes, other: bytes, rng: Random) -> bytes:
@@ -164,7 +182,7 @@ def execute(run: Run, folder: Path, output: Path) -> tuple[bool, str, str, str]:
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            return False, type(error).__name__, _place(error), str(error)[:300]
+            return False, type(error).__name__, _place(error), _message(error)
         return True, "", "", ""
 
 
@@ -188,6 +206,14 @@ class _captured:  # noqa: N801
         for number, kept in zip((1, 2), self._kept, strict=True):
             os.dup2(kept, number)
             os.close(kept)
+
+
+def _message(error: BaseException) -> str:
+    """What an exception says; those of USD may fail to say it."""
+    try:
+        return str(error)[:300]
+    except Exception as other:
+        return f"no message: {other!r}"[:300]
 
 
 def _place(error: BaseException) -> str:

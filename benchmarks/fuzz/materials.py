@@ -1,6 +1,6 @@
 """Sound materials of the user's own: folders of pictures, MaterialX, pictures, panoramas."""
 
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from benchmarks.fuzz.kinds import Kind
@@ -62,14 +62,11 @@ def _plant_mtlx(folder: Path) -> None:
     (inner / "m.mtlx").write_text(_MTLX)
 
 
-def _material(name: str) -> Callable[[Path], object]:
-    def run(folder: Path) -> object:
-        from openrooms_usd.library.ownmaterials import files_of, read_material
+def _material(name: str, folder: Path) -> object:
+    from openrooms_usd.library.ownmaterials import files_of, read_material
 
-        files_of(folder / "in" / name)
-        return read_material(folder / "in" / name)
-
-    return run
+    files_of(folder / "in" / name)
+    return read_material(folder / "in" / name)
 
 
 def _plant_pictures(folder: Path) -> None:
@@ -79,6 +76,13 @@ def _plant_pictures(folder: Path) -> None:
     write_picture(folder / "in/piz/x_color.exr", panorama(16), compression="piz")
 
 
+def _pixels(name: str, folder: Path) -> object:
+    from openrooms_usd.usd.textures import color_space, read_codes, read_texture
+
+    file = str(folder / f"in/{name}/x_color.{'exr' if name == 'piz' else name}")
+    return color_space(file), read_codes(file), read_texture(file).shape
+
+
 def _plant_panorama(folder: Path) -> None:
     write_picture(folder / "in/sky.exr", panorama())
     write_picture(folder / "in/sky.hdr", panorama())
@@ -86,19 +90,48 @@ def _plant_panorama(folder: Path) -> None:
 
 _FLOOR = TINY + ", floor: {file: %s, size: 1}}\n"
 _SKY = TINY + "}\nlights: {environment: {from: file, file: %s, illuminance: 5000}}\n"
+_USED = f"""\
+alignment:
+  objects:
+    - {{category: chair, at: [1, 1], file: a.obj, size: [0.5, 0.5, 0.9]}}
+{TINY}, floor: {{file: Wood, size: 1}}, annotations: {{chair: ann.txt}}}}
+lights: {{environment: {{file: sky.exr, illuminance: 5000}}}}
+"""
+
+
+def _plant_used(folder: Path) -> None:
+    """A room that names files of every kind."""
+    _plant_folder(folder)
+    _plant_panorama(folder)
+    (folder / "in/a.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n"
+    )
+    (folder / "in/ann.txt").write_text("0 0\n")
+
+
 _PICTURES = ("png", "jpg", "tif", "exr", "hdr", "tga", "bmp", "webp", "piz")
 KINDS = (
-    Kind("material.folder", _plant_folder, ((1, _material("Wood")),), share=3),
+    Kind("material.folder", _plant_folder, ((1, partial(_material, "Wood")),), share=3),
     Kind(
         "material.composed", planting_out(_plant_folder, _FLOOR % "Wood"),
         ((1, f"{AGAIN}materials"),), ("in/Wood/*",), share=1,
     ),
-    Kind("material.mtlx", _plant_mtlx, ((1, _material("m.mtlx")),), needs=("MaterialX",), share=6),
     Kind(
-        "picture", _plant_pictures, tuple((1, _material(name)) for name in _PICTURES), share=4,
+        "material.mtlx", _plant_mtlx, ((1, partial(_material, "m.mtlx")),), needs=("MaterialX",),
+        share=6,
+    ),
+    Kind(
+        "picture", _plant_pictures,
+        tuple((1, partial(read, name)) for name in _PICTURES for read in (_material, _pixels)),
+        share=5,
     ),
     Kind(
         "panorama", planting_out(_plant_panorama, _SKY % "sky.exr"), ((1, f"{AGAIN}lights"),),
         ("in/sky.*",), share=2,
+    ),
+    Kind(
+        "room.files", planting_out(_plant_used, _USED),
+        tuple((1, f"{AGAIN}{stage}") for stage in ("alignment", "materials", "lights")),
+        ("in/room.yaml",), share=3,
     ),
 )  # fmt: skip

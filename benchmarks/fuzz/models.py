@@ -2,7 +2,8 @@
 
 import json
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -253,16 +254,13 @@ def _plant_usd(folder: Path) -> None:
     UsdUtils.CreateNewUsdzPackage(str(inner / "a.usda"), str(inner / "c.usdz"))
 
 
-def _model(name: str) -> Callable[[Path], object]:
-    def run(folder: Path) -> object:
-        from openrooms_usd.library.meshfile import dependencies, read_model
-        from openrooms_usd.usd.diagnostics import quiet
+def _model(name: str, folder: Path) -> object:
+    from openrooms_usd.library.meshfile import dependencies, read_model
+    from openrooms_usd.usd.diagnostics import quiet
 
-        with quiet():
-            dependencies(folder / "in" / name)
-            return read_model(folder / "in" / name)
-
-    return run
+    with quiet():
+        dependencies(folder / "in" / name)
+        return read_model(folder / "in" / name)
 
 
 def _plant_annotations(folder: Path) -> None:
@@ -272,14 +270,11 @@ def _plant_annotations(folder: Path) -> None:
     (folder / "in/annoMatParts.txt").write_text(_NAMED)
 
 
-def _annotation(name: str) -> Callable[[Path], object]:
-    def run(folder: Path) -> object:
-        from openrooms_usd.library.assignment.annotations import files_of, read_annotation
+def _annotation(name: str, folder: Path) -> object:
+    from openrooms_usd.library.assignment.annotations import files_of, read_annotation
 
-        files_of(folder / "in" / name)
-        return read_annotation(folder / "in" / name)
-
-    return run
+    files_of(folder / "in" / name)
+    return read_annotation(folder / "in" / name)
 
 
 def _plant_cads(folder: Path) -> None:
@@ -299,19 +294,23 @@ _OBJECT = (
     "file: %s, size: [0.5, 0.5, 0.9]}\n" + TINY + "}\n"
 )
 KINDS = (
-    Kind("model.obj", _plant_obj, ((1, _model("a.obj")),), share=4),
+    Kind("model.obj", _plant_obj, ((1, partial(_model, "a.obj")),), share=4),
     Kind(
         "model.obj-composed", planting_out(_plant_obj, _OBJECT % "a.obj"),
         ((1, f"{AGAIN}alignment"),), ("in/a.*", "in/*.png"), share=1,
     ),
     Kind(
         "model.glb", _plant_glb,
-        tuple((1, _model(f"{name}.glb")) for name in ("plain", "textured", "basisu")), share=4,
+        tuple((1, partial(_model, f"{name}.glb")) for name in ("plain", "textured", "basisu")),
+        share=4,
     ),
-    Kind("model.draco", _plant_glb, ((1, _model("draco.glb")),), ("in/draco.glb",), ("DracoPy",)),
+    Kind(
+        "model.draco", _plant_glb, ((1, partial(_model, "draco.glb")),), ("in/draco.glb",),
+        ("DracoPy",),
+    ),
     Kind(
         "model.usd", _plant_usd,
-        tuple((1, _model(name)) for name in ("a.usda", "b.usdc", "c.usdz")),
+        tuple((1, partial(_model, name)) for name in ("a.usda", "b.usdc", "c.usdz")),
         share=5,
     ),
     Kind(
@@ -319,6 +318,8 @@ KINDS = (
         ((1, f"{AGAIN}alignment"),), ("in/*.usda", "in/*.png"), share=1,
     ),
     Kind("model.cads", _plant_cads, ((1, _cads),), share=2),
-    Kind("model.annotations", _plant_annotations,
-         ((2, _annotation("ann.txt")), (1, _annotation("annoMatParts.txt"))), share=2),
+    Kind(
+        "model.annotations", _plant_annotations,
+        ((2, partial(_annotation, "ann.txt")), (1, partial(_annotation, "annoMatParts.txt"))),
+    ),
 )  # fmt: skip

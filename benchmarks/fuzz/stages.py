@@ -1,7 +1,7 @@
 """Sound descriptions and composed rooms, and the commands that read what people changed in them."""
 
 import shutil
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from benchmarks.fuzz.captures import COMPOSED
@@ -255,19 +255,16 @@ def _load(folder: Path) -> object:
     return load_room(folder / "in/room.yaml")
 
 
-def _packaged(name: str) -> Callable[[Path], object]:
-    def run(folder: Path) -> object:
-        from openrooms_usd import package
-        from openrooms_usd.usd.diagnostics import quiet
+def _packaged(name: str, folder: Path) -> object:
+    from openrooms_usd import package
+    from openrooms_usd.usd.diagnostics import quiet
 
-        with quiet():
-            if name == "scene.usdc":
-                package.flatten(folder / "out/scene.usda", folder / "out" / name)
-            else:
-                package.package(folder / "out/scene.usda", folder / "out" / name)
-        return name
-
-    return run
+    with quiet():
+        if name == "scene.usdc":
+            package.flatten(folder / "out/scene.usda", folder / "out" / name)
+        else:
+            package.package(folder / "out/scene.usda", folder / "out" / name)
+    return name
 
 
 _COMPOSE = "compose {in}/room.yaml -o {out}"
@@ -281,7 +278,8 @@ KINDS = (
         "usd.edits", _plant_composed,
         (
             (4, "validate {out}/scene.usda"), (4, "edits orphans {out}"),
-            (2, _packaged("scene.usdz")), (2, _packaged("scene.usdc")), (1, _COMPOSE),
+            (2, partial(_packaged, "scene.usdz")), (2, partial(_packaged, "scene.usdc")),
+            (1, _COMPOSE),
         ),
         ("out/layers/edits.usda", "out/layers/more.usda", "out/assets/*"), share=8,
     ),
@@ -297,7 +295,7 @@ KINDS = (
         "usd.layers", _plant_composed,
         (
             (4, "validate {out}/scene.usda --json"), (2, "edits orphans {out} --json"),
-            (1, _packaged("scene.usdz")), (1, _COMPOSE),
+            (1, partial(_packaged, "scene.usdz")), (1, _COMPOSE),
         ),
         ("out/layers/[!em]*.usda", "out/layers/materials.usda", "out/layers/**/*.usdc"), share=4,
     ),
@@ -312,6 +310,8 @@ KINDS = (
             *((3, f"validate {{in}}/{name}") for name in ("a.usda", "b.usdc", "c.usdz")),
             (2, "render {in}/a.usda -o {out} --renderer fake --channels radiance --spp 1"),
             (1, "convert {in}/a.usda {out}/a.urdf --to urdf"),
+            (1, "convert {in}/a.usda {out}/a.xml --to mjcf"),
+            (1, "convert {in}/b.usdc {out}/a.usda --to usdphysics"),
         ),
         share=6,
     ),

@@ -41,7 +41,12 @@ def spoil_yaml(data: bytes, rng: Random) -> bytes:
         value = yaml.safe_load(data)
     except yaml.YAMLError as error:
         raise ValueError("no YAML") from error
-    return yaml.safe_dump(_changed(value, rng), sort_keys=False).encode("utf-8", "surrogatepass")
+    files = [(holder, key) for holder, key in _places(value) if _names_file(holder[key])]
+    if files and rng.random() < 0.5:
+        holder, key = rng.choice(files)
+        holder[key] = rng.choice(PATHS)
+        return _as_yaml(value)
+    return _as_yaml(_changed(value, rng))
 
 
 def spoil_table(data: bytes, rng: Random) -> bytes:
@@ -80,6 +85,14 @@ BY_SUFFIX: Final[dict[str, Callable[[bytes, Random], bytes]]] = {
     ".obj": spoil_table,
     ".mtl": spoil_table,
 }
+
+
+def _as_yaml(value: Any) -> bytes:
+    return yaml.safe_dump(value, sort_keys=False).encode("utf-8", "surrogatepass")
+
+
+def _names_file(value: Any) -> bool:
+    return isinstance(value, str) and (value == "Wood" or "." in value.strip("."))
 
 
 def _changed(value: Any, rng: Random) -> Any:
