@@ -19,7 +19,7 @@ from pxr import Ar, Sdf, UsdUtils
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import crates
+from openrooms_usd.usd.crates import check_crate
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading
 
 # Rooms nest some ten deep; USD's parser overflows its stack beyond some thousands.
@@ -94,10 +94,8 @@ def check_file(path: Path) -> None:
         return
     with untrusted.opened(path, "usd") as stream:
         # Crates are read in pieces, as they can be large; what is no USD is refused by USD.
-        start = stream.read(len(crates.MAGIC))
-        if start == crates.MAGIC and not crates.is_sound(stream, stream.seek(0, SEEK_END)):
-            raise _damaged(path)
-        if not start.startswith(_TEXT):
+        if not stream.read(len(_TEXT)).startswith(_TEXT):
+            check_crate(stream, stream.seek(0, SEEK_END), path)
             return
     check_text(untrusted.read_bytes(path, "usd"), path)
 
@@ -172,10 +170,10 @@ def _check_bytes(name: str, facts: tuple[int, ...]) -> None:
             _check_bytes(Ar.JoinPackageRelativePath([name, entry]), facts)
         return
     data = _packaged(name)
-    if data.startswith(crates.MAGIC) and not crates.is_sound(BytesIO(data), len(data)):
-        raise _damaged(name)
     if data.startswith(_TEXT):
         check_text(data, name)
+    else:
+        check_crate(BytesIO(data), len(data), name)
 
 
 def _entries(package: str) -> list[str]:

@@ -1,6 +1,6 @@
 """Semantic labels of prims: our own categories and parts, and the class lists of others."""
 
-from pxr import Usd, UsdSemantics
+from pxr import Usd, UsdSemantics, Vt
 
 from openrooms_usd import names
 from openrooms_usd.usd.taxonomies import TAXONOMIES, class_of, number_of
@@ -27,7 +27,8 @@ def read_label(prim: Usd.Prim, taxonomy: str) -> str | None:
     while prim and not prim.IsPseudoRoot():
         labels = UsdSemantics.LabelsAPI(prim, taxonomy)
         values = labels.GetLabelsAttr().Get() if labels else None
-        if values:
+        # A layer of others may have written anything under this name.
+        if isinstance(values, Vt.TokenArray) and len(values):
             return str(values[0])
         prim = prim.GetParent()
     return None
