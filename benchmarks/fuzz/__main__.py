@@ -55,6 +55,8 @@ def main(
 
     Leaves with 1 when a case ends otherwise than refused in a sentence or accepted.
     """
+    if sys.platform != "linux":
+        raise click.ClickException("the campaign measures processes as Linux shows them")
     table = planted.KINDS if faulty else KINDS
     kinds = {kind.name: kind for kind in table if only is None or _is_meant(kind.name, only, table)}
     if not kinds:

@@ -25,6 +25,10 @@ def campaign(target: Path, *words: object) -> tuple[subprocess.CompletedProcess[
     return done, json.loads(target.read_text())
 
 
+linux = pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc")
+
+
+@linux
 @pytest.mark.slow
 def test_whatever_is_read_is_accepted_or_refused_in_a_sentence(tmp_path: Path) -> None:
     done, found = campaign(tmp_path / "tally.json", "--cases", 500, "--seconds", 60)
@@ -37,6 +41,7 @@ def test_whatever_is_read_is_accepted_or_refused_in_a_sentence(tmp_path: Path) -
     assert {row["kind"] for row in kinds} == {kind.name for kind in KINDS} - skipped
 
 
+@linux
 def test_everything_that_goes_wrong_is_seen(tmp_path: Path) -> None:
     """The planted kinds are named by what the campaign has to say of them."""
     words = ("--planted", "--cases", 14, "--seconds", 2, "--mebibytes", 300)
@@ -65,6 +70,7 @@ VERDICTS = (
 )  # fmt: skip
 
 
+@linux
 def test_one_case_can_be_run_again(tmp_path: Path) -> None:
     words = ("--only", "capture.boxes-csv", "--case", 7)
     first, found = campaign(tmp_path / "a.json", *words, "--keep", tmp_path / "a")
