@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Sdf, Usd, UsdSemantics
+from pxr import Sdf, Usd
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.panorama import read_panorama
@@ -175,11 +175,13 @@ def test_what_a_crate_claims_is_weighed_before_usd_believes_it(
         open_stage(path)
 
 
-def test_a_label_of_another_type_is_no_label() -> None:
-    stage = Usd.Stage.CreateInMemory()
-    prim = stage.DefinePrim("/a")
-    UsdSemantics.LabelsAPI.Apply(prim, "category")
-    for kind, value in ((Sdf.ValueTypeNames.Int, 3), (Sdf.ValueTypeNames.String, "chair")):
-        prim.RemoveProperty("semantics:labels:category")
-        prim.CreateAttribute("semantics:labels:category", kind).Set(value)
-        assert read_label(prim, "category") is None
+def test_a_label_of_another_type_is_no_label(tmp_path: Path) -> None:
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    prim = Sdf.PrimSpec(layer, "a", Sdf.SpecifierDef)
+    schemas = Sdf.TokenListOp()
+    schemas.prependedItems = ["SemanticsLabelsAPI:category"]
+    prim.SetInfo("apiSchemas", schemas)
+    kind = Sdf.ValueTypeNames.Int
+    Sdf.AttributeSpec(prim, "semantics:labels:category", kind).default = 3
+    layer.Export(str(tmp_path / "a.usda"))
+    assert read_label(open_stage(tmp_path / "a.usda").GetPrimAtPath("/a"), "category") is None
