@@ -14,14 +14,24 @@ from typing import Any
 
 import click
 
-from benchmarks.fuzz import captures, clouds, materials, models, planted, renders, scans, stages
+from benchmarks.fuzz import (
+    captures,
+    clouds,
+    materials,
+    models,
+    planted,
+    renders,
+    scans,
+    stages,
+    targets,
+)
 from benchmarks.fuzz.case import BAD, Outcome, prepare
 from benchmarks.fuzz.kinds import Kind
 from benchmarks.fuzz.pool import Case, Pool
 from benchmarks.fuzz.tally import Tally
 from benchmarks.fuzz.worker import Limits
 
-_SOURCES = (captures, scans, clouds, models, materials, stages, renders)
+_SOURCES = (captures, scans, clouds, models, materials, stages, renders, targets)
 KINDS = tuple(kind for source in _SOURCES for kind in source.KINDS)
 _EVERY = 20.0  # seconds between lines of progress
 

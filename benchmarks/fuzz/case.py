@@ -141,7 +141,7 @@ def spoilt(name: str, data: bytes, other: bytes, rng: Random) -> bytes:
             return container(data, rng, lambda inner, part: spoilt(inner, part, part, rng))
         if structured is not None and rng.random() < 0.5:
             return structured(data, rng)
-    except (ValueError, RecursionError):
+    except (ValueError, OverflowError, RecursionError):
         pass  # not what its name says, or spoilt so far that it cannot be written
     return bytewise.spoil(data, rng)
 

@@ -22,6 +22,7 @@ class Kind:
         victims: Patterns of the files that are spoilt, below the folder that was planted.
         needs: Packages without which it is skipped.
         share: How many cases it gets beside others.
+        hostile: Whether it may be refused even as it was planted.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Kind:
     victims: tuple[str, ...] = ("in/**/*",)
     needs: tuple[str, ...] = ()
     share: int = 2
+    hostile: bool = False
 
     def files(self, planted: Path) -> list[str]:
         """The files that are spoilt, relative to the folder that was planted; sorted."""

@@ -58,7 +58,8 @@ def _render(scene: Path, out: Path, *, views: tuple[str, ...] = ("view_0",)) -> 
     )  # fmt: skip
 
 
-def _plant_finished(folder: Path) -> None:
+def plant_finished(folder: Path) -> None:
+    """A finished render, and the scene that it shows."""
     (folder / "in").mkdir()
     _render(folder / "in/scene.usda", folder / "in/render")
 
@@ -149,7 +150,7 @@ _VIEW = "{in}/render/view_0"
 _AGAIN = "render {in}/scene.usda -o {out} --renderer fake --spp 1 --channels radiance,instance"
 KINDS = (
     Kind(
-        "render.finished", _plant_finished,
+        "render.finished", plant_finished,
         (
             (2, "annotate {in}/render -o {out}/coco.json"),
             (1, "annotate {in}/render -o {out}/coco.json --taxonomy openrooms45"),
@@ -161,7 +162,7 @@ KINDS = (
         ("in/render/**/*.json", "in/render/**/*.exr", "in/render/**/*.npy"), share=8,
     ),
     Kind(
-        "render.manifest", _plant_finished,
+        "render.manifest", plant_finished,
         (
             (1, "annotate {in}/render -o {out}/coco.json"),
             (1, "annotate {in}/render -o {out}/b.json --format boxes --stage {in}/scene.usda"),
@@ -177,7 +178,7 @@ KINDS = (
     Kind(
         "render.names", _plant_named, ((1, _AGAIN),), ("out/manifest.json",), share=3,
     ),
-    Kind("render.linked", _plant_linked, ((1, _AGAIN),), ("out/manifest.json",)),
+    Kind("render.linked", _plant_linked, ((1, _AGAIN),), ("out/manifest.json",), hostile=True),
     Kind("render.dataset", _plant_dataset, ((1, _released),), share=4),
     Kind("pickle", _plant_pickles, ((1, _pickled),), share=4),
 )  # fmt: skip

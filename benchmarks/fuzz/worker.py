@@ -88,7 +88,7 @@ def _one(
     os.chdir(own)
     found = Outcome(
         kind.name, number, "accepted" if accepted else "refused", what, where, said, index, seconds,
-        max(_status("VmHWM") - had, 0.0), number < len(kind.runs),
+        max(_status("VmHWM") - had, 0.0), number < len(kind.runs) and not kind.hostile,
     )  # fmt: skip
     printed = _beginning(own / PRINTED)
     if not found.said:

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd import claims, names
+from openrooms_usd import claims, names, untrusted
 from openrooms_usd.edits.flattened import Differences
 from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers
 from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_sublayers
@@ -127,6 +127,7 @@ def _adopted(scene: Path, saved: Path | None, *, dry_run: bool) -> Adoption:
 
 def _check_name(scene: Path) -> None:
     """Refuse what is not the file that is restored at the end: that one may say more."""
+    untrusted.check_path(scene)
     if scene.name != names.SCENE:
         raise InputError(
             f"this is no {names.SCENE} of a room",

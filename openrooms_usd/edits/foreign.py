@@ -42,7 +42,9 @@ class Foreign:
 
 def own_layers(out: Path) -> tuple[Path, ...]:
     """All layers that compose may stack, strongest first."""
-    return tuple(out.resolve() / names.LAYERS / f"{name}.usda" for name in names.STACK)
+    # Of links in a circle, `Path.resolve` would raise.
+    real = Path(os.path.realpath(out))
+    return tuple(real / names.LAYERS / f"{name}.usda" for name in names.STACK)
 
 
 def anchored(layer: Sdf.Layer, path: str) -> str:

@@ -9,7 +9,7 @@ from typing import Final, Literal, TypeAlias
 
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd import names
+from openrooms_usd import names, untrusted
 from openrooms_usd.edits.foreign import own_layers
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading
@@ -87,6 +87,7 @@ def orphans_of(out: Path, name: str = names.EDITS) -> tuple[Orphan, ...]:
     Raises:
         InputError: There is no composed room, or its edits cannot be read.
     """
+    untrusted.check_path(out)
     stack = own_layers(out)
     layer = stack[names.STACK.index(name)]
     if not layer.is_file():

@@ -52,10 +52,7 @@ def check_writable(out: Path) -> None:
     Raises:
         OutputError: They cannot.
     """
-    there = out.absolute()
-    while not there.exists():
-        there = there.parent
-    with writing(out), tempfile.TemporaryFile(dir=there):
+    with writing(out), tempfile.TemporaryFile(dir=_nearest(out)):
         pass
 
 
@@ -65,16 +62,26 @@ def check_space(out: Path, needed: int) -> None:
     Raises:
         OutputError: It has not.
     """
-    there = out.absolute()
-    while not there.exists():
-        there = there.parent
-    free = shutil.disk_usage(there).free
+    with writing(out):
+        free = shutil.disk_usage(_nearest(out)).free
     if free < needed:
         raise OutputError(
             f"one view may need {needed / 1e6:.3g} MB, and {free / 1e6:.3g} MB are free",
             place=out,
             remedy="free space, choose another output folder, or ask for fewer channels",
         )
+
+
+def _nearest(out: Path) -> Path:
+    """The folder itself, or the first one above it that is there."""
+    there = out.absolute()
+    while True:
+        try:
+            there.lstat()
+        except (FileNotFoundError, NotADirectoryError):
+            there = there.parent
+        else:
+            return there
 
 
 def check_replaceable(out: Path, views: Iterable[str]) -> None:

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from pxr import Ar, Sdf, Usd, UsdGeom
 
-from openrooms_usd import atomic, names, removal, unfinished
+from openrooms_usd import atomic, names, removal, unfinished, untrusted
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.usd import preflight
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading, reason
@@ -43,6 +43,7 @@ def open_stage(path: Path) -> Usd.Stage:
     Raises:
         InputError: The file is missing, is not USD, or is not fit to be opened (`preflight`).
     """
+    untrusted.check_path(path)
     if path.suffix.lower() == ".usdz" and path.is_file() and not zipfile.is_zipfile(path):
         # USD reads the first files of an archive that is cut off, and misses the others.
         raise InputError(
