@@ -19,6 +19,11 @@ _LAS_HEAD: Final = 375  # bytes
 _PACKED: Final = 0xC0  # of the byte that says the point format
 # Packed points have a byte each, and more; so few may have less.
 _FEW: Final = 1 << 16
+# A record of the header up to the size of chunks, where it says how points are packed.
+_RECORD: Final = struct.Struct("<2x16sHH32x12xI")
+_PACKING: Final = 22204
+_MOST_IN_CHUNK: Final = 1 << 20
+_CHUNKS_VARY: Final = 0xFFFFFFFF
 _E57_HEAD: Final = struct.Struct("<8sIIQQQQ")
 _E57_PAGE: Final = 1024
 _MOST_XML: Final = 1 << 26
@@ -65,6 +70,7 @@ def _check_las(stream: BinaryIO, path: Path) -> None:
         raise broken(path, "it ends too early, or its header is damaged")
     if head[104] & _PACKED:
         _check_chunks(stream, start, path)
+        _check_chunk_size(stream, length, records, path)
     stream.seek(0)
 
 
@@ -86,6 +92,19 @@ def _check_chunks(stream: BinaryIO, start: int, path: Path) -> None:
     _, chunks = struct.unpack("<II", stream.read(8))
     if chunks > size - start:
         raise broken(path, f"it announces {chunks:,} chunks, which cannot be in it")
+
+
+def _check_chunk_size(stream: BinaryIO, start: int, records: int, path: Path) -> None:
+    """Refuse chunks of more points than the file has bytes: memory is taken for a whole one."""
+    for _ in range(records):
+        stream.seek(start)
+        record = stream.read(_RECORD.size).ljust(_RECORD.size, b"\0")
+        author, kind, length, points = _RECORD.unpack(record)
+        if author.rstrip(b"\0") == b"laszip encoded" and kind == _PACKING:
+            if _MOST_IN_CHUNK + size_of(stream) < points < _CHUNKS_VARY:
+                raise broken(path, f"it announces chunks of {points:,} points")
+            return
+        start += 54 + length
 
 
 def read_e57(path: Path) -> Scanned:

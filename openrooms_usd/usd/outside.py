@@ -5,6 +5,7 @@ would pass those files on without knowing. The folder of the scene is the folder
 what lies inside is decided after following all links.
 """
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -109,4 +110,5 @@ def _leads_to(layer: Sdf.Layer, path: str) -> Path | None:
         return None
     resolved = str(Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(layer, path)))
     outer = Ar.SplitPackageRelativePathOuter(resolved)[0]
-    return Path(outer).resolve() if outer else None
+    # Of links in a circle, `Path.resolve` would raise.
+    return Path(os.path.realpath(outer)) if outer else None

@@ -194,6 +194,12 @@ def test_chunks_that_laz_announces(tmp_path: Path) -> None:
     refused(path, bytes(data), "chunks, which cannot be in it")
     struct.pack_into("<q", data, start, 1 << 60)
     refused(path, bytes(data), "outside the file")
+    # The size of its chunks stands 12 bytes after the head of the record that says how it packs.
+    whole = las(path)
+    at = whole.index(b"laszip encoded") - 2 + 54 + 12
+    assert struct.unpack_from("<I", whole, at) == (50_000,)
+    struct.pack_into("<I", whole, at, 0x91000000)
+    refused(path, bytes(whole), "chunks of 2,432,696,320 points")
 
 
 def e57(path: Path) -> bytearray:
