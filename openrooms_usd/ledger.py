@@ -14,6 +14,7 @@ import re
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -246,6 +247,27 @@ def note(source: Path, target: Path) -> None:
             if not unfinished.is_unfinished(target.relative_to(ledger.folder)):
                 ledger.note(source, target)
             return
+
+
+# Folders of a room nest less deep.
+_MOST_PARENTS: Final = 8
+
+
+def wrote(path: Path) -> bool:
+    """Whether this program wrote a file as it is now, by the ledger of a folder that it lies in."""
+    path = path.absolute()
+    for folder in path.parents[:_MOST_PARENTS]:
+        ledger = next((one for one in _OPEN if one.is_of(folder, FILE)), None)
+        if ledger is None and (folder / FILE).is_file():
+            ledger = _as_it_is(folder, (folder / FILE).stat().st_mtime_ns)
+        if ledger and ledger.is_own(path):
+            return True
+    return False
+
+
+@lru_cache(maxsize=8)
+def _as_it_is(folder: Path, changed_ns: int) -> Ledger:
+    return Ledger(folder)
 
 
 def foreign(folder: Path) -> list[str]:

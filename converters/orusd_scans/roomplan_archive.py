@@ -13,6 +13,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling.archives import opened_archive
 from openrooms_usd.usd.crates import check_crate
 from openrooms_usd.usd.diagnostics import quiet, reason
+from openrooms_usd.usd.isolation import check_crate_reads
 from openrooms_usd.usd.preflight import check_text
 
 _LAYERS: Final = (".usda", ".usdc", ".usd")
@@ -77,6 +78,7 @@ def _binary(data: bytes, place: str) -> Sdf.Layer:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "layer.usdc"
         file.write_bytes(data)
+        check_crate_reads(str(file), len(data), place)
         layer = Sdf.Layer.CreateAnonymous(".usdc")
         layer.Import(str(file))
         return layer

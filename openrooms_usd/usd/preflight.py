@@ -17,10 +17,11 @@ from typing import Final
 
 from pxr import Ar, Sdf, UsdUtils
 
-from openrooms_usd import untrusted
+from openrooms_usd import ledger, untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.crates import check_crate
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading
+from openrooms_usd.usd.isolation import check_crate_reads
 
 # Rooms nest some ten deep; USD's parser overflows its stack beyond some thousands.
 DEEPEST: Final = 200
@@ -95,7 +96,10 @@ def check_file(path: Path) -> None:
     with untrusted.opened(path, "usd") as stream:
         # Crates are read in pieces, as they can be large; what is no USD is refused by USD.
         if not stream.read(len(_TEXT)).startswith(_TEXT):
-            check_crate(stream, stream.seek(0, SEEK_END), path)
+            size = stream.seek(0, SEEK_END)
+            check_crate(stream, size, path)
+            if not ledger.wrote(path):
+                check_crate_reads(str(path), size)
             return
     check_text(untrusted.read_bytes(path, "usd"), path)
 
@@ -174,6 +178,7 @@ def _check_bytes(name: str, facts: tuple[int, ...]) -> None:
         check_text(data, name)
     else:
         check_crate(BytesIO(data), len(data), name)
+        check_crate_reads(name, len(data))
 
 
 def _entries(package: str) -> list[str]:

@@ -1,0 +1,109 @@
+"""Crates that end USD's reader end it in another process, and ours are read at once."""
+
+import os
+import shutil
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pxr import Usd, UsdGeom
+
+from openrooms_usd import atomic, claims
+from openrooms_usd.errors import InputError
+from openrooms_usd.usd import isolation, layers
+
+
+@pytest.fixture(autouse=True)
+def fresh() -> Iterator[None]:
+    isolation._READER.stop()
+    yield
+    isolation._READER.stop()
+
+
+def crate(path: Path) -> Path:
+    stage = Usd.Stage.CreateNew(str(path))
+    mesh = UsdGeom.Mesh.Define(stage, "/World/mesh")
+    mesh.CreatePointsAttr([(0, 0, i) for i in range(40)])
+    mesh.CreateFaceVertexCountsAttr([3] * 20)
+    UsdGeom.Xform.Define(stage, "/World/x").AddTranslateOp().Set((1, 2, 3))
+    stage.GetRootLayer().Save()
+    return path
+
+
+def test_a_sound_crate_is_read(tmp_path: Path) -> None:
+    path = crate(tmp_path / "a.usdc")
+    isolation.check_crate_reads(str(path), path.stat().st_size)
+    assert isolation._READER._process is not None
+    assert layers.open_stage(path).GetPrimAtPath("/World/mesh")
+
+
+def test_every_byte_of_a_crate_may_be_wrong(tmp_path: Path) -> None:
+    """Refused or opened and read to the end, and this process lives."""
+    data = crate(tmp_path / "a.usdc").read_bytes()
+    for place in range(0, len(data), 9):
+        damaged = tmp_path / f"{place}.usdc"
+        damaged.write_bytes(data[:place] + bytes([data[place] ^ 0xFF]) + data[place + 1 :])
+        try:
+            stage = layers.open_stage(damaged)
+            for prim in stage.TraverseAll():
+                for attribute in prim.GetAttributes():
+                    attribute.Get()
+        except (InputError, RuntimeError, UnicodeDecodeError):
+            continue  # late values are for those who read them
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [
+        (lambda pid: os.kill(pid, signal.SIGKILL), "it ends the process that reads it"),
+        (lambda pid: os.kill(pid, signal.SIGSTOP), "reading it takes too long"),
+    ],
+)
+def test_what_ends_or_holds_the_process(
+    ends: Any, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = crate(tmp_path / "a.usdc")
+    isolation.check_crate_reads(str(path), 1)
+    process = isolation._READER._process
+    assert process is not None
+    monkeypatch.setattr(isolation, "_LEAST_SECONDS", 0.2)
+    asked = isolation._READER.ask
+
+    def ask(name: str, seconds: float) -> str | None:
+        monkeypatch.setattr(isolation._READER, "_is_there", lambda: True)
+        ends(process.pid)
+        time.sleep(0.1)
+        return asked(name, seconds)
+
+    monkeypatch.setattr(isolation._READER, "ask", ask)
+    with pytest.raises(InputError, match=said):
+        isolation.check_crate_reads(str(path), 1)
+    monkeypatch.undo()
+    # The next one has a process again.
+    isolation.check_crate_reads(str(path), 1)
+
+
+def test_where_no_process_can_be_had_nothing_is_tried(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.executable", shutil.which("true") or "/bin/true")
+    path = crate(tmp_path / "a.usdc")
+    isolation.check_crate_reads(str(path), 1)
+    assert isolation._READER._process is None
+
+
+def test_what_we_wrote_is_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(isolation._READER, "ask", lambda name, seconds: asked.append(name))
+    data = crate(tmp_path / "a.usdc").read_bytes()
+    out = tmp_path / "out"
+    with claims.claimed(out):
+        atomic.write_bytes(out / "layers" / "ours.usdc", data)
+    layers.open_stage(out / "layers" / "ours.usdc")
+    assert asked == []
+    shutil.copy(tmp_path / "a.usdc", out / "layers" / "theirs.usdc")
+    layers.open_stage(out / "layers" / "theirs.usdc")
+    assert asked == [str(out / "layers" / "theirs.usdc")]
