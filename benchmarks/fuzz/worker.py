@@ -113,9 +113,8 @@ def _judge(found: Outcome, printed: bytes, limits: Limits) -> None:
         places = [line.strip() for line in lines if line.lstrip().startswith('File "')]
         found.where = places[-1][-120:] if places else ""
     elif codes := control_codes(printed):
-        found.verdict, found.what = "control codes", repr(codes[-21:])[:20]
-        found.said = repr(codes)
-        found.what, found.where = "printed control codes", f"run {found.run}"
+        found.verdict, found.what = "control codes", "printed control codes"
+        found.where, found.said = f"run {found.run}", repr(codes)
 
 
 def _beginning(path: Path) -> bytes:
