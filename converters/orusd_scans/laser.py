@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import MissingPackageError, OrusdError
+from orusd_scans.laz_reader import check_laz_reads
 from orusd_scans.scanned import Scanned, broken, cloud_of, counted, opened, size_of
 
 _LAS: Final = ("x", "y", "z", "red", "green", "blue")
@@ -51,6 +52,8 @@ def read_las(path: Path) -> Scanned:
             needed = count - _FEW if packed else count * header.point_format.size
             if room < max(needed, 0):
                 raise broken(path, f"it ends too early: {count:,} points are announced")
+            if packed:
+                check_laz_reads(str(path), size_of(stream))
             points = reader.read()
         known = {"x", "y", "z", *points.point_format.dimension_names}
         columns = {name: np.asarray(points[name]) for name in _LAS if name in known}

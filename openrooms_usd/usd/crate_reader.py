@@ -1,40 +1,36 @@
-"""Reads crates that nobody vouches for, in a process that may crash: started by `isolation`.
+"""Reads crates that nobody vouches for, in a process that may crash (see `isolation`).
 
-Each line of standard input names a crate; each line of standard output answers one of them. USD
-alone is imported, so that the process is there in a moment.
+Crates are maps of memory: a few wrong bytes end USD's reader. What this program wrote itself, by
+the ledger of the folder, needs no second reader.
 """
 
-import json
-import os
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, TextIO
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
+
+from openrooms_usd.isolation import check_reads, serve
 
 if TYPE_CHECKING:
     from pxr import Sdf
 
 # Values of more specs than this are not all looked at: a scene that large is no small accident.
-_MOST_SPECS = 200_000
-_DEEPEST = 1_000
+_MOST_SPECS: Final = 200_000
+_DEEPEST: Final = 1_000
 
 
-def main(most_bytes: int) -> None:
-    """Answer until nobody asks.
+def check_crate_reads(name: str, size: int, place: str = "") -> None:
+    """See that another process can read a crate, and lives.
 
     Args:
-        most_bytes: The memory that reading may take.
-    """
-    with suppress(ImportError):  # not everywhere
-        import resource
+        name: The crate's path, or its place in a package (``/x/y.usdz[z.usdc]``).
+        size: How many bytes it has.
+        place: What messages call it; ``name`` by default.
 
-        resource.setrlimit(resource.RLIMIT_DATA, (most_bytes, most_bytes))
-    # What libraries print is not an answer.
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)
-    _answer(answers, "ready")
-    for line in sys.stdin:
-        _answer(answers, _read(json.loads(line)))
+    Raises:
+        InputError: The process crashed, hung, or took too much memory.
+    """
+    # Not this module's own name, which is another one where it is run.
+    check_reads("openrooms_usd.usd.crate_reader", name, size, what="USD", place=place)
 
 
 @contextmanager
@@ -48,26 +44,16 @@ def _going_on() -> Iterator[None]:
         return
 
 
-def _answer(answers: TextIO, word: str) -> None:
-    answers.write(f"{word}\n")
-    answers.flush()
-
-
-def _read(name: str) -> str:
+def _read(name: str) -> None:
     """Read all of a crate as whoever asks will; what is only wrong there is said there."""
     from pxr import Sdf
 
     layer = None
     for read in (_read_specs, _read_prims, _compose):
         # Each by itself: where one of them stops at an error, another may not.
-        try:
+        with _going_on():
             layer = layer or Sdf.Layer.FindOrOpen(name)
             read(layer)
-        except MemoryError:
-            return "memory"
-        except Exception:
-            continue
-    return "read"
 
 
 def _read_specs(layer: "Sdf.Layer") -> None:
@@ -123,4 +109,4 @@ def _compose(layer: "Sdf.Layer") -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    serve(_read)

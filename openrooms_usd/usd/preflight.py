@@ -19,9 +19,9 @@ from pxr import Ar, Sdf, UsdUtils
 
 from openrooms_usd import ledger, untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.crate_reader import check_crate_reads
 from openrooms_usd.usd.crates import check_crate
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading
-from openrooms_usd.usd.isolation import check_crate_reads
 
 # Rooms nest some ten deep; USD's parser overflows its stack beyond some thousands.
 DEEPEST: Final = 200

@@ -45,6 +45,7 @@ RANKS = (
         "claims",
         "codedigest",
         "draws",
+        "isolation",
         "ledger",
         "physics",
         "removal",
@@ -59,7 +60,7 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "errors", "names", "atomic", "claims", "ledger", "unpickling", "untrusted",
+    "errors", "names", "atomic", "claims", "isolation", "ledger", "unpickling", "untrusted",
 }  # fmt: skip
 HEAVY = {
     "pxr",
@@ -157,9 +158,7 @@ def test_leaves_import_only_the_lowest_rank() -> None:
     wrong = [
         str(found)
         for found in of("openrooms_usd")
-        if part(found) in LEAVES
-        and (to := target(found))
-        and to not in {part(found), *RANKS[-1]}
+        if part(found) in LEAVES and (to := target(found)) and to not in {part(found), *RANKS[-1]}
     ]
     assert wrong == []
 

@@ -1,8 +1,11 @@
-"""Crates of others are read in a process of their own before USD reads them in this one.
+"""Formats whose libraries can end a process are read in another process first.
 
-Crates are maps of memory: a few wrong bytes end USD's reader, or let it run or grow without end.
-No look at the bytes foresees all of it, so another process tries first, within limits of time and
-memory. What this program wrote itself, by the ledger of the folder, is read at once.
+Some readers are maps of memory, or take what a file claims at its word: a few wrong bytes end the
+whole process, or let it run or grow without end. No look at the bytes foresees all of it. So
+another process tries first, within limits of time and memory, and stays for the next file.
+
+A module that reads in this way calls `serve` when it is run (``python -m``); who is about to read
+calls `check_reads` with the module's name.
 """
 
 import atexit
@@ -12,8 +15,9 @@ import select
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
+from functools import cache
 from typing import Final
 
 from openrooms_usd.errors import InputError
@@ -22,38 +26,76 @@ _MIB: Final = 1 << 20
 _MOST_MEMORY_BYTES: Final = 2048 * _MIB
 _START_SECONDS: Final = 60.0
 _LEAST_SECONDS: Final = 10.0
-# Slow disks and slow machines; real crates are read at hundreds of MiB a second.
+# Slow disks and slow machines; real files are read at many MiB a second.
 _SLOWEST_BYTES_PER_SECOND: Final = 2 * _MIB
+# What the process answers.
+_READY: Final = "ready"
+_READ: Final = "read"
+_MEMORY: Final = "memory"
 
 
-def check_crate_reads(name: str, size: int, place: str | None = None) -> None:
-    """See that another process can read a crate, and lives.
+def check_reads(module: str, name: str, size: int, *, what: str, place: str = "") -> None:
+    """See that another process can read a file, and lives.
 
     Where no other process can be had (Python within another program), nothing is tried.
 
     Args:
-        name: The crate's path, or its place in a package (``/x/y.usdz[z.usdc]``).
+        module: The module whose process reads.
+        name: The file, as the module understands it.
         size: How many bytes it has.
-        place: What messages call it; ``name`` by default.
+        what: The format, for messages.
+        place: What messages call the file; ``name`` by default.
 
     Raises:
         InputError: The process crashed, hung, or took too much memory.
     """
-    with _LOCK:
-        answer = _READER.ask(name, _LEAST_SECONDS + size / _SLOWEST_BYTES_PER_SECOND)
-    if answer in ("read", None):
+    reader = _reader(module)
+    with reader.lock:
+        answer = reader.ask(name, _LEAST_SECONDS + size / _SLOWEST_BYTES_PER_SECOND)
+    if answer in (_READ, None):
         return
     raise InputError(
-        f"not a readable USD file: {answer}",
+        f"not a readable {what} file: {answer}",
         place=place or name,
         remedy="copy it again, or export it again",
     )
 
 
-class _Reader:
-    """The process that reads, started when it is first needed and after each of its ends."""
+def serve(read: Callable[[str], None]) -> None:
+    """Read whatever this process is asked for, until nobody asks any more.
 
-    def __init__(self) -> None:
+    Args:
+        read: Reads a file. What it raises is for the one who asks, and comes up there again.
+    """
+    with suppress(ImportError):  # not everywhere
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (_MOST_MEMORY_BYTES, _MOST_MEMORY_BYTES))
+    # What libraries print is not an answer.
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    print(_READY, file=answers, flush=True)
+    for line in sys.stdin:
+        answer = _READ
+        try:
+            read(json.loads(line))
+        except MemoryError:
+            answer = _MEMORY
+        except Exception:
+            pass
+        print(answer, file=answers, flush=True)
+
+
+class _Reader:
+    """The process that reads, started when it is first needed and after each of its ends.
+
+    Args:
+        module: What it runs.
+    """
+
+    def __init__(self, module: str) -> None:
+        self.lock = threading.Lock()
+        self._module = module
         self._process: subprocess.Popen[str] | None = None
         self._owner = 0
 
@@ -71,8 +113,10 @@ class _Reader:
             self.stop()
             return "it ends the process that reads it"
         answer = self._answer(seconds)
-        if answer in ("read", "memory"):
-            return "it takes more memory than there is for it" if answer == "memory" else answer
+        if answer == _MEMORY:
+            return "it takes more memory than there is for it"
+        if answer == _READ:
+            return answer
         is_hung = process.poll() is None and answer is None
         self.stop()
         return "reading it takes too long" if is_hung else "it ends the process that reads it"
@@ -99,8 +143,7 @@ class _Reader:
 
     def _start(self) -> None:
         self.stop()
-        script = Path(__file__).with_name("crate_reader.py")
-        command = [sys.executable, str(script), str(_MOST_MEMORY_BYTES)]
+        command = [sys.executable, "-m", self._module]
         env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
         pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
         try:
@@ -110,7 +153,7 @@ class _Reader:
         except (OSError, ValueError):
             return
         self._owner = os.getpid()
-        if self._answer(_START_SECONDS) != "ready":
+        if self._answer(_START_SECONDS) != _READY:
             self.stop()
 
     def _answer(self, seconds: float) -> str | None:
@@ -125,6 +168,8 @@ class _Reader:
         return process.stdout.readline().strip()
 
 
-_READER: Final = _Reader()
-_LOCK: Final = threading.Lock()
-atexit.register(_READER.stop)
+@cache
+def _reader(module: str) -> _Reader:
+    reader = _Reader(module)
+    atexit.register(reader.stop)
+    return reader

@@ -11,16 +11,19 @@ from typing import Any
 import pytest
 from pxr import Usd, UsdGeom
 
-from openrooms_usd import atomic, claims
+from openrooms_usd import atomic, claims, isolation
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import isolation, layers
+from openrooms_usd.usd import layers
+from openrooms_usd.usd.crate_reader import check_crate_reads
+
+READER = isolation._reader("openrooms_usd.usd.crate_reader")
 
 
 @pytest.fixture(autouse=True)
 def fresh() -> Iterator[None]:
-    isolation._READER.stop()
+    READER.stop()
     yield
-    isolation._READER.stop()
+    READER.stop()
 
 
 def crate(path: Path) -> Path:
@@ -35,8 +38,8 @@ def crate(path: Path) -> Path:
 
 def test_a_sound_crate_is_read(tmp_path: Path) -> None:
     path = crate(tmp_path / "a.usdc")
-    isolation.check_crate_reads(str(path), path.stat().st_size)
-    assert isolation._READER._process is not None
+    check_crate_reads(str(path), path.stat().st_size)
+    assert READER._process is not None
     assert layers.open_stage(path).GetPrimAtPath("/World/mesh")
 
 
@@ -66,24 +69,24 @@ def test_what_ends_or_holds_the_process(
     ends: Any, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = crate(tmp_path / "a.usdc")
-    isolation.check_crate_reads(str(path), 1)
-    process = isolation._READER._process
+    check_crate_reads(str(path), 1)
+    process = READER._process
     assert process is not None
     monkeypatch.setattr(isolation, "_LEAST_SECONDS", 0.2)
-    asked = isolation._READER.ask
+    asked = READER.ask
 
     def ask(name: str, seconds: float) -> str | None:
-        monkeypatch.setattr(isolation._READER, "_is_there", lambda: True)
+        monkeypatch.setattr(READER, "_is_there", lambda: True)
         ends(process.pid)
         time.sleep(0.1)
         return asked(name, seconds)
 
-    monkeypatch.setattr(isolation._READER, "ask", ask)
+    monkeypatch.setattr(READER, "ask", ask)
     with pytest.raises(InputError, match=said):
-        isolation.check_crate_reads(str(path), 1)
+        check_crate_reads(str(path), 1)
     monkeypatch.undo()
     # The next one has a process again.
-    isolation.check_crate_reads(str(path), 1)
+    check_crate_reads(str(path), 1)
 
 
 def test_where_no_process_can_be_had_nothing_is_tried(
@@ -91,13 +94,13 @@ def test_where_no_process_can_be_had_nothing_is_tried(
 ) -> None:
     monkeypatch.setattr("sys.executable", shutil.which("true") or "/bin/true")
     path = crate(tmp_path / "a.usdc")
-    isolation.check_crate_reads(str(path), 1)
-    assert isolation._READER._process is None
+    check_crate_reads(str(path), 1)
+    assert READER._process is None
 
 
 def test_what_we_wrote_is_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    monkeypatch.setattr(isolation._READER, "ask", lambda name, seconds: asked.append(name))
+    monkeypatch.setattr(READER, "ask", lambda name, seconds: asked.append(name))
     data = crate(tmp_path / "a.usdc").read_bytes()
     out = tmp_path / "out"
     with claims.claimed(out):

@@ -1,0 +1,35 @@
+"""Unpacks LAZ files that nobody vouches for, in a process that may crash (see `isolation`).
+
+The library that unpacks them ends the whole process where a chunk claims more than there is memory.
+"""
+
+from typing import Final
+
+from openrooms_usd.isolation import check_reads, serve
+
+_POINTS_AT_ONCE: Final = 1_000_000
+
+
+def check_laz_reads(name: str, size: int) -> None:
+    """See that another process can unpack a file, and lives.
+
+    Args:
+        name: The file.
+        size: How many bytes it has.
+
+    Raises:
+        InputError: The process crashed, hung, or took too much memory.
+    """
+    check_reads("orusd_scans.laz_reader", name, size, what="LAZ")
+
+
+def _read(name: str) -> None:
+    import laspy
+
+    with laspy.open(name) as reader:
+        for _ in reader.chunk_iterator(_POINTS_AT_ONCE):
+            pass
+
+
+if __name__ == "__main__":
+    serve(_read)
