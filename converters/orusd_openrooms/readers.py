@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError, MissingPackageError
-from openrooms_usd.render.npy import read_npy
 from openrooms_usd.unpickling import read_pickled
+from openrooms_usd.unpickling.arrays import read_array
 from openrooms_usd.untrusted import checked, read_text
 
 Floats = NDArray[np.float32]
@@ -97,7 +97,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
     Raises:
         InputError: It is missing, damaged, or holds objects.
     """
-    return np.asarray(read_npy(path, 2, "iu"), np.int64)
+    return np.asarray(read_array(path, 2, "iu"), np.int64)
 
 
 def read_environments(

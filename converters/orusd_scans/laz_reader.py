@@ -3,9 +3,11 @@
 The library that unpacks them ends the whole process where a chunk claims more than there is memory.
 """
 
+from pathlib import Path
 from typing import Final
 
 from openrooms_usd.isolation import check_reads, serve
+from openrooms_usd.untrusted import opened
 
 _POINTS_AT_ONCE: Final = 1_000_000
 
@@ -26,7 +28,7 @@ def check_laz_reads(name: str, size: int) -> None:
 def _read(name: str) -> None:
     import laspy
 
-    with laspy.open(name) as reader:
+    with opened(Path(name), "points") as stream, laspy.open(stream, closefd=False) as reader:
         for _ in reader.chunk_iterator(_POINTS_AT_ONCE):
             pass
 

@@ -23,7 +23,7 @@ from openrooms_usd.render.manifest_schema import (
     ViewEntry,
     read_manifest,
 )
-from openrooms_usd.render.npy import read_npy
+from openrooms_usd.unpickling.arrays import read_array
 
 _NUMBERED: Final = re.compile(r"(.+)_([0-9]{1,9})")
 # Of the fits of environment maps: the numbers of a lobe, or of a coefficient.
@@ -139,7 +139,7 @@ class RenderedView:
         path = self.folder / f"{name}.npy"
         if not os.path.lexists(path):
             return None
-        found = read_npy(path, 4, "f")
+        found = read_array(path, 4, "f")
         if found.shape[-1] != _FITS[name]:
             raise InputError(
                 f"{found.shape[-1]} numbers are no {name}, which has {_FITS[name]}",

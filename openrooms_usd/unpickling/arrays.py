@@ -4,6 +4,7 @@ Only numbers are admitted: no objects, which would be pickles, no texts and no r
 """
 
 import math
+import os
 import tokenize
 import warnings
 from collections.abc import Collection
@@ -53,6 +54,27 @@ def read_arrays(
     return found
 
 
+def read_array(path: Path, dimensions: int, kinds: str) -> NDArray[Any]:
+    """The array of an ``.npy`` file, whole: nothing is missing, and nothing comes after it.
+
+    Args:
+        path: The file.
+        dimensions: How many it must have.
+        kinds: What its numbers may be, by numpy's letters: such as ``f`` or ``iu``.
+
+    Raises:
+        InputError: It cannot be read, is damaged, or is no such array.
+    """
+    with untrusted.opened(path, "array", remedy="make the file again") as stream:
+        size = os.fstat(stream.fileno()).st_size
+        found = _array(stream, size, path)
+        if stream.read(1):
+            raise _refused(path, f"there are more than its {found.nbytes:,} bytes of numbers")
+    if found.ndim != dimensions or found.dtype.kind not in kinds or not found.size:
+        raise _refused(path, f"{found.ndim} dimensions of {found.dtype}, or nothing in it")
+    return found
+
+
 def _array(stream: IO[bytes], size: int, place: object) -> NDArray[Any]:
     """The array that a stream of that many bytes holds."""
     shape, fortran, dtype = _header(stream, place)
@@ -91,5 +113,5 @@ def _header(stream: IO[bytes], place: object) -> tuple[tuple[int, ...], bool, np
 
 def _refused(place: object, reason: str) -> InputError:
     return InputError(
-        f"no array of numbers can be read: {reason}", place=place, remedy="save the array again"
+        f"not a readable array: {reason}", place=place, remedy="save the array again"
     )

@@ -14,9 +14,9 @@ import pytest
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render import Legend, exr, render_stage
 from openrooms_usd.render.coco import coco
-from openrooms_usd.render.npy import read_npy
 from openrooms_usd.render.reading import read_render
 from openrooms_usd.render.relight import Relighting, relight
+from openrooms_usd.unpickling.arrays import read_array
 
 SIZE = (8, 6)
 
@@ -189,7 +189,7 @@ NO_ARRAYS = {
 def test_what_is_no_array(tmp_path: Path, data: bytes) -> None:
     (tmp_path / "a.npy").write_bytes(data)
     with pytest.raises(InputError, match="not a readable array"):
-        read_npy(tmp_path / "a.npy", 3, "f")
+        read_array(tmp_path / "a.npy", 3, "f")
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
@@ -197,7 +197,7 @@ def test_what_is_no_array(tmp_path: Path, data: bytes) -> None:
 def test_arrays_are_read_as_they_were_written(tmp_path: Path, order: Any, kind: str) -> None:
     values = np.asarray(np.random.default_rng(0).random((2, 3, 4)), kind, order=order)
     np.save(tmp_path / "a.npy", values)
-    np.testing.assert_array_equal(read_npy(tmp_path / "a.npy", 3, "f"), values)
+    np.testing.assert_array_equal(read_array(tmp_path / "a.npy", 3, "f"), values)
 
 
 def test_a_fit_has_the_numbers_of_its_kind(render: Path) -> None:

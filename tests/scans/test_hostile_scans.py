@@ -114,11 +114,11 @@ def npz(member: bytes) -> bytes:
     [
         (b"{'descr': '<f8', 'fortran_order': False, 'shape': (22906492245, 3)}", "ends too early"),
         (b"{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 3)}", "its shape"),
-        (b"{'descr': '<f8', 'fortran_order': False, 'shape': (1, 3), ", "no array of numbers"),
+        (b"{'descr': '<f8', 'fortran_order': False, 'shape': (1, 3), ", "not a readable array"),
         (b"{'descr': '|O', 'fortran_order': False, 'shape': (1, 3)}", "no numbers but object"),
         (b"{'descr': '<U9', 'fortran_order': False, 'shape': (1, 3)}", "no numbers but"),
-        (b"(" * 100, "no array of numbers"),
-        (b"{'descr': '<f8', 'fortran_order': '''", "no array of numbers"),
+        (b"(" * 100, "not a readable array"),
+        (b"{'descr': '<f8', 'fortran_order': '''", "not a readable array"),
     ],
 )
 def test_headers_of_arrays(tmp_path: Path, header: bytes, says: str) -> None:

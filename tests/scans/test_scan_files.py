@@ -141,7 +141,7 @@ def test_arrays(tmp_path: Path) -> None:
     data = io.BytesIO()
     np.savez(data, points=np.array([{}], dtype=object))
     (tmp_path / "code.npz").write_bytes(data.getvalue())
-    with pytest.raises(InputError, match="no array of numbers"):
+    with pytest.raises(InputError, match="not a readable array"):
         read_npz(tmp_path / "code.npz")
     np.savez(tmp_path / "short.npz", points=POINTS, label=np.arange(3))
     with pytest.raises(InputError, match="differ in length"):
