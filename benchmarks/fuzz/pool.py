@@ -82,7 +82,7 @@ class Pool:
                     outcome = self._taken(seat)
                     if outcome:
                         yield outcome
-                    if not seat.process.is_alive():
+                    if seat.case is None and not seat.process.is_alive():
                         seats[i] = self._seat(i)
         finally:
             for seat in seats:

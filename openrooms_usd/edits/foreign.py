@@ -58,7 +58,8 @@ def foreign_to(layer: Sdf.Layer, out: Path) -> Foreign:
     sublayers = (anchored(layer, path) for path in layer.subLayerPaths)
     return Foreign(
         tuple(_leaves(layer)),
-        tuple(path for path in sublayers if os.path.realpath(path) not in ours),
+        # A name with a NUL leads nowhere.
+        tuple(path for path in sublayers if "\0" in path or os.path.realpath(path) not in ours),
         tuple(_metadata(layer)),
     )
 
