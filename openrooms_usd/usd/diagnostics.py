@@ -13,6 +13,8 @@ from openrooms_usd.errors import InputError, printable
 
 # What Python gets where USD cannot read something: the second for names that are no text.
 UNREADABLE: Final = (Tf.ErrorException, UnicodeDecodeError)
+# What values are whose type USD does not know: whoever takes them for numbers fails.
+_NO_TYPE: Final = "UnregisteredValue"
 # How the exception of a prim that USD does not have begins.
 _NO_PRIM: Final = "Accessed "
 
@@ -32,6 +34,8 @@ def reason(error: BaseException) -> str:
     """What USD says is wrong, in one sentence, without where in USD it was said."""
     if isinstance(error, UnicodeDecodeError):
         return "it holds names that are not UTF-8 text"
+    if isinstance(error, TypeError):
+        return "it holds a value of a type that USD does not know"
     if isinstance(error, RecursionError):
         return "it nests too deeply"
     if not isinstance(error, Tf.ErrorException) or not error.args:
@@ -55,9 +59,9 @@ def reading(path: object) -> Iterator[None]:
     """
     try:
         yield
-    except (*UNREADABLE, RuntimeError) as error:
+    except (*UNREADABLE, RuntimeError, TypeError) as error:
         is_usd = isinstance(error, (*UNREADABLE, RecursionError))
-        if not is_usd and not str(error).startswith(_NO_PRIM):
+        if not is_usd and not str(error).startswith(_NO_PRIM) and _NO_TYPE not in str(error):
             raise
         raise InputError(
             f"not a readable USD file: {reason(error)}",

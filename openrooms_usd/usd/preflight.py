@@ -130,7 +130,8 @@ def check_stage_file(path: Path) -> tuple[Sdf.Layer, ...]:
             continue
         layers.append(layer)
         if variables is None:
-            variables = dict(layer.expressionVariables)
+            with reading(name):
+                variables = dict(layer.expressionVariables)
         for other in _references(layer, variables):
             if other not in seen:
                 seen.add(other)
@@ -196,7 +197,8 @@ def _listed(archive: str) -> list[str]:
         found = Sdf.ZipFile.Open(archive)
     except UNREADABLE:
         return []
-    return [entry for entry in found.GetFileNames() if _is_layer(entry)] if found else []
+    with reading(archive):
+        return [entry for entry in found.GetFileNames() if _is_layer(entry)] if found else []
 
 
 def _packaged(name: str) -> bytes:
@@ -218,8 +220,9 @@ def _is_layer(path: str) -> bool:
 
 def _references(layer: Sdf.Layer, variables: dict[str, object]) -> Iterator[str]:
     """The layers that a layer may make USD open: by its arcs, clips and expressions."""
-    known = {**dict(layer.expressionVariables), **variables}
-    arcs = [_evaluated(path, known, layer) for path in layer.GetCompositionAssetDependencies()]
+    with reading(layer.realPath or layer.identifier):
+        known = {**dict(layer.expressionVariables), **variables}
+        arcs = [_evaluated(path, known, layer) for path in layer.GetCompositionAssetDependencies()]
     try:
         others = list(chain(*UsdUtils.ExtractExternalReferences(layer.identifier)))
     except UNREADABLE:

@@ -185,3 +185,39 @@ def test_a_label_of_another_type_is_no_label(tmp_path: Path) -> None:
     Sdf.AttributeSpec(prim, "semantics:labels:category", kind).default = 3
     layer.Export(str(tmp_path / "a.usda"))
     assert read_label(open_stage(tmp_path / "a.usda").GetPrimAtPath("/a"), "category") is None
+
+
+UNKNOWN_TYPE = """#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 1
+    upAxis = "Z"
+)
+def Mesh "World" {
+    fl0at3[] extent = [(0, 0, 0), (1, 1, 1)]
+    p0int3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+}
+"""
+
+
+def test_values_of_types_that_usd_does_not_know(tmp_path: Path) -> None:
+    from openrooms_usd.library.meshfile import read_model
+
+    path = tmp_path / "a.usda"
+    path.write_text(UNKNOWN_TYPE)
+    for read in (lambda: validate_stage(path), lambda: read_model(path)):
+        with quiet(), pytest.raises(InputError, match="of a type that USD does not know"):
+            read()
+
+
+def test_a_package_whose_names_are_no_text(tmp_path: Path) -> None:
+    (tmp_path / "room.usda").write_text('#usda 1.0\ndef Xform "World" {}\n')
+    archive = Sdf.ZipFileWriter.CreateNew(str(tmp_path / "a.usdz"))
+    archive.AddFile(str(tmp_path / "room.usda"), "room.usda")
+    archive.Save()
+    data = (tmp_path / "a.usdz").read_bytes()
+    (tmp_path / "a.usdz").write_bytes(data.replace(b"room.usda", b"ro\xf1m.usda"))
+    with quiet(), pytest.raises(InputError, match="not UTF-8 text"):
+        open_stage(tmp_path / "a.usdz")
