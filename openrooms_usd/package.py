@@ -6,7 +6,7 @@ package keeps the layers too; it is the scene's folder in one archive.
 
 import os
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -102,6 +102,7 @@ def _dependencies(stage: Usd.Stage) -> list[Path]:
     """All files of a scene, the root layer first, then by name."""
     root = stage.GetRootLayer()
     used, assets, missing = UsdUtils.ComputeAllDependencies(root.realPath)
+    missing = {*missing, *_broken_links(used)}
     if missing:
         raise StageError(
             f"files are missing: {', '.join(sorted(missing))}",
@@ -120,6 +121,16 @@ def _dependencies(stage: Usd.Stage) -> list[Path]:
             remedy="convert textures to PNG, JPEG or EXR",
         )
     return files
+
+
+def _broken_links(layers: Iterable[Sdf.Layer]) -> Iterator[str]:
+    """The layers behind links that lead nowhere, which USD takes for found and passes over."""
+    for layer in layers:
+        for path in layer.GetCompositionAssetDependencies():
+            whole = Sdf.ComputeAssetPathRelativeToLayer(layer, path) if path else ""
+            file = Path(Ar.SplitPackageRelativePathOuter(whole)[0])
+            if file.is_symlink() and not file.exists():
+                yield str(file)
 
 
 def _places(files: Sequence[Path]) -> dict[Path, PurePosixPath]:

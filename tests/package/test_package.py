@@ -361,8 +361,14 @@ def use_a_bitmap(scene: Path) -> None:
     (scene.parent / "layers/materials/dark.bmp").write_bytes(b"BM")
 
 
+def break_sublayer(scene: Path) -> None:
+    (scene.parent / "layers/more.usda").symlink_to("nowhere.usda")
+    spoil_edits(scene, "", "subLayers = [@./more.usda@]")
+
+
 @pytest.mark.parametrize(
-    ("spoil", "named"), [(break_texture, "dark.png"), (use_a_bitmap, "dark.bmp")]
+    ("spoil", "named"),
+    [(break_texture, "dark.png"), (use_a_bitmap, "dark.bmp"), (break_sublayer, "more.usda")],
 )
 def test_what_cannot_be_packaged_is_named(
     spoil: Callable[[Path], None], named: str, scene: Path
