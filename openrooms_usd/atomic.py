@@ -74,7 +74,7 @@ def replacing(target: Path) -> Iterator[Path]:
     Raises:
         OutputError: The file cannot be written, or the target is a device, a pipe or a folder.
     """
-    _check_replaceable(target)
+    check_replaceable(target)
     beside = unfinished.beside(target)
     with writing(target), making(target.parent), naming(target, beside):
         try:
@@ -96,8 +96,12 @@ def write_bytes(target: Path, data: bytes) -> None:
         beside.write_bytes(data)
 
 
-def _check_replaceable(target: Path) -> None:
-    """See that no device, pipe or folder would give way to a file, also behind a link."""
+def check_replaceable(target: Path) -> None:
+    """See that no device, pipe or folder would give way to a file, also behind a link.
+
+    Raises:
+        OutputError: It would.
+    """
     with writing(target):
         what = untrusted.kind_of(target)
     if what and what != "a file":
@@ -130,6 +134,8 @@ def filling(folder: Path) -> Iterator[Path]:
             beside.mkdir()
             yield beside
             files = [path.relative_to(beside) for path in beside.rglob("*") if path.is_file()]
+            for file in files:
+                check_replaceable(folder / file)
             # Files in subfolders first: those at the top refer to them.
             for file in sorted(files, key=lambda path: (-len(path.parts), path)):
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)
@@ -191,7 +197,12 @@ def check_own(target: Path) -> None:
     if foreign:
         first = "it is no folder of ours" if foreign[0] == "." else f"{foreign[0]!r} in it"
         more = f" (and {len(foreign) - 1} more)" if len(foreign) > 1 else ""
-        was = "" if foreign[0] == "." else " was not written by an earlier run, or changed since"
+        was = (
+            ""
+            if foreign[0] == "."
+            else " was not written by an earlier run (older versions kept no list), or was "
+            "changed since"
+        )
         raise OutputError(
             f"this will not be replaced: {first}{more}{was}",
             place=target,

@@ -5,6 +5,8 @@ killed process has left holds nobody up. The file says who holds the lock, for t
 """
 
 import os
+import re
+import stat
 import sys
 import threading
 from collections.abc import Iterator
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 FILE: Final = ".orusd.lock"
 
 _LONGEST_HOLDER: Final = 120  # characters
+# What stands in a lock file; nothing where its process was killed before it said who it is.
+_HOLDER: Final = re.compile(r"(?:process \d+ \(|\Z)")
 # What this process holds: the folder and the thread, with the number of nested claims.
 _HELD: Final[dict[tuple[Path, int], int]] = {}
 
@@ -92,6 +96,7 @@ def _exclusively(folder: Path) -> Iterator[bool]:
 
     path = folder / FILE
     was_killed = os.path.lexists(path)
+    _check_lock(path)
     lock = FileLock(path, timeout=0)
     with writing(folder):
         try:
@@ -108,6 +113,26 @@ def _exclusively(folder: Path) -> Iterator[bool]:
         _release(lock, path)
 
 
+def _check_lock(path: Path) -> None:
+    """Refuse to lock by a file that is not a lock file: its text would be replaced."""
+    # Others come and go meanwhile, and their files with them.
+    if os.path.lexists(path) and not any(_is_lock(path) for _ in range(3)):
+        raise OutputError(
+            "this is not a lock file of ours", place=path, remedy="remove it, or move it away"
+        )
+
+
+def _is_lock(path: Path) -> bool:
+    """Whether a file is one that `_exclusively` has left or holds; so is none."""
+    try:
+        found = path.lstat()
+        if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
+            return False
+        return _HOLDER.match(untrusted.read_text(path)) is not None
+    except (OSError, InputError):
+        return not os.path.lexists(path)
+
+
 def _release(lock: "BaseFileLock", path: Path) -> None:
     # While it is held: who waits for the old file sees that it is gone, and makes a new one.
     if sys.platform != "win32":
@@ -121,7 +146,7 @@ def _release(lock: "BaseFileLock", path: Path) -> None:
 
 def _held_by(path: Path, folder: Path) -> OutputError:
     try:
-        holder = untrusted.read_text(path).strip()[:_LONGEST_HOLDER]
+        holder = untrusted.read_text(path).partition("\n")[0][:_LONGEST_HOLDER]
     except InputError:
         holder = ""
     return OutputError(

@@ -8,13 +8,14 @@ bytes are still those of the line, and where no link lies on the way.
 Files at the top of the folder have fixed names: they are replaced and never removed, and not noted.
 """
 
+import errno
 import hashlib
 import os
 import re
+import stat
 import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Final
 
@@ -22,6 +23,8 @@ from openrooms_usd import removal, unfinished, untrusted
 from openrooms_usd.errors import InputError, writing
 
 FILE: Final = ".orusd.sha256"
+# Renders keep one of their own: a room may lie in the same folder.
+RENDER_FILE: Final = ".orusd.render.sha256"
 
 _LINE: Final = re.compile(r"(?P<digest>[0-9a-f]{64})  (?P<path>.+)")
 # Names with line ends would break the format: such files are never removed.
@@ -40,11 +43,30 @@ class Ledger:
         self.folder = folder.absolute()
         self._file = self.folder / file
         self._digests: dict[str, set[str]] = {}
+        self._by_us: dict[str, str] = {}
         self._created: set[str] = set()
         self._is_stale = False
         self._lock = threading.Lock()
+        self._check_file()
         for path, digest in _read(self._file):
             self._digests.setdefault(path, set()).add(digest)
+
+    def _check_file(self) -> None:
+        """See that appending to the ledger changes nothing but the ledger.
+
+        Raises:
+            OSError: The name is taken by something else.
+        """
+        if not os.path.lexists(self._file):
+            return
+        found = self._file.lstat()
+        if not stat.S_ISREG(found.st_mode):
+            raise OSError(errno.EEXIST, f"{self._file.name} is no file of ours")
+        if found.st_nlink > 1:
+            # A copy by links, as backups make them, keeps its own.
+            beside = unfinished.beside(self._file)
+            removal.copy_file(self._file, beside)
+            removal.rename(beside, self._file)
 
     def is_of(self, folder: Path, file: str) -> bool:
         """Whether this is the ledger of a folder under a name."""
@@ -75,6 +97,7 @@ class Ledger:
         with self._lock:
             if not os.path.lexists(target):
                 self._created.add(name)
+            self._by_us[name] = digest
             if digest in self._digests.get(name, ()):
                 return
             self._digests.setdefault(name, set()).add(digest)
@@ -97,10 +120,19 @@ class Ledger:
 
     def is_own(self, path: Path) -> bool:
         """Whether a file is one that was written here, unchanged since, and behind no link."""
+        path = path.absolute()
         known = self._digests.get(self._name(path))
         if not known or path.is_symlink() or not removal.real_parents(self.folder, path):
             return False
         return _digest(path) in known
+
+    def is_changed(self, path: Path) -> bool:
+        """Whether a file was written here, is there, and is not as it was written."""
+        return self._name(path) in self._digests and path.exists() and not self.is_own(path)
+
+    def wrote(self, path: Path) -> bool:
+        """Whether this very process wrote a file as it is now."""
+        return self._by_us.get(self._name(path)) == _digest(path) != ""
 
     def remove(self, paths: Iterable[Path]) -> list[Path]:
         """Remove files that were written here, and the folders that are empty then.
@@ -249,25 +281,10 @@ def note(source: Path, target: Path) -> None:
             return
 
 
-# Folders of a room nest less deep.
-_MOST_PARENTS: Final = 8
-
-
 def wrote(path: Path) -> bool:
-    """Whether this program wrote a file as it is now, by the ledger of a folder that it lies in."""
+    """Whether this very process wrote a file as it is now; what a ledger says may be forged."""
     path = path.absolute()
-    for folder in path.parents[:_MOST_PARENTS]:
-        ledger = next((one for one in _OPEN if one.is_of(folder, FILE)), None)
-        if ledger is None and (folder / FILE).is_file():
-            ledger = _as_it_is(folder, (folder / FILE).stat().st_mtime_ns)
-        if ledger and ledger.is_own(path):
-            return True
-    return False
-
-
-@lru_cache(maxsize=8)
-def _as_it_is(folder: Path, changed_ns: int) -> Ledger:
-    return Ledger(folder)
+    return any(one.wrote(path) for one in _OPEN if path.is_relative_to(one.folder))
 
 
 def foreign(folder: Path) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims, ledger
-from openrooms_usd.errors import InputError, OrusdError, writing
+from openrooms_usd.errors import InputError, OrusdError, OutputError, writing
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.render.reading import RenderedScene, RenderedView
 from openrooms_usd.untrusted import read_bytes
@@ -57,6 +57,7 @@ class OpenRoomsDataset:
                 _write_lists(beside, root, options)
                 files = (path for path in beside.rglob("*") if path.is_file())
                 written = {path.relative_to(beside) for path in files}
+                _refuse_to_replace(root, written, kept)
             stay = _remove_stale(root, written, kept)
         notes = (*_notes(renders, root), *stay)
         return DatasetSummary(root, frames, len(written), missing, notes)
@@ -107,6 +108,24 @@ def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
         if name == options.subset:
             scenes.add(own)
         atomic.write_bytes(beside / path.name, b"".join(scene + b"\n" for scene in sorted(scenes)))
+
+
+def _refuse_to_replace(root: Path, written: Iterable[Path], known: ledger.Ledger) -> None:
+    """See that only files of an earlier run give way; lists of scenes are written by all.
+
+    Raises:
+        OutputError: There are others.
+    """
+    inner = sorted(path for path in written if len(path.parts) > 1)
+    there = (root / path for path in inner if os.path.lexists(root / path))
+    foreign = [path for path in there if not known.is_own(path)]
+    if foreign:
+        more = f" (and {len(foreign) - 1} more)" if len(foreign) > 1 else ""
+        raise OutputError(
+            f"this would be replaced{more}, and no earlier run wrote it as it is now",
+            place=foreign[0],
+            remedy="give another --scene or --first, another folder, or move the files away",
+        )
 
 
 def _remove_stale(root: Path, written: Iterable[Path], known: ledger.Ledger) -> list[str]:

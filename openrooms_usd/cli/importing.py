@@ -1,6 +1,7 @@
 """The command ``import``: a capture becomes a folder with a room.yaml beside what was read."""
 
 import filecmp
+import os
 import re
 import shutil
 from collections.abc import Mapping
@@ -125,7 +126,7 @@ def import_capture(
             _refuse_to_replace(out, packed.contents)
         with filling(out) as folder:
             for name, content in packed.contents.items():
-                if not (out / name).exists():
+                if not os.path.lexists(out / name):
                     _copy(content, folder / name)
             write_text(folder / ROOM, text)
     return capture
@@ -187,10 +188,10 @@ def _unreadable(path: Path, error: OSError) -> InputError:
 
 def _refuse_to_replace(out: Path, contents: Mapping[str, bytes | Path]) -> None:
     remedy = "choose another folder, or move the file away"
-    if (out / ROOM).exists():
+    if os.path.lexists(out / ROOM):
         raise OutputError("there is a room already", place=out / ROOM, remedy=remedy)
     for name, content in contents.items():
-        if (out / name).exists() and not _equal(content, out / name):
+        if os.path.lexists(out / name) and not _equal(content, out / name):
             raise OutputError("another capture has that name", place=out / name, remedy=remedy)
 
 

@@ -95,6 +95,13 @@ def refuse_foreign(scene: Path) -> None:
         InputError: It, or a layer beside it, is not fit to be opened (`usd.preflight`).
         StageError: It holds more than compose writes.
     """
+    for path in (scene.parent / names.LAYERS, scene, *own_layers(scene.parent)):
+        if path.is_symlink():
+            raise StageError(
+                "this is a link, and compose does not write through links",
+                place=path,
+                remedy="put what it leads to in its place",
+            )
     for path in (scene, *own_layers(scene.parent)):
         if path.exists():
             preflight.check_file(path)

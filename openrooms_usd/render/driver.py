@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from openrooms_usd import adapters, claims
+from openrooms_usd import adapters, claims, ledger
 from openrooms_usd.channels import each
 from openrooms_usd.convert import add_missing
 from openrooms_usd.render import folder, manifest, shading
@@ -137,7 +137,7 @@ def render_stage(
     request = replace(request, halves=error_maps or Shading.makes(asked))
     folder.check_writable(out)
 
-    with claims.claimed(out) as kept:
+    with claims.claimed(out, ledger.RENDER_FILE) as kept:
         # 2. Translate the stage.
         stage = open_stage(path)
         began = time.perf_counter()

@@ -12,7 +12,7 @@ from openrooms_usd import atomic
 from openrooms_usd.channels import CHANNELS, definition
 from openrooms_usd.errors import InputError, OutputError, writing
 from openrooms_usd.ledger import Ledger
-from openrooms_usd.names import CREATOR
+from openrooms_usd.names import CREATOR, LAYERS
 from openrooms_usd.untrusted import is_plain_name, read_text
 
 MANIFEST: Final = "manifest.json"
@@ -26,6 +26,9 @@ ERRORS_FILE: Final = "errors.exr"
 LIGHTS_FOLDER: Final = "lights"
 # What the centres of openings see of the surroundings.
 OPENINGS_FOLDER: Final = "openings"
+_TOP_FILES: Final = (MANIFEST, TIMING, SHEET)
+# Folders of these names are no views: a room may lie in the same folder.
+_TAKEN: Final = (OPENINGS_FOLDER, LAYERS, LIGHTS_FOLDER)
 # Channels that are also written as plain pictures, for any viewer.
 PLAIN_FILES: Final = {"radiance": "radiance.exr", "denoised": "denoised.exr"}
 
@@ -95,15 +98,36 @@ def check_replaceable(out: Path, views: Iterable[str]) -> None:
         OutputError: What has the name of a view was not written by an earlier run, or there is a
             manifest of something else.
     """
+    for name in {*views} & {*_TAKEN}:
+        raise OutputError(
+            f"a view cannot be called {name!r}: the folder of that name is for something else",
+            place=out / name,
+            remedy="give the camera another name",
+        )
+    if not os.path.lexists(out / MANIFEST):
+        _check_none(out)
+    for name in _TOP_FILES:
+        atomic.check_replaceable(out / name)
     if os.path.lexists(out / MANIFEST) and not is_render_manifest(out):
         raise OutputError(
             "this is not the manifest of a render, and will not be replaced",
             place=out / MANIFEST,
             remedy="choose another output folder, or remove it yourself",
         )
-    for name in views:
+    for name in (*views, OPENINGS_FOLDER):
         if os.path.lexists(out / name):
             atomic.check_own(out / name)
+
+
+def _check_none(out: Path) -> None:
+    """See that nobody else's files have the names of those that stand beside a manifest."""
+    for name in _TOP_FILES:
+        if os.path.lexists(out / name):
+            raise OutputError(
+                "there is no render here, and this would be replaced",
+                place=out / name,
+                remedy="choose another output folder, or move it away",
+            )
 
 
 # At least one of them is in every view.
@@ -187,7 +211,8 @@ def earlier_views(out: Path, written: Ledger) -> frozenset[str]:
     """
     listed = {name for name in listed_views(out) if _is_view(out / name)}
     exact = (path.relative_to(written.folder) for path in written.below(out))
-    return frozenset({*listed, *(path.parts[0] for path in exact if path.name in _EXACT_FILES)})
+    known = {path.parts[0] for path in exact if path.name in _EXACT_FILES}
+    return frozenset({*listed, *known} - {*_TAKEN})
 
 
 def remove_views(out: Path, views: Iterable[str], written: Ledger) -> list[Path]:

@@ -62,6 +62,13 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
     own = path.parent / names.LAYERS / f"{names.SETTLED}.usda"
     composed = _is_composed(path, source.GetRootLayer())
     target = _target(path, out, own if composed else None)
+    used = {Path(layer.realPath).resolve() for layer in source.GetUsedLayers() if layer.realPath}
+    if target.resolve() in used - {own.resolve()}:
+        raise InputError(
+            "this layer is a part of the scene, and the poses would replace it",
+            place=target,
+            remedy="give a USD file of its own, such as -o settled.usda",
+        )
     stronger, weaker = _around(path, target, source.GetRootLayer()) if composed else ([], [path])
     layer = Sdf.Layer.CreateAnonymous(".usda")
     for key in _METADATA:

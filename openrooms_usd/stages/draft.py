@@ -9,7 +9,7 @@ from pathlib import Path
 from pxr import Sdf
 
 from openrooms_usd import atomic, claims, names, removal, unfinished
-from openrooms_usd.errors import writing
+from openrooms_usd.errors import StageError, writing
 from openrooms_usd.ledger import Ledger
 from openrooms_usd.usd import layers as usd_layers
 
@@ -80,6 +80,20 @@ class Draft:
         # The folder of any other layer holds what people put into it.
         if name in names.STAGES:
             self.keep(name, kept)
+
+    def check_unchanged(self, name: str) -> None:
+        """See that nobody has changed the layer of a stage since it was written.
+
+        Raises:
+            StageError: Somebody has, and writing it anew would lose that.
+        """
+        if self.ledger.is_changed(self._place(name)):
+            raise StageError(
+                "this layer was changed since compose wrote it, and would be written anew",
+                place=self._place(name),
+                remedy=f"move the change into {names.LAYERS}/{names.EDITS}.usda, the layer that "
+                "people edit, and remove this file",
+            )
 
     def keep(self, name: str, files: Iterable[str]) -> None:
         """Say what a layer refers to in the folder of its stage; the rest of ours is removed.

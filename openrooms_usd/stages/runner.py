@@ -89,8 +89,10 @@ def run(
         Notes for the user.
 
     Raises:
-        OrusdError: The stage refuses the description, or a file cannot be written.
+        OrusdError: The stage refuses the description, a file cannot be written, or somebody has
+            changed the layer.
     """
+    draft.check_unchanged(stage.name)
     folder = draft.folder(stage.name)
     try:
         with draft.scratch(stage.name) as layer, _edits(stage.name, draft) as edits:

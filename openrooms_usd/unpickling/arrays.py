@@ -112,6 +112,4 @@ def _header(stream: IO[bytes], place: object) -> tuple[tuple[int, ...], bool, np
 
 
 def _refused(place: object, reason: str) -> InputError:
-    return InputError(
-        f"not a readable array: {reason}", place=place, remedy="save the array again"
-    )
+    return InputError(f"not a readable array: {reason}", place=place, remedy="save the array again")

@@ -36,7 +36,7 @@ def world_from_prim(prim: Usd.Prim) -> NDArray[np.float64]:
 
 
 def world_area(prim: Usd.Prim) -> float:
-    """The area of a mesh's surface in the world, square metres; 0 where it has no faces."""
+    """The area of a mesh's surface in the world, square metres; 0 where it has no sound faces."""
     mesh = UsdGeom.Mesh(prim)
     attributes = (
         mesh.GetPointsAttr(),
@@ -47,5 +47,9 @@ def world_area(prim: Usd.Prim) -> float:
     if not all(values):
         return 0.0
     points, counts, indices = map(np.array, values)
+    if counts.min() < 0 or counts.sum() != len(indices):
+        return 0.0
+    if indices.min() < 0 or indices.max() >= len(points):
+        return 0.0
     local = Mesh(points.astype(np.float64), counts.astype(np.int32), indices.astype(np.int32))
     return float(local.transformed(world_from_prim(prim)).areas().sum())

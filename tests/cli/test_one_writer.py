@@ -67,3 +67,15 @@ def test_who_writes_waits_for_nobody(command: str, orusd: Any, lab: Any, tmp_pat
         assert lab.tree(out) == held
     assert lab.tree(out) == before
     said.refused(OUTPUT, f"process {os.getpid()}", "is writing into this folder")
+
+
+@pytest.mark.parametrize("layer", ["edits", "lights", "layout"])
+def test_simulate_replaces_no_layer_of_the_room(
+    layer: str, orusd: Any, lab: Any, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    shutil.copytree(lab.composed, out)
+    before = lab.tree(out)
+    said = orusd("simulate", out / "scene.usda", "-o", out / "layers" / f"{layer}.usda")
+    said.refused(2, "part of the scene", "-o settled.usda")
+    assert lab.tree(out) == before

@@ -183,7 +183,7 @@ def test_ctrl_c_in_a_real_process(ball, tmp_path):
     views = json.loads((out / "manifest.json").read_text())["views"]
     assert list(views) == ["above"]
     assert {path.name for path in out.iterdir()} == {
-        ".orusd.sha256", "above", "contact_sheet.png", "manifest.json", "timing.json",
+        ".orusd.render.sha256", "above", "contact_sheet.png", "manifest.json", "timing.json",
     }  # fmt: skip
 
 

@@ -1,10 +1,13 @@
 """One writer a folder, what it leaves when it is killed, and what may be removed again."""
 
 import os
+import re
+import shutil
 import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -208,3 +211,56 @@ def test_the_lock_is_taken_by_one_of_many(tmp_path: Path) -> None:
     )
     crowd = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(8)]
     assert [process.wait() for process in crowd] == [0] * 8
+
+
+@pytest.mark.parametrize("name", [claims.FILE, ledger.FILE])
+@pytest.mark.parametrize("kind", ["link", "broken link", "pipe", "folder"])
+def test_a_lock_or_ledger_that_is_something_else(name: str, kind: str, tmp_path: Path) -> None:
+    """Refused by its name: nothing is written through it, and nothing hangs."""
+    out, kept = tmp_path / "out", tmp_path / "kept"
+    out.mkdir()
+    kept.write_text("mine")
+    make: dict[str, Callable[[], object]] = {
+        "link": lambda: (out / name).symlink_to(kept),
+        "broken link": lambda: (out / name).symlink_to(tmp_path / "nowhere"),
+        "pipe": lambda: os.mkfifo(out / name),
+        "folder": lambda: (out / name).mkdir(),
+    }
+    make[kind]()
+    with pytest.raises(OutputError, match=re.escape(name)), claims.claimed(out):
+        atomic.write_text(out / "layers" / "a", "a")
+    assert [path.name for path in out.iterdir()] == [name]
+    assert kept.read_text() == "mine"
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_a_file_of_others_is_no_lock(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / claims.FILE).write_text("a thesis")
+    with pytest.raises(OutputError, match="not a lock file"), claims.claimed(tmp_path / "out"):
+        pass
+    assert (tmp_path / "out" / claims.FILE).read_text() == "a thesis"
+
+
+def test_a_copy_by_links_keeps_its_ledger(tmp_path: Path) -> None:
+    first, second = tmp_path / "first", tmp_path / "second"
+    with claims.claimed(first):
+        atomic.write_text(first / "layers" / "a", "a")
+    shutil.copytree(first, second, copy_function=os.link)
+    before = (first / ledger.FILE).read_bytes()
+    with claims.claimed(second):
+        atomic.write_text(second / "layers" / "b", "b")
+    assert (first / ledger.FILE).read_bytes() == before
+    assert len((second / ledger.FILE).read_text().splitlines()) == 2
+
+
+def test_filling_spares_what_is_no_file(tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    os.mkfifo(tmp_path / "out" / "b")
+    with (
+        pytest.raises(OutputError, match="a pipe, and will not be replaced"),
+        atomic.filling(tmp_path / "out") as beside,
+    ):
+        (beside / "a").write_text("a")
+        (beside / "b").write_text("b")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["b"]

@@ -105,8 +105,14 @@ def test_what_we_wrote_is_read_at_once(tmp_path: Path, monkeypatch: pytest.Monke
     out = tmp_path / "out"
     with claims.claimed(out):
         atomic.write_bytes(out / "layers" / "ours.usdc", data)
-    layers.open_stage(out / "layers" / "ours.usdc")
+        layers.open_stage(out / "layers" / "ours.usdc")
     assert asked == []
+    # What a ledger says of earlier runs may be forged.
+    os.utime(out / "layers" / "ours.usdc")
+    with claims.claimed(out):
+        layers.open_stage(out / "layers" / "ours.usdc")
+    assert asked == [str(out / "layers" / "ours.usdc")]
+    asked.clear()
     shutil.copy(tmp_path / "a.usdc", out / "layers" / "theirs.usdc")
     layers.open_stage(out / "layers" / "theirs.usdc")
     assert asked == [str(out / "layers" / "theirs.usdc")]

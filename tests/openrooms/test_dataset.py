@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.render.reading import RenderedScene, read_render
 from orusd_openrooms.readers import read_cameras
 from tests.openrooms.synthetic import write_dataset as write
@@ -185,3 +185,24 @@ def test_without_h5py_all_but_the_fits_is_written(
     summary = write([render], tmp_path)
     assert "openrooms-usd[openrooms]" in summary.missing["imsgEnv"]
     assert (tmp_path / IMAGE).is_file() and not (tmp_path / "SVSG").exists()
+
+
+@pytest.mark.parametrize("how", ["unlisted", "changed", "behind a link"])
+def test_files_that_no_earlier_run_wrote_are_not_replaced(
+    how: str, render: RenderedScene, tmp_path: Path
+) -> None:
+    """Such as those of the released dataset, whose first scene has the name that is ours too."""
+    root = tmp_path / "root"
+    write([render], root)
+    picture = root / IMAGE
+    if how == "unlisted":
+        (root / ".orusd.scene0000_00.sha256").unlink()
+    elif how == "changed":
+        picture.write_bytes(b"mine")
+    else:
+        picture.parent.rename(tmp_path / "elsewhere")
+        picture.parent.symlink_to(tmp_path / "elsewhere")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    with pytest.raises(OutputError, match="no earlier run wrote it"):
+        write([render], root)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

@@ -23,7 +23,7 @@ def manifest(out: Path) -> dict:
 
 def names(out: Path) -> set[str]:
     """What lies there, apart from the ledger of what was written."""
-    return {path.name for path in out.iterdir()} - {ledger.FILE}
+    return {path.name for path in out.iterdir()} - {ledger.RENDER_FILE}
 
 
 def test_what_lies_there(renderer, scene, tmp_path):

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from openrooms_usd import atomic, claims
 from openrooms_usd.errors import OutputError
 from openrooms_usd.render import render_stage
 
@@ -122,3 +123,43 @@ def test_an_earlier_view_behind_a_link_stays(renderer: Any, scene: Path, tmp_pat
     count = len(list((tmp_path / "elsewhere").iterdir()))
     assert render_stage(scene, out, cameras=["right"]).stay == (out / "left",)
     assert len(list((tmp_path / "elsewhere").iterdir())) == count > 3
+
+
+@pytest.mark.parametrize("name", ["layers", "openings", "lights"])
+def test_a_camera_cannot_have_the_name_of_another_folder(
+    name: str, renderer: Any, scene: Path, tmp_path: Path, snapshot: Callable[..., Any]
+) -> None:
+    """A room may lie in the folder that is rendered to: its layers are no view."""
+    out = tmp_path / "out"
+    with claims.claimed(out):
+        atomic.write_text(out / "layers" / "lights" / "channels.exr", "a layer's")
+        atomic.write_text(out / "layers" / "edits.usda", "adopted")
+    before = snapshot(out)
+    renderer.cameras = (f"/World/Cameras/{name}",)
+    with pytest.raises(OutputError, match="a view cannot be called"):
+        render_stage(scene, out)
+    assert snapshot(out) == before
+
+
+def test_a_room_in_the_folder_of_a_render_stays(
+    renderer: Any, scene: Path, tmp_path: Path, snapshot: Callable[..., Any]
+) -> None:
+    out = tmp_path / "out"
+    with claims.claimed(out):
+        atomic.write_text(out / "layers" / "lights" / "channels.exr", "a layer's")
+    before = snapshot(out)
+    render_stage(scene, out)
+    render_stage(scene, out, cameras=["left"])
+    after = snapshot(out)
+    assert {path: after.get(path) for path in before} == before
+
+
+@pytest.mark.parametrize("name", ["contact_sheet.png", "timing.json"])
+def test_files_of_others_beside_no_manifest(
+    name: str, renderer: Any, scene: Path, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(OutputError, match="no render here"):
+        render_stage(scene, tmp_path)
+    assert renderer.requests == []
+    assert (tmp_path / name).read_text() == "mine"

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import atomic
 from openrooms_usd.compose import ComposeSummary, compose_room
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.diagnostics import composition_errors
@@ -118,6 +118,31 @@ def test_a_folder_given_relatively_is_the_same(
         assert [row.state for row in summary.stages] == ["written", "written"]
         assert summary.notes == ()
     assert tree(place / "out") == before
+
+
+def test_a_layer_that_was_changed_by_hand_is_not_written_anew(place: Path) -> None:
+    compose(place)
+    layer = place / "out" / "layers" / "layout.usda"
+    changed = f"{layer.read_text()}# mine\n"
+    layer.write_text(changed)
+    assert states(compose(place)) == ["unchanged", "written"]
+    (place / "input.txt").write_text("three")
+    with pytest.raises(StageError, match="was changed since compose wrote it"):
+        compose(place)
+    assert layer.read_text() == changed
+    layer.unlink()
+    assert states(compose(place)) == ["written", "written"]
+
+
+def test_nothing_is_written_through_a_link(place: Path) -> None:
+    compose(place)
+    (place / "out" / "layers").rename(place / "elsewhere")
+    (place / "out" / "layers").symlink_to(place / "elsewhere")
+    before = tree(place / "elsewhere")
+    (place / "input.txt").write_text("three")
+    with pytest.raises(StageError, match="this is a link"):
+        compose(place)
+    assert tree(place / "elsewhere") == before
 
 
 def test_a_missing_file_of_a_layer_is_made_again(place: Path) -> None:
