@@ -13,7 +13,7 @@ from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayo
 from openrooms_usd.description.room import Room
 from openrooms_usd.edits.foreign import refuse_foreign
 from openrooms_usd.edits.orphans import Orphan, orphans_of
-from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.errors import InputError, OutputError, StageError, printable
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.draft import Draft, drafting
 from openrooms_usd.stages.reports import gather
@@ -104,6 +104,12 @@ def compose_room(
     """
     room = _explicit(load_room(description))
     chosen = _chosen(only)
+    if printable(out.absolute(), lines=False) != str(out.absolute()):
+        raise OutputError(
+            "USD cannot read from a folder whose name holds control characters",
+            place=out.absolute(),
+            remedy="choose another output folder",
+        )
     with claims.claimed(out):
         refuse_foreign(out / names.SCENE)
         with drafting(out) as draft:

@@ -16,6 +16,7 @@ from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
+from openrooms_usd.untrusted import check_path, kind_of
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -98,11 +99,12 @@ def input_file(source: Path, relative: str, *, folders: bool = False) -> Path:
         InputError: It does not exist, or cannot be looked at.
     """
     path = source / relative
+    check_path(path)
     with _reading(path):
-        there = path.is_file() or (folders and path.is_dir())
-    if not there:
+        what = kind_of(path)
+    if what != "a file" and not (folders and what == "a folder"):
         raise InputError(
-            "no such file",
+            f"this is {what}, not a file" if what else "no such file",
             place=path,
             remedy="paths in a description are relative to the folder that it lies in",
         )

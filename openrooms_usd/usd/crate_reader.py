@@ -1,7 +1,7 @@
 """Reads crates that nobody vouches for, in a process that may crash (see `isolation`).
 
-Crates are maps of memory: a few wrong bytes end USD's reader. What this program wrote itself, by
-the ledger of the folder, needs no second reader.
+Crates are maps of memory: a few wrong bytes end USD's reader. What this very process has written
+needs no second reader.
 """
 
 from collections.abc import Iterator

@@ -20,7 +20,8 @@ _NO_PRIM: Final = "Accessed "
 
 # Where in memory something lies, names of rules in USD's own grammar, and of its source files.
 _NOISE: Final = re.compile(
-    r"\s*\([^()]*\b0x[^()]*\)"
+    r" pxrInternal\w*pegtl::.*?(?= at '|\Z)"
+    r"|\s*\([^()]*\b0x[^()]*\)"
     r"|(?: (?:of|in|from|on) layer )?@anon:[^@]*@"
     r"| matching pxrInternal\S+"
     r"|\s*\bpxrInternal_\w+?__pxrReserved__::"

@@ -50,7 +50,7 @@ def open_stage(path: Path) -> Usd.Stage:
             "not a whole USDZ archive", place=path, remedy="copy it again, or export it again"
         )
     # USD caches layers by name as long as somebody holds them: they are read once.
-    held = preflight.check_stage_file(path)
+    held = preflight.check_stage_file(path, is_whole=True)
     with reading(path):
         stage = Usd.Stage.Open(str(path))
         # What was missing when a stage of before was composed may be there now.

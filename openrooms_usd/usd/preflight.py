@@ -104,13 +104,15 @@ def check_file(path: Path) -> None:
     check_text(untrusted.read_bytes(path, "usd"), path)
 
 
-def check_stage_file(path: Path) -> tuple[Sdf.Layer, ...]:
+def check_stage_file(path: Path, *, is_whole: bool = False) -> tuple[Sdf.Layer, ...]:
     """Look through a USD file and all layers that it is composed of, before it is composed.
 
     What was looked through and has not changed since is not read again.
 
     Args:
         path: Any USD file.
+        is_whole: Whether its sublayers, and theirs, must be readable where they are there. USD
+            passes over those that are not, and what they say would be gone.
 
     Returns:
         The layers. As long as somebody holds them, USD reads none of them again.
@@ -123,12 +125,18 @@ def check_stage_file(path: Path) -> tuple[Sdf.Layer, ...]:
     root = str(path.absolute())
     waiting, seen, layers = [root], {root}, []
     variables: dict[str, object] | None = None
+    stack = {root} if is_whole else set()
     while waiting:
         name = waiting.pop()
         layer = _opened(name)
         if layer is None:
+            if name in stack:
+                with reading(name):
+                    Sdf.Layer.FindOrOpen(name)
             continue
         layers.append(layer)
+        if name in stack:
+            stack.update(_sublayers(layer))
         if variables is None:
             with reading(name):
                 variables = dict(layer.expressionVariables)
@@ -137,6 +145,14 @@ def check_stage_file(path: Path) -> tuple[Sdf.Layer, ...]:
                 seen.add(other)
                 waiting.append(other)
     return tuple(layers)
+
+
+def _sublayers(layer: Sdf.Layer) -> Iterator[str]:
+    with reading(layer.identifier):
+        for path in layer.subLayerPaths:
+            if path and "\0" not in path:
+                whole = Sdf.ComputeAssetPathRelativeToLayer(layer, path)
+                yield str(Ar.GetResolver().Resolve(whole))
 
 
 def _opened(name: str) -> Sdf.Layer | None:
