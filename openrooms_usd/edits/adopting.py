@@ -11,7 +11,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import claims, names, untrusted
 from openrooms_usd.edits.flattened import Differences
-from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers
+from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers, real_path
 from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_sublayers
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import runner
@@ -156,7 +156,7 @@ def _is_flattened(layer: Sdf.Layer, base: Usd.Stage, out: Path, source: Path) ->
         StageError: It does neither, nor does it speak of this room's prims.
     """
     ours = {str(path) for path in own_layers(out)}
-    if any(os.path.realpath(anchored(layer, path)) in ours for path in layer.subLayerPaths):
+    if any(real_path(anchored(layer, path)) in ours for path in layer.subLayerPaths):
         return False
     if layer.rootPrims and not any(base.GetPrimAtPath(spec.path) for spec in layer.rootPrims):
         raise StageError(
@@ -227,5 +227,5 @@ def _outside(paths: dict[str, None], out: Path) -> Iterator[str]:
     for path in sorted(paths):
         if not Path(path).exists():
             yield f"{path} is missing"
-        elif not os.path.realpath(path).startswith(home):
+        elif not real_path(path).startswith(home):
             yield f"{path} lies outside the room's folder: copy it there to move them together"

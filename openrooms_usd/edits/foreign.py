@@ -58,10 +58,14 @@ def foreign_to(layer: Sdf.Layer, out: Path) -> Foreign:
     sublayers = (anchored(layer, path) for path in layer.subLayerPaths)
     return Foreign(
         tuple(_leaves(layer)),
-        # A name with a NUL leads nowhere.
-        tuple(path for path in sublayers if "\0" in path or os.path.realpath(path) not in ours),
+        tuple(path for path in sublayers if real_path(path) not in ours),
         tuple(_metadata(layer)),
     )
+
+
+def real_path(path: str) -> str:
+    """Where a path leads, all links followed; empty for a name that no file can have."""
+    return "" if "\0" in path else os.path.realpath(path)
 
 
 def _leaves(layer: Sdf.Layer) -> Iterator[str]:
