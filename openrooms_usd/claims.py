@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 from openrooms_usd import atomic, ledger, removal, unfinished, untrusted
 from openrooms_usd.errors import InputError, OutputError, writing
+from openrooms_usd.names import LAYERS
 
 if TYPE_CHECKING:
     from filelock import BaseFileLock
@@ -79,14 +80,11 @@ def locked(folder: Path) -> Iterator[bool]:
 
 
 def _to_sweep(folder: Path) -> Iterator[Path]:
-    """A folder and those in it, but no link, and none that a process has to itself."""
-    for name, inner, _ in os.walk(folder):
-        yield Path(name)
-        inner[:] = [
-            each
-            for each in inner
-            if not (Path(name) / each / FILE).exists() and not (Path(name) / each).is_symlink()
-        ]
+    """A folder, and all folders of a room's layers in it: nowhere else is written in place."""
+    yield folder
+    layers = folder / LAYERS
+    if not layers.is_symlink():
+        yield from (Path(name) for name, _, _ in os.walk(layers))
 
 
 @contextmanager

@@ -76,9 +76,9 @@ def test_nothing_stays_of_a_claim(tmp_path: Path) -> None:
 
 def test_a_killed_process_leaves_nothing_for_long(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    write = "atomic.write_text(out / 'inner' / 'a.txt', 'a')\n    "
+    write = "atomic.write_text(out / 'layers' / 'a.txt', 'a')\n    "
     begun = (
-        "one = atomic.replacing(out / 'inner' / 'b.txt'); one.__enter__().write_text('b')\n    "
+        "one = atomic.replacing(out / 'layers' / 'b.txt'); one.__enter__().write_text('b')\n    "
         "two = atomic.filling(out); (two.__enter__() / 'c.txt').write_text('c')"
     )
     process = start(out, write + begun)
@@ -87,10 +87,14 @@ def test_a_killed_process_leaves_nothing_for_long(tmp_path: Path) -> None:
     assert process.stdout
     process.stdout.close()
     assert sum(unfinished.is_unfinished(path) for path in out.rglob("*")) == 3
+    photos = out / "photos" / f".thesis.orusd-{GONE}-1f-0"
+    photos.mkdir(parents=True)
     with claims.claimed(out) as kept:
         files = {path.relative_to(out).as_posix() for path in out.rglob("*")}
-        assert files == {".orusd.lock", ".orusd.sha256", "inner", "inner/a.txt"}
-        assert kept.is_own(out / "inner" / "a.txt")
+        mine = {path.relative_to(out).as_posix() for path in (photos.parent, photos)}
+        assert files - mine == {".orusd.lock", ".orusd.sha256", "layers", "layers/a.txt"}
+        assert photos.is_dir()
+        assert kept.is_own(out / "layers" / "a.txt")
 
 
 def test_the_folder_that_made_room_is_put_back(tmp_path: Path) -> None:
