@@ -251,7 +251,7 @@ def test_an_input_that_cannot_be_read_is_named(
         raise PermissionError(13, "Permission denied")
 
     with monkeypatch.context() as patched:
-        patched.setattr(Path, "is_file", refuse)
+        patched.setattr(Path, "stat", refuse)
         with pytest.raises(InputError, match="cannot read: Permission denied"):
             base.input_file(place, "input.txt")
     # A superuser may read everything, so the system is made to refuse.
