@@ -148,11 +148,11 @@ def filling(folder: Path) -> Iterator[Path]:
 def appearing(target: Path) -> Iterator[Path]:
     """Give an empty folder beside ``target`` to fill, which then becomes ``target``.
 
+    One that has the name gives way, provided that all in it was written here (see `check_own`).
     When the block raises, what was written is removed.
 
     Args:
-        target: The folder that shall appear; its parent is made when it is missing. Where one is
-            there at the end, see `swap`.
+        target: The folder that shall appear; its parent is made when it is missing.
 
     Yields:
         The folder to write to.

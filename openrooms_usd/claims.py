@@ -26,8 +26,8 @@ FILE: Final = ".orusd.lock"
 _LONGEST_HOLDER: Final = 120  # characters
 # What stands in a lock file; nothing where its process was killed before it said who it is.
 _HOLDER: Final = re.compile(r"(?:process \d+ \(|\Z)")
-# What this process holds: the folder and the thread, with the number of nested claims.
-_HELD: Final[dict[tuple[Path, int], int]] = {}
+# What this process holds: folders, each with the thread that claimed it.
+_HELD: Final[set[tuple[Path, int]]] = set()
 
 
 @contextmanager
@@ -63,20 +63,16 @@ def locked(folder: Path) -> Iterator[bool]:
     """
     key = (folder.absolute(), threading.get_ident())
     if key in _HELD:
-        _HELD[key] += 1
-        try:
-            yield False
-        finally:
-            _HELD[key] -= 1
+        yield False
         return
     with atomic.making(folder), _exclusively(folder) as was_killed:
-        _HELD[key] = 1
+        _HELD.add(key)
         try:
             for inner in _to_sweep(folder) if was_killed else [folder]:
                 unfinished.sweep(inner)
             yield was_killed
         finally:
-            del _HELD[key]
+            _HELD.remove(key)
 
 
 def _to_sweep(folder: Path) -> Iterator[Path]:

@@ -100,7 +100,7 @@ class _Reader:
         self._owner = 0
 
     def ask(self, name: str, seconds: float) -> str | None:
-        """What became of a crate: ``read``, or what went wrong; None where nothing was tried."""
+        """What became of a file: ``read``, or what went wrong; None where nothing was tried."""
         if not self._is_there():
             self._start()
         process = self._process

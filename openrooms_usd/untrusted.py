@@ -123,11 +123,12 @@ def read_bytes(path: Path, kind: Kind, *, remedy: str = "check the path") -> byt
     with opened(path, kind, remedy=remedy) as stream:
         data = stream.read(os.fstat(stream.fileno()).st_size)
         # Some files say that they are empty, and have no end.
-        pieces = [data]
+        pieces, size = [data], len(data)
         while piece := stream.read(_MIB):
             pieces.append(piece)
-            if sum(map(len, pieces)) > MOST_BYTES[kind]:
-                raise _too_large(path, kind, sum(map(len, pieces)))
+            size += len(piece)
+            if size > MOST_BYTES[kind]:
+                raise _too_large(path, kind, size)
     return data if len(pieces) == 1 else b"".join(pieces)
 
 
