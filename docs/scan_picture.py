@@ -15,8 +15,8 @@ import OpenImageIO
 from numpy.typing import NDArray
 from pxr import Usd
 
-from benchmarks.scan_rooms import generated
-from benchmarks.scanner import Scan, Scanner, simulate
+from benchmarks.scan.rooms import generated
+from benchmarks.scan.scanner import Scan, Scanner, simulate
 from benchmarks.scenes import orusd
 from openrooms_usd.usd.cameras import PinholeCamera, read_camera
 

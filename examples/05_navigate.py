@@ -18,7 +18,7 @@ from openrooms_usd.simulation.eyes import RGB, SEEN, Eyes, robot_camera
 from openrooms_usd.simulation.floors import mean_friction, with_friction
 from openrooms_usd.simulation.robots import rover, with_robot
 from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 ACTIONS = (Action(forward=1.3), Action(left=1.9, forward=0.7), Action(right=0.8, backward=0.3))
 

@@ -14,7 +14,7 @@ from openrooms_usd.simulation.eyes import RGB, Eyes, robot_camera
 from openrooms_usd.simulation.pushing import cabinet
 from openrooms_usd.simulation.robots import rover, with_robot
 from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 ROOM = """\
 room: living_room

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.untrusted import check_path
 
 Confidence = Literal["low", "medium", "high"]

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.thinning import clean
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.thinning import clean
+from orusd_scans.formats.laser import read_e57, read_las
+from orusd_scans.formats.meshfile import read_mesh
+from orusd_scans.formats.pcd import read_pcd
+from orusd_scans.formats.ply import read_ply
+from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.frames import in_world, read_frames
-from orusd_scans.laser import read_e57, read_las
-from orusd_scans.meshfile import read_mesh
-from orusd_scans.pcd import read_pcd
-from orusd_scans.ply import read_ply
-from orusd_scans.pointtext import read_npz, read_text
 from orusd_scans.scanned import Scanned
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.worldframe import Z_UP, WorldFrame

@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel, Packed
 from openrooms_usd.errors import InputError
-from orusd_scans.fields import text
+from orusd_scans.formats.fields import text
+from orusd_scans.formats.jsonfile import Node, read_json
 from orusd_scans.frames import as_text, in_world
-from orusd_scans.jsonfile import Node, read_json
 from orusd_scans.plan import DrawnPlan, floor_in, frame_along, openings_in, read_plan
-from orusd_scans.scannet_frames import read_scannet_frames
+from orusd_scans.scannet.frames import read_scannet_frames
 from orusd_scans.synsets import CATEGORIES, UNKNOWN
 from orusd_scans.worldframe import FARTHEST, WorldFrame
 

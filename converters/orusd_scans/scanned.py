@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.points.cloud import Cloud
 from orusd_scans.plan import Up
 
 Array = NDArray[np.float64]

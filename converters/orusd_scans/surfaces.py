@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.points.cloud import Cloud
 
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]

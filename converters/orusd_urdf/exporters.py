@@ -44,7 +44,7 @@ class UrdfExporter:
             OutputError: The destination cannot be written.
         """
         _check(options, {"friction": _FRICTION, "package": _PACKAGE}, "URDF")
-        from openrooms_usd.usd.rigid import read_world
+        from openrooms_usd.usd.rigid.reading import read_world
         from orusd_urdf.looks import read_looks
         from orusd_urdf.reports import export_report
         from orusd_urdf.urdf import write_urdf
@@ -77,7 +77,7 @@ class MjcfExporter:
             OutputError: The destination cannot be written.
         """
         _check(options, {"friction": _FRICTION, "pairs": _PAIRS}, "MJCF")
-        from openrooms_usd.usd.rigid import read_world
+        from openrooms_usd.usd.rigid.reading import read_world
         from orusd_urdf.looks import read_looks
         from orusd_urdf.mjcf import write_mjcf
         from orusd_urdf.reports import export_report
@@ -107,7 +107,7 @@ class UsdPhysicsExporter:
             OutputError: The destination cannot be written.
         """
         _check(options, {"roots": _FLAG}, "UsdPhysics")
-        from openrooms_usd.usd.rigid import read_world
+        from openrooms_usd.usd.rigid.reading import read_world
         from orusd_urdf.reports import export_report
         from orusd_urdf.usdphysics import write_usdphysics
 

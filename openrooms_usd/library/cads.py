@@ -14,8 +14,8 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.assets import Model
 from openrooms_usd.library.furniture import category, make
 from openrooms_usd.library.meshfile import read_model
-from openrooms_usd.scan.modelfiles import INDEX, CadFile, cad_files
-from openrooms_usd.scan.models import Symmetry
+from openrooms_usd.scan.models.cad import Symmetry
+from openrooms_usd.scan.models.folder import INDEX, CadFile, cad_files
 
 Up = Literal["Y", "Z"]
 Front = Literal["+X", "-X", "+Y", "-Y"]
@@ -76,8 +76,8 @@ def folder_cads(folder: Path) -> list[Cad]:
     """The meshes of a folder and of those below it, with what its ``index.json`` says of them.
 
     Args:
-        folder: Holds meshes; see `openrooms_usd.scan.modelfiles.cad_files`. The index may also say
-            where a CAD's ``front`` looks once its vertical is turned to Z.
+        folder: Holds meshes; see `openrooms_usd.scan.models.folder.cad_files`. The index may also
+            say where a CAD's ``front`` looks once its vertical is turned to Z.
 
     Raises:
         InputError: It is no folder, has no mesh, or its index is broken.

@@ -11,16 +11,16 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.alignment import Rejected, align
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.hints import Hint
-from openrooms_usd.scan.layout import LayoutOptions, LayoutRoom, find_layout
-from openrooms_usd.scan.levelling import Level, level
-from openrooms_usd.scan.models import CadModel
-from openrooms_usd.scan.openings import find_openings
-from openrooms_usd.scan.placement import Unresolved, moved_by, place
+from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.openings.detection import find_openings
+from openrooms_usd.scan.placement.correcting import Unresolved, moved_by, place
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.thinning import thin
+from openrooms_usd.scan.registration.alignment import Rejected, align
+from openrooms_usd.scan.registration.hints import Hint
 from openrooms_usd.scan.results import FoundObject, FoundRoom
-from openrooms_usd.scan.thinning import thin
+from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
+from openrooms_usd.scan.rooms.levelling import Level, level
 
 Array = NDArray[np.float64]
 

@@ -112,7 +112,7 @@ def settle(
         OutputError: The layer cannot be written.
     """
     from openrooms_usd.simulation.settledlayer import choose_look, settling
-    from openrooms_usd.usd.rigid import read_world
+    from openrooms_usd.usd.rigid.reading import read_world
     from openrooms_usd.usd.settled import author_motions
 
     _check(seconds, timestep)

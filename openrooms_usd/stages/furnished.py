@@ -17,10 +17,10 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.library.cads import Cad, folder_cads, furniture_cads, merged
 from openrooms_usd.library.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
-from openrooms_usd.scan.hints import Box, Hint
-from openrooms_usd.scan.models import CadModel, Up
-from openrooms_usd.scan.placement import correction, moved_by
+from openrooms_usd.scan.models.cad import CadModel, Up
+from openrooms_usd.scan.placement.correcting import correction, moved_by
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
+from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import FoundObject, Pose
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.catalogue import Catalogue

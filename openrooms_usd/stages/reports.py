@@ -47,7 +47,7 @@ def keep_overlay(
     Raises:
         OutputError: It cannot be written.
     """
-    from openrooms_usd.scan.overlay import write_overlay
+    from openrooms_usd.scan.report.overlay import write_overlay
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / OVERLAY

@@ -12,10 +12,10 @@ from scipy.spatial.transform import Rotation
 from openrooms_usd.capture import Capture, CapturedFrame, CapturedOpening, Confidence, read_capture
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.hints import Box, Hint
-from openrooms_usd.scan.layout import LayoutOptions
 from openrooms_usd.scan.reconstruction import USUAL_HEIGHT, FoundLayout, find_rooms
+from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
+from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_path
 from openrooms_usd.stages.substitutes import substitute

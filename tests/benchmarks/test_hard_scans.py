@@ -10,7 +10,7 @@ pytest.importorskip("embreex")
 
 
 def test_every_hard_case_that_is_asked_for_is_there():
-    from benchmarks.hard_scans import CASES
+    from benchmarks.scan.hard_scans import CASES
 
     text = " ".join(CASES)
     for word in (
@@ -26,7 +26,7 @@ def small():
     """The usual scan of hard cases, made once with few rays."""
     from dataclasses import replace
 
-    from benchmarks import hard_rooms, hard_scans
+    from benchmarks.scan import hard_rooms, hard_scans
 
     usual, hard_rooms.QUICK = hard_rooms.QUICK, replace(hard_rooms.QUICK, frames=8, reduce=10)
     hard_scans.usual.cache_clear()
@@ -65,8 +65,8 @@ def test_outliers_labels_and_tilt_are_as_large_as_they_say(small):
 
 
 def test_holes_of_built_rooms_are_holes_and_objects_stand_where_they_should():
-    from benchmarks.hard_rooms import DOOR, LIVING, WINDOW, rectangle
-    from benchmarks.scan_built import built
+    from benchmarks.scan.built import built
+    from benchmarks.scan.hard_rooms import DOOR, LIVING, WINDOW, rectangle
     from openrooms_usd.geometry.raycast import RayCaster
 
     room = built(rectangle(5, 4), holes=(DOOR, WINDOW), things=LIVING)
@@ -91,8 +91,8 @@ def posed(points, pose):
 @pytest.fixture(scope="module")
 def sofa():
     """A model, its true pose, and points on it."""
-    from benchmarks.scan_built import CADS
-    from benchmarks.scan_pose_baselines import samples
+    from benchmarks.scan.built import CADS
+    from benchmarks.scan.pose_baselines import samples
 
     turn = Rotation.from_euler("z", 40, degrees=True).as_quat(scalar_first=True)
     pose = Pose(np.array([1.0, 2.0, 0.0]), turn, np.ones(3))
@@ -100,8 +100,8 @@ def sofa():
 
 
 def test_fits_from_a_near_start_find_a_fully_seen_object(sofa):
-    from benchmarks.scan_pose_baselines import icp, seven_degrees
-    from benchmarks.scan_pose_scores import TIGHT, pose_error
+    from benchmarks.scan.pose_baselines import icp, seven_degrees
+    from benchmarks.scan.pose_scores import TIGHT, pose_error
 
     cad, true, points = sofa
     turn = Rotation.from_euler("z", 44, degrees=True).as_quat(scalar_first=True)
@@ -115,9 +115,9 @@ def test_fits_from_a_near_start_find_a_fully_seen_object(sofa):
 
 @pytest.mark.parametrize("quarter", [0, 1, 2, 3])
 def test_the_grid_finds_the_heading_in_the_right_box(sofa, quarter):
-    from benchmarks.scan_pose_baselines import grid_in_box
-    from benchmarks.scan_pose_scores import SCAN2CAD, pose_error
-    from openrooms_usd.scan.starts import Box
+    from benchmarks.scan.pose_baselines import grid_in_box
+    from benchmarks.scan.pose_scores import SCAN2CAD, pose_error
+    from openrooms_usd.scan.registration.hypotheses import Box
 
     cad, true, points = sofa
     size = np.array([1.8, 0.8, 0.85])
@@ -129,9 +129,9 @@ def test_the_grid_finds_the_heading_in_the_right_box(sofa, quarter):
 def test_a_manhattan_room_is_found_by_histograms():
     import trimesh
 
-    from benchmarks.scan_baselines import manhattan
-    from benchmarks.scan_scores import iou
-    from openrooms_usd.scan.cloud import Cloud
+    from benchmarks.scan.baselines import manhattan
+    from benchmarks.scan.scores import iou
+    from openrooms_usd.scan.points.cloud import Cloud
 
     shell = trimesh.creation.box(bounds=[(0, 0, 0), (5, 4, 2.5)])
     points, faces = trimesh.sample.sample_surface(shell, 60_000, seed=1)
@@ -144,9 +144,9 @@ def test_a_manhattan_room_is_found_by_histograms():
 
 
 def test_rough_hints_have_the_noise_that_they_say():
-    from benchmarks.hard_rooms import LIVING, rectangle
-    from benchmarks.scan_built import built
-    from benchmarks.scan_hints import rough, stretched
+    from benchmarks.scan.built import built
+    from benchmarks.scan.hard_rooms import LIVING, rectangle
+    from benchmarks.scan.hints import rough, stretched
 
     truth = stretched(built(rectangle(5, 4), things=LIVING).truth, 3)
     shifts, turns, scales = [], [], []
@@ -166,6 +166,6 @@ def test_rough_hints_have_the_noise_that_they_say():
 
 
 def test_development_and_test_seeds_are_apart():
-    from benchmarks.scan_cases import rooms_of
+    from benchmarks.scan.cases import rooms_of
 
     assert not set(rooms_of("development", False)) & set(rooms_of("test", False))

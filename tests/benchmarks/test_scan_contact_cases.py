@@ -7,10 +7,10 @@ import pytest
 pytest.importorskip("fcl")
 pytest.importorskip("embreex")
 
-from benchmarks import scan_contact_cases
-from benchmarks.scan_built import built
-from benchmarks.scan_contact_cases import CONTACT_CASES, OUTLINE, contact_cases
-from benchmarks.scan_contacts import contacts
+from benchmarks.scan import contact_cases as scan_contact_cases
+from benchmarks.scan.built import built
+from benchmarks.scan.contact_cases import CONTACT_CASES, OUTLINE, contact_cases
+from benchmarks.scan.contacts import contacts
 
 
 @pytest.mark.parametrize("name", CONTACT_CASES)

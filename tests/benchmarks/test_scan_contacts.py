@@ -24,7 +24,7 @@ def cads():
     """A box of half a metre on its foot, and a table of a top and four legs."""
     import trimesh
 
-    from benchmarks.scan_truth import Cad
+    from benchmarks.scan.truth import Cad
 
     def box(low, high):
         return trimesh.creation.box(bounds=[low, high])
@@ -41,7 +41,7 @@ def cads():
 
 
 def measured(cads, *things, true=()):
-    from benchmarks.scan_contacts import contacts
+    from benchmarks.scan.contacts import contacts
 
     return contacts(things, cads, [ROOM], true)
 

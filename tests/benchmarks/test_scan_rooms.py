@@ -9,7 +9,7 @@ pytest.importorskip("embreex")
 
 @pytest.fixture(scope="module")
 def read(composed_demo):
-    from benchmarks.scan_rooms import read_room
+    from benchmarks.scan.rooms import read_room
 
     scene = composed_demo if composed_demo.is_file() else composed_demo / "scene.usda"
     return Usd.Stage.Open(str(scene)), read_room(scene)
@@ -76,7 +76,7 @@ def test_openings_are_holes_in_their_walls_counter_clockwise_from_inside(read):
 
 
 def test_objects_are_their_cads_in_their_poses(read):
-    from benchmarks.scan_truth import moved, pose_matrix
+    from benchmarks.scan.truth import moved, pose_matrix
 
     stage, room = read
     assert len(room.truth.objects) == len(stage.GetPrimAtPath("/World/Furniture").GetChildren())
@@ -94,7 +94,7 @@ def test_objects_are_their_cads_in_their_poses(read):
 def test_corridors_lie_outside_and_close_the_view(read):
     import shapely
 
-    from benchmarks.scan_corridors import corridor_plan, with_corridors
+    from benchmarks.scan.corridors import corridor_plan, with_corridors
 
     _, room = read
     layout = room.truth.rooms[0]
@@ -112,7 +112,7 @@ def test_corridors_lie_outside_and_close_the_view(read):
 def test_symmetries_of_simple_shapes():
     import trimesh
 
-    from benchmarks.scan_symmetry import symmetry_of
+    from benchmarks.scan.symmetry import symmetry_of
 
     shapes = {
         "inf": trimesh.creation.cylinder(0.3, 0.8, sections=96),

@@ -24,7 +24,7 @@ def room(corners=SQUARE, **values):
 
 
 def test_what_is_true_scores_full():
-    from benchmarks.scan_scores import Counts, score_room
+    from benchmarks.scan.scores import Counts, score_room
 
     true = room(ceiling=2.5, openings=(opening(), opening(2.5, kind="window", low=1)))
     score = score_room(true, true)
@@ -35,8 +35,8 @@ def test_what_is_true_scores_full():
 
 
 def test_a_rigid_motion_of_both_changes_no_score():
-    from benchmarks.scan_scores import score_room
-    from benchmarks.scan_truth import Truth
+    from benchmarks.scan.scores import score_room
+    from benchmarks.scan.truth import Truth
 
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_euler("xyz", [8, -5, 33], degrees=True).as_matrix()
@@ -55,7 +55,7 @@ def test_a_rigid_motion_of_both_changes_no_score():
 
 
 def test_room_iou_of_overlapping_rectangles():
-    from benchmarks.scan_scores import iou
+    from benchmarks.scan.scores import iou
 
     a = np.array([[0, 0], [4, 0], [4, 3], [0, 3.0]])
     assert iou(a, a + np.array([1, 0])) == pytest.approx(9 / 15)
@@ -64,7 +64,7 @@ def test_room_iou_of_overlapping_rectangles():
 
 
 def test_corners_count_once_and_edges_need_both_of_theirs():
-    from benchmarks.scan_scores import Counts, corner_counts
+    from benchmarks.scan.scores import Counts, corner_counts
 
     true = SQUARE[:, :2]
     moved = true.copy()
@@ -84,7 +84,7 @@ def test_corners_count_once_and_edges_need_both_of_theirs():
 
 
 def test_floor_error_is_an_angle_and_a_distance_at_the_middle():
-    from benchmarks.scan_scores import floor_error
+    from benchmarks.scan.scores import floor_error
 
     tilt = np.radians(1.0)
     found = replace(room(), normal=np.array([np.sin(tilt), 0, np.cos(tilt)]))
@@ -107,7 +107,7 @@ def test_floor_error_is_an_angle_and_a_distance_at_the_middle():
     ],
 )
 def test_openings_count_from_half_an_iou_on_their_wall(found, hits):
-    from benchmarks.scan_scores import opening_counts
+    from benchmarks.scan.scores import opening_counts
 
     assert opening_counts([found], [opening()]).hits == hits
     assert opening_counts([found, found], [opening()]).hits == hits
@@ -123,13 +123,13 @@ def pose(degrees=0.0, scale=(1, 1, 1), at=(0, 0, 0)):
     [("none", 170, 170), ("2", 170, 10), ("4", 80, 10), ("inf", 123, 0), ("4", 45, 45)],
 )
 def test_rotations_count_up_to_the_symmetry(symmetry, turn, error):
-    from benchmarks.scan_pose_scores import pose_error
+    from benchmarks.scan.pose_scores import pose_error
 
     assert pose_error(pose(turn), pose(), symmetry).degrees == pytest.approx(error, abs=1e-6)
 
 
 def test_scales_follow_the_axes_through_a_quarter_turn():
-    from benchmarks.scan_pose_scores import pose_error
+    from benchmarks.scan.pose_scores import pose_error
 
     turned = pose_error(pose(90, (2, 1, 1)), pose(0, (1, 2, 1)), "4")
     assert turned.axis_scale == pytest.approx(0)
@@ -138,7 +138,7 @@ def test_scales_follow_the_axes_through_a_quarter_turn():
 
 
 def test_errors_of_scale_cancel_by_the_rule_of_scan2cad_but_not_by_the_tight_one():
-    from benchmarks.scan_pose_scores import SCAN2CAD, TIGHT, pose_error
+    from benchmarks.scan.pose_scores import SCAN2CAD, TIGHT, pose_error
 
     error = pose_error(pose(scale=(1.3, 0.7, 1.0)), pose(), "none")
     assert error.within(SCAN2CAD) and not error.within(TIGHT)
@@ -148,7 +148,7 @@ def test_errors_of_scale_cancel_by_the_rule_of_scan2cad_but_not_by_the_tight_one
 
 
 def test_objects_that_were_not_found_or_of_another_cad_fail():
-    from benchmarks.scan_pose_scores import pose_summary, score_objects
+    from benchmarks.scan.pose_scores import pose_summary, score_objects
 
     def item(number, cad="a", at=(0, 0, 0), placed=None):
         return FoundObject(number, "chair", cad, pose(at=at), 0, 1, placed=placed)

@@ -16,8 +16,8 @@ def room():
     """A box of 4 x 3 x 2.5 m with a cube (instance 1) in it and a mirror and a pane on walls."""
     import trimesh
 
-    from benchmarks.scan_rooms import GLASS, MIRROR, Part, SimulatedRoom
-    from benchmarks.scan_truth import Truth
+    from benchmarks.scan.rooms import GLASS, MIRROR, Part, SimulatedRoom
+    from benchmarks.scan.truth import Truth
     from openrooms_usd.scan.results import FoundRoom
 
     def box(low, high):
@@ -61,7 +61,7 @@ def without_mirrors(room):
 
 
 def test_without_errors_every_point_lies_on_the_room(room):
-    from benchmarks.scanner import Scanner, simulate
+    from benchmarks.scan.scanner import Scanner, simulate
 
     cloud = simulate(without_mirrors(room), 1, Scanner(**PERFECT)).cloud
     away = distance_to_surface(room, cloud.points[::20])
@@ -72,7 +72,7 @@ def test_without_errors_every_point_lies_on_the_room(room):
 
 
 def test_labels_and_normals_without_errors_are_those_of_the_room(room):
-    from benchmarks.scanner import Scanner, simulate
+    from benchmarks.scan.scanner import Scanner, simulate
 
     cloud = simulate(without_mirrors(room), 1, Scanner(**PERFECT)).cloud
     floor = (cloud.points[:, 2] < 0.001) & (np.abs(cloud.points[:, :2] - (1.8, 1.3)).max(1) > 0.5)
@@ -87,7 +87,7 @@ def test_labels_and_normals_without_errors_are_those_of_the_room(room):
 
 
 def test_depth_noise_follows_the_formula():
-    from benchmarks.scan_depth import noisy
+    from benchmarks.scan.depth import noisy
 
     for z in (0.8, 2.0, 4.5):
         depth = noisy(np.full(200_000, z), 1.0, np.random.default_rng(1))
@@ -101,7 +101,7 @@ def test_depth_noise_follows_the_formula():
 
 
 def test_glass_gives_hardly_any_return_and_a_mirror_the_room_in_it(room):
-    from benchmarks.scan_depth import GLINT, Scanner, returns, take
+    from benchmarks.scan.depth import GLINT, Scanner, returns, take
     from openrooms_usd.geometry.pinhole import look_at
     from openrooms_usd.geometry.raycast import RayCaster
 
@@ -122,7 +122,7 @@ def test_glass_gives_hardly_any_return_and_a_mirror_the_room_in_it(room):
 
 @pytest.mark.parametrize("blind", [0.01, 0.1])
 def test_missing_walls_and_ceilings_are_not_seen(room, blind):
-    from benchmarks.scanner import Scanner, simulate
+    from benchmarks.scan.scanner import Scanner, simulate
 
     how = Scanner(missing_walls=1, blind=blind, ceiling=False, **PERFECT)
     scan = simulate(room, 3, how)
@@ -140,7 +140,7 @@ def test_missing_walls_and_ceilings_are_not_seen(room, blind):
 
 @pytest.mark.parametrize("wrong", [0.05, 0.10])
 def test_as_many_labels_are_wrong_as_asked_for(room, wrong):
-    from benchmarks.scanner import Scanner, simulate
+    from benchmarks.scan.scanner import Scanner, simulate
 
     how = Scanner(**{**PERFECT, "wrong_labels": wrong})
     bad = simulate(room, 4, how).cloud
@@ -156,7 +156,7 @@ def test_as_many_labels_are_wrong_as_asked_for(room, wrong):
 
 
 def test_drift_is_as_large_as_declared_and_has_no_mean(room):
-    from benchmarks.scanner import Scanner, drifted
+    from benchmarks.scan.scanner import Scanner, drifted
 
     poses = np.broadcast_to(np.eye(4), (60, 4, 4)).copy()
     poses[:, 0, 3] = np.linspace(0, 10, 60)
@@ -174,7 +174,7 @@ def test_drift_is_as_large_as_declared_and_has_no_mean(room):
 
 
 def test_the_camera_is_held_in_free_space(room):
-    from benchmarks.scan_path import walk
+    from benchmarks.scan.path import walk
     from openrooms_usd.geometry.raycast import RayCaster
 
     poses = walk(room, RayCaster(room.points, room.triangles), 50, np.random.default_rng(6))
@@ -185,7 +185,7 @@ def test_the_camera_is_held_in_free_space(room):
 
 
 def test_equal_seeds_give_equal_scans(room):
-    from benchmarks.scanner import Scanner, simulate
+    from benchmarks.scan.scanner import Scanner, simulate
 
     how = Scanner(frames=6, reduce=16, drift=0.05)
     a, b, c = (simulate(room, seed, how, keep_frames=True) for seed in (7, 7, 8))

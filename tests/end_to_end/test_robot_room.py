@@ -10,7 +10,7 @@ from openrooms_usd import adapters
 from openrooms_usd.simulation.eyes import Eyes, robot_camera
 from openrooms_usd.simulation.robots import ALONG, pusher, with_robot
 from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 CHAIR = "chair_0"
 # The widest that a ray and its neighbour lie apart on what the robot sees, metres.

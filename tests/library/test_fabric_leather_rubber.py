@@ -6,14 +6,22 @@ import numpy as np
 import pytest
 
 from openrooms_usd.library.textures import fabric, leather, rubber
-from openrooms_usd.library.textures.family import Family, Order
-from openrooms_usd.library.textures.fibres import fibres
-from openrooms_usd.library.textures.lattice import cells, whole
-from openrooms_usd.library.textures.maps import ALBEDO_RANGE, Maps, normals
-from openrooms_usd.library.textures.moulds import MOULDS
-from openrooms_usd.library.textures.noise import apart
-from openrooms_usd.library.textures.tints import tinted
-from openrooms_usd.library.textures.weave import Thread, pattern, pointed, satin, twill, woven
+from openrooms_usd.library.textures.base.family import Family, Order
+from openrooms_usd.library.textures.base.fibres import fibres
+from openrooms_usd.library.textures.base.lattice import cells, whole
+from openrooms_usd.library.textures.base.maps import ALBEDO_RANGE, Maps, normals
+from openrooms_usd.library.textures.base.noise import apart
+from openrooms_usd.library.textures.base.tints import tinted
+from openrooms_usd.library.textures.fabric.weave import (
+    Thread,
+    pattern,
+    pointed,
+    satin,
+    twill,
+    woven,
+)
+from openrooms_usd.library.textures.fabric.woven import WOVEN
+from openrooms_usd.library.textures.rubber.moulds import MOULDS
 
 FAMILIES: dict[str, Family] = {**fabric.FAMILIES, **leather.FAMILIES, **rubber.FAMILIES}
 
@@ -175,7 +183,7 @@ def test_weaves_are_what_weavers_call_them() -> None:
     assert not (bound & np.roll(bound, (1, -1), (0, 1))).any()
     # Ribs climb by one end a pick; a herringbone's run back after twelve ends.
     assert all(np.array_equal(a, np.roll(b, 1)) for a, b in pairwise(twill(2, 2)))
-    weave = fabric.WOVEN["herringbone"].weave
+    weave = WOVEN["herringbone"].weave
     assert all(np.array_equal(a[:12], np.roll(b[:12], 1)) for a, b in pairwise(weave))
     assert all(np.array_equal(a[12:], np.roll(b[12:], -1)) for a, b in pairwise(weave))
 

@@ -19,7 +19,7 @@ from openrooms_usd.library.assignment.annotations import read_annotation
 from openrooms_usd.library.meshfile import dependencies, read_model
 from openrooms_usd.library.ownmaterials import files_of, read_material
 from openrooms_usd.library.pictures import write_png
-from openrooms_usd.scan.modelfiles import read_models
+from openrooms_usd.scan.models.folder import read_models
 
 ENDINGS = (".obj", ".glb", ".ply", ".usd", ".usda", ".usdc", ".usdz")
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.library.textures import FAMILIES, Order, TextureSet, make
-from openrooms_usd.library.textures.boards import blocks, chevron, herringbone, planks, staves
+from openrooms_usd.library.textures.wood.boards import blocks, chevron, herringbone, planks, staves
 
 NAMES = [name for families in FAMILIES.values() for name in families]
 KINDS = {name: kind for kind, families in FAMILIES.items() for name in families}

@@ -10,8 +10,8 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.library import textures
-from openrooms_usd.library.textures.maps import Maps, encoded, normals, srgb_from_linear
-from openrooms_usd.library.textures.noise import band_noise, smooth_noise
+from openrooms_usd.library.textures.base.maps import Maps, encoded, normals, srgb_from_linear
+from openrooms_usd.library.textures.base.noise import band_noise, smooth_noise
 
 SEVERAL = ("oak_planks", "herringbone_parquet", "roller_matt", "terrazzo", "denim", "rusted_iron")
 

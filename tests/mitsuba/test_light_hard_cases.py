@@ -19,7 +19,7 @@ Passes = NDArray[np.float64]
 def case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lit: Any) -> Any:
     """Gives by name an opened room and the film of its camera."""
     monkeypatch.syspath_prepend(str(ROOT))
-    from benchmarks.hard_light import CASES
+    from benchmarks.light.hard import CASES
     from orusd_mitsuba.light_film import LightFilm
 
     def open_case(name: str) -> tuple[Any, Any]:

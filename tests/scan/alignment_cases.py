@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.models import UPRIGHT, CadModel, Symmetry, Up
+from openrooms_usd.scan.models.cad import UPRIGHT, CadModel, Symmetry, Up
+from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundRoom, Pose
 
 Array = NDArray[np.float64]

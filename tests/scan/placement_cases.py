@@ -7,8 +7,8 @@ import fcl
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.scan.models import CadModel
-from openrooms_usd.scan.placement import Placement
+from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.placement.correcting import Placement
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 
 # Faces of a box whose corner 4 x + 2 y + z is at the ends of its three sides.

@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.points.cloud import Cloud
 
 Array = NDArray[np.float64]
 

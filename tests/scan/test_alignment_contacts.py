@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.alignment import align
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.evidence import Evidence, gathered
-from openrooms_usd.scan.hints import Box, Hint
-from openrooms_usd.scan.shape import shaped
-from openrooms_usd.scan.starts import from_box, plain
-from openrooms_usd.scan.undersides import supports
-from openrooms_usd.scan.wallsides import walls_of
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.registration.alignment import align
+from openrooms_usd.scan.registration.evidence import Evidence, gathered
+from openrooms_usd.scan.registration.hints import Box, Hint
+from openrooms_usd.scan.registration.hypotheses import from_box, plain
+from openrooms_usd.scan.registration.template import shaped
+from openrooms_usd.scan.registration.undersides import supports
+from openrooms_usd.scan.registration.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, EYES, Placed, cad, room, scan
 
 LOW = (((-0.3, -0.2, 0.0), (0.3, 0.2, 0.16)),)

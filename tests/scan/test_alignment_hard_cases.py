@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.scan.alignment import align
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.hints import Box, Hint, moved_pose
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.registration.alignment import align
+from openrooms_usd.scan.registration.hints import Box, Hint, moved_pose
+from openrooms_usd.scan.registration.selection import FEWEST
 from openrooms_usd.scan.results import Pose
-from openrooms_usd.scan.selection import FEWEST
 from tests.scan.alignment_cases import CABINET, CHAIR, EYES, TABLE, Placed, cad, errors, room, scan
 
 

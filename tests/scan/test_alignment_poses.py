@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.scan.alignment import align
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.hints import Box, Hint
-from openrooms_usd.scan.models import UPRIGHT, CadModel
+from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.registration.alignment import align
+from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import Pose
 from tests.scan.alignment_cases import (
     CABINET,

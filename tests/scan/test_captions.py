@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 
-from openrooms_usd.scan.canvas import PAPER, Canvas, beside
-from openrooms_usd.scan.captions import LEGEND, captions, panel
+from openrooms_usd.scan.report.canvas import PAPER, Canvas, beside
+from openrooms_usd.scan.report.captions import LEGEND, captions, panel
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
 
 WINDOW = FoundOpening(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.doorframes import frames
-from openrooms_usd.scan.sightlines import sight_of
-from openrooms_usd.scan.wallgrid import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.openings.doorframes import frames
+from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.points.sightlines import sight_of
 from tests.scan.walled_rooms import CORNERS, DOOR, EYES, HEIGHT, Sheet, casing_of, room
 
 

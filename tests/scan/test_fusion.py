@@ -8,7 +8,7 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import look_at
-from openrooms_usd.scan.fusion import DepthFrame, Fused, FusionOptions, depth_noise, fuse
+from openrooms_usd.scan.points.fusion import DepthFrame, Fused, FusionOptions, depth_noise, fuse
 
 SIZE = np.array([3.0, 2.5, 2.4])
 K = np.array([[150.0, 0, 80], [0, 150.0, 60], [0, 0, 1]])

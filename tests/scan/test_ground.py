@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.levelling import level
-from openrooms_usd.scan.planes import total_least_squares
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.planes import total_least_squares
+from openrooms_usd.scan.rooms.levelling import level
 from tests.scan.scanned_rooms import RoomScan
 
 SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

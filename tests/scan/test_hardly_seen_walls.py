@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.directions import apart, wall_directions
-from openrooms_usd.scan.layout import find_layout
-from openrooms_usd.scan.levelling import level
-from openrooms_usd.scan.outline import outline_of
-from openrooms_usd.scan.refit import refitted
-from openrooms_usd.scan.surfels import surfels
-from openrooms_usd.scan.walls import upright
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.surfels import surfels
+from openrooms_usd.scan.rooms.directions import apart, wall_directions
+from openrooms_usd.scan.rooms.layout import find_layout
+from openrooms_usd.scan.rooms.levelling import level
+from openrooms_usd.scan.rooms.outline import outline_of
+from openrooms_usd.scan.rooms.refit import refitted
+from openrooms_usd.scan.rooms.walls import upright
 from tests.scan.scanned_rooms import RoomScan, corner_error, motion
 
 SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

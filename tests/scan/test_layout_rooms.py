@@ -5,9 +5,9 @@ import pytest
 import shapely
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.layout import LayoutOptions, LayoutRoom, find_layout
-from openrooms_usd.scan.levelling import level
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
+from openrooms_usd.scan.rooms.levelling import level
 from tests.scan.scanned_rooms import RoomScan, corner_error, motion
 
 RECTANGLE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

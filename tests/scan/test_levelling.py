@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.levelling import Level, level
-from openrooms_usd.scan.planes import fit_plane
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.planes import fit_plane
+from openrooms_usd.scan.rooms.levelling import Level, level
 from tests.scan.scanned_rooms import RoomScan, motion
 
 RECTANGLE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

@@ -8,12 +8,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.evidence import Evidence
-from openrooms_usd.scan.hints import Box
-from openrooms_usd.scan.modelfiles import files_of, read_models
-from openrooms_usd.scan.models import UPRIGHT, CadModel
-from openrooms_usd.scan.retrieval import ranked
-from openrooms_usd.scan.symmetry import symmetry_of
+from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
+from openrooms_usd.scan.models.folder import files_of, read_models
+from openrooms_usd.scan.models.symmetry import symmetry_of
+from openrooms_usd.scan.registration.evidence import Evidence
+from openrooms_usd.scan.registration.hints import Box
+from openrooms_usd.scan.registration.retrieval import ranked
 from tests.scan.alignment_cases import CABINET, CHAIR, SOFA, TABLE, Block, cad, mesh
 
 SHARED = Path(__file__).parents[2].parent / "shared" / "data" / "scan2cad_scene0470_00"

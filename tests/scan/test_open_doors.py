@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.doorleaves import open_leaves
-from openrooms_usd.scan.layout import find_layout
-from openrooms_usd.scan.levelling import level
-from openrooms_usd.scan.planmap import PIXEL, at_eye_height, overlooked
-from openrooms_usd.scan.spaces import _markers, _rooms
-from openrooms_usd.scan.surfels import surfels
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.surfels import surfels
+from openrooms_usd.scan.rooms.doorleaves import open_leaves
+from openrooms_usd.scan.rooms.layout import find_layout
+from openrooms_usd.scan.rooms.levelling import level
+from openrooms_usd.scan.rooms.planmap import PIXEL, at_eye_height, overlooked
+from openrooms_usd.scan.rooms.spaces import _markers, _rooms
 from tests.scan.scanned_rooms import DOOR, RoomScan, corner_error
 
 SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

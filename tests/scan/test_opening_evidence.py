@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.openings import find_openings
+from openrooms_usd.scan.openings.detection import find_openings
+from openrooms_usd.scan.openings.wallfaces import faces_of
+from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundOpening
-from openrooms_usd.scan.wallfaces import faces_of
 from tests.scan.walled_rooms import (
     CORNERS,
     CURTAIN,

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.curtains import behind_curtain
-from openrooms_usd.scan.openings import find_openings
-from openrooms_usd.scan.rectangles import Rectangle
+from openrooms_usd.scan.openings.curtains import behind_curtain
+from openrooms_usd.scan.openings.detection import find_openings
+from openrooms_usd.scan.openings.rectangles import Rectangle
+from openrooms_usd.scan.openings.wallfaces import faces_of
+from openrooms_usd.scan.openings.wallholes import ASKED
+from openrooms_usd.scan.openings.walllabels import without_casing
+from openrooms_usd.scan.openings.wallpicture import CELL, wall_grids
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.sightlines import sight_of
 from openrooms_usd.scan.results import FoundOpening
-from openrooms_usd.scan.sightlines import sight_of
-from openrooms_usd.scan.wallfaces import faces_of
-from openrooms_usd.scan.wallgrid import CELL, wall_grids
-from openrooms_usd.scan.wallholes import ASKED
-from openrooms_usd.scan.walllabels import without_casing
 from tests.scan.walled_rooms import (
     CORNERS,
     CURTAIN,

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.costs import Cost
-from openrooms_usd.scan.outline import Outline, outline_of, simplified
-from openrooms_usd.scan.piers import with_piers
-from openrooms_usd.scan.refit import refitted
-from openrooms_usd.scan.spaces import find_spaces
-from openrooms_usd.scan.surfels import surfels
-from openrooms_usd.scan.walls import upright
+from openrooms_usd.scan.points.surfels import surfels
+from openrooms_usd.scan.rooms.costs import Cost
+from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
+from openrooms_usd.scan.rooms.piers import with_piers
+from openrooms_usd.scan.rooms.refit import refitted
+from openrooms_usd.scan.rooms.spaces import find_spaces
+from openrooms_usd.scan.rooms.walls import upright
 from tests.scan.scanned_rooms import RoomScan, corner_error
 
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])

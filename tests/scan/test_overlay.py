@@ -7,10 +7,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.errors import OutputError
-from openrooms_usd.scan.canvas import PAPER, Canvas, png, write_png
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.lettering import lettered
-from openrooms_usd.scan.overlay import _outline, overlay, plan_axes, write_overlay
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.report.canvas import PAPER, Canvas, png, write_png
+from openrooms_usd.scan.report.lettering import lettered
+from openrooms_usd.scan.report.overlay import _outline, overlay, plan_axes, write_overlay
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
 
 ALPHABET = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.bodies import Body, solid, yaw
-from openrooms_usd.scan.chords import Lattice, chords
-from openrooms_usd.scan.penetration import exits, gaps, near, penetration
+from openrooms_usd.scan.placement.bodies import Body, solid, yaw
+from openrooms_usd.scan.placement.chords import Lattice, chords
+from openrooms_usd.scan.placement.penetration import exits, gaps, near, penetration
 from tests.scan.placement_cases import MODELS, blocks, found, meets
 
 AXES = np.eye(3)
@@ -123,6 +123,6 @@ def test_random_furniture_agrees_with_fcl() -> None:
 
 
 def _body(item) -> Body:
-    from openrooms_usd.scan.arrangement import arranged
+    from openrooms_usd.scan.placement.arrangement import arranged
 
     return arranged([item], MODELS, []).bodies[0]

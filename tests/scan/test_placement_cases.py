@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.scan.placement import Placement, place
+from openrooms_usd.scan.placement.correcting import Placement, place
 from openrooms_usd.scan.results import FoundObject
 from tests.scan.placement_cases import (
     MODELS,

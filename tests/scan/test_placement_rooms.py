@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.scan.placement import Placement, correction, place
+from openrooms_usd.scan.placement.correcting import Placement, correction, place
 from openrooms_usd.scan.results import FoundObject, Pose
 from tests.scan.placement_cases import MODELS, found, outside, overlaps, points, room, shifts
 

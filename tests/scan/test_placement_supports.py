@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.placement import Placement, place
+from openrooms_usd.scan.placement.correcting import Placement, place
 from openrooms_usd.scan.results import FoundObject
 from tests.scan.placement_cases import MODELS, found, overlaps, points, room, shifts
 

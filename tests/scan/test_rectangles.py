@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.rectangles import Rectangle, best_rectangle, ring
+from openrooms_usd.scan.openings.rectangles import Rectangle, best_rectangle, ring
 
 
 def exhaustive(weights: np.ndarray) -> float:

@@ -7,12 +7,14 @@ import pytest
 from scipy.optimize import approx_fprime
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.scan.evidence import Evidence, gathered
-from openrooms_usd.scan.models import UPRIGHT
-from openrooms_usd.scan.priors import Start
-from openrooms_usd.scan.registration import FINE, Stage, refined
-from openrooms_usd.scan.results import Pose
-from openrooms_usd.scan.shape import (
+from openrooms_usd.scan.models.cad import UPRIGHT
+from openrooms_usd.scan.points.visibility import likely_eyes, look_around
+from openrooms_usd.scan.registration.evidence import Evidence, gathered
+from openrooms_usd.scan.registration.fitting import FINE, Stage, refined
+from openrooms_usd.scan.registration.hypotheses import box_of, from_box, true_size
+from openrooms_usd.scan.registration.priors import Start
+from openrooms_usd.scan.registration.surroundings import Surroundings
+from openrooms_usd.scan.registration.template import (
     Shape,
     directions,
     posed,
@@ -21,10 +23,8 @@ from openrooms_usd.scan.shape import (
     unposed,
     upright_of,
 )
-from openrooms_usd.scan.starts import box_of, from_box, true_size
-from openrooms_usd.scan.surroundings import Surroundings
-from openrooms_usd.scan.visibility import likely_eyes, look_around
-from openrooms_usd.scan.wallsides import walls_of
+from openrooms_usd.scan.registration.wallsides import walls_of
+from openrooms_usd.scan.results import Pose
 from tests.scan.alignment_cases import CABINET, CHAIR, EYES, Placed, cad, room, scan
 
 PARAMETERS = np.array([0.4, -0.3, 0.1, 0.8, 0.05, -0.08, 0.1])

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.normals import estimate_normals, towards, views, with_normals
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.normals import estimate_normals, towards, views, with_normals
 
 
 def sphere(count: int, offset: float = 0.0) -> np.ndarray:

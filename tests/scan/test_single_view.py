@@ -5,10 +5,10 @@ import pytest
 import shapely
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.layout import LayoutOptions
-from openrooms_usd.scan.planmap import sighted
+from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
+from openrooms_usd.scan.rooms.layout import LayoutOptions
+from openrooms_usd.scan.rooms.planmap import sighted
 
 # The corner is the origin; the camera stands five metres before one wall and looks at it.
 EYE = np.array([3.0, 5.0, 1.4])

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.evidence import Evidence
-from openrooms_usd.scan.priors import Start
-from openrooms_usd.scan.registration import Fit, Stage, energy
-from openrooms_usd.scan.shape import Shape, posed, shaped
-from openrooms_usd.scan.surroundings import Surroundings
-from openrooms_usd.scan.truesize import Sizes, Trial, sized
-from openrooms_usd.scan.undersides import supports
-from openrooms_usd.scan.wallsides import walls_of
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.registration.evidence import Evidence
+from openrooms_usd.scan.registration.fitting import Fit, Stage, energy
+from openrooms_usd.scan.registration.priors import Start
+from openrooms_usd.scan.registration.surroundings import Surroundings
+from openrooms_usd.scan.registration.template import Shape, posed, shaped
+from openrooms_usd.scan.registration.truesize import Sizes, Trial, sized
+from openrooms_usd.scan.registration.undersides import supports
+from openrooms_usd.scan.registration.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, cad, room
 
 # Two boards that are 3 cm apart, each 1 cm thick, with slats between them.

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from openrooms_usd.scan.borders import moved_behind
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.layout import find_layout
-from openrooms_usd.scan.levelling import level
-from openrooms_usd.scan.outline import outline_of
-from openrooms_usd.scan.spaces import _flooded, _rooms
-from openrooms_usd.scan.surfels import surfels
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.surfels import surfels
+from openrooms_usd.scan.rooms.borders import moved_behind
+from openrooms_usd.scan.rooms.layout import find_layout
+from openrooms_usd.scan.rooms.levelling import level
+from openrooms_usd.scan.rooms.outline import outline_of
+from openrooms_usd.scan.rooms.spaces import _flooded, _rooms
 from tests.scan.scanned_rooms import RoomScan, corner_error
 
 SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.arrangement import arranged
-from openrooms_usd.scan.bodies import Body, solid
-from openrooms_usd.scan.enclosure import Enclosure
-from openrooms_usd.scan.least_motion import Condition, least_motion
-from openrooms_usd.scan.support import rest
+from openrooms_usd.scan.placement.arrangement import arranged
+from openrooms_usd.scan.placement.bodies import Body, solid
+from openrooms_usd.scan.placement.enclosure import Enclosure
+from openrooms_usd.scan.placement.least_motion import Condition, least_motion
+from openrooms_usd.scan.placement.support import rest
 from tests.scan.placement_cases import MODELS, found
 
 X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])

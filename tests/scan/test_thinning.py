@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.thinning import clean, thin
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.thinning import clean, thin
 
 
 def cloud(points: np.ndarray, seed: int = 0) -> Cloud:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.thinning import thin
-from openrooms_usd.scan.voxels import Samples, Table, VoxelSums
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.thinning import thin
+from openrooms_usd.scan.points.voxels import Samples, Table, VoxelSums
 
 ROOMY = 1 << 28
 

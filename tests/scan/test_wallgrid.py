@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.sightlines import sight_of
-from openrooms_usd.scan.wallfaces import REACH, faces_of, nearest_walls
-from openrooms_usd.scan.wallgrid import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.openings.wallfaces import REACH, faces_of, nearest_walls
+from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.points.sightlines import sight_of
 from tests.scan.walled_rooms import CORNERS, EYES, HEIGHT, WINDOW, Sheet, frame_of, room
 
 ELL = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 2.0], [2.0, 4.0], [0.0, 4.0]])

@@ -5,12 +5,12 @@ from itertools import product
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.candidates import wall_lines
-from openrooms_usd.scan.cells import Cells, cut_plan, inside_by_cut
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.directions import wall_directions
-from openrooms_usd.scan.surfels import surfels
-from openrooms_usd.scan.walls import Line, profile, upright
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.surfels import surfels
+from openrooms_usd.scan.rooms.candidates import wall_lines
+from openrooms_usd.scan.rooms.cells import Cells, cut_plan, inside_by_cut
+from openrooms_usd.scan.rooms.directions import wall_directions
+from openrooms_usd.scan.rooms.walls import Line, profile, upright
 from tests.scan.scanned_rooms import CABINET, RoomScan, motion
 
 RECTANGLE = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
@@ -111,7 +111,7 @@ def test_the_cut_is_the_cheapest_of_all_labellings(seed):
 
 
 def test_a_wall_that_nobody_saw_runs_as_the_others_do() -> None:
-    from openrooms_usd.scan.directions import dearness
+    from openrooms_usd.scan.rooms.directions import dearness
 
     turns = np.deg2rad([0.0, 92.0, 185.0, 20.0, 45.0, 110.0])
     normals = np.column_stack([np.cos(turns), np.sin(turns)])

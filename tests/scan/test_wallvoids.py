@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.rectangles import Rectangle
-from openrooms_usd.scan.wallgrid import CELL
-from openrooms_usd.scan.wallholes import rectangles
-from openrooms_usd.scan.wallvoids import enclosed
+from openrooms_usd.scan.openings.rectangles import Rectangle
+from openrooms_usd.scan.openings.wallholes import rectangles
+from openrooms_usd.scan.openings.wallpicture import CELL
+from openrooms_usd.scan.openings.wallvoids import enclosed
 
 ROWS, COLUMNS = 100, 160
 

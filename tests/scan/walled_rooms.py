@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.cloud import Cloud
-from openrooms_usd.scan.wallfaces import WallFace, faces_of
+from openrooms_usd.scan.openings.wallfaces import WallFace, faces_of
+from openrooms_usd.scan.points.cloud import Cloud
 
 Array = NDArray[np.float64]
 

@@ -19,9 +19,9 @@ from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling import read_pickled
 from orusd_scans.plainscan import READERS, read_scanned
-from orusd_scans.roomplan import RoomPlanImporter
-from orusd_scans.sens import Sens
-from orusd_scans.sunrgbd_files import read_matrix
+from orusd_scans.roomplan.importer import RoomPlanImporter
+from orusd_scans.scannet.sens import Sens
+from orusd_scans.sunrgbd.files import read_matrix
 
 POINTS = np.random.default_rng(0).random((300, 3))
 

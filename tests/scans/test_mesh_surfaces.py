@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.cloud import Cloud
+from openrooms_usd.scan.points.cloud import Cloud
 from orusd_scans.surfaces import as_cloud
 
 CORNERS = np.array([[0.0, 0, 0], [2, 0, 0], [0, 3, 0]])

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from openrooms_usd.errors import InputError
-from orusd_scans.lzf import UnpackError, unpacked
-from orusd_scans.pcd import read_pcd
+from orusd_scans.formats.lzf import UnpackError, unpacked
+from orusd_scans.formats.pcd import read_pcd
 
 POINTS = np.array([[0.5, 1, 2], [3, 4, 5], [np.nan, 7, 8], [9, 10, 11.25]], "<f4")
 RGB = [0xFF8001, 0x000203, 0x111111, 0xABCDEF]

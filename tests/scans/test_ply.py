@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from openrooms_usd.errors import InputError
-from orusd_scans.ply import read_ply
+from orusd_scans.formats.ply import read_ply
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 3.5]], float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])

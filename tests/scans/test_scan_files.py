@@ -12,10 +12,10 @@ import pytest
 import trimesh
 
 from openrooms_usd.errors import InputError, MissingPackageError
-from orusd_scans.laser import read_e57, read_las
-from orusd_scans.meshfile import read_mesh
+from orusd_scans.formats.laser import read_e57, read_las
+from orusd_scans.formats.meshfile import read_mesh
+from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.plainscan import READERS, ScanImporter, read_scanned
-from orusd_scans.pointtext import read_npz, read_text
 
 POINTS = np.random.default_rng(0).uniform(-3, 3, (500, 3))
 FAR = np.array([4e5, 5e6, 0.0])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from orusd_scans.scannet_frames import read_scannet_frames
+from orusd_scans.scannet.frames import read_scannet_frames
 
 K = np.array([[1170.5, 0, 647.25, 0], [0, 1170.5, 483.5, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 SIZE = (1296, 968)

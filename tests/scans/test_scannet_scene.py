@@ -11,7 +11,7 @@ import pytest
 
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
-from orusd_scans.scannet import fuse_sens
+from orusd_scans.scannet.importer import fuse_sens
 
 NAME = "scene0000_00"
 # The scan is turned by 30 degrees against the room; alignment turns it back and moves it.

@@ -20,7 +20,7 @@ from openrooms_usd.simulation.robots import rover
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 from .conftest import ENGINES
 

@@ -15,7 +15,7 @@ from openrooms_usd.simulation.settling import run, settle
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.frames import TIME, local_to_world
 from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 from .conftest import ENGINES, at, brick, floor
 

@@ -21,8 +21,9 @@ from openrooms_usd.geometry.solids import rounded_box
 from openrooms_usd.library.furniture import CATEGORIES, module_of
 from openrooms_usd.library.textures import Material
 from openrooms_usd.physics.components import Part
-from openrooms_usd.stages import base, physics_cache, runner
+from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.catalogue import Catalogue
+from openrooms_usd.stages.physics import cache as physics_cache
 from openrooms_usd.stages.swatches import Swatch
 
 ROOT = Path(__file__).parents[2]
@@ -74,8 +75,8 @@ def fingerprints(room: Room, folder: Path) -> dict[str, str]:
         ("openrooms_usd/usd/layers.py", ALL),
         ("openrooms_usd/draws.py", ALL),
         ("openrooms_usd/geometry/windows.py", {"layout", "alignment", "lights", "physics"}),
-        ("openrooms_usd/library/textures/brick.py", {"materials", "physics"}),
-        ("openrooms_usd/library/textures/noise.py", {"materials", "physics"}),
+        ("openrooms_usd/library/textures/rough_stone/brick.py", {"materials", "physics"}),
+        ("openrooms_usd/library/textures/base/noise.py", {"materials", "physics"}),
         ("openrooms_usd/library/friction/table.npy", {"materials", "physics"}),
         ("openrooms_usd/library/hosek_wilkie.npy", {"lights"}),
         ("openrooms_usd/library/solar.py", {"lights"}),
@@ -99,7 +100,7 @@ def test_an_importer_counts_where_a_section_is_read_by_it(plant: Plant, tmp_path
     (tmp_path / "room.json").write_text("{}")
     captured = Room.model_validate({"layout": {"from": "roomplan", "file": "room.json"}})
     before = fingerprints(captured, tmp_path), fingerprints(Room(), tmp_path)
-    plant("orusd_scans/roomplan.py")
+    plant("orusd_scans/roomplan/importer.py")
     assert fingerprints(captured, tmp_path)["layout"] != before[0]["layout"]
     assert fingerprints(Room(), tmp_path) == before[1]
 
@@ -117,7 +118,7 @@ def asset_names(folder: Path) -> dict[str, str]:
         ("openrooms_usd/library/furniture/joinery.py", set(CATEGORIES)),
         ("openrooms_usd/library/assets.py", set(CATEGORIES)),
         ("openrooms_usd/draws.py", set(CATEGORIES)),
-        ("openrooms_usd/library/textures/brick.py", set()),
+        ("openrooms_usd/library/textures/rough_stone/brick.py", set()),
         ("openrooms_usd/stages/layout.py", set()),
     ],
 )
@@ -153,7 +154,7 @@ def test_textures_are_named_by_the_code_of_their_substance(plant: Plant) -> None
         return {name: Material(name, 0).digest for name in ("denim", "agate", "birch_plywood")}
 
     before = digests()
-    plant("openrooms_usd/library/textures/weave.py")
+    plant("openrooms_usd/library/textures/fabric/weave.py")
     after = digests()
     assert [name for name in before if before[name] != after[name]] == ["denim"]
 
@@ -171,7 +172,7 @@ def test_shapes_of_other_code_and_of_other_libraries_are_not_taken(
         return len(list((tmp_path / "shapes").iterdir()))
 
     assert (entries(), entries()) == (1, 1)
-    plant("openrooms_usd/library/textures/weave.py")
+    plant("openrooms_usd/library/textures/fabric/weave.py")
     assert entries() == 1
     plant("openrooms_usd/geometry/triangulation.py")
     assert entries() == 2
@@ -277,7 +278,7 @@ def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path
     chair = code / "openrooms_usd/library/furniture/chair.py"
     chair.write_text(chair.read_text() + CHANGE)
     # A material's textures are made by these, its name is not.
-    for name in ("library/textures/recipe.py", "stages/runner.py"):
+    for name in ("library/textures/base/recipe.py", "stages/runner.py"):
         file = code / "openrooms_usd" / name
         file.write_text(file.read_text() + "# more\n")
     assert run(code, tmp_path) == list(names.STAGES)

@@ -17,9 +17,9 @@ from openrooms_usd.stages.alignment import AlignmentStage
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout import LayoutStage
 from openrooms_usd.stages.materials import MaterialsStage
-from openrooms_usd.stages.physics import PhysicsStage
+from openrooms_usd.stages.physics.stage import PhysicsStage
 from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 CHAIR = {"category": "chair", "style": "slat"}
 NAMES = ("one", "two")

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from openrooms_usd.physics.world import World
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import MjcfExporter, UrdfExporter
 from orusd_urdf.loading import load_bullet
 

@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils
 
 from openrooms_usd.convert import Report
 from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import UsdPhysicsExporter
 
 EXPORT = """

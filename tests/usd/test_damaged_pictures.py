@@ -9,7 +9,7 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.textures import picture_facts, read_codes, read_texture
-from orusd_scans.depthpicture import picture_size
+from orusd_scans.formats.depthpicture import picture_size
 
 
 def png(path: Path, width: int, height: int) -> Path:

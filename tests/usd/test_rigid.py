@@ -8,7 +8,7 @@ from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.physics.world import Link, World
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 Place = tuple[float, float, float]
 

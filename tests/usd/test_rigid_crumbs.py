@@ -5,7 +5,7 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd.physics.mass import MassProperties
-from openrooms_usd.usd.rigid import read_world
+from openrooms_usd.usd.rigid.reading import read_world
 
 SIDE = 0.02
 MOMENTS = np.array([6e-8, 7e-8, 8e-8])

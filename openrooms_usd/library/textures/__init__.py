@@ -6,10 +6,10 @@ draws only uniform numbers, so that the integers stored are the same on machines
 functions differ in the last place.
 """
 
+from openrooms_usd.library.textures.base.family import Color, Family, Order, Use
+from openrooms_usd.library.textures.base.maps import Maps, TextureSet
 from openrooms_usd.library.textures.cache import Material, cache_folder, cached
 from openrooms_usd.library.textures.catalogue import FAMILIES, family_of, make, substance_of
-from openrooms_usd.library.textures.family import Color, Family, Order, Use
-from openrooms_usd.library.textures.maps import Maps, TextureSet
 from openrooms_usd.library.textures.storage import MAPS, map_file, rendered_maps, write_set
 
 __all__ = [

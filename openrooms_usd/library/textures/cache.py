@@ -15,13 +15,13 @@ from typing import Final
 from openrooms_usd import atomic, unfinished
 from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.errors import OutputError
+from openrooms_usd.library.textures.base.family import Color
 from openrooms_usd.library.textures.catalogue import (
     DEFAULT_RESOLUTION,
     family_of,
     make,
     substance_of,
 )
-from openrooms_usd.library.textures.family import Color
 from openrooms_usd.library.textures.storage import map_file, rendered_maps, write_set
 
 # Says where the cache is; empty or one of these words: there is none.

@@ -17,8 +17,8 @@ from openrooms_usd.library.textures import (
     specular_stone,
     wood,
 )
-from openrooms_usd.library.textures.family import Color, Family, Order
-from openrooms_usd.library.textures.maps import TextureSet, encoded
+from openrooms_usd.library.textures.base.family import Color, Family, Order
+from openrooms_usd.library.textures.base.maps import TextureSet, encoded
 
 DEFAULT_RESOLUTION: Final = 1024
 

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Final
 
 from openrooms_usd.library.pictures import write_png
+from openrooms_usd.library.textures.base.maps import TextureSet
 from openrooms_usd.library.textures.catalogue import family_of
-from openrooms_usd.library.textures.maps import TextureSet
 
 # The pictures of a set, by the name of their field.
 MAPS: Final = ("albedo", "normal", "roughness", "metallic", "height")

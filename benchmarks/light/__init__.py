@@ -1,0 +1,1 @@
+"""How soon light is right: ``python -m benchmarks.light``; `hard`: the rooms, `rooms`: opened."""

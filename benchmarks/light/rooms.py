@@ -1,0 +1,166 @@
+"""Rooms that light is measured in, opened for films of their own, and Mitsuba's `path` in them."""
+
+import re
+import time
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd
+
+from benchmarks.light.hard import CAMERA, CASES, lamp_room
+from benchmarks.scenes import orusd
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.usd.cameras import list_cameras, read_camera
+from openrooms_usd.usd.layers import open_stage
+
+Pictures = NDArray[np.float64]
+# Noon in March: the sun shines in by a window that looks south.
+_SKY: Final = (
+    "{from: sky, latitude: 48.0, longitude: 11.0, date: 2024-03-21, time: '13:00', north: 20}"
+)
+BOUNCES: Final = 7
+
+
+def generated(kind: str, seed: int, folder: Path) -> Usd.Stage:
+    """A furnished room with sun and sky through its windows, and its lamps on."""
+    orusd("generate", "--type", kind, "--seed", seed, "-o", folder / kind)
+    text = folder / kind / "room.yaml"
+    text.write_text(re.sub(r"environment: \{.*\}", f"environment: {_SKY}", text.read_text()))
+    orusd("compose", text, "-o", folder / f"{kind}_out")
+    return open_stage(folder / f"{kind}_out" / "scene.usda")
+
+
+def boxes(count: int) -> Usd.Stage:
+    """A lit room with so many boxes on its floor."""
+    shell = lamp_room()
+    material, side = shell.material(base_color=(0.5, 0.5, 0.4)), int(np.ceil(np.sqrt(count)))
+    for n in range(count):
+        x, y = (2 * (n % side) + 1) / side - 1, (2 * (n // side) + 1) / side - 1
+        shell.box((x, y, -0.95), (1.2 / side, 1.2 / side, 0.1), material)
+    return shell.camera((-0.7, -0.85, 0.3), (0.3, 0.9, -0.5))
+
+
+def lit_plain(folder: Path) -> Usd.Stage:
+    """Walls, a box and a lamp."""
+    return CASES["plain"].build(folder)
+
+
+def of_case(name: str) -> Callable[[Path], Usd.Stage]:
+    """A room that is hard to light."""
+    return CASES[name].build
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A room of the comparison."""
+
+    condition: str
+    build: Callable[[Path], Usd.Stage]
+
+
+ROOMS: Final = {
+    "plain": Shown("a box, a lamp", lit_plain),
+    "bedroom": Shown("furnished; sun, sky, lamps", lambda f: generated("bedroom", 1, f)),
+    "office": Shown("furnished; sun, sky, lamps", lambda f: generated("office", 1, f)),
+    "living room": Shown(
+        "furnished; sun, sky, lamps; sheers drawn", lambda f: generated("living_room", 1, f)
+    ),
+    "three windows": Shown("hard; sun, sky", of_case("three windows")),
+    "slit": Shown("hard; sky by a gap of 1 cm", of_case("slit")),
+}
+
+
+class Room:
+    """A stage with all that films need, for the fastest backend here.
+
+    Args:
+        stage: The stage.
+        width: Pixels.
+        height: Pixels.
+        bounces: At most this many scatterings.
+    """
+
+    def __init__(self, stage: Usd.Stage, width: int, height: int, bounces: int = BOUNCES) -> None:
+        import mitsuba as mi
+
+        from orusd_mitsuba import variants
+
+        mi.set_variant(variants.choose("auto").variant)
+        mi.set_log_level(mi.LogLevel.Error)
+        from orusd_mitsuba.build import Builder
+        from orusd_mitsuba.sources import Filing, sources_of
+        from orusd_mitsuba.translate import translate
+
+        self.stage, self.size, self._bounces = stage, (width, height), bounces
+        self.scene = translate(stage)
+        self.built = Builder(self.scene.origin).scene(self.scene)
+        self.filing = Filing(sources_of(self.scene), self.built, self.scene.origin)
+        prims = {str(prim.GetPath()): prim for prim in list_cameras(stage)}
+        self.path = f"/World{CAMERA}" if f"/World{CAMERA}" in prims else min(prims)
+        self.camera = read_camera(prims[self.path], width, height)
+
+    @cached_property
+    def ours(self) -> Any:
+        """Our film of radiance."""
+        from orusd_mitsuba.light_film import LightFilm
+
+        return LightFilm(
+            self.built, self.filing, self.camera, *self.size, self.scene.origin,
+            self._bounces + 1, by_light=False,
+        )  # fmt: skip
+
+    def theirs(self, tuned: bool) -> Any:
+        """Mitsuba's `path`, its lights sampled evenly, or by the flux that they bring."""
+        from orusd_mitsuba.build import Builder
+        from orusd_mitsuba.light_choice import LightWeights, light_weights
+        from orusd_mitsuba.path_film import PathFilm
+
+        lamps = [patch.name for patch in self.scene.patches if patch.radiance is not None]
+        even = LightWeights(1.0, dict.fromkeys(lamps, 1.0), (1.0,) * len(self.scene.suns))
+        weights = light_weights(self.scene) if tuned else even
+        built = Builder(self.scene.origin).scene(self.scene, weights, by_portals=False)
+        request = RenderRequest(
+            self.path, ("radiance",), *self.size, samples=1, bounces=self._bounces
+        )
+        return PathFilm(built, self.camera, request, self.scene.origin)
+
+
+def radiance(planes: NDArray[np.float32]) -> Pictures:
+    """The whole picture of a pass, which is split by kind or not at all."""
+    return np.asarray(planes.sum(axis=0), dtype=np.float64)
+
+
+def mean_of(film: Any, samples: int, seed: int) -> Pictures:
+    """The mean of so many passes that they have ``samples`` together."""
+    left, total, number = samples, 0.0, 0
+    while left:
+        now = min(left, film.most)
+        total = total + now * radiance(film(now, seed + number))
+        left, number = left - now, number + 1
+    return np.asarray(total / samples)
+
+
+@contextmanager
+def stopwatch(into: list[float]) -> Any:
+    """Adds the seconds of all cores that its body takes to a list."""
+    began = time.process_time()
+    yield
+    into.append(time.process_time() - began)
+
+
+def relative_mse(picture: Pictures, reference: Pictures) -> float:
+    """Mean of the squared difference over ref^2 + 0.01 M^2, M the reference's mean in a colour."""
+    x, ref = picture.astype(np.float64), reference.astype(np.float64)
+    scale = ref**2 + 0.01 * ref.mean(axis=(0, 1)) ** 2
+    return float(np.mean(np.divide((x - ref) ** 2, scale, out=np.zeros_like(x), where=scale > 0)))
+
+
+def first(values: Sequence[Any], quick: bool, count: int = 1) -> Sequence[Any]:
+    """All values, or the first ones where it shall be quick."""
+    return values[:count] if quick else values

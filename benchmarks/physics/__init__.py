@@ -1,0 +1,1 @@
+"""Collision shapes, pushes and speed: ``python -m benchmarks.physics``; `shapes`, `push`."""

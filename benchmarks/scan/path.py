@@ -1,0 +1,139 @@
+"""A hand-held path through the free space of a room, and where the camera looks on it."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.scan.rooms import SimulatedRoom
+from openrooms_usd.geometry.floorplan import inside, wall_distance
+from openrooms_usd.geometry.pinhole import pose, rotations
+from openrooms_usd.geometry.raycast import RayCaster
+
+Array = NDArray[np.float64]
+
+CELL: Final = 0.1
+# Metres: how high the camera is held, what a person steps over, how far the body keeps off.
+HELD: Final = (1.4, 1.7)
+STEP: Final = 0.2
+BODY: Final = 0.25
+# One place to stand for so many square metres, within these limits.
+PLACE_AREA: Final = 1.5
+PLACES: Final = (4, 14)
+# Degrees: the camera swings up and down about this by so much.
+PITCH: Final = (-14.0, 32.0)
+LOWERED: Final = (-30.0, 20.0)
+
+
+def walk(
+    room: SimulatedRoom, caster: RayCaster, frames: int, random: np.random.Generator, *,
+    lowered: bool = False,
+) -> Array:  # fmt: skip
+    """(frames, 4, 4) world_from_camera (OpenCV) along a walk with the camera panning.
+
+    Args:
+        room: The room.
+        caster: Its triangles.
+        frames: How many.
+        random: Decides the way and the swing.
+        lowered: Whether the camera never looks up.
+    """
+    free, clearance = free_cells(room, caster)
+    places = stations(free, clearance, random)
+    way = _smooth(_route(free, _tour(places)))
+    rounds = max(2.5, 0.6 * len(places))
+    eyes = _along(way, frames)
+    held = random.uniform(*HELD)
+    sway = 0.04 * np.sin(np.linspace(0, 2 * np.pi * 3 * len(places), frames) + random.uniform(0, 6))
+    yaw = random.uniform(0, 2 * np.pi) + np.linspace(0, 2 * np.pi * rounds, frames)
+    middle, swing = LOWERED if lowered else PITCH
+    # The golden ratio: rounds never repeat the same pitch at the same yaw.
+    pitch = middle + swing * np.sin(yaw * 2.618 + random.uniform(0, 6))
+    ahead = _directions(yaw, np.radians(pitch + random.normal(0, 1.5, frames)))
+    z = np.clip(held + sway, *HELD) + room.truth.rooms[0].corners[0, 2]
+    return np.stack(
+        [pose(R, eye) for R, eye in zip(rotations(ahead), np.column_stack([eyes, z]), strict=True)]
+    )
+
+
+def _directions(yaw: Array, pitch: Array) -> Array:
+    flat = np.cos(pitch)
+    return np.column_stack([flat * np.cos(yaw), flat * np.sin(yaw), np.sin(pitch)])
+
+
+def free_cells(room: SimulatedRoom, caster: RayCaster) -> tuple[Array, Array]:
+    """Where a person can stand: (N, 2) centres of the largest connected area of free cells.
+
+    Returns:
+        The centres, and (N,) their distance to whatever is in the way.
+    """
+    from scipy.ndimage import distance_transform_edt, label
+
+    outline, ground = room.floor, room.truth.rooms[0].corners[0, 2]
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    shape = np.ceil((high - low) / CELL).astype(int) + 1
+    centres = low + CELL * (np.indices(shape).reshape(2, -1).T)
+    top = min((room.truth.rooms[0].ceiling or 2.5) - 0.05, 2.1)
+    eyes = np.column_stack([centres, np.full(len(centres), ground + top)])
+    hits = caster.first_hit(eyes, np.broadcast_to((0.0, 0.0, -1.0), eyes.shape))
+    clear = np.isfinite(hits.distance) & (hits.distance > top - STEP)
+    clear &= inside(outline, centres) & (wall_distance(outline, centres) > CELL / 2)
+    away = CELL * distance_transform_edt(np.pad(clear.reshape(shape), 1))[1:-1, 1:-1]
+    for body in (BODY, BODY / 2, 0.0):
+        numbers, count = label(away > body)
+        if count:
+            break
+    largest = numbers == 1 + np.argmax(np.bincount(numbers.ravel())[1:])
+    return centres[largest.ravel()], away[largest]
+
+
+def stations(free: Array, clearance: Array, random: np.random.Generator) -> Array:
+    """(K,) rows of cells that are far from each other (farthest points, the first by chance)."""
+    count = int(np.clip(len(free) * CELL**2 / PLACE_AREA, *PLACES))
+    chosen = [int(random.choice(len(free), p=clearance / clearance.sum()))]
+    away = np.full(len(free), np.inf)
+    while len(chosen) < min(count, len(free)):
+        away = np.minimum(away, np.linalg.norm(free - free[chosen[-1]], axis=1))
+        chosen.append(int((away * np.sqrt(clearance)).argmax()))
+    return np.column_stack([np.array(chosen), free[chosen]])
+
+
+def _tour(places: Array) -> NDArray[np.int64]:
+    """Rows of the places, each next to the one before."""
+    left, tour = list(range(1, len(places))), [0]
+    while left:
+        away = np.linalg.norm(places[left, 1:] - places[tour[-1], 1:], axis=1)
+        tour.append(left.pop(int(away.argmin())))
+    return places[tour, 0].astype(np.int64)
+
+
+def _route(free: Array, tour: NDArray[np.int64]) -> Array:
+    """(N, 2) the way over free cells from place to place."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import dijkstra
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(free).query_pairs(1.5 * CELL, output_type="ndarray")
+    lengths = np.linalg.norm(free[pairs[:, 0]] - free[pairs[:, 1]], axis=1)
+    graph = csr_array((lengths, (pairs[:, 0], pairs[:, 1])), shape=(len(free), len(free)))
+    _, before = dijkstra(graph, directed=False, indices=tour, return_predecessors=True)
+    way: list[int] = [int(tour[0])]
+    for row, target in enumerate(tour[1:]):
+        leg = [int(target)]
+        while leg[-1] != tour[row] and leg[-1] >= 0:
+            leg.append(int(before[row, leg[-1]]))
+        way += [cell for cell in reversed(leg[:-1]) if cell >= 0]
+    return np.asarray(free[way])
+
+
+def _smooth(way: Array, width: int = 5) -> Array:
+    padded = np.pad(way, ((width // 2, width // 2), (0, 0)), mode="edge")
+    return np.stack([np.convolve(axis, np.ones(width) / width, "valid") for axis in padded.T], 1)
+
+
+def _along(way: Array, count: int) -> Array:
+    """(count, 2) points at equal steps along a way."""
+    steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    run = np.concatenate([[0.0], np.cumsum(steps)])
+    at = np.linspace(0.0, run[-1], count)
+    return np.column_stack([np.interp(at, run, axis) for axis in way.T])

@@ -1,0 +1,184 @@
+"""PCD files of the Point Cloud Library: ``ascii``, ``binary`` and ``binary_compressed`` (LZF)."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orusd_scans.formats.lzf import UnpackError, unpacked
+from orusd_scans.scanned import (
+    LONGEST_HEADER,
+    Scanned,
+    broken,
+    cloud_of,
+    counted,
+    lines_of,
+    opened,
+    size_of,
+    table,
+)
+
+_KEYS: Final = (
+    "VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "VIEWPOINT", "POINTS", "DATA",
+)  # fmt: skip
+_SIZES: Final = {"F": ("4", "8"), "I": ("1", "2", "4", "8"), "U": ("1", "2", "4", "8")}
+_PACKED: Final = ("rgb", "rgba")
+_LONGEST_ROW: Final = 1 << 16  # bytes
+
+
+def read_pcd(path: Path) -> Scanned:
+    """Read the points of a PCD file.
+
+    A viewpoint away from the origin is where the scanner stood; one at the origin may just be
+    what writers put there.
+
+    Raises:
+        InputError: It is no PCD file, is cut off, or holds nonsense.
+    """
+    with opened(path) as stream:
+        header = _header(stream, path)
+        row, count = _row(header, path), _count(header, path)
+        kind = " ".join(header["DATA"])
+        if kind not in _READERS:
+            raise broken(path, f"data of the form {kind[:40]!r} is not known")
+        values = _READERS[kind](stream, row, count, path)
+    notes: list[str] = []
+    columns = {n: v for n, v in values.items() if v.ndim == 1 and not n.startswith("_")}
+    cloud = cloud_of(_with_colors(columns), path, notes)
+    eye = _viewpoint(header, path)
+    if eye.any():
+        cloud = replace(cloud, eyes=eye[None])
+    return Scanned(cloud, notes=tuple(notes))
+
+
+def _header(stream: BinaryIO, path: Path) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    while "DATA" not in found:
+        line = stream.readline(LONGEST_HEADER)
+        if not line.endswith(b"\n") or stream.tell() > LONGEST_HEADER:
+            raise broken(path, f"this is no PCD file: no DATA within {LONGEST_HEADER >> 10} KB")
+        key, *words = line.decode("latin-1").split() or ["#"]
+        if key.startswith("#"):
+            continue
+        if key not in _KEYS:
+            raise broken(path, f"this is no PCD file: its header has a line {key[:20]!r}")
+        found[key] = words
+    if missing := [key for key in ("FIELDS", "SIZE", "TYPE") if key not in found]:
+        raise broken(path, f"the header lacks {', '.join(missing)}")
+    return found
+
+
+def _row(header: Mapping[str, list[str]], path: Path) -> np.dtype[Any]:
+    names, sizes, types = header["FIELDS"], header["SIZE"], header["TYPE"]
+    counts = header.get("COUNT", ["1"] * len(names))
+    if not len(names) == len(sizes) == len(types) == len(counts):
+        raise broken(path, "FIELDS, SIZE, TYPE and COUNT of the header differ in length")
+    fields: list[Any] = []
+    for i, (name, size, kind, count) in enumerate(zip(names, sizes, types, counts, strict=True)):
+        if size not in _SIZES.get(kind, ()):
+            raise broken(path, f"a field of the type {kind[:9]} and {size[:9]} bytes is not known")
+        times = counted(path, count, "values")
+        if times < 1:
+            raise broken(path, f"the field {name[:60]!r} holds nothing")
+        # Padding is called _ each time.
+        known = name.lower() if name != "_" else f"_{i}"
+        fields.append((known, f"<{kind.lower()}{size}", () if times == 1 else (times,)))
+    try:
+        row = np.dtype(fields)
+    except ValueError as error:
+        raise broken(path, f"the header's fields make no row: {error}") from error
+    if row.itemsize > _LONGEST_ROW:
+        raise broken(path, f"points of {row.itemsize:,} bytes make no sense")
+    return row
+
+
+def _count(header: Mapping[str, list[str]], path: Path) -> int:
+    width, height, points = (
+        counted(path, " ".join(header.get(key, [default])))
+        for key, default in (("WIDTH", "0"), ("HEIGHT", "1"), ("POINTS", "0"))
+    )
+    if "POINTS" in header and "WIDTH" in header and points != width * height:
+        raise broken(path, f"the header announces {points:,} points, but {width:,} x {height:,}")
+    return counted(path, str(points or width * height))
+
+
+def _viewpoint(header: Mapping[str, list[str]], path: Path) -> NDArray[np.float64]:
+    """(3,) where the scanner stood."""
+    try:
+        eye = np.array([float(word) for word in header.get("VIEWPOINT", ["0"] * 7)[:3]])
+    except ValueError as error:
+        raise broken(path, "the header's VIEWPOINT is not of numbers") from error
+    if eye.shape != (3,) or not np.isfinite(eye).all():
+        raise broken(path, "the header's VIEWPOINT is no place")
+    return eye
+
+
+def _ascii(stream: BinaryIO, row: np.dtype[Any], count: int, path: Path) -> Any:
+    width = sum(int(np.prod(row[name].shape, dtype=int)) for name in row.names or ())
+    values = table(lines_of(stream), path, count)
+    if values.shape != (count, width):
+        raise broken(
+            path,
+            f"{count:,} lines of {width} numbers are announced, but {len(values):,} of "
+            f"{values.shape[1]} are there",
+        )
+    found, start = {}, 0
+    for name in row.names or ():
+        shape = row[name].shape
+        size = int(np.prod(shape, dtype=int))
+        column = values[:, start] if shape == () else values[:, start : start + size]
+        found[name] = _as_stored(column, row[name].base) if name in _PACKED else column
+        start += size
+    return found
+
+
+def _as_stored(column: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
+    """A packed colour as binary files hold it: its bits are what counts."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return column.astype(kind)
+
+
+def _binary(stream: BinaryIO, row: np.dtype[Any], count: int, path: Path) -> Any:
+    left = size_of(stream) - stream.tell()
+    if left < count * row.itemsize:
+        raise broken(path, f"it ends too early: {count:,} points are announced")
+    values = np.fromfile(stream, row, count)
+    return {name: values[name] for name in row.names or ()}
+
+
+def _compressed(stream: BinaryIO, row: np.dtype[Any], count: int, path: Path) -> Any:
+    """Column by column, packed as one block."""
+    head = stream.read(8)
+    packed, size = (int(n) for n in np.frombuffer(head, "<u4")) if len(head) == 8 else (0, 0)
+    if size != count * row.itemsize:
+        raise broken(path, f"it holds {size:,} bytes, but {count:,} points are announced")
+    data = stream.read(packed)
+    if len(data) < packed:
+        raise broken(path, "it ends too early")
+    try:
+        plain = unpacked(data, size)
+    except UnpackError as error:
+        raise broken(path, f"its packed data is damaged: {error}") from error
+    found, start = {}, 0
+    for name in row.names or ():
+        kind = row[name]
+        values = np.frombuffer(plain, kind.base, kind.itemsize // kind.base.itemsize * count, start)
+        found[name] = values.reshape(count, *kind.shape)
+        start += kind.itemsize * count
+    return found
+
+
+def _with_colors(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Packed colours (0xRRGGBB, as a whole number or in the bits of a float) taken apart."""
+    packed = next((columns[name] for name in _PACKED if name in columns), None)
+    if packed is None or packed.dtype.itemsize != 4:
+        return dict(columns)
+    bits = np.ascontiguousarray(packed).view(np.uint32)
+    channels = {"red": 16, "green": 8, "blue": 0}
+    return dict(columns) | {n: (bits >> s & 255).astype(np.uint8) for n, s in channels.items()}
+
+
+_READERS: Final = {"ascii": _ascii, "binary": _binary, "binary_compressed": _compressed}

@@ -1,0 +1,241 @@
+"""Which of the rooms in a RoomPlan export is meant, and what belongs to it.
+
+A room is one scan of a structure, or one floor of a scan that has several; its labels are those of
+the sections whose middles lie in it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from orusd_scans.floorplan import bent, chained
+from orusd_scans.roomplan.records import CapturedRoom, Record
+
+if TYPE_CHECKING:
+    from shapely import Point
+
+Array = NDArray[np.float64]
+
+Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+"""Y up to Z up: (x, y, z) -> (x, -z, y)."""
+
+# How far from a floor's edge the walls and openings of it may be, and objects outside it, metres.
+_AT_EDGE: Final = 0.5
+_OUTSIDE: Final = 0.1
+# Between which heights above a floor the middles of its things are, metres.
+_ABOVE: Final = (-0.5, 4.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """A room of an export.
+
+    Attributes:
+        labels: What it is used for, as the source says.
+        outline: (N, 3) the corners of its floor in the source's frame; None where walls do not
+            enclose any.
+        records: What belongs to it.
+        notes: What was guessed.
+    """
+
+    labels: tuple[str, ...]
+    outline: Array | None
+    records: CapturedRoom
+    notes: tuple[str, ...] = ()
+
+    @property
+    def area(self) -> float:
+        """Of its floor, square metres."""
+        if self.outline is None:
+            return 0.0
+        x, z = (self.outline - self.outline[0])[:, [0, 2]].T
+        return 0.5 * abs(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
+
+    @property
+    def name(self) -> str:
+        """Its labels in words."""
+        return "+".join(self.labels) or "unidentified"
+
+
+def chosen_space(rooms: Sequence[CapturedRoom], wanted: str | None, notes: list[str]) -> Space:
+    """The room that is meant.
+
+    Args:
+        rooms: What the export holds.
+        wanted: A label or a number; by default the largest.
+        notes: Receives what was guessed, and which other rooms there are.
+
+    Raises:
+        InputError: There is no such room.
+    """
+    spaces = [space for room in rooms for space in _spaces(room)]
+    known = ", ".join(f"{i} {s.name} ({s.area:.1f} m2)" for i, s in enumerate(spaces))
+    fitting = [i for i, s in enumerate(spaces) if wanted is None or _is(wanted, i, s)]
+    if not fitting:
+        raise InputError(f"the capture has no room {wanted!r}", remedy=f"it has: {known}")
+    index = max(fitting, key=lambda i: spaces[i].area)
+    if len(spaces) > 1:
+        why = "as asked" if wanted is not None else "the largest; the option room takes another"
+        notes.append(f"the capture has {len(spaces)} rooms: {known}; {index} was taken, {why}")
+    space = spaces[index]
+    notes += space.notes
+    if space.outline is None or len(spaces) == len(rooms):
+        return space
+    return replace(space, records=_belonging(space.records, space.outline))
+
+
+def _is(wanted: str, index: int, space: Space) -> bool:
+    return wanted.strip() == str(index) or _plain(wanted) in map(_plain, space.labels)
+
+
+def _plain(label: str) -> str:
+    return "".join(c for c in label.casefold() if c.isalnum())
+
+
+def _spaces(room: CapturedRoom) -> list[Space]:
+    notes: list[str] = []
+    floors = [(_floor(floor, room), floor.story) for floor in room.floors]
+    if len(floors) < 2:
+        labels = [section.label for section in room.sections]
+        outline = floors[0][0] if floors else _from_walls(room, notes)
+        return [Space(_known(labels), outline, room, tuple(notes))]
+    return [
+        Space(_known(_labels_in(outline, story, room)), outline, _of_story(room, story))
+        for outline, story in floors
+    ]
+
+
+def _known(labels: Sequence[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(label for label in labels if label != "unidentified"))
+
+
+def placed(record: Record, local: Array) -> Array:
+    """Local points (N, 3) of a record in the source's frame."""
+    return np.asarray(local @ record.source_from_local[:3, :3].T + record.center)
+
+
+def rectangle(record: Record) -> Array:
+    """(4, 3) the corners of a surface in its own frame, the lower ones first."""
+    x, y = 0.5 * record.size[0], 0.5 * record.size[1]
+    return np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+
+
+def _floor(floor: Record, room: CapturedRoom) -> Array:
+    corners = placed(floor, floor.corners if len(floor.corners) else rectangle(floor))
+    base = corners[0].copy()
+    plan = bent((corners - base)[:, [0, 2]], [a - base[[0, 2]] for a in _arcs(room, floor.story)])
+    level = float(np.median(corners[:, 1] - base[1]))
+    if len(plan) == len(corners):
+        return corners
+    return np.asarray(np.column_stack([plan[:, 0], np.full(len(plan), level), plan[:, 1]]) + base)
+
+
+def _from_walls(room: CapturedRoom, notes: list[str]) -> Array | None:
+    """The floor that the bases of the walls enclose, as iOS 16 leaves it to be found."""
+    if not room.walls:
+        return None
+    # Relative to one point, so that sums and differences far from the origin stay exact.
+    base = room.walls[0].center
+    ends = np.array([_base(wall) - base for wall in room.walls])
+    corners = chained((ends @ Z_UP.T)[:, :, :2], notes)
+    if corners is None:
+        return None
+    plan = bent(corners * [1.0, -1.0], [a - base[[0, 2]] for a in _arcs(room, None)])
+    level = np.full(len(plan), float(np.median(ends[:, :, 1])))
+    return np.column_stack([plan[:, 0], level, plan[:, 1]]) + base
+
+
+def _base(wall: Record) -> Array:
+    """(2, 3) the lower ends of a wall in the source's frame."""
+    local = rectangle(wall)[:2]
+    if wall.arc:
+        local = local.copy()
+        local[:, [0, 2]] = wall.arc.ends()
+    return placed(wall, local)
+
+
+def _arcs(room: CapturedRoom, story: int | None) -> list[Array]:
+    """(M, 2) the facets of each curved wall, x and z in the source's frame."""
+    arcs = []
+    for wall in room.walls:
+        if wall.arc and (story is None or wall.story in (None, story)):
+            x, z = wall.arc.facets(_openings_in(wall, room)).T
+            low = np.full(len(x), -0.5 * wall.size[1])
+            arcs.append(placed(wall, np.column_stack([x, low, z]))[:, [0, 2]])
+    return arcs
+
+
+def _openings_in(wall: Record, room: CapturedRoom) -> Array:
+    """(K, 3) the openings of a curved wall: their middles in its x and z, and their widths."""
+    assert wall.arc is not None
+    found = []
+    for opening in (*room.doors, *room.windows, *room.openings):
+        x, _, z = (opening.center - wall.center) @ wall.source_from_local[:3, :3]
+        off = abs(float(np.hypot(x - wall.arc.center[0], z - wall.arc.center[1])) - wall.arc.radius)
+        is_near = off < _AT_EDGE and abs(float(wall.arc.turn(np.array([[x, z]]))[0]) - 0.5) < 0.5
+        if opening.parent == wall.id or (opening.parent is None and is_near):
+            found.append([x, z, opening.size[0]])
+    return np.array(found).reshape(-1, 3)
+
+
+def _of_story(room: CapturedRoom, story: int | None) -> CapturedRoom:
+    """The records that a floor's story may have."""
+
+    def some(records: tuple[Record, ...]) -> tuple[Record, ...]:
+        return tuple(r for r in records if story is None or r.story in (None, story))
+
+    return replace(
+        room,
+        walls=some(room.walls),
+        doors=some(room.doors),
+        windows=some(room.windows),
+        openings=some(room.openings),
+        objects=some(room.objects),
+    )
+
+
+def _labels_in(outline: Array, story: int | None, room: CapturedRoom) -> list[str]:
+    import shapely
+
+    polygon = shapely.make_valid(shapely.Polygon(outline[:, [0, 2]]))
+    return [
+        section.label
+        for section in room.sections
+        if (story is None or section.story in (None, story))
+        and shapely.contains_xy(polygon, section.center[0], section.center[2])
+    ]
+
+
+def _belonging(records: CapturedRoom, outline: Array) -> CapturedRoom:
+    """The walls and openings along the edge of a floor, and the objects on it."""
+    import shapely
+
+    floor = shapely.make_valid(shapely.Polygon(outline[:, [0, 2]]))
+    edge, level = floor.boundary, float(np.median(outline[:, 1]))
+    inside = floor.buffer(_OUTSIDE)
+    shapely.prepare(inside)
+
+    def at_edge(records: tuple[Record, ...]) -> tuple[Record, ...]:
+        return tuple(r for r in above(records) if edge.distance(_point(r)) < _AT_EDGE)
+
+    def above(records: tuple[Record, ...]) -> tuple[Record, ...]:
+        return tuple(r for r in records if _ABOVE[0] < r.center[1] - level < _ABOVE[1])
+
+    return replace(
+        records,
+        walls=at_edge(records.walls),
+        doors=at_edge(records.doors),
+        windows=at_edge(records.windows),
+        openings=at_edge(records.openings),
+        objects=tuple(r for r in above(records.objects) if inside.contains(_point(r))),
+    )
+
+
+def _point(record: Record) -> "Point":
+    from shapely import Point
+
+    return Point(record.center[[0, 2]])

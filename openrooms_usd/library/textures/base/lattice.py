@@ -1,0 +1,154 @@
+"""Repeats that fit: whole numbers of them, their phases, and jittered cells about their middles."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.library.textures.base.family import Order
+from openrooms_usd.library.textures.base.maps import Maps
+from openrooms_usd.library.textures.base.noise import Field, apart
+
+Index = NDArray[np.int64]
+
+# Nothing that repeats is drawn thinner than this many texels: it would only make a moiré.
+_THINNEST: Final = 2.5
+# Small pictures are drawn on a finer grid of up to so many texels, then averaged.
+_FINEST: Final = 512
+
+
+def whole(order: Order, pitch: float, multiple: int = 1) -> int:
+    """How many repeats of about ``pitch`` metres go on a side: rounded, so that they tile.
+
+    At least ``multiple`` and a multiple of it. On grids too coarse for them they come fewer.
+    """
+    visible = max(pitch, _THINNEST * order.size / order.resolution)
+    return multiple * max(1, round(order.size / visible / multiple))
+
+
+def spacing(order: Order, pitch: float, count: int) -> float:
+    """Distance that relief is scaled by, metres: of ``count`` repeats, but not above ``pitch``."""
+    return min(pitch, order.size / count)
+
+
+def phase(resolution: int, count: int) -> Field:
+    """(N,) place of texel centres, in repeats."""
+    return (np.arange(resolution) + 0.5) / resolution * count
+
+
+def wave(resolution: int, count: int, shift: float = 0.0) -> Field:
+    """(N,) cosine of so many periods, crest at ``shift`` of a period."""
+    return np.cos(2.0 * np.pi * (phase(resolution, count) - shift))
+
+
+def offset(place: Field) -> Field:
+    """-1..1 across each repeat of a phase, 0 in its middle."""
+    return 2.0 * (place - np.floor(place)) - 1.0
+
+
+def diagonal(resolution: int, columns: int, rows: int) -> tuple[Field, Field]:
+    """(N, N) places across diamonds, in two slanted directions, in diamonds.
+
+    There are two diamonds to each column and row: one in its middle, one about its corners.
+    """
+    across, along = phase(resolution, columns)[None], phase(resolution, rows)[:, None]
+    return across + along, across - along
+
+
+def resolved(make: Callable[[Order], Maps], detail: float) -> Callable[[Order], Maps]:
+    """A recipe whose small pictures are averages of larger ones, so that fine detail fades.
+
+    Args:
+        make: The recipe.
+        detail: Size of the finest repeat, metres; three texels shall cover it.
+    """
+
+    def make_resolved(order: Order) -> Maps:
+        needed = 3.0 * order.size / detail / order.resolution
+        finer = min(max(1, math.ceil(needed)), max(1, _FINEST // order.resolution))
+        maps = make(replace(order, resolution=order.resolution * finer))
+        return Maps(
+            averaged(maps.albedo, finer),
+            averaged(maps.height, finer),
+            averaged(maps.roughness, finer),
+            maps.metallic,
+        )
+
+    return make_resolved
+
+
+def averaged(field: Field, finer: int) -> Field:
+    """Means over blocks of ``finer`` by ``finer``."""
+    if finer == 1:
+        return field
+    n = len(field) // finer
+    return np.asarray(field.reshape(n, finer, n, finer, *field.shape[2:]).mean(axis=(1, 3)))
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Regions nearest to the jittered middles of a lattice. Lengths are in its pitches.
+
+    Attributes:
+        index: (N, N) which cell.
+        count: How many there are.
+        nearest: (N, N) distance to the cell's middle.
+        border: (N, N) how much farther the next middle is: 0 on the border.
+    """
+
+    index: Index
+    count: int
+    nearest: Field
+    border: Field
+
+    def dealt(self, rng: np.random.Generator, low: float, high: float) -> Field:
+        """(N, N) a number for each cell, drawn from a range."""
+        return np.asarray(apart(rng).uniform(low, high, self.count)[self.index])
+
+
+def cells(
+    rng: np.random.Generator,
+    resolution: int,
+    columns: int,
+    rows: int,
+    jitter: float,
+    stagger: float = 0.0,
+) -> Cells:
+    """Periodic cells (Worley, A Cellular Texture Basis Function, 1996).
+
+    Args:
+        rng: Where the middles come from.
+        resolution: Texels along each side.
+        columns: Cells along s.
+        rows: Cells along t; even where staggered.
+        jitter: How far middles stray, 0 (a lattice) to 1.
+        stagger: How far every second row is moved, in columns.
+    """
+    stray = (apart(rng).random((2, rows, columns)) - 0.5) * jitter
+    # Half to the left and half to the right: then the nine cells around hold the nearest two.
+    moved = stagger * (np.arange(rows)[:, None] % 2 - 0.5)
+    middle_s = np.arange(columns) + 0.5 + stray[0] + moved
+    middle_t = np.arange(rows)[:, None] + 0.5 + stray[1]
+    across, along = phase(resolution, columns), phase(resolution, rows)
+    column, row = np.floor(across).astype(np.int64), np.floor(along).astype(np.int64)
+    first = np.full((resolution, resolution), 99.0)
+    second = first.copy()
+    index = np.zeros((resolution, resolution), np.int64)
+    ends = np.searchsorted(row, np.arange(rows + 1))
+    for j in range(rows):
+        part = slice(int(ends[j]), int(ends[j + 1]))
+        # Block by block, so that the work stays in the processor's cache.
+        near, far, which = first[part], second[part], index[part]
+        for dj, di in np.ndindex(3, 3):
+            jj, ii = j + dj - 1, column + di - 1
+            s = middle_s[jj % rows, ii % columns] + (ii - ii % columns)
+            t = middle_t[jj % rows, ii % columns] + (jj - jj % rows)
+            squared = (s - across) ** 2 + (t - along[part, None]) ** 2
+            np.copyto(which, jj % rows * columns + ii % columns, where=squared < near)
+            np.minimum(far, np.maximum(near, squared), out=far)
+            np.minimum(near, squared, out=near)
+    nearest = np.sqrt(first)
+    return Cells(index, rows * columns, nearest, np.sqrt(second) - nearest)

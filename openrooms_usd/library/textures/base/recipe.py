@@ -1,0 +1,123 @@
+"""What recipes of stone and metal share: draws, noises, soft edges, and the means asked for."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.library.textures.base.family import Color, Order
+from openrooms_usd.library.textures.base.maps import ROUGHNESS_RANGE, Maps, with_mean
+from openrooms_usd.library.textures.base.noise import (
+    Field,
+    smooth_noise,
+    standardized,
+    white_spectrum,
+)
+
+Index = NDArray[np.int64]
+
+
+def drawn_color(order: Order, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
+    """(3,) a colour of a palette, a little lighter or darker; or the one asked for."""
+    drawn = side_color(order, palette, spread)
+    return drawn if order.color is None else np.array(order.color)
+
+
+def side_color(order: Order, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
+    """(3,) a colour between two of a palette, for a part that nobody asks for: mortar, veins."""
+    first, second = order.rng.integers(len(palette), size=2)
+    share = order.rng.random()
+    between = (1.0 - share) * np.array(palette[first]) + share * np.array(palette[second])
+    return np.asarray(between * order.rng.uniform(1.0 - spread, 1.0 + spread))
+
+
+def drawn_roughness(order: Order, low: float, high: float) -> float:
+    """A perceptual roughness in a range; or the one asked for."""
+    drawn = order.rng.uniform(low, high)
+    return drawn if order.roughness is None else order.roughness
+
+
+def whole(size: float, unit: float, multiple: int = 1) -> int:
+    """How many units a side of this size has: the nearest whole multiple, at least one.
+
+    Units shrink or grow to fit: seven bricks of 225 mm on 1.5 m are 214 mm long.
+    """
+    return max(1, round(size / unit / multiple)) * multiple
+
+
+def noise(order: Order, length: float, along: float | None = None) -> Field:
+    """Smooth noise with features ``length`` metres wide and ``along`` metres long (along t)."""
+    lengths = (length, length if along is None else along)
+    return smooth_noise(order.rng, order.resolution, order.size, lengths)
+
+
+def fractal(order: Order, longest: float, hurst: float, along: float | None = None) -> Field:
+    """Self-affine noise, such as of broken stone, of mean 0 and standard deviation 1.
+
+    Its amplitude falls with the frequency f as f^-(1 + hurst) (Mandelbrot, The Fractal Geometry of
+    Nature, 1982), and is flat for features longer than the longest.
+
+    Args:
+        order: What is asked for.
+        longest: Size of its largest features along s, metres.
+        hurst: 0 for very rough, 1 for smooth.
+        along: Size of its largest features along t; as along s by default.
+    """
+    count = order.resolution
+    frequency = np.fft.fftfreq(count, order.size / count)
+    along_t = (frequency * (longest if along is None else along)) ** 2
+    along_s = (frequency[: count // 2 + 1] * longest) ** 2
+    filtered = (1.0 + along_t[:, None] + along_s) ** (-(1.0 + hurst) / 2.0)
+    spectrum = white_spectrum(order.rng, count) * filtered
+    spectrum[0, 0] = 0.0
+    return standardized(np.fft.irfft2(spectrum, s=(count, count)))
+
+
+def dealt(order: Order, field: Field, index: Index, count: int) -> Field:
+    """A periodic field, moved by another amount on each of ``count`` pieces."""
+    resolution = len(field)
+    shifts = np.floor(resolution * order.rng.random((2, count))).astype(np.int64)
+    rows, columns = np.ogrid[:resolution, :resolution]
+    row = (rows + shifts[0][index]) % resolution
+    column = (columns + shifts[1][index]) % resolution
+    return np.asarray(field[row, column])
+
+
+def displaced(field: Field, order: Order, along_s: Field, along_t: Field) -> Field:
+    """A periodic field read beside each texel, ``along_s`` and ``along_t`` metres away."""
+    resolution = len(field)
+    rows, columns = np.ogrid[:resolution, :resolution]
+    row = rows - along_t * (resolution / order.size)
+    column = columns + along_s * (resolution / order.size)
+    top, left = np.floor(row), np.floor(column)
+    down, right = row - top, column - left
+    r0, c0 = top.astype(np.int64) % resolution, left.astype(np.int64) % resolution
+    r1, c1 = (r0 + 1) % resolution, (c0 + 1) % resolution
+    upper = field[r0, c0] * (1.0 - right) + field[r0, c1] * right
+    lower = field[r1, c0] * (1.0 - right) + field[r1, c1] * right
+    return np.asarray(upper * (1.0 - down) + lower * down)
+
+
+def covered(order: Order, inside: Field) -> Field:
+    """Share of each texel that lies inside, from the distance inside an edge, metres."""
+    texel = order.size / order.resolution
+    return np.clip(0.5 + inside / texel, 0.0, 1.0)
+
+
+def mixed(share: Field, inside: Field, outside: Field) -> Field:
+    """(N, N, 3) one colour field where ``share`` is 1, another where it is 0."""
+    return np.asarray(outside + share[..., None] * (inside - outside))
+
+
+def finished(
+    order: Order,
+    albedo: Field,
+    height: Field,
+    roughness: Field | float,
+    metallic: Field | float = 0.0,
+) -> Maps:
+    """The maps, with the mean base colour and roughness that were asked for."""
+    rough = np.broadcast_to(np.asarray(roughness, float), height.shape)
+    if order.roughness is not None:
+        rough = rough + (order.roughness - rough.mean())
+    if order.color is not None:
+        albedo = with_mean(albedo, np.array(order.color))
+    return Maps(albedo, height, np.clip(rough, *ROUGHNESS_RANGE), metallic)

@@ -1,0 +1,8 @@
+"""Stone, ceramics and glass that shine: polished slabs, ground composites, glazed tiles."""
+
+from typing import Final
+
+from openrooms_usd.library.textures.base.family import Family
+from openrooms_usd.library.textures.specular_stone import aggregates, tiles, veins
+
+FAMILIES: Final[dict[str, Family]] = {**veins.FAMILIES, **aggregates.FAMILIES, **tiles.FAMILIES}

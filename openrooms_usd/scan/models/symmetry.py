@@ -1,0 +1,47 @@
+"""Whether a CAD looks alike when it is turned about its vertical."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
+
+Array = NDArray[np.float64]
+
+# Points of the whole surface, on which the turned ones shall lie.
+_DENSE: Final = 16000
+# A turned surface is the same if most of it moves by less than this share of its size, so about a
+# centimetre of a chair: less than what scanners tell apart.
+_MOST: Final = 0.985
+_SHARE: Final = 0.012
+# Turns that no polygon with up to eight corners survives all.
+_ANY: Final = tuple(np.deg2rad([17.0, 31.0, 53.0, 72.0, 101.0, 127.0, 149.0]))
+
+
+def symmetry_of(model: CadModel, upright: Array) -> Symmetry:
+    """The symmetry of a CAD about the vertical through the middle of its box.
+
+    Args:
+        model: The CAD; what it states is not asked.
+        upright: (3, 3) signed permutation to Z up.
+    """
+    low, high = np.sort(model.extent @ upright.T, axis=0)
+    middle = 0.5 * (low + high)
+    points = model.surface.points @ upright.T - middle
+    whole, _, area = scattered(model.vertices[model.faces], _DENSE)
+    tree: KDTree[None] = KDTree(whole @ upright.T - middle)
+    limit = max(_SHARE * float(np.linalg.norm(high - low)), 1.6 * float(np.sqrt(area / _DENSE)))
+
+    def same(angle: float) -> bool:
+        c, s = np.cos(angle), np.sin(angle)
+        turned = points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        distance, _ = tree.query(turned, distance_upper_bound=limit)
+        return bool(np.isfinite(distance).mean() >= _MOST)
+
+    if all(same(angle) for angle in _ANY):
+        return "inf"
+    if not same(np.pi):
+        return "none"
+    return "4" if same(0.5 * np.pi) else "2"

@@ -1,0 +1,234 @@
+"""Doors and windows in the walls of a level scan: from labels where there are any, and from holes.
+
+Each wall is looked at as a picture (`wallgrid`); rectangles in which much speaks for an opening
+are proposed (`wallholes`), judged, and kept where they do not overlap a surer one.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.openings.curtains import (
+    behind_curtain,
+    curtain_weights,
+    grown,
+    under_curtains,
+)
+from openrooms_usd.scan.openings.doorframes import frames
+from openrooms_usd.scan.openings.mirrors import Echoes, echoes
+from openrooms_usd.scan.openings.rectangles import Rectangle
+from openrooms_usd.scan.openings.wallholes import (
+    ASKED,
+    DOOR,
+    WINDOW,
+    Proposal,
+    hole_weights,
+    kind_of,
+    measured,
+    rectangles,
+)
+from openrooms_usd.scan.openings.walllabels import (
+    is_round,
+    label_weights,
+    lies_deeper,
+    without_casing,
+)
+from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.sightlines import sight_of
+from openrooms_usd.scan.results import FoundOpening
+
+Array = NDArray[np.float64]
+
+# Openings keep this distance from the corners of the room and from the ceiling, metres.
+MARGIN: Final = 0.05
+# Between openings, metres.
+APART: Final = 0.02
+# Walls of rooms without a ceiling are looked at up to this height, metres.
+_HIGHEST: Final = 3.0
+# Points so far from a room block no view in it, metres.
+_OUTSIDE: Final = 1.0
+# Least and greatest width and height, metres.
+_SIZES: Final = {"door": ((0.5, 4.0), (1.6, 3.2)), "window": ((0.25, 8.0), (0.25, 4.0))}
+_LEAST_CONFIDENCE: Final = 0.4
+# Of generated rooms in which openings were found, the part that was wrong of what spoke less than
+# fully for an opening, and what is true of those for which everything spoke.
+_DOUBT: Final = 0.65
+_SUREST: Final = 0.97
+# What is nearer to an opening than this, metres, and less than this part of it belongs to it.
+_SCRAP: Final = (0.15, 0.35)
+# Walls of which less was seen show nothing.
+_LEAST_SHOWN: Final = 0.15
+# Holes down to the floor that end lower are of something that stands before the wall, metres.
+_LOWEST_PASSAGE: Final = 1.8
+# Few doors are higher than this, metres.
+_HIGHEST_DOOR: Final = 2.35
+# Doors of which this part is open let the floor behind them be seen.
+_AJAR: Final = 0.2
+# So much of a closed leaf returned.
+_LEAF: Final = 0.6
+# This part of the labelled returns must call an opening by its name.
+_NAMED: Final = 0.3
+# A door's foot may be hidden up to this height, metres.
+_HIDDEN_FOOT: Final = 0.6
+# Flat patches up to the first size that are called a window are wrong labels, and up to the second
+# if they are round; square metres.
+_BLOB: Final = (0.35, 0.8)
+# The wall stands on this part of them at least.
+_FLAT: Final = 0.5
+# Curtains up to this width so near to a window are those of that one, metres.
+_BUNDLE: Final = 0.5
+_CURTAIN_PAIR: Final = 0.25
+
+
+def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[FoundOpening, ...]:
+    """Find the doors and windows of a room.
+
+    Args:
+        cloud: In the level frame: the floor at z = 0, metres.
+        corners: (N, 2) of the room at its walls' inner faces, counter-clockwise.
+        height: Of the ceiling, metres; None where it is not known.
+
+    Returns:
+        The openings, by wall and from left to right, in the level frame. None overlap.
+    """
+    if not len(cloud):
+        return ()
+    cloud = replace(cloud, instance=None, confidence=None)
+    sight = sight_of(_around(cloud.points, corners), cloud.eyes)
+    labelled = cloud.label is not None and bool(np.isin(cloud.label, (DOOR, WINDOW)).any())
+    found: list[FoundOpening] = []
+    mirrored = echoes(cloud.points, sight, height or _HIGHEST)
+    for grid in wall_grids(cloud, corners, height or _HIGHEST, ASKED, sight):
+        found += _in_wall(grid, labelled, mirrored)
+    return tuple(found)
+
+
+def _around(points: Array, corners: Array) -> Array:
+    """The points in the box around a room."""
+    inside = np.ones(len(points), dtype=np.bool_)
+    for axis in (0, 1):
+        low, high = corners[:, axis].min() - _OUTSIDE, corners[:, axis].max() + _OUTSIDE
+        inside &= (points[:, axis] > low) & (points[:, axis] < high)
+    return points if inside.all() else points[inside]
+
+
+def _in_wall(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[FoundOpening]:
+    kept: list[Proposal] = []
+    # A hole may be a part of what labels call by its name: they are asked first.
+    named = _by_labels(grid) if labelled else ()
+    shaped = (*_by_holes(grid, labelled, mirrored), *_by_frames(grid))
+    for proposals in (named, shaped):
+        judged = [(confidence(p, labelled), p) for p in proposals if _sane(p)]
+        for sure, proposal in sorted(judged, key=lambda pair: -pair[0]):
+            if sure >= _LEAST_CONFIDENCE and not any(_taken(proposal, q) for q in kept):
+                kept.append(proposal)
+    for proposal in sorted(kept, key=lambda p: p.where.left):
+        yield _opening(grid, proposal, _as_probability(confidence(proposal, labelled)))
+
+
+def _by_holes(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Proposal]:
+    """Holes; where there are labels, windows must be called so, and doors need not."""
+    if grid.solid.mean() < _LEAST_SHOWN:
+        return
+    for where in rectangles(hole_weights(grid)):
+        if mirrored.fill(grid.face, where):
+            continue
+        proposal = measured(grid, kind_of(grid, where), where)
+        if proposal.kind == "door" and proposal.height < _LOWEST_PASSAGE:
+            continue
+        if proposal.kind == "door":
+            proposal = measured(grid, "door", replace(where, bottom=0))
+        # A leaf that stands open hides a part of its hole, but not of its labels.
+        named = proposal.label > _NAMED
+        if not labelled or named == (proposal.kind == "window"):
+            yield proposal
+
+
+def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
+    for where, clear in frames(grid):
+        proposal = replace(measured(grid, "door", where), leaf=clear)
+        # Who looks through an open door sees the floor behind it.
+        # Uprights of shelves and wardrobes have no leaf between them.
+        shut = proposal.hole < _AJAR and proposal.solid > _LEAF
+        if shut or proposal.threshold > 0.3:
+            yield proposal
+
+
+def _by_labels(grid: WallGrid) -> Iterator[Proposal]:
+    for where in rectangles(label_weights(grid, "door"), _SIZES["door"][1][0]):
+        proposal = measured(grid, "door", where)
+        if proposal.label > _NAMED and proposal.sill < _HIDDEN_FOOT:
+            yield measured(grid, "door", without_casing(grid, replace(where, bottom=0)))
+    named: list[Proposal] = []
+    for where in rectangles(label_weights(grid, "window")):
+        proposal = measured(grid, "window", under_curtains(grid, where))
+        if proposal.label > _NAMED and not _is_blob(grid, proposal):
+            named.append(proposal)
+    yield from named
+    for where in rectangles(curtain_weights(grid)):
+        hidden = replace(measured(grid, "window", behind_curtain(where)), curtain=1.0)
+        reach = where if hidden.width > _BUNDLE else grown(where, _CURTAIN_PAIR)
+        if hidden.solid < 0.5 and not any(_beside(reach, q.where) < 0 for q in named):
+            yield hidden
+
+
+def _is_blob(grid: WallGrid, p: Proposal) -> bool:
+    """Whether a window is but wrong labels: nothing there but the wall, and they are round."""
+    area = p.width * p.height
+    if area > _BLOB[1] or p.solid < _FLAT or p.curtain >= 0.5 or lies_deeper(grid, p.where):
+        return False
+    return area < _BLOB[0] or is_round(grid, "window", p.where)
+
+
+def _sane(proposal: Proposal) -> bool:
+    wide, tall = _SIZES[proposal.kind]
+    fits = wide[0] <= proposal.width <= wide[1] and tall[0] <= proposal.height <= tall[1]
+    return fits and (proposal.kind == "window" or proposal.sill == 0.0)
+
+
+def confidence(proposal: Proposal, labelled: bool) -> float:
+    """How much speaks for an opening of this kind, from 0 to 1."""
+    p = proposal
+    if labelled and p.label > _NAMED:
+        return min(1.0, 0.5 + 0.4 * p.label + 0.2 * p.hole + (0.1 if p.leaf else 0.0))
+    if p.curtain == 1.0:
+        return 0.6
+    if p.leaf:
+        return 0.0 if labelled else 0.25 + 0.65 * p.leaf
+    if p.kind == "door":
+        usual = 1.0 if p.height < _HIGHEST_DOOR else 0.6
+        return usual * min(1.0, p.framed) * min(1.0, p.hole + 0.2) * (0.4 + 0.6 * p.threshold)
+    return min(1.0, p.framed) * min(1.0, 0.2 + 0.35 * p.hole + 3.0 * p.recess)
+
+
+def _overlap(a: Proposal, b: Proposal, apart: float = APART) -> bool:
+    above = max(a.where.bottom, b.where.bottom) - min(a.where.top, b.where.top)
+    return max(_beside(a.where, b.where), above) < apart / CELL
+
+
+def _beside(a: Rectangle, b: Rectangle) -> int:
+    """How far rectangles are apart along the wall, cells; negative where they overlap."""
+    return max(a.left, b.left) - min(a.right, b.right)
+
+
+def _taken(proposal: Proposal, other: Proposal) -> bool:
+    """Whether a surer opening is in the place of a proposal, or so near that it has a scrap."""
+    apart = _SCRAP[0] if proposal.where.area < _SCRAP[1] * other.where.area else APART
+    return _overlap(proposal, other, apart)
+
+
+def _as_probability(sure: float) -> float:
+    """Which part of the openings that are as sure as this is there."""
+    return min(_SUREST, 1.0 - _DOUBT * (1.0 - sure))
+
+
+def _opening(grid: WallGrid, p: Proposal, sure: float) -> FoundOpening:
+    length, top = grid.face.length, grid.shape[0] * CELL
+    left, right = np.clip([p.where.left * CELL, p.where.right * CELL], MARGIN, length - MARGIN)
+    low, high = p.where.bottom * CELL, min(p.where.top * CELL, top - MARGIN)
+    ring = np.array([[left, 0, low], [right, 0, low], [right, 0, high], [left, 0, high]])
+    return FoundOpening(p.kind, grid.face.to_level(ring), float(sure), grid.face.number)

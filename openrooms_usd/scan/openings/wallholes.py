@@ -1,0 +1,229 @@
+"""Proposals for openings in one wall: rectangles of its picture in which much speaks for one.
+
+Evidence gives every cell a weight, positive where an opening seems to be; the rectangle with the
+largest sum of weights is proposed, taken out, and the next one looked for. What is hidden weighs
+next to nothing, so that furniture before a wall neither makes a hole nor cuts one.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from openrooms_usd.scan.openings.rectangles import Rectangle, best_rectangle, ring
+from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Kind = Literal["door", "window"]
+
+# NYU40.
+DOOR, WINDOW, BLINDS, CURTAIN = 8, 9, 13, 16
+LABELS: Final[dict[Kind, int]] = {"door": DOOR, "window": WINDOW}
+ASKED: Final = (DOOR, WINDOW, BLINDS, CURTAIN)
+
+# Weights of cells: where the wall stands, and where nothing is known.
+_SOLID: Final = -1.0
+HIDDEN: Final = -0.03
+# A wall that stands on this part of a rectangle's height, for so many metres, parts two openings.
+_PARTING: Final = (0.7, 0.18)
+# Two rectangles beside each other must hold so much more than one, square metres, and be apart by
+# more than a mullion is wide, metres.
+_SECOND: Final = 0.1
+_MULLION: Final = 0.12
+_NARROWEST: Final = 0.25
+_LEAST_AREA: Final = 0.07
+_MOST: Final = 10
+# How far around a rectangle its wall is looked for, metres.
+_AROUND: Final = 0.075
+# What is hidden may be wall as well as not; above an opening hardly anything hides it, and
+# nobody looked there.
+_MAY_STAND: Final = {"beside": 0.5, "top": 0.42}
+# Doors end below this height, windows above that, metres; between, what stands below decides.
+_STEP: Final = 0.06
+# Over a threshold of up to 12 cm people walk, where floor lies behind it and they can stand; holes
+# are seen to begin up to 5 cm higher than they do.
+_THRESHOLD: Final = 0.12 + 0.05
+_WALKED: Final = 1.8
+_SILL: Final = 0.45
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A rectangle that may be an opening, and what speaks for it: parts of it, from 0 to 1.
+
+    Attributes:
+        kind: What it may be.
+        where: Its cells.
+        label: Of the labelled returns, those that call it by its name.
+        hole: Of its cells, those where something lies behind the plane, or nothing returned.
+        recess: Of its cells, those where something lies behind the plane.
+        solid: Of its cells, those where the wall stands.
+        curtain: Of its cells, those before which a curtain hangs.
+        framed: Of the wall around it, what stands; the least of its sides.
+        threshold: Of its width, where floor was seen behind the plane.
+        leaf: How clearly a closed leaf and its frame stand out.
+    """
+
+    kind: Kind
+    where: Rectangle
+    label: float = 0.0
+    hole: float = 0.0
+    recess: float = 0.0
+    solid: float = 0.0
+    curtain: float = 0.0
+    framed: float = 0.0
+    threshold: float = 0.0
+    leaf: float = 0.0
+
+    @property
+    def width(self) -> float:
+        """Metres."""
+        return CELL * (self.where.right - self.where.left)
+
+    @property
+    def height(self) -> float:
+        """Metres."""
+        return CELL * (self.where.top - self.where.bottom)
+
+    @property
+    def sill(self) -> float:
+        """Height of its lower edge above the floor, metres."""
+        return CELL * self.where.bottom
+
+
+def hole_weights(grid: WallGrid) -> Array:
+    """(Z, X) what geometry says."""
+    weights = np.where(grid.solid, _SOLID, np.where(grid.recess, 1.0, grid.void))
+    unknown = ~grid.solid & ~grid.recess & (grid.void == 0)
+    return np.asarray(np.where(unknown, HIDDEN, weights))
+
+
+def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
+    """The rectangles with the most weight, one after the other, none over another.
+
+    Args:
+        weights: (Z, X) positive where an opening seems to be.
+        height: Lower rectangles are not asked for, metres.
+    """
+    weights = weights.copy()
+    for _ in range(_MOST):
+        found, value = _one(weights, max(1, round(height / CELL)))
+        if value * CELL**2 < _LEAST_AREA:
+            return
+        yield found
+        grown = Rectangle(
+            max(found.bottom - 2, 0), found.top + 2, max(found.left - 2, 0), found.right + 2
+        )
+        inside = weights[grown.rows, grown.columns]
+        np.minimum(inside, _SOLID, out=inside)
+
+
+def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
+    """The best rectangle, or the better one of two that hold more together."""
+    whole, value = _unparted(weights, least_rows)
+    found, most = (whole, value), value + _SECOND / CELL**2
+    for halves in _halves(whole, len(weights), least_rows):
+        pair = [_within(weights, half, least_rows) for half in halves]
+        together = sum(part for _, part in pair)
+        if together > most and _are_two(pair[0][0], pair[1][0], whole):
+            most, found = together, max(pair, key=lambda one: one[1])
+    return found
+
+
+def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rectangle, Rectangle]]:
+    """Where two rectangles may be: strips of a wall beside a cut, or parts above each other."""
+    least = round(_NARROWEST / CELL)
+    for column in range(whole.left + least, whole.right - least + 1, 2):
+        yield (
+            Rectangle(0, rows, whole.left, column),
+            Rectangle(0, rows, column, whole.right),
+        )
+    least = max(least, least_rows)
+    for row in range(whole.bottom + least, whole.top - least + 1, 2):
+        yield replace(whole, top=row), replace(whole, bottom=row)
+
+
+def _are_two(first: Rectangle, second: Rectangle, whole: Rectangle) -> bool:
+    if second.left < first.right:
+        return (second.bottom - first.top) * CELL >= _MULLION
+    beside = all(
+        min(one.top, whole.top) - max(one.bottom, whole.bottom) > (whole.top - whole.bottom) // 2
+        for one in (first, second)
+    )
+    return beside and (second.left - first.right) * CELL >= _MULLION
+
+
+def _within(weights: Array, half: Rectangle, least_rows: int) -> tuple[Rectangle, float]:
+    """The best rectangle in a part of the picture."""
+    found, value = best_rectangle(weights[half.rows, half.columns], least_rows)
+    low, left = half.bottom, half.left
+    moved = (found.bottom + low, found.top + low, found.left + left, found.right + left)
+    return Rectangle(*moved), value
+
+
+def _unparted(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
+    """The best rectangle that no piece of wall divides from its lower to its upper edge."""
+    share, width = _PARTING
+    tried = weights.copy()
+    while True:
+        found, value = best_rectangle(tried, least_rows)
+        standing = (weights[found.rows, found.columns] < -0.3).mean(axis=0) > share
+        runs, count = ndimage.label(standing)
+        lengths = np.bincount(runs)[1:] * CELL
+        broad = np.flatnonzero(lengths >= width) + 1
+        if value <= 0 or not count or not len(broad):
+            return found, value
+        columns = found.left + np.flatnonzero(np.isin(runs, broad))
+        tried[:, columns] = -1e3
+
+
+def measured(grid: WallGrid, kind: Kind, where: Rectangle) -> Proposal:
+    """What speaks for an opening at some place of a wall."""
+    solid, recess = grid.solid[where.rows, where.columns], grid.recess[where.rows, where.columns]
+    hole = np.maximum(recess, grid.void[where.rows, where.columns])
+    votes, curtain = 0.0, 0.0
+    if grid.labels:
+        named, labelled = (
+            float(counts[where.rows, where.columns].sum())
+            for counts in (grid.labels[LABELS[kind]], grid.labelled)
+        )
+        veil = (grid.labels[CURTAIN] + grid.labels[BLINDS])[where.rows, where.columns]
+        votes = named / max(labelled - float(veil.sum()), 1.0)
+        curtain = float((veil > 0).mean())
+    return Proposal(
+        kind,
+        where,
+        label=votes,
+        hole=float(hole.mean()),
+        recess=float(recess.mean()),
+        solid=float(solid.mean()),
+        curtain=curtain,
+        framed=_framed(grid, where, kind),
+        threshold=float(grid.threshold[where.columns].mean()),
+    )
+
+
+def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
+    strips = ring(grid.shape, where, round(_AROUND / CELL))
+    sides = ("left", "right", "top") + (("bottom",) if kind == "window" else ())
+    hidden = ~grid.solid & ~grid.recess & (grid.void == 0)
+    parts = []
+    for side in sides:
+        known = grid.solid + _MAY_STAND["top" if side == "top" else "beside"] * hidden
+        strip = strips.get(side)
+        parts.append(float(known[strip.rows, strip.columns].mean()) if strip else 0.0)
+    return min(parts)
+
+
+def kind_of(grid: WallGrid, where: Rectangle) -> Kind:
+    """Whether a hole is a door or a window, by where it ends below."""
+    sill, tall = where.bottom * CELL, (where.top - where.bottom) * CELL
+    walked = grid.threshold[where.columns].mean() > 0.5 and tall > _WALKED
+    if sill < _STEP or (sill < _THRESHOLD and walked):
+        return "door"
+    below = grid.solid[: where.bottom, where.columns]
+    return "window" if where.bottom * CELL >= _SILL or below.mean() > 0.5 else "door"

@@ -1,0 +1,232 @@
+"""A wall seen from inside as a picture: what returned from its plane, from behind it, and what not.
+
+Every wall has a frame of its own: x to the right along its inner face, y outwards, z up. Cells of
+the picture say how far the wall stands there, whether something behind its plane was seen, or
+whether the eyes looked through without any return; where furniture hides the wall they say nothing.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from openrooms_usd.scan.openings.wallfaces import WallFace, faces_of, nearest_walls
+from openrooms_usd.scan.openings.wallvoids import enclosed
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.sightlines import Sight
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Rows = NDArray[np.int64]
+
+CELL: Final = 0.025  # metres
+# A wall's returns lie so many deviations near to its plane, within these limits, metres.
+_ROUGH: Final = 4.0
+_ON: Final = (0.02, 0.045)
+# Relief is of what stands out so far, or lies so much deeper, metres.
+_RELIEF: Final = (0.045, 0.12)
+# A difference of 15 in 255 of a colour counts as a step of three millimetres.
+_TINT: Final = 0.003 / 15.0
+# The plane is refitted to returns up to this far from where it was thought to be.
+_FIT: Final = 0.12
+_FIT_ROUNDS: Final = 6
+# Cells with less than this part of the wall's usual number of returns are empty.
+_SPARSE: Final = 0.2
+# Scans are dense here and thin there: how far around a cell its usual number is asked, metres.
+_LOCAL: Final = 0.25
+# So many eyes that look through a cell make it sure that nothing is there.
+_SURE: Final = 3.0
+# Returns with labels count where they face across the wall up to 25 degrees.
+_FACING: Final = float(np.cos(np.radians(25.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class WallGrid:
+    """A wall's picture: rows from the floor upwards, columns to the right.
+
+    Attributes:
+        face: The wall.
+        solid: (Z, X) where the wall's face returned.
+        recess: (Z, X) where only what lies a few centimetres behind it did.
+        void: (Z, X) from 0 to 1, how sure it is that eyes looked through without a return.
+        relief: (Z, X) how far what returned stands out into the room, metres, relative to the
+            wall's plane; less than 0 where it lies deeper, NaN where nothing near did.
+        tint: (Z, X) what returned from the face along the colour in which the wall differs most,
+            in metres as if it were relief; NaN where nothing did or the scan has no colours.
+        labels: For each class asked for, (Z, X) the number of returns near the wall that have it.
+        labelled: (Z, X) the number of all returns near the wall that have a label.
+        threshold: (X,) whether floor was seen just behind the wall's plane.
+        deviation: How rough the wall's face is, metres.
+    """
+
+    face: WallFace
+    solid: Mask
+    recess: Mask
+    void: Array
+    relief: Array
+    tint: Array
+    labels: dict[int, Array]
+    labelled: Array
+    threshold: Mask
+    deviation: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.solid.shape[0], self.solid.shape[1]
+
+
+def wall_grids(
+    cloud: Cloud, corners: Array, height: float, classes: Sequence[int], sight: Sight
+) -> Iterator[WallGrid]:
+    """The pictures of a room's walls, one after the other.
+
+    Args:
+        cloud: In the level frame.
+        corners: (N, 2) counter-clockwise.
+        height: Of the walls, metres.
+        classes: Labels whose shares are asked for.
+        sight: What the eyes could see.
+    """
+    faces = faces_of(corners)
+    nearest = nearest_walls(cloud.points, corners, faces)
+    order = np.argsort(nearest, kind="stable")
+    ends = np.searchsorted(nearest[order], np.arange(len(faces) + 1))
+    for face, first, last in zip(faces, ends, ends[1:], strict=False):
+        if face.length > 4 * CELL:
+            yield _grid(cloud.take(order[first:last]), face, height, classes, sight)
+
+
+def _grid(
+    cloud: Cloud, face: WallFace, height: float, classes: Sequence[int], sight: Sight
+) -> WallGrid:
+    shape = (max(round(height / CELL), 8), max(round(face.length / CELL), 4))
+    x, y, z = face.from_level(cloud.points).T
+    inside = (x > 0) & (x < face.length) & (z > -0.1) & (z < height)
+    cloud, x, y, z = cloud.take(inside), x[inside], y[inside], z[inside]
+    plane, deviation = _plane(x, y, z)
+    y = y - plane[0] - plane[1] * x - plane[2] * z
+    cell = _cells(x, z, shape)
+    above = z > 0
+    inner = above & ~_other_side(cloud, face, y)
+    near = float(np.clip(_ROUGH * deviation, *_ON))
+    on, behind, before = above & (np.abs(y) < near), inner & (y >= near), above & (y <= -near)
+    counts = (_counted(cell[kind], shape) for kind in (on, behind, before))
+    solid, recess, covered = _layers(*counts)
+    face_like = inner & (y > -_RELIEF[0]) & (y < _RELIEF[1])
+    relief = _mean_depth(cell[face_like], -y[face_like], shape)
+    tint = _mean_depth(cell[on], _tints(cloud, on), shape)
+    labels, labelled = _label_counts(cloud, cell, above, y >= near, face, classes, shape)
+    floor = (np.abs(z) < 2 * CELL) & (y > 0.1)
+    threshold = _counted(cell[floor], shape).sum(axis=0) > 0
+    standing = solid | recess
+    seen = _seen_through(~(standing | covered), face, plane, sight)
+    void = np.where(enclosed(seen > 0, standing), seen, 0.0)
+    return WallGrid(face, solid, recess, void, relief, tint, labels, labelled, threshold, deviation)
+
+
+def _mean_depth(cells: Rows, values: Array, shape: tuple[int, int]) -> Array:
+    counts = _counted(cells, shape)
+    total = np.bincount(cells, values, shape[0] * shape[1]).reshape(shape)
+    return np.where(counts > 0, total / np.maximum(counts, 1), np.nan)
+
+
+def _tints(cloud: Cloud, on: Mask) -> Array:
+    """Colours of a wall's returns along their principal axis."""
+    if cloud.colors is None or not on.any():
+        return np.full(int(on.sum()), np.nan)
+    colors = cloud.colors[on].astype(np.float64)
+    colors -= colors.mean(axis=0)
+    axis = np.linalg.eigh(colors.T @ colors)[1][:, -1]
+    return np.asarray(_TINT * (colors @ (axis if axis.sum() >= 0 else -axis)))
+
+
+def _other_side(cloud: Cloud, face: WallFace, y: Array) -> Mask:
+    """Which returns are of a wall's other face, seen from another room."""
+    if cloud.normals is None:
+        return np.zeros(len(y), dtype=np.bool_)
+    return np.asarray((y > _ON[1]) & (cloud.normals[:, :2] @ face.outward > 0.7))
+
+
+def _layers(standing: Array, opened: Array, hidden: Array) -> tuple[Mask, Mask, Mask]:
+    """Where the face returned, only what is behind it, and only what is before it."""
+    on, behind, before = (
+        ndimage.uniform_filter(counts, 3, mode="nearest") for counts in (standing, opened, hidden)
+    )
+    usual = usual_counts(standing, on)
+    present = on + behind > _SPARSE * usual
+    solid = present & ((on > behind) | (on > 0.5 * usual))
+    return solid, present & ~solid, ~present & (before > _SPARSE * usual)
+
+
+def usual_counts(counts: Array, smooth: Array) -> Array:
+    """How many returns a cell has around each place, where it has any.
+
+    Args:
+        counts: (Z, X) returns of each cell.
+        smooth: (Z, X) their means over neighbours.
+    """
+    some = counts > 0
+    if not some.any():
+        return np.ones(counts.shape)
+    total, cells = (
+        ndimage.gaussian_filter(part, _LOCAL / CELL, mode="nearest")
+        for part in (counts, some.astype(np.float64))
+    )
+    here = total / np.maximum(cells, 1e-3)
+    return np.asarray(np.clip(here, 0.5, max(0.5, float(np.median(smooth[some])))))
+
+
+def _plane(x: Array, y: Array, z: Array) -> tuple[Array, float]:
+    """(3,) y = p0 + p1 x + p2 z through most of a wall's returns, and their deviation from it."""
+    near = np.flatnonzero(np.abs(y) < _FIT)[:: max(1, len(y) // 20_000)]
+    columns = np.column_stack([np.ones(len(near)), x[near], z[near]])
+    plane, scale = np.zeros(3), _FIT
+    if len(near) < 50:
+        return plane, 0.0
+    for _ in range(_FIT_ROUNDS):
+        away = y[near] - columns @ plane
+        weight = np.maximum(1.0 - (away / (3.0 * scale)) ** 2, 0.0) ** 2
+        normal = columns.T @ (columns * weight[:, None]) + 1e-6 * np.eye(3)
+        plane = np.linalg.solve(normal, columns.T @ (weight * y[near]))
+        rest = np.abs(y[near] - columns @ plane)
+        scale = max(1.4826 * float(np.median(rest)), 0.004)
+    return plane, scale
+
+
+def _cells(x: Array, z: Array, shape: tuple[int, int]) -> Rows:
+    row = np.clip((z / CELL).astype(np.int64), 0, shape[0] - 1)
+    return row * shape[1] + np.clip((x / CELL).astype(np.int64), 0, shape[1] - 1)
+
+
+def _counted(cells: Rows, shape: tuple[int, int]) -> Array:
+    return np.bincount(cells, minlength=shape[0] * shape[1]).reshape(shape).astype(np.float64)
+
+
+def _label_counts(
+    cloud: Cloud, cell: Rows, above: Mask, behind: Mask, face: WallFace,
+    classes: Sequence[int], shape: tuple[int, int],
+) -> tuple[dict[int, Array], Array]:  # fmt: skip
+    """Votes of the returns that face across the wall, and of the sides of holes in it."""
+    if cloud.label is None:
+        return {}, np.zeros(shape)
+    if cloud.normals is not None:
+        above = above & (behind | (np.abs(cloud.normals[:, :2] @ face.outward) > _FACING))
+    cell, label = cell[above], cloud.label[above]
+    counts = {number: _counted(cell[label == number], shape) for number in classes}
+    return counts, _counted(cell[label > 0], shape)
+
+
+def _seen_through(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) -> Array:
+    """(Z, X) how sure it is that eyes looked at a cell; asked for every second row and column."""
+    rows, columns = np.nonzero(open_cells[::2, ::2])
+    x, z = (2 * columns + 1.0) * CELL, (2 * rows + 1.0) * CELL
+    places = face.to_level(np.column_stack([x, plane[0] + plane[1] * x + plane[2] * z, z]))
+    seen = np.zeros(open_cells[::2, ::2].shape)
+    eyes = sight.eyes_on(places, np.append(face.outward, 0.0))
+    seen[rows, columns] = np.minimum(eyes / _SURE, 1.0)
+    whole = np.repeat(np.repeat(seen, 2, axis=0), 2, axis=1)[: len(open_cells)]
+    return np.where(open_cells, whole[:, : open_cells.shape[1]], 0.0)

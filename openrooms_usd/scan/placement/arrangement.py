@@ -1,0 +1,138 @@
+"""Objects while they are put in order: where each one stands, and what moved it there."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.placement.bodies import Body, solid
+from openrooms_usd.scan.placement.enclosure import Enclosure
+from openrooms_usd.scan.placement.support import Support, is_rug
+from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
+
+Array = NDArray[np.float64]
+
+# Around objects that no room was found for, metres.
+_OPEN = 1000.0
+
+
+@dataclass(eq=False)
+class Arrangement:
+    """The state of a placement; rows are objects.
+
+    Attributes:
+        objects: As measured.
+        bodies: As they stand now.
+        motions: (4, 4) each, rigid: from where an object was measured to where it stands.
+        rooms: What encloses each.
+        given: What is known to carry some, by rows.
+        supports: What carries each, once that is known.
+        notes: What people should know, one sentence each.
+    """
+
+    objects: Sequence[FoundObject]
+    bodies: list[Body]
+    motions: list[Array]
+    rooms: list[Enclosure]
+    given: Mapping[int, Support] = field(default_factory=dict)
+    supports: list[Support] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.objects)
+
+    def has_moved(self, row: int) -> bool:
+        """Whether anything moved an object."""
+        return not np.array_equal(self.motions[row], np.eye(4))
+
+    def shift(self, row: int, by: Array) -> None:
+        """Move one object by (3,), metres."""
+        self.bodies[row] = self.bodies[row].moved(by)
+        motion = np.eye(4)
+        motion[:3, 3] = by
+        self.motions[row] = motion @ self.motions[row]
+
+    def turn(self, row: int, rotation: Array) -> None:
+        """Turn one object about its middle by (3, 3)."""
+        body = self.bodies[row]
+        motion = about(rotation, 0.5 * (body.low + body.high))
+        self.bodies[row] = body.turned(rotation)
+        self.motions[row] = motion @ self.motions[row]
+
+    def carrier(self, row: int) -> int:
+        """The row of the object that takes another one along; -1: none, as a rug does not."""
+        under = self.supports[row].number
+        return -1 if under < 0 or is_rug(self.bodies[under], self.rooms[under].floor) else under
+
+    def carried(self, row: int) -> Iterator[int]:
+        """The rows of what goes along with an object, and with that, and so on."""
+        for other in range(len(self.supports)):
+            if self.carrier(other) == row:
+                yield other
+                yield from self.carried(other)
+
+    def ancestry(self) -> Array:
+        """(N, N) 1 where the object of the row moves with that of the column, itself included."""
+        found = np.eye(len(self))
+        for row in range(len(self)):
+            for other in self.carried(row):
+                found[other, row] = 1.0
+        return found
+
+
+def arranged(
+    objects: Sequence[FoundObject], models: Mapping[str, CadModel], rooms: Sequence[FoundRoom]
+) -> Arrangement:
+    """Objects as they were measured."""
+    bodies = [_body(found, models[found.cad]) for found in objects]
+    enclosures = [_enclosure(room) for room in rooms] or [_nowhere()]
+    homes = [
+        min(enclosures, key=lambda room: room.distance(0.5 * (body.low + body.high)[:2]))
+        for body in bodies
+    ]
+    return Arrangement(objects, bodies, [np.eye(4) for _ in bodies], homes)
+
+
+def _body(found: FoundObject, model: CadModel) -> Body:
+    turn = rotation_of(found.pose)
+    points = (model.vertices * found.pose.scale) @ turn.T + found.pose.translation
+    # The two axes of the CAD that lie most nearly level.
+    level = np.delete(turn.T, int(np.argmax(np.abs(turn[2]))), axis=0)[:, :2]
+    return Body(solid(points, model.faces), level / np.linalg.norm(level, axis=1, keepdims=True))
+
+
+def _enclosure(room: FoundRoom) -> Enclosure:
+    floor = float(room.point[2])
+    return Enclosure(room.corners[:, :2], floor, room.ceiling and floor + room.ceiling)
+
+
+def _nowhere() -> Enclosure:
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return Enclosure(_OPEN * square, 0.0, None)
+
+
+def about(rotation: Array, point: Array) -> Array:
+    """(4, 4) a rotation (3, 3) about a point (3,)."""
+    motion = np.eye(4)
+    motion[:3, :3] = rotation
+    motion[:3, 3] = point - rotation @ point
+    return motion
+
+
+def rotation_of(pose: Pose) -> Array:
+    """(3, 3) the rotation of a pose."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_quat(pose.rotation, scalar_first=True).as_matrix())
+
+
+def posed(pose: Pose, motion: Array) -> Pose:
+    """A pose after a rigid motion (4, 4), its scale unchanged."""
+    from scipy.spatial.transform import Rotation
+
+    turned = motion[:3, :3] @ rotation_of(pose)
+    rotation = Rotation.from_matrix(turned).as_quat(canonical=True, scalar_first=True)
+    translation = motion[:3, :3] @ pose.translation + motion[:3, 3]
+    return Pose(translation, np.asarray(rotation), pose.scale)

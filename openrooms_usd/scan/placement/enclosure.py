@@ -1,0 +1,173 @@
+"""The walls, floor and ceiling around objects: how far something reaches beyond them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.polygons import turns
+from openrooms_usd.scan.placement.bodies import Body, yaw
+
+Array = NDArray[np.float64]
+
+# Walls further away than this do not matter to an object, metres.
+_NEAR: Final = 0.3
+# A corner that sticks into the room is seen by points this close along edges, metres.
+_STEP: Final = 0.004
+_INSIDE: Final = 2e-4
+_LOST: Final = 0.4
+# What would still be outside by more than this, metres, has nothing to gain by moving.
+_HOPELESS: Final = 0.1
+
+
+@dataclass(frozen=True)
+class Facing:
+    """The wall that a body stands before.
+
+    Attributes:
+        wall: Its number.
+        gap: Between them, metres; negative where the body is in it.
+        angle: By which the body must turn to stand parallel to it, radians.
+    """
+
+    wall: int
+    gap: float
+    angle: float
+
+
+@dataclass(frozen=True, eq=False)
+class Enclosure:
+    """A room without its openings.
+
+    Attributes:
+        corners: (N, 2) counter-clockwise, metres.
+        floor: Its height, metres.
+        ceiling: Its height; None where it is not known.
+    """
+
+    corners: Array
+    floor: float
+    ceiling: float | None
+
+    @cached_property
+    def inward(self) -> Array:
+        """(N, 2) unit normals of the walls, into the room."""
+        along = np.roll(self.corners, -1, axis=0) - self.corners
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        return np.stack([-along[:, 1], along[:, 0]], axis=1)
+
+    @cached_property
+    def _lengths(self) -> Array:
+        return np.asarray(np.linalg.norm(np.roll(self.corners, -1, axis=0) - self.corners, axis=1))
+
+    @cached_property
+    def _polygon(self) -> Any:
+        import shapely
+
+        polygon = shapely.Polygon(self.corners)
+        shapely.prepare(polygon)
+        return polygon
+
+    def distance(self, point: Array) -> float:
+        """Of a point (2,) to the room, metres; 0 within it."""
+        return float(self.beyond(point[None])[0])
+
+    def beyond(self, points: Array) -> Array:
+        """(P,) how far points (P, 2) are outside, metres; 0 inside."""
+        import shapely
+
+        return np.asarray(shapely.distance(self._polygon, shapely.points(points)))
+
+    def footprint(self, body: Body) -> Array:
+        """(P, 2) points of a body's plan that tell how far it reaches beyond the walls.
+
+        The corners of its convex hull, unless a corner of the room may stick into it.
+        """
+        reflex = self.corners[turns(self.corners) < 0.0]
+        low, high = body.low[:2] - _NEAR, body.high[:2] + _NEAR
+        reflex = reflex[((reflex > low) & (reflex < high)).all(axis=1)]
+        return _dense(body.triangles[..., :2], reflex) if len(reflex) else body.outline
+
+    def leave(self, points: Array) -> dict[int, float]:
+        """The walls that points (P, 2) must come out of, and how far, by the least motion.
+
+        Outside a reflex corner one of its two walls is enough; in other corners both are needed.
+        What is more than 0.4 m beyond walls is not brought back, nor is what does not fit.
+        """
+        out = points[self.beyond(points) > _INSIDE]
+        if not len(out):
+            return {}
+        depth = np.einsum("ij,ij->i", self.inward, self.corners)[:, None] - self.inward @ out.T
+        along = self._along(out)
+        close = (depth > 0) & (along > -_NEAR) & (along < self._lengths[:, None] + _NEAR)
+        walls = np.flatnonzero(close.any(axis=1)).tolist()
+        choices = [*combinations(walls, 1), *combinations(walls, 2)]
+        ways = [self._way(choice, depth, points) for choice in choices]
+        ways = [w for w in ways if max(w[0].values()) < _LOST and w[1] < _HOPELESS]
+        # What is still outside afterwards counts more than the length of the way.
+        return min(ways, key=lambda way: (round(way[1], 3), way[2]), default=({}, 0.0, 0.0))[0]
+
+    def _way(
+        self, walls: Sequence[int], depth: Array, points: Array
+    ) -> tuple[dict[int, float], float, float]:
+        """How far out of each wall, what is outside after that, and the length of the motion."""
+        needed = np.maximum(depth[list(walls)].max(axis=1), 0.0)
+        motion = np.linalg.lstsq(self.inward[list(walls)], needed, rcond=None)[0]
+        left = float(self.beyond(points + (1.0 + 1e-9) * motion).max())
+        found = dict(zip(walls, needed.tolist(), strict=True))
+        return found, max(0.0, left - _INSIDE), float(np.linalg.norm(motion))
+
+    def gaps(self, points: Array) -> dict[int, float]:
+        """Metres between points (P, 2) and the walls close to them that they stand before."""
+        height = self.inward @ points.T
+        height -= np.einsum("ij,ij->i", self.inward, self.corners)[:, None]
+        along = self._along(points)
+        before = (along > 0.0) & (along < self._lengths[:, None])
+        gap = np.where(before, height, np.inf).min(axis=1)
+        return {i: float(gap[i]) for i in np.flatnonzero((gap < _NEAR) & (gap > -1e-3)).tolist()}
+
+    def _along(self, points: Array) -> Array:
+        """(N, P) how far along each wall the foot of each point is, metres."""
+        way = np.roll(self.corners, -1, axis=0) - self.corners
+        way /= self._lengths[:, None]
+        return np.asarray(way @ points.T - np.einsum("ij,ij->i", way, self.corners)[:, None])
+
+    def facing(self, body: Body, reach: float = _NEAR) -> Facing | None:
+        """The nearest wall that a body's middle lies before; None where none is within reach."""
+        middle = 0.5 * (body.low + body.high)[None, :2]
+        along, best = self._along(middle)[:, 0], None
+        for wall in np.flatnonzero((along > 0.0) & (along < self._lengths)).tolist():
+            angle = _parallel(body.axes, self.inward[wall])
+            points = (body.outline - middle) @ yaw(angle)[:2, :2].T + middle
+            gap = float(((points - self.corners[wall]) @ self.inward[wall]).min())
+            if abs(gap) < reach and (best is None or abs(gap) < abs(best.gap)):
+                best = Facing(wall, gap, angle)
+        return best
+
+
+def _parallel(axes: Array, normal: Array) -> float:
+    """The least turn after which one of some axes points along a normal, either way; radians."""
+    angle = np.arctan2(normal[1], normal[0]) - np.arctan2(axes[0, 1], axes[0, 0])
+    quarter = 0.5 * np.pi
+    return float(angle - quarter * np.round(angle / quarter))
+
+
+def _dense(plan: Array, reflex: Array) -> Array:
+    """(P, 2) the corners of triangles, and points on their edges near some corners of the room."""
+    start, end = plan.reshape(-1, 2), np.roll(plan, -1, axis=1).reshape(-1, 2)
+    low, high = np.minimum(start, end)[:, None], np.maximum(start, end)[:, None]
+    around = (low < reflex + _NEAR) & (high > reflex - _NEAR)
+    close = np.any(np.all(around, axis=2), axis=1)
+    start, way = start[close], (end - start)[close]
+    counts = np.ceil(np.linalg.norm(way, axis=1) / _STEP).astype(np.int64)
+    row = np.repeat(np.arange(len(start)), counts)
+    number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+    points = start[row] + (number / np.maximum(counts[row], 1))[:, None] * way[row]
+    points = np.concatenate([plan.reshape(-1, 2), points])
+    _, kept = np.unique(np.round(points / (0.5 * _STEP)).astype(np.int64) @ [1 << 32, 1],
+                        return_index=True)  # fmt: skip
+    return np.asarray(points[np.sort(kept)])

@@ -1,0 +1,152 @@
+"""How deep two bodies reach into each other, and which way out is the shortest.
+
+The depth along a direction is the least shift along it that sets the bodies free (translational
+penetration depth); the depth of a pair is the least over its directions: those of both bodies'
+sides, and up and down. It is measured on the meshes by the chords of common lines.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.placement.bodies import Body
+from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
+
+Array = NDArray[np.float64]
+
+LINES: Final = 2000
+FINE: Final = 8000
+# A gap that is narrower than this is no way out, metres.
+_SLOT: Final = 0.002
+# Nothing is moved as far as this, metres: what is deeper is only known to be.
+_FAR: Final = 0.6
+# Directions nearer to each other than this count once (cosine of 5 degrees).
+_SAME: Final = 0.9962
+
+
+@dataclass(frozen=True, eq=False)
+class Penetration:
+    """Two bodies that overlap.
+
+    Attributes:
+        depth: The least shift that frees them, metres.
+        ways: Horizontal unit directions (2,) in which the first could leave, and how far, metres.
+    """
+
+    depth: float
+    ways: tuple[tuple[Array, float], ...]
+
+
+def near(a: Body, b: Body, gap: float = 0.0) -> bool:
+    """Whether the boxes around two bodies overlap by more than a negative gap, metres."""
+    return bool((a.low < b.high + gap).all() and (b.low < a.high + gap).all())
+
+
+def penetration(a: Body, b: Body, tolerance: float, lines: int = LINES) -> Penetration | None:
+    """How two bodies overlap; None where that is by less than the tolerance.
+
+    Args:
+        a: A body.
+        b: Another one.
+        tolerance: Metres.
+        lines: How many are drawn through where they may overlap, for each direction.
+    """
+    if not near(a, b, -tolerance):
+        return None
+    ways: list[tuple[Array, float]] = []
+    depth = np.inf
+    for direction in directions(a, b):
+        back, ahead = exits(a, b, _frame(direction), lines)
+        depth = min(depth, back, ahead)
+        if depth <= tolerance:
+            return None
+        ways += [(direction, ahead), (-direction, back)]
+    below, above = exits(a, b, np.roll(np.eye(3), 1, axis=0), lines)
+    depth = min(depth, below, above)
+    return Penetration(depth, tuple(ways)) if depth > tolerance else None
+
+
+def exits(a: Body, b: Body, axes: Array, lines: int = LINES) -> tuple[float, float]:
+    """How far the first body has to go back, or ahead, until the two are free.
+
+    Args:
+        a: The body that moves.
+        b: The other one.
+        axes: (3, 3) rows: the direction, and two that are perpendicular to it.
+        lines: How many are drawn.
+
+    Returns:
+        Metres, both 0 where the bodies do not overlap.
+    """
+    begin, end = _merged(*_blocked(a, b, axes, lines))
+    around = (begin < 0.0) & (end > 0.0)
+    return (float(-begin[around][0]), float(end[around][0])) if around.any() else (0.0, 0.0)
+
+
+def gaps(a: Body, b: Body, direction: Array, lines: int = LINES) -> tuple[float, float]:
+    """How far the first body can go back, or ahead, in the plan before it meets the other.
+
+    Args:
+        a: The body that moves.
+        b: The other one; it does not overlap the first.
+        direction: (2,) unit.
+        lines: How many are drawn.
+
+    Returns:
+        Metres; infinite where they do not meet.
+    """
+    begin, end = _merged(*_blocked(a, b, _frame(direction), lines))
+    middle = 0.5 * (begin + end)
+    back, ahead = -end[middle < 0.0].max(initial=-np.inf), begin[middle > 0.0].min(initial=np.inf)
+    return max(float(back), 0.0), max(float(ahead), 0.0)
+
+
+def directions(a: Body, b: Body) -> list[Array]:
+    """Horizontal unit directions (2,) of the sides of two bodies, each once, the likely first."""
+    found: list[Array] = []
+    overlap = np.minimum(a.high, b.high)[:2] - np.maximum(a.low, b.low)[:2]
+    # The narrow way first: it is the likely way out, and asks for the fewest lines.
+    for direction in sorted([*a.axes, *b.axes], key=lambda d: float(np.abs(d) @ overlap)):
+        if all(abs(float(direction @ other)) < _SAME for other in found):
+            found.append(direction)
+    return found
+
+
+def _frame(direction: Array) -> Array:
+    x, y = direction
+    return np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _blocked(a: Body, b: Body, axes: Array, lines: int) -> tuple[Array, Array]:
+    """Where each shift of the first body begins and ends that makes some chords overlap."""
+    mine, theirs = a.triangles @ axes.T, b.triangles @ axes.T
+    low = np.maximum(mine.min(axis=(0, 1)), theirs.min(axis=(0, 1)))[1:]
+    high = np.minimum(mine.max(axis=(0, 1)), theirs.max(axis=(0, 1)))[1:]
+    if (high <= low).any():
+        return np.zeros(0), np.zeros(0)
+    lattice = Lattice.over(low, high, lines)
+    return _shifts(chords(mine, lattice), chords(theirs, lattice))
+
+
+def _shifts(a: Chords, b: Chords) -> tuple[Array, Array]:
+    if not len(a.line) or not len(b.line):
+        return np.zeros(0), np.zeros(0)
+    a = a.within(b.low.min() - _FAR, b.high.max() + _FAR)
+    b = b.within(a.low.min(initial=0.0) - _FAR, a.high.max(initial=0.0) + _FAR)
+    i, j = paired(a, b)
+    begin, end = b.low[j] - a.high[i], b.high[j] - a.low[i]
+    matters = (begin < _FAR) & (end > -_FAR)
+    return begin[matters], end[matters]
+
+
+def _merged(begin: Array, end: Array) -> tuple[Array, Array]:
+    """The union of intervals, without slots too narrow to be a way out."""
+    if not len(begin):
+        return begin, end
+    order = np.argsort(begin, kind="stable")
+    begin, reach = begin[order], np.maximum.accumulate(end[order])
+    # A new group begins where an interval starts beyond everything before it.
+    starts = np.flatnonzero(np.append(True, begin[1:] > reach[:-1] + _SLOT))
+    return begin[starts], reach[np.append(starts[1:], len(begin)) - 1]

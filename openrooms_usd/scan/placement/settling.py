@@ -1,0 +1,186 @@
+"""Objects upright, on what carries them, and flat against the walls that they reach into."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.placement.arrangement import Arrangement
+from openrooms_usd.scan.placement.bodies import Body, yaw
+from openrooms_usd.scan.placement.enclosure import Enclosure
+from openrooms_usd.scan.placement.penetration import near
+from openrooms_usd.scan.placement.support import (
+    CEILING,
+    DEEP,
+    FARTHEST,
+    FLOATING,
+    FLOOR,
+    OBJECT,
+    SUNK,
+    WALL,
+    Support,
+    is_rug,
+    order,
+    rest,
+    support_of,
+)
+
+Array = NDArray[np.float64]
+
+# What leans by more than this was put so, degrees; by less than that it is upright.
+_LEANING: Final = 15.0
+_UPRIGHT: Final = 0.02
+# What turns by more than this was not meant to stand along the wall, degrees.
+_ALONG: Final = 10.0
+_STRAIGHT: Final = 0.05
+# This part of an object's base on another one is left as it is; what is moved gets the other one.
+_ENOUGH: Final = 0.4
+_STABLE: Final = 0.6
+# How far it is moved for that, metres: as little as is enough.
+_STEPS: Final = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1)
+# Less than this is no gap, metres.
+_TOUCHING: Final = 0.002
+_DOWN: Final = np.array([0.0, 0.0, -1.0])
+
+
+def set_upright(state: Arrangement) -> None:
+    """Turn what is tilted about its middle by the least angle, unless it leans on purpose."""
+    for row, found in enumerate(state.objects):
+        rotation, angle = _righted(state, row)
+        if angle > _LEANING:
+            state.notes.append(f"instance {found.instance} leans by {angle:.0f} degrees")
+        elif angle > _UPRIGHT:
+            state.turn(row, rotation)
+
+
+def _righted(state: Arrangement, row: int) -> tuple[Array, float]:
+    """The least rotation (3, 3) that turns an object's nearly vertical axis up, and its degrees."""
+    from scipy.spatial.transform import Rotation
+
+    from openrooms_usd.scan.placement.arrangement import rotation_of
+
+    axes = rotation_of(state.objects[row].pose)
+    column = int(np.argmax(np.abs(axes[2])))
+    up = axes[:, column] * np.sign(axes[2, column])
+    axis = np.array([up[1], -up[0], 0.0])
+    angle = float(np.arctan2(np.linalg.norm(axis), up[2]))
+    length = np.linalg.norm(axis)
+    turn = Rotation.from_rotvec(axis / max(float(length), 1e-300) * angle)
+    return np.asarray(turn.as_matrix()), float(np.degrees(angle))
+
+
+def find_supports(state: Arrangement) -> None:
+    """Find what carries each object, and put it there exactly, what is below before the rest."""
+    state.supports = [Support("nothing")] * len(state)
+    done: list[int] = []
+    for row in _carriers_first(state):
+        state.supports[row] = state.given.get(row) or _found(state, row, done)
+        if state.supports[row].kind in (OBJECT, "nothing"):
+            _bring_over(state, row, done)
+        lower(state, row)
+        done.append(row)
+
+
+def _found(state: Arrangement, row: int, below: Sequence[int]) -> Support:
+    category, room = state.objects[row].category, state.rooms[row]
+    return support_of(row, category, state.bodies, below, room)
+
+
+def _carriers_first(state: Arrangement) -> list[int]:
+    """All rows from below, but what is known to carry others before these."""
+    rows: dict[int, None] = {}
+    for row in order(state.bodies, [room.floor for room in state.rooms]):
+        chain = [row]
+        while (under := state.given.get(chain[-1], Support("nothing")).number) >= 0:
+            chain.append(under)
+        rows |= dict.fromkeys(reversed(chain))
+    return list(rows)
+
+
+def _bring_over(state: Arrangement, row: int, below: Sequence[int]) -> None:
+    """Move what hangs over an edge, or stands just beside what should carry it, onto that."""
+    body, support = state.bodies[row], state.supports[row]
+    for other in [support.number] if support.number >= 0 else below:
+        under = state.bodies[other]
+        way = 0.5 * (under.low + under.high - body.low - body.high)[:2]
+        if not near(body, under, FLOATING) or is_rug(under, state.rooms[row].floor):
+            continue
+        length = float(np.linalg.norm(way))
+        for step in _STEPS:
+            nudge = min(1.0, step / max(length, 1e-9)) * way
+            there = rest(body.moved(np.append(nudge, 0.0)), under)
+            if (
+                there is not None
+                and there.gap < FLOATING
+                and there.share > (_STABLE if step else _ENOUGH)
+            ):
+                state.supports[row] = Support(OBJECT, other)
+                if step > 0.0:
+                    state.shift(row, np.append(nudge, 0.0))
+                return
+
+
+def settle_again(state: Arrangement) -> None:
+    """Put every object on what carries it, or on something else where it was moved off that."""
+    done: list[int] = []
+    for row in _carriers_first(state):
+        on_object = state.supports[row].kind == OBJECT and row not in state.given
+        if on_object and gap_below(state, row) is None:
+            state.supports[row] = _found(state, row, done)
+        lower(state, row)
+        done.append(row)
+
+
+def lower(state: Arrangement, row: int) -> None:
+    """Move an object up or down until it touches what carries it.
+
+    What is far below the ceiling hangs on something that its CAD does not have: it stays.
+    """
+    gap = gap_below(state, row)
+    if gap is None or abs(gap) <= (0.0 if state.has_moved(row) else _TOUCHING):
+        return
+    if state.supports[row].kind != CEILING or abs(gap) < FARTHEST or row in state.given:
+        state.shift(row, gap * _DOWN)
+
+
+def gap_below(state: Arrangement, row: int) -> float | None:
+    """Metres that an object must sink to touch what carries it; None where that is no question."""
+    body, room, support = state.bodies[row], state.rooms[row], state.supports[row]
+    if support.kind == FLOOR:
+        return float(body.low[2] - room.floor)
+    if support.kind == CEILING:
+        return None if room.ceiling is None else float(body.high[2] - room.ceiling)
+    if support.kind == OBJECT:
+        under = state.bodies[support.number]
+        depths = (SUNK, DEEP, np.inf) if row in state.given else (SUNK, DEEP)
+        found = [there.gap for sunk in depths if (there := rest(body, under, sunk=sunk))]
+        return min(found, key=abs, default=None)
+    return None
+
+
+def lay_along_walls(state: Arrangement) -> None:
+    """Turn what reaches into a wall at a small angle along it; hang on it what belongs there."""
+    for row in range(len(state)):
+        room, hangs = state.rooms[row], state.supports[row].kind == WALL
+        facing = room.facing(state.bodies[row])
+        if facing is None or abs(np.degrees(facing.angle)) > _ALONG:
+            continue
+        if abs(np.degrees(facing.angle)) > _STRAIGHT and (
+            hangs or _reaches(state.bodies[row], room)
+        ):
+            round_ = state.objects[row].symmetry == "inf"
+            if not round_:
+                state.turn(row, yaw(facing.angle))
+        if hangs and abs(facing.gap) > _TOUCHING:
+            _carry(state, row, -facing.gap * room.inward[facing.wall])
+
+
+def _reaches(body: Body, room: Enclosure) -> bool:
+    return bool(room.beyond(room.footprint(body)).max() > _TOUCHING)
+
+
+def _carry(state: Arrangement, row: int, motion: Array) -> None:
+    """Move an object in the plan, and all that stands on it."""
+    for each in (row, *state.carried(row)):
+        state.shift(each, np.append(motion, 0.0))

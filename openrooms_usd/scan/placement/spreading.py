@@ -1,0 +1,218 @@
+"""Objects moved apart and out of walls in the plan, by the least motion."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.placement.arrangement import Arrangement
+from openrooms_usd.scan.placement.bodies import Body
+from openrooms_usd.scan.placement.least_motion import Condition, least_motion
+from openrooms_usd.scan.placement.penetration import (
+    FINE,
+    LINES,
+    Penetration,
+    directions,
+    gaps,
+    near,
+    penetration,
+)
+from openrooms_usd.scan.placement.support import WALL
+
+Array = NDArray[np.float64]
+Pair: TypeAlias = tuple[int, int]
+Walls: TypeAlias = list[dict[int, float]]
+
+# Overlaps up to this are left alone, metres.
+TOLERANCE: Final = 0.002
+# What is moved apart keeps this between, metres.
+_CLEARANCE: Final = 0.0005
+_ROUNDS: Final = 16
+# A way that has been tried and did not free a pair counts as longer by this, metres.
+_TRIED: Final = 0.01
+# What is left of a way that is not given up, metres; and what is the same way (a cosine).
+_NEARLY: Final = 0.015
+_ONWARD: Final = 0.999
+# How much conditions give way: walls least, then how far objects may go, then other objects.
+_WALL_SOFTNESS: Final = 1e-7
+_REACH_SOFTNESS: Final = 1e-6
+_PAIR_SOFTNESS: Final = 1e-5
+_CONTACT_SOFTNESS: Final = 1.0
+# Bodies nearer than this touch, metres.
+_CONTACT: Final = 0.004
+# Another state is better if that much less overlaps, metres.
+_BETTER: Final = 1e-4
+_SAME_PLACE: Final = 1e-6
+
+
+@dataclass(eq=False)
+class Spread:
+    """Moves objects in the plan, round by round.
+
+    Attributes:
+        state: The objects as they stand before.
+        reach: How far each may go by itself, metres.
+    """
+
+    state: Arrangement
+    reach: float
+    _pairs: dict[Pair, Condition] = field(default_factory=dict)
+    _touching: dict[Pair, Condition] = field(default_factory=dict)
+    _tried: Counter[tuple[Pair, int]] = field(default_factory=Counter)
+    _known: dict[tuple[Pair, int], tuple[Array, Penetration | None]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._footprints = [
+            room.footprint(body)
+            for room, body in zip(self.state.rooms, self.state.bodies, strict=True)
+        ]
+        self._ancestry = self.state.ancestry()
+        self._carrier = [self.state.carrier(row) for row in range(len(self.state))]
+        self._stuck = [
+            bool(room.beyond(points).max() > TOLERANCE and not room.leave(points))
+            for room, points in zip(self.state.rooms, self._footprints, strict=True)
+        ]
+        self._out = [0.0] * len(self.state)
+        self._weights = np.array([_weight(self.state, row) for row in range(len(self.state))])
+
+    def run(self) -> Array:
+        """(N, 2) how far each object goes, with what carries it: the best that was found."""
+        place = best = np.zeros((len(self.state), 2))
+        lines, least = LINES, np.inf
+        for _ in range(_ROUNDS):
+            pairs, walls = self._overlaps(place, lines), self._beyond(place)
+            if not pairs and not any(walls) and lines == LINES:
+                # What few lines missed, more may find.
+                lines = FINE
+                pairs = self._overlaps(place, lines)
+            left = sum(found.depth for found in pairs.values())
+            left += sum(max(way.values()) for way in walls if way)
+            if left < least - _BETTER:
+                best, least = place, left
+            if left == 0.0:
+                break
+            self._pairs |= {pair: self._parted(pair, pairs[pair], place) for pair in pairs}
+            place = self._moved(place, walls)
+        return best
+
+    def _moved(self, place: Array, walls: Walls) -> Array:
+        conditions = [*self._pairs.values(), *self._enclosing(place, walls), *self._limits(walls)]
+        own = least_motion(self._weights, self._ancestry, [*conditions, *self._touching.values()])
+        parted = self._contacts(self._ancestry @ own)
+        if parted:
+            self._touching |= parted
+            conditions += self._touching.values()
+            own = least_motion(self._weights, self._ancestry, conditions)
+        return np.asarray(self._ancestry @ own)
+
+    def _beyond(self, place: Array) -> Walls:
+        """For each object the walls that it must come out of, and how far."""
+        found = []
+        for room, points, shift in zip(self.state.rooms, self._footprints, place, strict=True):
+            way = room.leave(points + shift)
+            found.append(way if max(way.values(), default=0.0) > TOLERANCE else {})
+        return found
+
+    def _overlaps(self, place: Array, lines: int) -> dict[Pair, Penetration]:
+        bodies = [
+            body.moved(np.append(shift, 0.0))
+            for body, shift in zip(self.state.bodies, place, strict=True)
+        ]
+        found = {}
+        for pair in combinations(range(len(bodies)), 2):
+            a, b = (bodies[row] for row in pair)
+            # What cannot come into its room is no reason to move what is in it.
+            if near(a, b, -TOLERANCE) and not (self._stuck[pair[0]] or self._stuck[pair[1]]):
+                overlap = self._overlap((pair, lines), a, b, place[pair[0]] - place[pair[1]])
+                if overlap is not None:
+                    found[pair] = overlap
+        return found
+
+    def _overlap(self, key: tuple[Pair, int], a: Body, b: Body, apart: Array) -> Penetration | None:
+        known = self._known.get(key)
+        if known is None or np.abs(known[0] - apart).max() > _SAME_PLACE:
+            known = self._known[key] = apart, penetration(a, b, TOLERANCE, key[1])
+        return known[1]
+
+    def _contacts(self, place: Array) -> dict[Pair, Condition]:
+        """What touched as it was measured, and does no more: a pull that keeps it together."""
+        found = {}
+        for pair in combinations(range(len(self.state)), 2):
+            a, b = (self.state.bodies[row] for row in pair)
+            apart = place[pair[0]] - place[pair[1]]
+            if np.abs(apart).max() < TOLERANCE or pair in self._pairs or pair in self._touching:
+                continue
+            if self._ancestry[pair] or self._ancestry[pair[::-1]] or not near(a, b, _CONTACT):
+                continue
+            towards = _contact(a, b)
+            if towards is not None:
+                i, j = pair
+                found[pair] = Condition({i: towards, j: -towards}, 0.0, _CONTACT_SOFTNESS)
+        return found
+
+    def _parted(self, pair: Pair, found: Penetration, place: Array) -> Condition:
+        """The way out that is shortest from where the two were measured."""
+        i, j = pair
+        apart = place[i] - place[j]
+        before = self._pairs.get(pair)
+        costs = []
+        for k, (direction, depth) in enumerate(found.ways):
+            cost = float(direction @ apart) + depth + _TRIED * self._tried[pair, k]
+            # A way that all but freed them is gone to its end.
+            going = before is not None and float(before.directions[i] @ direction) > _ONWARD
+            costs.append(-np.inf if going and depth < _NEARLY else cost)
+        k = int(np.argmin(costs))
+        self._tried[pair, k] += 1
+        direction, depth = found.ways[k]
+        bound = float(direction @ apart) + depth + _CLEARANCE
+        return Condition({i: direction, j: -direction}, bound, _PAIR_SOFTNESS)
+
+    def _enclosing(self, place: Array, walls: Walls) -> list[Condition]:
+        conditions = []
+        for row, (room, points) in enumerate(zip(self.state.rooms, self._footprints, strict=True)):
+            needed = {wall: -max(gap - _CLEARANCE, 0.0)
+                      for wall, gap in room.gaps(points + place[row]).items()}  # fmt: skip
+            needed |= {wall: depth + _CLEARANCE for wall, depth in walls[row].items()}
+            hangs = self.state.supports[row].kind == WALL
+            for wall, depth in needed.items():
+                normal = room.inward[wall]
+                bound = float(normal @ place[row]) + depth
+                conditions.append(Condition({row: normal}, bound, _WALL_SOFTNESS))
+            facing = room.facing(self.state.bodies[row]) if hangs else None
+            if facing is not None:
+                away = -room.inward[facing.wall]
+                conditions.append(Condition({row: away}, 0.0, _WALL_SOFTNESS))
+        return conditions
+
+    def _limits(self, walls: Walls) -> list[Condition]:
+        """No object goes further by itself than its reach, except out of a wall."""
+        conditions = []
+        for row in range(len(self.state)):
+            self._out[row] = max(self._out[row], *walls[row].values(), 0.0)
+            reach = self.reach + self._out[row]
+            for direction in np.concatenate([np.eye(2), -np.eye(2)]):
+                parts = {row: direction}
+                if self._carrier[row] >= 0:
+                    parts[self._carrier[row]] = -direction
+                conditions.append(Condition(parts, -reach, _REACH_SOFTNESS))
+        return conditions
+
+
+def _contact(a: Body, b: Body) -> Array | None:
+    """The direction (2,) in which a body touches another one; None where it does not."""
+    for direction in directions(a, b):
+        back, ahead = gaps(a, b, direction)
+        if min(back, ahead) < _CONTACT:
+            return direction if ahead < back else -direction
+    return None
+
+
+def _weight(state: Arrangement, row: int) -> float:
+    """Large objects and well measured ones stay rather than others."""
+    found, body = state.objects[row], state.bodies[row]
+    size = float(np.cbrt(np.prod(np.maximum(body.high - body.low, 0.01))))
+    trust = np.clip(found.coverage, 0.1, 1.0) * 0.02 / (0.02 + max(found.residual, 0.0))
+    return max(size * float(trust), 1e-3)

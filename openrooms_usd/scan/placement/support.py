@@ -1,0 +1,244 @@
+"""What carries each object: the floor, another object, a wall or the ceiling."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.placement.bodies import Body
+from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
+from openrooms_usd.scan.placement.enclosure import Enclosure
+
+Array = NDArray[np.float64]
+
+FLOOR: Final = "floor"
+WALL: Final = "wall"
+CEILING: Final = "ceiling"
+OBJECT: Final = "object"
+
+_HUNG: Final = (
+    "blinds", "clock", "curtain", "kitchen_cabinet", "mirror", "picture", "radiator", "wall_lamp",
+    "wall_shelf", "whiteboard",
+)  # fmt: skip
+_STANDING: Final = (
+    "armchair", "bathtub", "bed", "bench", "bookshelf", "chair", "coffee_table", "counter", "desk",
+    "dishwasher", "dresser", "file_cabinet", "floor_lamp", "office_chair", "plant_pot",
+    "pool_table", "refrigerator", "side_table", "sofa", "stairs", "stool", "stove", "table",
+    "trash_bin", "wardrobe", "washing_machine",
+)  # fmt: skip
+_UPON: Final = (
+    "basket", "books", "bottle", "bowl", "box", "jar", "keyboard", "laptop", "microwave", "pillow",
+    "printer", "table_lamp", "telephone",
+)  # fmt: skip
+USUAL: Final[Mapping[str, str]] = {
+    **dict.fromkeys(_HUNG, WALL),
+    **dict.fromkeys(_STANDING, FLOOR),
+    **dict.fromkeys(_UPON, OBJECT),
+    **dict.fromkeys(("ceiling_fan", "ceiling_lamp", "chandelier", "pendant_lamp"), CEILING),
+}
+"""What carries the objects of some categories, wherever they were measured. What stands, on
+the floor or on an object, may stand on the other too, but hangs nowhere."""
+
+# How far below its support an object may have been measured, and how far above it, metres.
+SUNK: Final = 0.08
+FLOATING: Final = 0.12
+# What nothing carries within these may be further off, metres: tall things by a part of their
+# height, for they are not hung as low as that.
+DEEP: Final = 0.16
+_FALL: Final = 0.2
+_FALL_SHARE: Final = 0.25
+FARTHEST: Final = 0.4
+# How near to a wall or to the ceiling something may hang there, metres; what is no panel must all
+# but touch its wall.
+_HANGS: Final = 0.2
+_BULKY_HANGS: Final = 0.06
+# Standing is likelier than hanging unless what is below is further away by this, metres; a panel
+# (thinner than this, and than a part of its other sides) is as likely to hang.
+_STANDS: Final = 0.1
+_PANEL_STANDS: Final = 0.03
+_PANEL: Final = 0.15
+_PANEL_SHARE: Final = 0.5
+# This part of what an object stands on must lie on its support.
+_SHARE: Final = 0.3
+# Where the floor is close below as well, this part.
+_INSTEAD: Final = 0.7
+# What lies on the floor and is lower than this carries whatever reaches over it, metres.
+_RUG: Final = 0.04
+_RUG_SHARE: Final = 0.08
+# Lines within this of the lowest points belong to what an object stands on, metres.
+_BASE: Final = 0.012
+# The very lowest corners, metres, and about how many of them are looked at.
+_TIP: Final = 0.003
+_TIPS: Final = 64
+# The floor is likelier than other things by this, metres; but where a thing lies between an object
+# and the floor, as the lowest board of a shelf does, that is likelier than the floor.
+_PREFERENCE: Final = 0.02
+_BETWEEN: Final = 0.06
+_VERTICAL: Final = (2, 0, 1)
+
+
+@dataclass(frozen=True)
+class Rest:
+    """How a body is over another one.
+
+    Attributes:
+        gap: How far it may sink before they touch, metres; negative: how far it must rise.
+        share: The part of its base that comes to lie on the other.
+    """
+
+    gap: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Support:
+    """What carries an object.
+
+    Attributes:
+        kind: ``floor``, ``object``, ``wall``, ``ceiling`` or, where nothing does, ``nothing``.
+        number: The row of the object that does; -1 where it is none.
+    """
+
+    kind: str
+    number: int = -1
+
+
+def rest(body: Body, under: Body, lines: int = 1500, sunk: float = SUNK) -> Rest | None:
+    """How a body is over another one; None where it is not.
+
+    Args:
+        body: What stands.
+        under: What may carry it.
+        lines: How many vertical lines are drawn.
+        sunk: Tops that reach higher than this into the body do not carry it, metres.
+    """
+    low, high = np.maximum(body.low, under.low)[:2], np.minimum(body.high, under.high)[:2]
+    if (high <= low).any() or under.low[2] > body.low[2] + sunk:
+        return None
+    lattice = Lattice.over(body.low[:2], body.high[:2], lines)
+    bottom = _lowest(chords(body.triangles[..., _VERTICAL], lattice))
+    top = chords(under.triangles[..., _VERTICAL], lattice)
+    i, j = paired(bottom, top)
+    gaps = bottom.low[i] - top.high[j]
+    over = gaps > -sunk
+    if not over.any():
+        return None
+    i, gaps = i[over], gaps[over]
+    gap = min(float(gaps.min()), _lowest_gap(body, under, sunk))
+    base = bottom.low < body.low[2] + _BASE
+    carried = np.unique(i[base[i] & (gaps < gap + _BASE)])
+    return Rest(gap, len(carried) / max(1, int(base.sum())))
+
+
+def _lowest_gap(body: Body, under: Body, sunk: float) -> float:
+    """The gap below a body's lowest corners, which lines between them might miss."""
+    corners = body.triangles.reshape(-1, 3)
+    corners = corners[corners[:, 2] < body.low[2] + _TIP]
+    corners = corners[:: 1 + len(corners) // _TIPS]
+    limit = body.low[2] + sunk
+    inside = (under.triangles[..., :2] > corners[:, :2].min(axis=0)).any(axis=1).all(axis=1)
+    inside &= (under.triangles[..., :2] < corners[:, :2].max(axis=0)).any(axis=1).all(axis=1)
+    inside &= (under.triangles[..., 2] < limit).any(axis=1)
+    heights = _heights(corners, under.triangles[inside])
+    heights = np.where(heights < limit, heights, -np.inf)
+    return float((corners[:, 2] - heights.max(axis=1, initial=-np.inf)).min(initial=np.inf))
+
+
+def _heights(points: Array, triangles: Array) -> Array:
+    """(P, T) the heights where vertical lines through points meet triangles; -inf elsewhere."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    e, f = b - a, c - a
+    area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
+    x, y = points[:, None, 0] - a[:, 0], points[:, None, 1] - a[:, 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        v, w = (x * f[:, 1] - y * f[:, 0]) / area, (e[:, 0] * y - e[:, 1] * x) / area
+        met = (v >= 0.0) & (w >= 0.0) & (v + w <= 1.0) & (area != 0.0)
+        return np.where(met, a[:, 2] + v * e[:, 2] + w * f[:, 2], -np.inf)
+
+
+def _lowest(found: Chords) -> Chords:
+    """The first chord of each line."""
+    _, first = np.unique(found.line, return_index=True)
+    return Chords(found.line[first], found.low[first], found.high[first])
+
+
+def order(bodies: Sequence[Body], floor: Sequence[float]) -> list[int]:
+    """Rows of bodies such that what carries comes before what is carried."""
+    return sorted(range(len(bodies)), key=lambda i: (not is_rug(bodies[i], floor[i]),
+                                                     float(bodies[i].low[2]), i))  # fmt: skip
+
+
+def is_rug(body: Body, floor: float) -> bool:
+    """Whether something lies flat on the floor, for other things to stand on."""
+    return bool(body.high[2] - body.low[2] < _RUG and abs(body.low[2] - floor) < FLOATING
+                and min(body.high[:2] - body.low[:2]) > 0.25)  # fmt: skip
+
+
+def support_of(
+    number: int, category: str, bodies: Sequence[Body], below: Sequence[int], room: Enclosure
+) -> Support:
+    """What carries an object: of all that may, what asks for the least motion.
+
+    Args:
+        number: Its row.
+        category: Its category.
+        bodies: All objects; those of ``below`` already rest where they belong.
+        below: Rows of the objects that may carry it.
+        room: The room that it stands in.
+    """
+    usual, body = USUAL.get(category), bodies[number]
+    if usual == CEILING or (usual == WALL and room.facing(body) is not None):
+        return Support(usual)
+    fall = min(max(_FALL, _FALL_SHARE * float(body.high[2] - body.low[2])), FARTHEST)
+    fall = FARTHEST if usual == FLOOR else fall
+    found = _standing(body, bodies, below, room, SUNK, FLOATING)
+    found = found or _standing(body, bodies, below, room, DEEP, fall)
+    if usual not in (FLOOR, OBJECT):
+        found += _hanging(body, room)
+    return min(found, key=lambda item: item[0])[1] if found else Support("nothing")
+
+
+def _hanging(body: Body, room: Enclosure) -> Iterator[tuple[float, Support]]:
+    """The wall and the ceiling, where they are near, and what speaks against each."""
+    facing = room.facing(body)
+    if facing is not None and abs(facing.gap) < _HANGS:
+        normal = room.inward[facing.wall]
+        depth = float(np.ptp(body.outline @ normal))
+        width = float(np.ptp(body.outline @ np.array([-normal[1], normal[0]])))
+        smaller = min(width, float(body.high[2] - body.low[2]))
+        panel = depth < min(_PANEL, _PANEL_SHARE * smaller)
+        if panel or abs(facing.gap) < _BULKY_HANGS:
+            yield abs(facing.gap) + (_PANEL_STANDS if panel else _STANDS), Support(WALL)
+    if room.ceiling is not None and abs(room.ceiling - body.high[2]) < _HANGS:
+        yield abs(room.ceiling - float(body.high[2])) + _STANDS, Support(CEILING)
+
+
+def _standing(
+    body: Body, bodies: Sequence[Body], below: Sequence[int], room: Enclosure,
+    sunk: float, floating: float,
+) -> list[tuple[float, Support]]:  # fmt: skip
+    """The floor, a rug on it, and the objects whose tops are near, and how far each is."""
+    found: list[tuple[float, Support]] = []
+    gap = float(body.low[2] - room.floor)
+    on_floor = gap < floating
+    if on_floor:
+        found.append((abs(gap) - _PREFERENCE, Support(FLOOR)))
+    grounded = body.moved(np.array([0.0, 0.0, -gap]))
+    for other in below:
+        under = bodies[other]
+        if on_floor and is_rug(under, room.floor):
+            there = rest(grounded, under)
+            if there is not None and there.share > _RUG_SHARE:
+                return [(abs(gap) - _PREFERENCE, Support(OBJECT, other))]
+        if under.high[2] < body.low[2] - floating:
+            continue
+        there = rest(body, under, sunk=sunk)
+        if (
+            there is not None
+            and there.gap < floating
+            and there.share > (_INSTEAD if on_floor else _SHARE)
+        ):
+            found.append((abs(there.gap) - _BETWEEN * on_floor, Support(OBJECT, other)))
+    return found

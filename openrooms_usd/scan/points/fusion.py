@@ -1,0 +1,230 @@
+"""Posed depth frames become one cloud, frame by frame, in a bounded amount of memory.
+
+Each frame is averaged over voxels first and then counts as one observation of each, because the
+errors of its pixels belong together; observations are weighted by the inverse variance of their
+depth. The sums of the voxels are kept in `voxels.VoxelSums`, which makes voxels larger before it
+takes more memory than it may.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.normals import estimate_normals, towards
+from openrooms_usd.scan.points.voxels import Samples, VoxelSums
+
+Array = NDArray[np.float64]
+
+# Confidence is one half where the standard error is this, metres.
+_GOOD: Final = 0.005
+# Surfaces that are seen flatter than this have no reliable depth: the tangent of 80 degrees.
+_GRAZING: Final = 5.67
+# A jump between neighbouring pixels is none while noise explains it, in standard deviations.
+_NOISE: Final = 3.0
+# Pixels are left out where they lie closer than this part of a voxel at that distance, metres.
+_SPACING: Final = 0.66
+_TYPICAL: Final = 3.0
+_MOST_STRIDE: Final = 4
+_RIGID: Final = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class DepthFrame:
+    """A depth picture and where its camera stood.
+
+    Attributes:
+        depth: (H, W) metres along the optical axis; 0 or not finite where nothing returned.
+        K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
+        world_from_camera: (4, 4) rigid, from the OpenCV frame (x right, y down, z forward).
+        label: (H, W) NYU40 classes; 0 where there is none.
+        instance: (H, W) numbers of objects; 0 where there is none.
+        color: (H, W, 3) uint8.
+    """
+
+    depth: NDArray[np.floating[Any]]
+    K: Array
+    world_from_camera: Array
+    label: NDArray[np.integer[Any]] | None = None
+    instance: NDArray[np.integer[Any]] | None = None
+    color: NDArray[np.uint8] | None = None
+
+
+@dataclass(frozen=True)
+class FusionOptions:
+    """How frames are fused.
+
+    Attributes:
+        voxel: Edge length of the voxels, metres.
+        near: Nearer returns are dropped, metres.
+        far: Farther returns are dropped, metres.
+        frames: Voxels that fewer frames saw are dropped.
+        memory: What the voxels may take, bytes; frames and the final cloud come on top.
+    """
+
+    voxel: float = 0.02
+    near: float = 0.15
+    far: float = 8.0
+    frames: int = 1
+    memory: int = 1 << 30
+
+
+DEFAULTS: Final = FusionOptions()
+
+
+@dataclass(frozen=True, eq=False)
+class Fused:
+    """What came of the frames.
+
+    Attributes:
+        cloud: One point a voxel, with normals, confidence and eyes.
+        voxel: Edge length of the voxels in the end, metres.
+        frames: Frames that were used.
+        lost: Frames without a usable pose.
+        notes: What was dropped or changed, one sentence each.
+    """
+
+    cloud: Cloud
+    voxel: float
+    frames: int
+    lost: int
+    notes: tuple[str, ...]
+
+
+def depth_noise(depth: Array) -> Array:
+    """Standard deviation of a structured-light depth, metres.
+
+    0.0012 + 0.0019 (z - 0.4)^2 (Nguyen, Izadi and Lovell, "Modeling Kinect Sensor Noise for
+    Improved 3D Reconstruction and Tracking", 3DIMPVT 2012).
+
+    Args:
+        depth: Metres along the optical axis.
+    """
+    return np.asarray(0.0012 + 0.0019 * (depth - 0.4) ** 2)
+
+
+def fuse(frames: Iterable[DepthFrame], options: FusionOptions = DEFAULTS) -> Fused:
+    """Fuse posed depth frames; one frame is held at a time.
+
+    Args:
+        frames: In the order that they were taken; frames whose pose is not finite are passed over.
+        options: See there.
+
+    Returns:
+        The cloud in the frame of the poses. Its confidence is W / (W + 1 / (5 mm)^2), where 1 / W
+        is the squared standard error of the voxel's mean; each frame counts once.
+
+    Raises:
+        InputError: A frame is no depth picture, or its camera is none.
+    """
+    sums = VoxelSums(options.voxel, options.memory)
+    eyes, lost = list[Array](), 0
+    for number, frame in enumerate(frames):
+        if not np.isfinite(frame.world_from_camera).all():
+            lost += 1
+            continue
+        _check(frame, number)
+        eyes.append(frame.world_from_camera[:3, 3])
+        sums.add(_samples(frame, options))
+    notes = list(_lost(lost, len(eyes)))
+    if sums.voxel > options.voxel:
+        notes.append(
+            f"voxels became {100 * sums.voxel:g} cm, so that {options.memory >> 20} MB suffice"
+        )
+    return Fused(_cloud(sums, eyes, options.frames), sums.voxel, len(eyes), lost, tuple(notes))
+
+
+def _lost(lost: int, used: int) -> Iterator[str]:
+    if lost:
+        yield f"{lost} of {lost + used} frames have no pose: they were left out"
+
+
+def _check(frame: DepthFrame, number: int) -> None:
+    place, shape = f"frame {number}", np.shape(frame.depth)
+    if len(shape) != 2 or 0 in shape:
+        raise InputError(
+            f"a depth picture has rows and columns, not the shape {shape}", place=place
+        )
+    for name in ("label", "instance", "color"):
+        other = getattr(frame, name)
+        if other is not None and other.shape[:2] != shape:
+            raise InputError(
+                f"its {name} picture has another size than its depth",
+                place=place,
+                remedy="resample it to the size of the depth picture, by the nearest pixel",
+            )
+    turn, K = frame.world_from_camera[:3, :3], frame.K
+    if np.abs(turn.T @ turn - np.eye(3)).max() > _RIGID or np.linalg.det(turn) < 0.0:
+        raise InputError("its pose is no rotation with a translation", place=place)
+    if not np.isfinite(K).all() or K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
+        raise InputError("its intrinsics are none: fx and fy are above zero", place=place)
+
+
+def _samples(frame: DepthFrame, options: FusionOptions) -> Samples:
+    """The pixels of a frame that can be trusted, as weighted points of the world."""
+    depth = np.where(np.isfinite(frame.depth), frame.depth, 0.0).astype(np.float64)
+    depth[(depth < options.near) | (depth > options.far)] = 0.0
+    step = _stride(options.voxel, float(frame.K[0, 0]))
+    good = _steady(depth, float(frame.K[0, 0]))[::step, ::step]
+    v, u = np.nonzero(good)
+    u, v = u * step, v * step
+    z = depth[v, u]
+    fx, fy, cx, cy = frame.K[0, 0], frame.K[1, 1], frame.K[0, 2], frame.K[1, 2]
+    local = np.column_stack([(u + 0.5 - cx) * z / fx, (v + 0.5 - cy) * z / fy, z])
+    turn, eye = frame.world_from_camera[:3, :3], frame.world_from_camera[:3, 3]
+    rays = local @ turn.T
+
+    def seen(picture: NDArray[Any] | None) -> NDArray[Any] | None:
+        return None if picture is None else picture[v, u]
+
+    return Samples(
+        points=rays + eye,
+        weights=depth_noise(z) ** -2,
+        views=-rays / np.linalg.norm(rays, axis=1, keepdims=True),
+        label=seen(frame.label),
+        instance=seen(frame.instance),
+        colors=seen(frame.color),
+    )
+
+
+def _stride(voxel: float, focal: float) -> int:
+    """Every how many pixels one suffices for a voxel that is some metres away."""
+    return int(np.clip(_SPACING * voxel * focal / _TYPICAL, 1, _MOST_STRIDE))
+
+
+def _steady(depth: Array, focal: float) -> NDArray[np.bool_]:
+    """(H, W) pixels with a depth that jumps to none of their neighbours.
+
+    At a jump sensors mix both sides ("flying pixels"); surfaces that are seen flatter than 80
+    degrees jump as well.
+    """
+    good = depth > 0.0
+    allowed = _GRAZING * depth / focal + _NOISE * np.sqrt(2.0) * depth_noise(depth)
+    for axis in (0, 1):
+        near = np.moveaxis(depth, axis, 0)
+        limit = np.moveaxis(allowed, axis, 0)
+        jump = np.abs(np.diff(near, axis=0)) > np.minimum(limit[1:], limit[:-1])
+        jump &= (near[1:] > 0.0) & (near[:-1] > 0.0)
+        kept = np.moveaxis(good, axis, 0)
+        kept[1:] &= ~jump
+        kept[:-1] &= ~jump
+    return good
+
+
+def _cloud(sums: VoxelSums, eyes: list[Array], fewest: int) -> Cloud:
+    table = sums.merged()
+    kept = table.seen >= fewest
+    points, weight = table.points()[kept], table.weight[kept]
+    return Cloud(
+        points=points,
+        normals=towards(estimate_normals(points), table.views[kept].astype(np.float64)),
+        colors=table.colors_seen()[kept] if sums.has_colors else None,
+        label=table.label[kept] if sums.has_label else None,
+        instance=table.instance[kept] if sums.has_instance else None,
+        confidence=(weight / (weight + _GOOD**-2)).astype(np.float32),
+        eyes=np.array(eyes).reshape(-1, 3),
+    )

@@ -1,0 +1,93 @@
+"""Normals of a point cloud: the least axis of each neighbourhood, turned to who looked."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.points.cloud import Cloud
+
+Array = NDArray[np.float64]
+Normals = NDArray[np.float32]
+
+# Neighbours of a point, itself among them: at 2 cm between points a patch of 4 cm around it.
+NEIGHBOURS: Final = 16
+# Points at a time: bounds the memory of their neighbourhoods.
+_BLOCK: Final = 1 << 16
+_FEWEST: Final = 3
+
+
+def with_normals(cloud: Cloud, neighbours: int = NEIGHBOURS) -> Cloud:
+    """The cloud with normals: its own where it has them, estimated ones otherwise.
+
+    Args:
+        cloud: N points; its eyes say to which side normals look.
+        neighbours: How many points make a neighbourhood.
+    """
+    if cloud.normals is not None:
+        return cloud
+    normals = estimate_normals(cloud.points, neighbours)
+    return replace(cloud, normals=towards(normals, views(cloud.points, cloud.eyes)))
+
+
+def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Normals:
+    """Unit normals by principal components of each point's nearest neighbours.
+
+    The normal is the eigenvector of the least eigenvalue of the neighbours' covariance (Hoppe et
+    al., "Surface Reconstruction from Unorganized Points", SIGGRAPH 1992, section 3.2). Its sign
+    means nothing.
+
+    Args:
+        points: (N, 3) finite, metres.
+        neighbours: How many, the point among them; fewer where the cloud has fewer.
+
+    Returns:
+        (N, 3) unit vectors; +Z where fewer than three points are there.
+    """
+    from scipy.spatial import cKDTree
+
+    count = len(points)
+    normals = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (count, 1))
+    if count < _FEWEST:
+        return normals
+    # Differences of numbers near zero are exact enough far from the origin, too.
+    local = points - points.mean(axis=0)
+    tree = cKDTree(local)
+    for start in range(0, count, _BLOCK):
+        rows = slice(start, start + _BLOCK)
+        _, near = tree.query(local[rows], min(neighbours, count))
+        normals[rows] = _least_axes(local[near])
+    return normals
+
+
+def _least_axes(patches: Array) -> Normals:
+    """(B, 3) the direction in which each patch (B, K, 3) reaches least."""
+    offsets = patches - patches.mean(axis=1, keepdims=True)
+    covariance = np.einsum("bki,bkj->bij", offsets, offsets)
+    return np.asarray(np.linalg.eigh(covariance)[1][:, :, 0], dtype=np.float32)
+
+
+def towards(normals: Normals, directions: Array) -> Normals:
+    """Normals (N, 3) with the sign that looks along the directions (N, 3)."""
+    away = np.einsum("ni,ni->n", normals, directions) < 0.0
+    return np.where(away[:, None], -normals, normals).astype(np.float32)
+
+
+def views(points: Array, eyes: Array | None) -> Array:
+    """(N, 3) the direction from each point to where it was probably seen from.
+
+    That is the nearest eye. Without eyes it is the middle of the points, which is right for the
+    walls, floor and ceiling of a convex room and for little else.
+
+    Args:
+        points: (N, 3) metres.
+        eyes: (V, 3) where the scanner stood.
+    """
+    if eyes is None or len(eyes) == 0:
+        middle = np.median(points, axis=0) if len(points) else np.zeros(3)
+        return np.asarray(middle - points)
+    from scipy.spatial import cKDTree
+
+    _, nearest = cKDTree(eyes).query(points)
+    return np.asarray(eyes[nearest] - points)

@@ -1,0 +1,180 @@
+"""Small flat pieces of a scan: one a voxel, each with a normal and how flat it is.
+
+Everything that looks for planes counts these pieces and not points, so that a wall that was seen a
+hundred times weighs as much as one that was seen once. Normals are the least axis of the points in
+the 27 voxels around a piece (principal components); where a scan is sparse, larger voxels serve.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.thinning import thin
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+VOXEL: Final = 0.05
+# Points are first thinned to this part of a voxel, so that each piece is known from up to 16.
+_GRAIN: Final = 0.5
+# A plane needs some points; where there are fewer, the next larger voxels are asked.
+_FEWEST: Final = 6
+_COARSER: Final = (2.0, 4.0)
+_WIDEST: Final = 4
+# In those, stray points are many, but do not lie in a plane: this far from it at most, metres.
+_FLAT: Final = 0.03
+# Neighbourhoods with less than this part of the usual number of points are stray points.
+_STRAY: Final = 0.2
+# Within cubes of this size pieces are compared, metres.
+_BLOCK: Final = 0.4
+# Farther than this from the middle lies no room, metres.
+_FARTHEST: Final = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class Surfels:
+    """M flat pieces.
+
+    Attributes:
+        points: (M, 3) their middles, metres.
+        normals: (M, 3) unit vectors; the sign says nothing.
+        rough: (M,) root of the mean squared distance of the points around to the plane, metres.
+        share: (M,) how many points a piece has, weighted by their confidence, relative to the
+            pieces around it: a noisy wall is several pieces thick, and most points are near it.
+        label: (M,) NYU40 classes; None where the scan has none.
+    """
+
+    points: Array
+    normals: Array
+    rough: Array
+    share: Array
+    label: NDArray[np.int32] | None = None
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def take(self, rows: NDArray[Any]) -> "Surfels":
+        """Some of the pieces: numbers of rows, or a mask."""
+        label = None if self.label is None else self.label[rows]
+        return Surfels(
+            self.points[rows], self.normals[rows], self.rough[rows], self.share[rows], label
+        )
+
+    def moved(self, matrix: Array) -> "Surfels":
+        """The pieces after a rigid motion (4, 4)."""
+        turn = matrix[:3, :3]
+        points = self.points @ turn.T + matrix[:3, 3]
+        return Surfels(points, self.normals @ turn.T, self.rough, self.share, self.label)
+
+
+def surfels(cloud: Cloud, voxel: float = VOXEL) -> Surfels:
+    """The flat pieces of a scan.
+
+    Args:
+        cloud: Finite points near the origin, metres.
+        voxel: The size of a piece, metres.
+
+    Returns:
+        One piece for each occupied voxel that has enough neighbours, in the order of the voxels.
+        What the scan gives as normals is not used: it may be missing, or noisy.
+    """
+    near = np.abs(cloud.points - np.median(cloud.points, axis=0)).max(axis=1) < _FARTHEST
+    bare = Cloud(cloud.points, label=cloud.label, confidence=cloud.confidence).take(near)
+    fine = thin(bare, voxel * _GRAIN)
+    pieces = thin(fine, voxel)
+    normals, rough, count = _planes(fine.points, pieces.points, voxel)
+    usual, spread = float(np.median(count)), np.ones(len(pieces))
+    for coarser in _COARSER:
+        lonely = count < _FEWEST
+        if lonely.any():
+            wide = _planes(fine.points, pieces.points[lonely], voxel * coarser)
+            flat = (wide[2] >= 2 * _FEWEST) & (wide[1] < _FLAT)
+            rows = np.flatnonzero(lonely)[flat]
+            normals[rows], rough[rows], count[rows] = (values[flat] for values in wide)
+            spread[rows] = 3.0 * coarser / np.sqrt(count[rows])
+    kept = (count >= _FEWEST) & (count >= _STRAY * usual) & np.isfinite(rough)
+    share = _shares(bare, pieces.points, voxel)
+    found = Surfels(pieces.points, normals, rough, share, pieces.label).take(kept)
+    return _filled(found, np.rint(spread[kept]).astype(int), voxel)
+
+
+def _filled(pieces: Surfels, spread: Rows, voxel: float) -> Surfels:
+    """Where pieces lie several voxels apart, as many on their planes as lie between them."""
+    wide = np.clip(spread, 1, _WIDEST)
+    parts = [pieces.take(wide == 1)]
+    for size in range(2, _WIDEST + 1):
+        some = pieces.take(wide == size)
+        if len(some):
+            across = np.cross(some.normals, np.eye(3)[np.abs(some.normals).argmin(axis=1)])
+            across /= np.linalg.norm(across, axis=1, keepdims=True)
+            along = np.cross(some.normals, across)
+            for u, v in np.stack(np.meshgrid(*[np.arange(size)] * 2), -1).reshape(-1, 2):
+                step = voxel * ((u - (size - 1) / 2.0) * across + (v - (size - 1) / 2.0) * along)
+                parts.append(replace(some, points=some.points + step))
+    return _joined(parts) if len(parts) > 1 else parts[0]
+
+
+def _joined(parts: list[Surfels]) -> Surfels:
+    names = ("points", "normals", "rough", "share")
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    labels = [part.label for part in parts if part.label is not None]
+    return Surfels(**joined, label=np.concatenate(labels) if labels else None)
+
+
+def _shares(cloud: Cloud, places: Array, voxel: float) -> Array:
+    """(M,) confident points in the voxel of each place, relative to its block's mean, at most 2."""
+    origin = cloud.points.min(axis=0)
+    mass = _counts(cloud.points - origin, places - origin, voxel, cloud.confidence)
+    blocks = _counts(places - origin, places - origin, _BLOCK, mass)
+    pieces = _counts(places - origin, places - origin, _BLOCK, None)
+    return np.asarray(np.minimum(mass * pieces / np.maximum(blocks, 1e-9), 2.0))
+
+
+def _counts(points: Array, places: Array, size: float, weight: NDArray[Any] | None) -> Array:
+    """(M,) the number, or weight, of the points in the cube of each place."""
+    spans = np.floor(points.max(axis=0) / size).astype(np.int64) + 1
+    strides = np.array([spans[1] * spans[2], spans[2], 1])
+    cubes, cube = np.unique(np.floor(points / size).astype(np.int64) @ strides, return_inverse=True)
+    totals = np.bincount(cube, weight).astype(np.float64)
+    at = np.searchsorted(cubes, np.floor(places / size).astype(np.int64) @ strides)
+    return np.asarray(totals[np.minimum(at, len(cubes) - 1)])
+
+
+def _planes(points: Array, places: Array, voxel: float) -> tuple[Array, Array, Array]:
+    """Normals (M, 3), roughness (M,) and numbers of points (M,) in the 27 voxels around places."""
+    origin = points.min(axis=0)
+    points, places = points - origin, places - origin
+    low = -2.0 * voxel
+    spans = np.ceil((points.max(axis=0) - low) / voxel).astype(np.int64) + 2
+    strides = np.array([spans[1] * spans[2], spans[2], 1])
+    keys = np.floor((points - low) / voxel).astype(np.int64) @ strides
+    cells, cell = np.unique(keys, return_inverse=True)
+    moments = np.column_stack([np.bincount(cell, column) for column in _columns(points)])
+    asked, place = np.unique(
+        np.floor((places - low) / voxel).astype(np.int64) @ strides, return_inverse=True
+    )
+    offsets = np.array(np.meshgrid(*[(-1, 0, 1)] * 3)).reshape(3, -1).T @ strides
+    total = np.zeros((len(asked), moments.shape[1]))
+    for offset in offsets:
+        at = np.minimum(np.searchsorted(cells, asked + offset), len(cells) - 1)
+        total += np.where((cells[at] == asked + offset)[:, None], moments[at], 0.0)
+    normals, rough = _least_axes(total)
+    return normals[place], rough[place], total[place, 0]
+
+
+def _columns(points: Array) -> list[Array]:
+    x, y, z = points.T
+    return [np.ones(len(points)), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z]
+
+
+def _least_axes(moments: Array) -> tuple[Array, Array]:
+    """Normals and root mean squared distances of the planes of moments (M, 10)."""
+    count = np.maximum(moments[:, :1], 1.0)
+    mean = moments[:, 1:4] / count
+    second = (moments[:, 4:] / count)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
+    spread = second - mean[:, :, None] * mean[:, None, :]
+    values, axes = np.linalg.eigh(spread)
+    return axes[:, :, 0], np.sqrt(np.maximum(values[:, 0], 0.0))

@@ -1,0 +1,205 @@
+"""Fewer points that say the same: broken ones and duplicates dropped, the others one a voxel.
+
+Both steps sort once, so that their time is nearly linear in the points; their memory is a few
+columns of them.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.points.cloud import Cloud
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+# Coordinates beyond this are no place on Earth, in any map projection, metres.
+_FARTHEST: Final = 1e8
+# Up to this part of the points may lack a normal and be dropped; else all normals are.
+_FEW: Final = 0.01
+# Mean normals shorter than this come from both sides of a sheet.
+_UNDECIDED: Final = 1e-3
+_SHORTEST: Final = 1e-6
+
+
+@dataclass(frozen=True)
+class Cleaned:
+    """What was dropped.
+
+    Attributes:
+        broken: Points with a coordinate that is no number, or no place on Earth.
+        duplicates: Points at exactly the place of an earlier one.
+        normals: Points whose normal was broken.
+        normals_dropped: Whether therefore all normals were dropped, and not these points.
+    """
+
+    broken: int
+    duplicates: int
+    normals: int = 0
+    normals_dropped: bool = False
+
+    def notes(self) -> tuple[str, ...]:
+        """A sentence for each thing that was dropped."""
+        normals = (
+            "all normals were dropped" if self.normals_dropped else "their points were dropped"
+        )
+        told = (
+            (self.broken, "points without a finite place were dropped"),
+            (self.duplicates, "duplicated points were dropped"),
+            (self.normals, f"normals are broken: {normals}"),
+        )
+        return tuple(f"{count} {what}" for count, what in told if count)
+
+
+def clean(cloud: Cloud) -> tuple[Cloud, Cleaned]:
+    """Drop points that are no numbers, and repetitions of exactly the same place.
+
+    Args:
+        cloud: N points, in the order that the result keeps.
+
+    Returns:
+        The cloud, its normals of unit length, and the counts of what was dropped. Of equal points
+        the first stays, with its label.
+    """
+    placed = np.asarray((np.abs(cloud.points) <= _FARTHEST).all(axis=1))
+    whole = cloud if placed.all() else cloud.take(placed)
+    first = _first_of_equal(whole.points)
+    single = whole if first.all() else whole.take(first)
+    straight, broken, dropped = _unit_normals(single)
+    return straight, Cleaned(
+        broken=len(cloud) - len(whole),
+        duplicates=len(whole) - len(single),
+        normals=broken,
+        normals_dropped=dropped,
+    )
+
+
+def thin(cloud: Cloud, voxel: float) -> Cloud:
+    """One point for each occupied voxel: the mean of its points.
+
+    The voxels' corners are multiples of their size, so that a part of a scan thins as the whole
+    does. Normals and colours are means, labels and instances the most frequent (of equally frequent
+    ones the lowest), the confidence is the mean.
+
+    Args:
+        cloud: N finite points.
+        voxel: Edge length, metres.
+
+    Returns:
+        At most N points, in the order of their voxels (x, then y, then z).
+    """
+    if len(cloud) == 0:
+        return cloud
+    cells = np.floor(cloud.points / voxel)
+    group, first = groups(_keys(cells))
+    del cells
+    counts = np.bincount(group).astype(np.float64)
+
+    def mean(values: NDArray[Any]) -> Array:
+        # Differences to one of the points: nothing is lost far from the origin.
+        base = values[0].astype(np.float64)
+        sums = [np.bincount(group, values[:, i] - base[i]) for i in range(values.shape[1])]
+        means = base + np.column_stack(sums) / counts[:, None]
+        return np.where(counts[:, None] == 1.0, values[first], means)
+
+    def vote(values: NDArray[np.int32] | None) -> NDArray[np.int32] | None:
+        return None if values is None else majority(group, values)
+
+    colors, confidence, normals = cloud.colors, cloud.confidence, cloud.normals
+    return replace(
+        cloud,
+        points=mean(cloud.points),
+        normals=None if normals is None else _mean_normals(mean(normals), normals[first]),
+        colors=None if colors is None else np.rint(mean(colors)).astype(np.uint8),
+        label=vote(cloud.label),
+        instance=vote(cloud.instance),
+        confidence=None if confidence is None else mean(confidence[:, None])[:, 0].astype("f4"),
+    )
+
+
+def _keys(cells: Array) -> Rows:
+    """(N,) numbers that order whole-numbered cells (N, 3) by x, then y, then z."""
+    cells = cells - cells.min(axis=0)
+    spans = [int(span) + 1 for span in cells.max(axis=0)]
+    if spans[0] * spans[1] * spans[2] < 2**63:
+        x, y, z = (cells[:, axis].astype(np.int64) for axis in range(3))
+        return np.asarray((x * spans[1] + y) * spans[2] + z)
+    # Far outliers: ranks of the cells that are in use, of which there are no more than points.
+    key = _ranks(cells[:, 0])
+    for axis in (1, 2):
+        rank = _ranks(cells[:, axis])
+        key = _ranks(key * (int(rank.max()) + 1) + rank)
+    return key
+
+
+def _ranks(values: NDArray[Any]) -> Rows:
+    return np.unique(values, return_inverse=True)[1].astype(np.int64).reshape(-1)
+
+
+def groups(keys: Rows) -> tuple[Rows, Rows]:
+    """(N,) the group of each key, in the order of the keys, and (G,) the first row of each."""
+    order = np.argsort(keys, kind="stable")
+    ordered = keys[order]
+    starts = np.concatenate([[True], ordered[1:] != ordered[:-1]])
+    group = np.empty(len(keys), np.int64)
+    group[order] = np.cumsum(starts) - 1
+    return group, order[starts]
+
+
+def majority(group: Rows, values: NDArray[np.int32]) -> NDArray[np.int32]:
+    """(G,) the most frequent value of each group 0..G-1; of equally frequent ones the lowest."""
+    low = int(values.min())
+    span = int(values.max()) - low + 1
+    pairs, votes = np.unique(group * span + (values - np.int64(low)), return_counts=True)
+    owner = pairs // span
+    best = np.lexsort((pairs, -votes, owner))
+    leads = np.concatenate([[True], owner[best][1:] != owner[best][:-1]])
+    return np.asarray(pairs[best[leads]] % span + low, dtype=np.int32)
+
+
+def _mean_normals(mean: Array, first: NDArray[np.float32]) -> NDArray[np.float32]:
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    decided = length > _UNDECIDED
+    return np.where(decided, mean / np.where(decided, length, 1.0), first).astype(np.float32)
+
+
+def _first_of_equal(points: Array) -> NDArray[np.bool_]:
+    """(N,) whether no earlier point has exactly the same coordinates."""
+    first = np.ones(len(points), bool)
+    if len(points) < 2:
+        return first
+    mixed = _mixed(points)
+    order = np.argsort(mixed, kind="stable")
+    earlier, later = order[:-1], order[1:]
+    near = mixed[earlier] == mixed[later]
+    earlier, later = earlier[near], later[near]
+    first[later[(points[earlier] == points[later]).all(axis=1)]] = False
+    return first
+
+
+def _mixed(points: Array) -> NDArray[np.uint64]:
+    """(N,) a number that equal points share, and others hardly ever (Fibonacci hashing)."""
+    mixed = np.zeros(len(points), np.uint64)
+    for axis in range(3):
+        bits = (points[:, axis] + 0.0).view(np.uint64)  # -0.0 becomes 0.0
+        mixed ^= bits
+        mixed *= np.uint64(0x9E3779B97F4A7C15)
+        mixed ^= mixed >> np.uint64(29)
+    return mixed
+
+
+def _unit_normals(cloud: Cloud) -> tuple[Cloud, int, bool]:
+    """Normals of length one; broken ones go with their points if they are few, else all go."""
+    if cloud.normals is None:
+        return cloud, 0, False
+    length = np.linalg.norm(cloud.normals, axis=1)
+    good = np.isfinite(length) & (length > _SHORTEST)
+    broken = len(cloud) - int(good.sum())
+    if broken > _FEW * len(cloud):
+        return replace(cloud, normals=None), broken, True
+    kept = cloud if broken == 0 else cloud.take(good)
+    assert kept.normals is not None
+    unit = kept.normals / length[good][:, None]
+    return replace(kept, normals=unit.astype(np.float32)), broken, False

@@ -1,0 +1,206 @@
+"""Puts CADs where a scan shows furniture: which one, where, how turned and how large."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.models.symmetry import symmetry_of
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.visibility import Panoramas, likely_eyes, look_around
+from openrooms_usd.scan.registration.competition import begun, finished
+from openrooms_usd.scan.registration.evidence import Evidence, gathered
+from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
+from openrooms_usd.scan.registration.hypotheses import box_of, from_box, from_pose
+from openrooms_usd.scan.registration.selection import FEWEST, RefusedError, Selection
+from openrooms_usd.scan.registration.surroundings import Surroundings
+from openrooms_usd.scan.registration.template import directions, posed, shaped, unposed
+from openrooms_usd.scan.registration.truesize import Sizes, Trial, sized
+from openrooms_usd.scan.registration.undersides import supports
+from openrooms_usd.scan.registration.wallsides import Walls, walls_of
+from openrooms_usd.scan.results import FoundObject, FoundRoom
+
+Array = NDArray[np.float64]
+
+# Points nearer to the CAD than this lie on it, metres; fits with less of either are refused.
+_ON: Final = 0.05
+_COVERED: Final = 0.04
+_INLIERS: Final = 0.3
+_COVERAGE: Final = 0.15
+# Points for what was seen from where; more say the same.
+_LOOK: Final = 300_000
+# What standing on anything but the likeliest support must save.
+_DOUBT: Final = 9.0
+
+
+@dataclass(frozen=True)
+class Rejected:
+    """An object without a CAD.
+
+    Attributes:
+        instance: Its number.
+        category: Where known.
+        reason: A sentence for people.
+    """
+
+    instance: int
+    category: str
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """What was found, and what was not."""
+
+    objects: tuple[FoundObject, ...]
+    rejected: tuple[Rejected, ...]
+
+
+def align(
+    cloud: Cloud,
+    hints: Sequence[Hint] | None,
+    models: Sequence[CadModel],
+    rooms: Sequence[FoundRoom] = (),
+    categories: Mapping[int, Sequence[str]] | None = None,
+) -> Alignment:
+    """Align CADs to the objects of a scan.
+
+    Args:
+        cloud: Level: floor at z = 0, Z up, metres.
+        hints: The objects; None: every labelled instance.
+        models: CADs to choose from.
+        rooms: Rooms in the frame of the cloud, whose walls hold hidden sides.
+        categories: The CADs' categories that a label of the cloud may mean, best first.
+    """
+    scene = _Scene.of(cloud, models, rooms, categories or {})
+    wanted = scene.instances() if hints is None else list(hints)
+    fitted, found, rejected = [], [], []
+    for hint in wanted:
+        try:
+            fitted.append((hint, *scene.fitted(hint)))
+        except RefusedError as refusal:
+            rejected.append(Rejected(hint.instance, hint.category or "", str(refusal)))
+    for (hint, evidence, _), best in zip(fitted, sized([each[2] for each in fitted]), strict=True):
+        try:
+            found.append(_found(hint, best, evidence))
+        except RefusedError as refusal:
+            rejected.append(Rejected(hint.instance, hint.category or "", str(refusal)))
+    return Alignment(tuple(found), tuple(rejected))
+
+
+@dataclass(frozen=True, eq=False)
+class _Scene:
+    selection: Selection
+    walls: Walls
+    panoramas: Panoramas
+
+    @classmethod
+    def of(
+        cls,
+        cloud: Cloud,
+        models: Sequence[CadModel],
+        rooms: Sequence[FoundRoom],
+        categories: Mapping[int, Sequence[str]],
+    ) -> "_Scene":
+        points = cloud.points[:: max(len(cloud) // _LOOK, 1)]
+        eyes = cloud.eyes if cloud.eyes is not None and len(cloud.eyes) else likely_eyes(points)
+        selection = Selection(cloud, models, categories)
+        return cls(selection, walls_of(rooms), look_around(points, eyes))
+
+    def instances(self) -> list[Hint]:
+        cloud = self.selection.cloud
+        if cloud.instance is None:
+            return []
+        numbers = np.unique(cloud.instance)
+        return [Hint(int(number)) for number in numbers[numbers > 0]]
+
+    def fitted(self, hint: Hint) -> tuple[Evidence, Sizes]:
+        """The points of an object, and its best fits."""
+        cloud, models = self.selection.cloud, self.selection.models
+        rows = self.selection.rows(hint)
+        bounds = bounds_of(hint, models)
+        evidence = gathered(cloud.points[rows], bounds, self.walls)
+        if len(evidence.points) < FEWEST:
+            raise RefusedError(
+                f"only {len(evidence.points)} points (at 1.2 cm) belong to it; {FEWEST} are needed"
+            )
+        corners = corners_of(hint, models)
+        bottom = None if corners is None else float(corners[:, 2].min())
+        possible = supports(cloud, rows, evidence, bottom)
+        box = hint.box or box_of(evidence, possible[0])
+        chosen = self.selection.candidates(hint, rows, evidence, box)
+        trials = [
+            trial
+            for model, upright in chosen
+            for rank, support in enumerate(possible)
+            for trial in self._tried(
+                hint, model, upright, evidence, box, support, _DOUBT * (rank > 0)
+            )
+        ]
+        return evidence, finished(trials, evidence)
+
+    def _tried(
+        self,
+        hint: Hint,
+        model: CadModel,
+        upright: Array,
+        evidence: Evidence,
+        box: Box,
+        support: float | None,
+        doubt: float,
+    ) -> list[Trial]:
+        """The best starts of one CAD, roughly refined."""
+        if hint.pose is not None and hint.cad is not None:
+            shape = shaped(model, upright, hint.pose.scale)
+            starts = from_pose(shape, hint.pose)
+        else:
+            shape = shaped(model, upright, _reference(model, upright, box))
+            starts = from_box(shape, box, given=hint.box is not None)
+        radius = 0.5 * float(np.linalg.norm(shape.size[:2]))
+        around = Surroundings(
+            self.panoramas, support, self.walls.near(starts[0].parameters, radius), doubt
+        )
+        return [trial for start in starts for trial in begun(shape, evidence, around, start)]
+
+
+def _found(hint: Hint, best: Trial, evidence: Evidence) -> FoundObject:
+    shape, parameters = best.shape, best.fit.parameters
+    places = posed(shape.points, parameters)
+    normals = directions(shape.normals, parameters)
+    _, nearest = shape.tree.query(unposed(evidence.points, parameters))
+    offset = evidence.points - places[nearest]
+    across = np.abs(np.einsum("ij,ij->i", offset, normals[nearest]))
+    far = np.sqrt(np.einsum("ij,ij->i", offset, offset))
+    distance: Array = np.maximum(across, far - shape.spacing)
+    on = distance < _ON
+    assert best.around.panoramas is not None
+    visible = best.around.panoramas.visible(places, normals, shape.two_sided)
+    reached: Array = np.asarray(evidence.tree.query(places)[0])
+    limit = max(_COVERED, evidence.spacing)
+    coverage = float((reached[visible] < limit).mean()) if visible.any() else 0.0
+    if on.mean() < _INLIERS or coverage < _COVERAGE:
+        raise RefusedError(
+            f"the CAD {shape.model.id} does not fit: {100 * on.mean():.0f} % of the points lie on "
+            f"it, and {100 * coverage:.0f} % of what must have been seen of it has points"
+        )
+    return FoundObject(
+        instance=hint.instance,
+        category=hint.category or shape.model.category,
+        cad=shape.model.id,
+        pose=shape.pose(parameters),
+        residual=float(np.sqrt(np.mean(distance[on] ** 2))),
+        coverage=coverage,
+        symmetry=shape.model.symmetry or symmetry_of(shape.model, shape.upright),
+    )
+
+
+def _reference(model: CadModel, upright: Array, box: Box) -> Array:
+    """(3,) scale along a CAD's axes at which it fills a box, whichever side is its front."""
+    _, size, _ = box.upright()
+    own = np.abs(upright) @ np.ptp(model.extent, axis=0)
+    level = float(np.sqrt(np.prod(size[:2]) / max(float(np.prod(own[:2])), 1e-12)))
+    scale = np.array([level, level, size[2] / max(float(own[2]), 1e-6)])
+    return np.asarray(np.abs(upright).T @ scale)

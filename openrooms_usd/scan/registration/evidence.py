@@ -1,0 +1,122 @@
+"""The points of one object: those of its instance, or what lies in its box, without strays."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.spatial import KDTree
+
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.thinning import thin
+from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls
+
+Array = NDArray[np.float64]
+
+# Points farther apart than this do not hang together, metres.
+_GAP: Final = 0.08
+# Pieces of less than this part of the largest one are strays, where it is known about where the
+# object is, and where not.
+_STRAY: Final = 0.1
+_APART: Final = 0.3
+# Points so near to the floor are the floor's, where the object is not as flat itself, metres.
+_FLOOR: Final = 0.025
+_FLAT: Final = 0.12
+# Points so near to a wall that face as it does are the wall's, metres and cosine, and so are those
+# beyond it; unless that is most of what there is, as of a picture.
+_WALL: Final = 0.05
+_BEYOND: Final = (-0.5, -0.03)
+_FACING: Final = 0.85
+_MOSTLY: Final = 0.5
+_ALONG: Final = 0.1
+_NEIGHBOURS: Final = 12
+# Between points: coarser for large objects, metres, and for how many points.
+_FINEST: Final = 0.012
+_MOST: Final = 5000
+_SEED: Final = 20100607
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """The points of an object.
+
+    Attributes:
+        points: (N, 3) metres, of about even density, in no order that matters.
+        spacing: Between them, metres.
+    """
+
+    points: Array
+    spacing: float
+
+    @cached_property
+    def tree(self) -> "KDTree[None]":
+        """Of all points."""
+        return KDTree(self.points)
+
+    def part(self, count: int) -> Array:
+        """About so many of the points."""
+        return self.points[:: max(len(self.points) // count, 1)]
+
+
+def gathered(points: Array, bounds: Array | None = None, walls: Walls = NO_WALLS) -> Evidence:
+    """The points that belong together, thinned evenly.
+
+    Args:
+        points: (N, 3) of one instance, floor at z = 0; some are wrong.
+        bounds: (2, 3) least and greatest coordinates that they may have; None: any.
+        walls: Of the room, whose points may be among them.
+    """
+    if bounds is not None:
+        points = points[((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)]
+    points = _together(points, _STRAY if bounds is not None else _APART)
+    if len(points) and np.quantile(points[:, 2], 0.95) > _FLAT:
+        points = points[points[:, 2] > _FLOOR]
+    spacing = _FINEST
+    thinned = thin(Cloud(points), spacing).points
+    while len(thinned) > _MOST:
+        spacing *= 1.2
+        thinned = thin(Cloud(points), spacing).points
+    thinned = _off_walls(thinned, walls)
+    order = np.random.default_rng(_SEED).permutation(len(thinned))
+    return Evidence(thinned[order], max(spacing, 0.02))
+
+
+def _off_walls(points: Array, walls: Walls) -> Array:
+    """Without points of the walls, which wrong labels give to what stands before them."""
+    if not len(walls.starts) or len(points) <= _NEIGHBOURS:
+        return points
+    normals = _normals(points)
+    walled = np.zeros(len(points), dtype=np.bool_)
+    along = walls.ends - walls.starts
+    for start, way, inward in zip(walls.starts, along, walls.normals, strict=True):
+        length = float(np.linalg.norm(way))
+        station = (points[:, :2] - start) @ way / max(length, 1e-9)
+        depth = (points[:, :2] - start) @ inward
+        beside = (station > -_ALONG) & (station < length + _ALONG)
+        facing = np.abs(normals[:, :2] @ inward) > _FACING
+        at = (np.abs(depth) < _WALL) & facing
+        walled |= beside & (at | ((depth > _BEYOND[0]) & (depth < _BEYOND[1])))
+    return points[~walled] if walled.mean() < _MOSTLY else points
+
+
+def _normals(points: Array) -> Array:
+    """(N, 3) least axes of the nearest points."""
+    _, near = KDTree(points).query(points, k=_NEIGHBOURS)
+    off = points[near] - points[near].mean(axis=1, keepdims=True)
+    return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", off, off))[1][:, :, 0])
+
+
+def _together(points: Array, share: float) -> Array:
+    """Without pieces that are apart and smaller than this share of the largest one."""
+    if not len(points):
+        return points
+    cells = np.floor((points - points.min(axis=0)) / _GAP).astype(np.int64)
+    full = np.zeros(cells.max(axis=0) + 1, dtype=np.bool_)
+    full[tuple(cells.T)] = True
+    pieces, _ = ndimage.label(full, np.ones((3, 3, 3)))
+    of_point = pieces[tuple(cells.T)]
+    counts = np.bincount(of_point)
+    kept = counts[of_point] >= share * counts.max()
+    return np.asarray(points[kept])

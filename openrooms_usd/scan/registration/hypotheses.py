@@ -1,0 +1,127 @@
+"""Where a fit begins: what a hint, a box or the points themselves say, and what varies it."""
+
+from collections.abc import Iterator
+from itertools import product
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.registration.evidence import Evidence
+from openrooms_usd.scan.registration.hints import Box
+from openrooms_usd.scan.registration.priors import Start
+from openrooms_usd.scan.registration.template import Shape, turn_of
+from openrooms_usd.scan.results import Pose
+
+Array = NDArray[np.float64]
+
+# Units of one metre in which CADs come, and the logarithm of scale within which one is believed.
+_UNITS: Final = (1.0, 0.001, 0.01, 0.0254)
+_UNIT_REACH: Final = 0.25
+# Deviations of a given start and of a given box: metres, radians, logarithms of scale.
+_HINTED: Final = np.array([0.12, 0.12, 0.12, 0.2, 0.12, 0.12, 0.12])
+# Those of a box about the points, which show only a part of the object.
+_SEEN: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25])
+# How much a CAD may be stretched to fill a box, logarithms of scale, and how much at most to fill
+# what points fill, among which may be strays.
+_STRETCH: Final = 0.18
+_FILLED: Final = 0.3
+_TURNS: Final = (0.0, 0.14, -0.14)
+_STRETCHES: Final = (-0.18, -0.1, 0.1, 0.18)
+# Which end of an axis is moved, with the other one held: the base is where it stands.
+_ENDS: Final = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 0.0))
+_SHIFTS: Final = ((0.0, 0.0), (0.08, 0.0), (-0.08, 0.0), (0.0, 0.08), (0.0, -0.08))
+
+
+def box_of(evidence: Evidence, support: float | None) -> Box:
+    """The smallest upright box around most of some points, down to what they stand on."""
+    points = evidence.points
+    low_z, high_z = np.quantile(points[:, 2], [0.01, 0.99])
+    low_z = low_z if support is None else support
+
+    def rectangle(angle: float) -> tuple[float, Array, Array]:
+        c, s = np.cos(angle), np.sin(angle)
+        level = points[:, :2] @ np.array([[c, -s], [s, c]])
+        low, high = np.quantile(level, [0.01, 0.99], axis=0)
+        return float(np.prod(np.maximum(high - low, 0.02))), low, high
+
+    angles = np.deg2rad(np.arange(0.0, 90.0, 3.0))
+    best = float(min(angles, key=lambda angle: rectangle(angle)[0]))
+    _, low, high = rectangle(best)
+    c, s = np.cos(best), np.sin(best)
+    middle = np.array([[c, -s], [s, c]]) @ (0.5 * (low + high))
+    return Box(
+        np.array([*middle, 0.5 * (low_z + high_z)]),
+        np.maximum([*(high - low), high_z - low_z], 0.01),
+        np.array([np.cos(0.5 * best), 0.0, 0.0, np.sin(0.5 * best)]),
+    )
+
+
+def from_pose(shape: Shape, pose: Pose) -> list[Start]:
+    """What a noisy pose says."""
+    known = shape.parameters(pose)
+    return [Start(known, _HINTED, plain(shape))]
+
+
+def from_box(shape: Shape, box: Box, *, given: bool) -> list[Start]:
+    """What a box says: one start for each side that may be its front.
+
+    Args:
+        shape: What is to be fitted.
+        box: Where it is.
+        given: Whether somebody drew it; else it is only what the points fill.
+    """
+    base, size, heading = box.upright()
+    starts = []
+    for quarter in range(4):
+        lengths = size if quarter % 2 == 0 else size[[1, 0, 2]]
+        scale = np.log(np.maximum(lengths, 0.01) / np.maximum(shape.size, 0.01))
+        if not given:
+            usual = float(np.median(scale - plain(shape)))
+            scale = np.minimum(scale, plain(shape) + usual + _FILLED)
+        known = np.array([*base, heading + quarter * 0.5 * np.pi, *scale])
+        starts.append(Start(known, _HINTED if given else _SEEN, plain(shape), _STRETCH))
+    return starts
+
+
+def plain(shape: Shape) -> Array:
+    """(3,) the logarithms of scale at which a CAD has its own size in metres."""
+    return np.asarray(-np.abs(shape.upright) @ np.log(shape.reference))
+
+
+def true_size(start: Start) -> Array | None:
+    """(3,) the logarithms of scale at which a CAD has the size that its unit says.
+
+    The unit is the one that leads nearest to the start's size; None where none comes near.
+    """
+    mean = float(np.mean(start.parameters[4:] - start.plain))
+    nearest = min((np.log(unit) for unit in _UNITS), key=lambda log: abs(log - mean))
+    return np.asarray(start.plain + nearest) if abs(nearest - mean) < _UNIT_REACH else None
+
+
+def varied(start: Start) -> Iterator[Array]:
+    """(7,) parameters about a start: turned and shifted, at its size and at the CAD's true one."""
+    true = true_size(start)
+    known = start.parameters[4:]
+    for turn, shift in product(_TURNS, _SHIFTS):
+        yield _moved(start.parameters, turn, shift, known if true is None else true)
+    if true is not None:
+        for turn in _TURNS:
+            yield _moved(start.parameters, turn, (0.0, 0.0), known)
+
+
+def _moved(parameters: Array, turn: float, shift: tuple[float, float], size: Array) -> Array:
+    moved = np.concatenate([parameters[:4], size])
+    moved[:4] += [*shift, 0.0, turn]
+    return moved
+
+
+def stretched(shape: Shape, parameters: Array) -> Iterator[Array]:
+    """(7,) parameters with one side moved outward or inward, so that the other one stays."""
+    turn = turn_of(parameters)
+    for (axis, end), stretch in product(_ENDS, _STRETCHES):
+        moved = parameters.copy()
+        moved[4 + axis] += stretch
+        grown = shape.size[axis] * (np.exp(moved[4 + axis]) - np.exp(parameters[4 + axis]))
+        moved[:3] += 0.5 * end * grown * turn[:, axis]
+        yield moved

@@ -1,0 +1,66 @@
+"""Which CADs may be what a scan shows: of its category, and alike in proportions and shape."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.registration.evidence import Evidence
+from openrooms_usd.scan.registration.hints import Box
+
+Array = NDArray[np.float64]
+
+# Bins of the descriptor over distance from the vertical and height, both in shares of the box.
+_RINGS: Final = 6
+_LAYERS: Final = 10
+# Logarithms of a length's ratio that are as bad as a wholly different descriptor.
+_LENGTHS: Final = 0.5
+
+
+def ranked(
+    models: Sequence[CadModel], uprights: Sequence[Array], evidence: Evidence, box: Box
+) -> list[int]:
+    """Rows of the models, most similar first.
+
+    Args:
+        models: Candidates.
+        uprights: (3, 3) of each, to Z up.
+        evidence: The points of the object.
+        box: Around them.
+    """
+    base, size, _ = box.upright()
+    seen = _descriptor(evidence.points - base, size)
+    costs = [
+        _unlike(model, upright, size, seen) for model, upright in zip(models, uprights, strict=True)
+    ]
+    return [int(row) for row in np.argsort(costs, kind="stable")]
+
+
+def _unlike(model: CadModel, upright: Array, size: Array, seen: Array) -> float:
+    low, high = np.sort(model.extent @ upright.T, axis=0)
+    own = high - low
+    # A CAD without a unit has its mean size; one that has its own stays near it.
+    ratio = np.log(np.maximum(_level_sorted(own), 1e-9) / np.maximum(_level_sorted(size), 1e-9))
+    lengths = float(np.abs(ratio - np.median(ratio)).mean() + min(abs(np.median(ratio)), 0.5))
+    base = np.array([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]])
+    shape = _descriptor(model.surface.points @ upright.T - base, own)
+    return lengths / _LENGTHS + float(np.abs(shape - seen).sum())
+
+
+def _level_sorted(size: Array) -> Array:
+    return np.array([*np.sort(size[:2]), size[2]])
+
+
+def _descriptor(points: Array, size: Array) -> Array:
+    """(R * L,) shares of the surface by distance from the vertical and by height.
+
+    The same however the object is turned about the vertical.
+    """
+    radius = np.linalg.norm(points[:, :2], axis=1) / max(0.5 * float(np.hypot(*size[:2])), 1e-9)
+    height = points[:, 2] / max(float(size[2]), 1e-9)
+    ring = np.clip((radius * _RINGS).astype(np.intp), 0, _RINGS - 1)
+    layer = np.clip((height * _LAYERS).astype(np.intp), 0, _LAYERS - 1)
+    counts = np.bincount(layer * _RINGS + ring, minlength=_RINGS * _LAYERS)
+    return np.asarray(counts / max(len(points), 1))

@@ -1,0 +1,126 @@
+"""What of a scan belongs to a hint, and which CADs may show it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.registration.evidence import Evidence
+from openrooms_usd.scan.registration.hints import Box, Hint, corners_of
+from openrooms_usd.scan.registration.retrieval import ranked
+from openrooms_usd.scan.registration.template import upright_of
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
+
+# Objects of fewer points are not aligned.
+FEWEST: Final = 60
+# How far around a hint points are looked for that have no numbers of objects, metres: neighbours
+# would come along. The labels (NYU40) of what is no object: wall, floor, ceiling.
+_CROPPED: Final = 0.08
+_ROOM: Final = (1, 2, 22)
+# Classes (NYU40) that the layout finds.
+_SHELL: Final = {1: "wall", 2: "floor", 8: "door", 9: "window", 22: "ceiling"}
+# CADs that are tried.
+_CADS: Final = 4
+
+
+class RefusedError(Exception):
+    """Why an object gets no CAD."""
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """What there is to choose from.
+
+    Attributes:
+        cloud: Level: floor at z = 0, Z up, metres.
+        models: CADs.
+        categories: The CADs' categories that a label of the cloud may mean, best first.
+    """
+
+    cloud: Cloud
+    models: Sequence[CadModel]
+    categories: Mapping[int, Sequence[str]]
+
+    def rows(self, hint: Hint) -> Rows:
+        """The points of an object, by its number or else by its place.
+
+        Raises:
+            RefusedError: There are none of this number, and nothing says where they may be.
+        """
+        if self.cloud.instance is not None:
+            rows = np.flatnonzero(self.cloud.instance == hint.instance)
+            if len(rows):
+                return rows
+        corners = corners_of(hint, self.models)
+        if corners is None:
+            raise RefusedError(
+                "the scan has no points of this instance, and no box or pose is given"
+            )
+        inside = (self.cloud.points > corners.min(axis=0) - _CROPPED).all(axis=1)
+        inside &= (self.cloud.points < corners.max(axis=0) + _CROPPED).all(axis=1)
+        cropped = np.flatnonzero(inside)
+        if self.cloud.label is None:
+            return cropped
+        label = self.cloud.label[cropped]
+        meant = [k for k, names in self.categories.items() if hint.category in names]
+        alike = cropped[np.isin(label, meant)]
+        return alike if len(alike) >= FEWEST else cropped[~np.isin(label, _ROOM)]
+
+    def candidates(
+        self, hint: Hint, rows: Rows, evidence: Evidence, box: Box
+    ) -> list[tuple[CadModel, Array]]:
+        """CADs with the ways in which they may stand upright, most similar first.
+
+        Raises:
+            RefusedError: There is none.
+        """
+        if hint.cad is not None:
+            fitting = [model for model in self.models if model.id == hint.cad]
+            if not fitting:
+                raise RefusedError(f"there is no CAD {hint.cad!r}")
+        else:
+            wanted = self._wanted(hint, rows)
+            fitting = [model for model in self.models if model.category in wanted]
+            if not fitting:
+                raise RefusedError(self._unknown(wanted, rows))
+        if hint.pose is not None and hint.cad is not None:
+            rotation = Rotation.from_quat(hint.pose.rotation, scalar_first=True).as_matrix()
+            return [(fitting[0], upright_of(rotation))]
+        standing = [(model, upright) for model in fitting for upright in _uprights(model)]
+        if len(standing) > _CADS:
+            order = ranked([m for m, _ in standing], [u for _, u in standing], evidence, box)
+            standing = [standing[row] for row in order[:_CADS]]
+        return standing
+
+    def _wanted(self, hint: Hint, rows: Rows) -> Sequence[str]:
+        if hint.category is not None:
+            return (hint.category,)
+        if self.cloud.label is None:
+            return sorted({model.category for model in self.models})
+        return self.categories.get(self._label(rows), ())
+
+    def _label(self, rows: Rows) -> int:
+        """The class of most points of an object; 0 without labels."""
+        if self.cloud.label is None:
+            return 0
+        return int(np.bincount(np.maximum(self.cloud.label[rows], 0)).argmax())
+
+    def _unknown(self, wanted: Sequence[str], rows: Rows) -> str:
+        """Why there is no CAD to choose."""
+        if wanted:
+            return f"there is no CAD of the category {' or '.join(wanted)}"
+        label = self._label(rows)
+        if label in _SHELL:
+            return f"its points are labelled {_SHELL[label]}, which the layout finds"
+        return f"there is no CAD of the category that its points' label means (NYU40: {label})"
+
+
+def _uprights(model: CadModel) -> list[Array]:
+    return [UPRIGHT[model.up]] if model.up else [UPRIGHT["Y"], UPRIGHT["Z"]]

@@ -1,0 +1,155 @@
+"""A CAD that stands upright, near its true size: seven numbers then say where it is."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+from scipy.spatial.transform import Rotation
+
+from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.results import Pose
+
+Array = NDArray[np.float64]
+
+# Outward directions of the sides of a shape's box.
+SIDES: Final = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+# What lies in a side: within this share of the extent, and looks outward (cosine).
+_SKIN: Final = 0.02
+_FACING: Final = 0.9
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Points of an upright CAD at a reference scale, metres, origin in the middle of its base.
+
+    Where it is, is said by seven parameters: the base's middle in the scan (3), the turn about the
+    vertical (radians), and the logarithms of the scale along its upright axes over the reference.
+
+    Attributes:
+        model: The CAD.
+        upright: (3, 3) signed permutation from the CAD's axes to Z up.
+        reference: (3,) scale along the CAD's own axes at which it is sampled.
+        points: (N, 3).
+        normals: (N, 3) unit, outward.
+        two_sided: (N,) whether both sides can be seen.
+        spacing: Between points, metres.
+        base: (3,) the origin, in the CAD's scaled and turned frame.
+        size: (3,) of its box.
+    """
+
+    model: CadModel
+    upright: Array
+    reference: Array
+    points: Array
+    normals: Array
+    two_sided: NDArray[np.bool_]
+    spacing: float
+    base: Array
+    size: Array
+
+    @cached_property
+    def tree(self) -> "KDTree[None]":
+        """Of its points."""
+        return KDTree(self.points)
+
+    @cached_property
+    def flat(self) -> Array:
+        """(4,) how much of the sides +x, -x, +y and -y of its box is surface, from 0 to 1."""
+        reach = self.points @ SIDES.T / np.maximum(0.5 * np.abs(SIDES) @ self.size, 1e-9)
+        on = (reach > 1.0 - 2.0 * _SKIN) & (self.normals @ SIDES.T > _FACING)
+        areas = self.size[2] * self.size[[1, 1, 0, 0]]
+        filled = on.sum(axis=0) * self.spacing**2 / np.maximum(areas, 1e-9)
+        return np.asarray(np.minimum(filled, 1.0))
+
+    def part(self, count: int) -> "Shape":
+        """The shape with about so many of its points, evenly chosen."""
+        step = max(len(self.points) // count, 1)
+        return Shape(
+            self.model,
+            self.upright,
+            self.reference,
+            self.points[::step],
+            self.normals[::step],
+            self.two_sided[::step],
+            self.spacing * float(np.sqrt(step)),
+            self.base,
+            self.size,
+        )
+
+    def pose(self, parameters: Array) -> Pose:
+        """The CAD's pose of seven parameters."""
+        turn, stretch = turn_of(parameters), np.exp(parameters[4:])
+        quaternion = Rotation.from_matrix(turn @ self.upright).as_quat(scalar_first=True)
+        return Pose(
+            parameters[:3] - turn @ (stretch * self.base),
+            quaternion * (1.0 if quaternion[0] >= 0.0 else -1.0),
+            self.reference * (np.abs(self.upright).T @ stretch),
+        )
+
+    def parameters(self, pose: Pose) -> Array:
+        """(7,) of a pose, made upright about the middle of its box."""
+        rotation = Rotation.from_quat(pose.rotation, scalar_first=True).as_matrix()
+        turn = rotation @ self.upright.T
+        stretch = np.abs(self.upright) @ (pose.scale / self.reference)
+        rise = np.array([0.0, 0.0, 0.5 * self.size[2]])
+        base = turn @ (stretch * (self.base + rise)) + pose.translation - stretch * rise
+        yaw = np.arctan2(turn[1, 0] - turn[0, 1], turn[0, 0] + turn[1, 1])
+        return np.array([*base, yaw, *np.log(stretch)])
+
+
+def shaped(model: CadModel, upright: Array, reference: Array) -> Shape:
+    """A CAD turned upright at a scale.
+
+    Args:
+        model: The CAD.
+        upright: (3, 3) signed permutation to Z up.
+        reference: (3,) scale along the CAD's own axes.
+    """
+    surface = model.surface
+    low, high = np.sort((model.extent * reference) @ upright.T, axis=0)
+    base = np.array([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]])
+    normals = (surface.normals / reference) @ upright.T
+    return Shape(
+        model=model,
+        upright=upright,
+        reference=reference,
+        points=(surface.points * reference) @ upright.T - base,
+        normals=normals / np.linalg.norm(normals, axis=1)[:, None],
+        two_sided=surface.two_sided,
+        spacing=surface.spacing * float(np.prod(reference) ** (1.0 / 3.0)),
+        base=base,
+        size=high - low,
+    )
+
+
+def upright_of(rotation: Array) -> Array:
+    """(3, 3) the signed permutation that differs from a rotation by little but a turn about Z."""
+    k = int(np.abs(rotation[2]).argmax())
+    up = np.eye(3)[k] * np.sign(rotation[2, k])
+    right = np.eye(3)[(k + 1) % 3]
+    return np.stack([right, np.cross(up, right), up])
+
+
+def turn_of(parameters: Array) -> Array:
+    """(3, 3) the turn about the vertical."""
+    c, s = np.cos(parameters[3]), np.sin(parameters[3])
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def posed(points: Array, parameters: Array) -> Array:
+    """(..., 3) points of a shape in the scan."""
+    return np.asarray((points * np.exp(parameters[4:])) @ turn_of(parameters).T + parameters[:3])
+
+
+def unposed(points: Array, parameters: Array) -> Array:
+    """(..., 3) points of the scan in the frame of a shape."""
+    return np.asarray(((points - parameters[:3]) @ turn_of(parameters)) / np.exp(parameters[4:]))
+
+
+def directions(normals: Array, parameters: Array) -> Array:
+    """(N, 3) unit normals of a shape in the scan."""
+    turned = (normals / np.exp(parameters[4:])) @ turn_of(parameters).T
+    return np.asarray(turned / np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None])

@@ -1,0 +1,235 @@
+"""What was found in a scan, drawn over the scan: a plan that people judge at a glance."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.report.canvas import Canvas, Color, Pixels, beside, write_png
+from openrooms_usd.scan.report.captions import (
+    DASH,
+    FLOOR,
+    INK,
+    MEASURED,
+    OPENINGS,
+    PLACED,
+    ROOM,
+    THINGS,
+    WIDTHS,
+    Stroke,
+    captions,
+    panel,
+)
+from openrooms_usd.scan.report.lettering import lettered
+from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
+
+Array = NDArray[np.float64]
+
+_MOST: Final = 1300  # pixels of the longer side
+_FINEST: Final = 260.0  # pixels a metre
+_EDGE: Final = 0.4  # paper around what is drawn, metres
+# Points are drawn in blocks of about this size, so that they make surfaces, metres.
+_GRAIN: Final = 0.018
+# Returns this far below the ceiling, and above a room that shows none, are left out, metres.
+_UNDER: Final = 0.15
+_HIGHEST: Final = 2.3
+_BELOW: Final = -0.2
+# Returns up to this high are of the floor, metres.
+_FLOOR: Final = 0.06
+# Points of a block that print in full, relative to the usual number of those that have any.
+_FULL: Final = 8.0
+# How far from its wall words begin, pixels.
+_ASIDE: Final = 12.0
+
+
+def write_overlay(
+    path: Path, cloud: Cloud, rooms: Sequence[FoundRoom], objects: Sequence[FoundObject] = (),
+    bounds: Mapping[str, Array] | None = None,
+) -> None:  # fmt: skip
+    """Write the plan of a scan and of what was found in it.
+
+    Args:
+        path: The PNG file.
+        cloud: In the frame of what was found.
+        rooms: Their first one's floor is the plan.
+        objects: With their measured and placed poses.
+        bounds: By the CAD's id, (2, 3) least and greatest coordinates in its own frame; objects
+            without them are drawn as a cross.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    write_png(path, overlay(cloud, rooms, objects, bounds or {}))
+
+
+def overlay(
+    cloud: Cloud, rooms: Sequence[FoundRoom], objects: Sequence[FoundObject],
+    bounds: Mapping[str, Array],
+) -> Pixels:  # fmt: skip
+    """(H, W, 3) the plan of a scan and of what was found in it; see `write_overlay`."""
+    plan = plan_axes(rooms[0].normal if rooms else np.array([0.0, 0.0, 1.0]))
+    origin = rooms[0].point if rooms else np.zeros(3)
+    points = (cloud.points - origin) @ plan
+    canvas = Canvas.over(*_extent(points, rooms, origin, plan), _MOST, _FINEST)
+    _draw_points(canvas, points, rooms)
+    for item in objects:
+        _draw_object(canvas, item, bounds.get(item.cad), origin, plan)
+    for room in rooms:
+        _draw_room(canvas, room, origin, plan)
+    for item in objects:
+        _number(canvas, item, bounds.get(item.cad), origin, plan)
+    for room in rooms:
+        _name_walls(canvas, room, origin, plan)
+    _draw_scale(canvas)
+    words = captions(rooms, objects)
+    return beside((canvas.pixels, panel(words, len(canvas.pixels))))
+
+
+def plan_axes(normal: Array) -> Array:
+    """(3, 3) columns: across, up the page, and out of it, for a floor's normal."""
+    out = normal / np.linalg.norm(normal)
+    across = np.array([1.0, 0.0, 0.0]) - out[0] * out
+    if np.linalg.norm(across) < 0.1:
+        across = np.array([0.0, 1.0, 0.0]) - out[1] * out
+    across = across / np.linalg.norm(across)
+    return np.column_stack([across, np.cross(out, across), out])
+
+
+def _extent(
+    points: Array, rooms: Sequence[FoundRoom], origin: Array, plan: Array
+) -> tuple[Array, Array]:
+    """The box of the rooms, or where there are none of most points, with paper around."""
+    corners = [((room.corners - origin) @ plan)[:, :2] for room in rooms]
+    if corners:
+        every = np.concatenate(corners)
+        more = 3 * _EDGE
+        return every.min(axis=0) - more, every.max(axis=0) + more
+    if not len(points):
+        return np.array([-1.0, -1.0]), np.array([1.0, 1.0])
+    low, high = np.quantile(points[:, :2], (0.005, 0.995), axis=0)
+    return low - _EDGE, high + _EDGE
+
+
+def _draw_points(canvas: Canvas, points: Array, rooms: Sequence[FoundRoom]) -> None:
+    """The floor's points, over them all others but the ceiling's: walls are many, and dark."""
+    ceilings = [room.ceiling for room in rooms if room.ceiling is not None]
+    top = min(ceilings) - _UNDER if ceilings else _HIGHEST
+    z = points[:, 2]
+    for low, high, color in ((_BELOW, _FLOOR, FLOOR), (_FLOOR, top, THINGS)):
+        shown = points[(z > low) & (z < high), :2]
+        counts = canvas.counts(shown, max(1, round(_GRAIN * canvas.scale)))
+        if counts.any():
+            canvas.pixels[:] = _printed(canvas.pixels, counts, color)
+
+
+def _printed(paper: Pixels, counts: NDArray[np.int64], color: Color) -> Pixels:
+    """Paper with ink where points are: full where they are many, darker where they are more."""
+    usual = float(np.median(counts[counts > 0]))
+    ink = np.minimum(np.log1p(counts / usual) / np.log1p(_FULL), 1.0)[..., None]
+    most = np.where(ink > 0.7, np.array(color) * (1.7 - ink), color)
+    return np.asarray(np.round(paper + np.sqrt(ink) * (most - paper)).astype(np.uint8))
+
+
+def _draw_room(canvas: Canvas, room: FoundRoom, origin: Array, plan: Array) -> None:
+    corners = ((room.corners - origin) @ plan)[:, :2]
+    for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        stroke: Stroke = "dashed" if number in room.guessed else "line"
+        canvas.line(start, end, ROOM, WIDTHS[stroke], DASH if stroke == "dashed" else None)
+    for hole in room.openings:
+        left, right = ((hole.corners[:2] - origin) @ plan)[:, :2]
+        canvas.line(left, right, OPENINGS[hole.type], WIDTHS["thick"])
+
+
+def _name_walls(canvas: Canvas, room: FoundRoom, origin: Array, plan: Array) -> None:
+    """Numbers outside of walls, and how sure openings are inside of theirs."""
+    corners = ((room.corners - origin) @ plan)[:, :2]
+    for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        _write_beside(canvas, f"wall {number}", start, end, ROOM)
+    for hole in room.openings:
+        left, right = ((hole.corners[:2] - origin) @ plan)[:, :2]
+        _write_beside(canvas, _sure(hole), left, right, OPENINGS[hole.type])
+
+
+def _sure(hole: FoundOpening) -> str:
+    return f"{hole.type} {100 * hole.confidence:.0f}%"
+
+
+def _write_beside(canvas: Canvas, text: str, start: Array, end: Array, color: Color) -> None:
+    """Words at the right-hand side of a line, as one goes along it."""
+    along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
+    right = np.array([along[1], -along[0]])
+    height, width = lettered(text, 2).shape
+    reach = 0.5 * (abs(right[0]) * width + abs(right[1]) * height)
+    aside = (_ASIDE + reach) / canvas.scale
+    canvas.write(text, (start + end) / 2 + aside * right, color)
+
+
+def _draw_object(
+    canvas: Canvas, item: FoundObject, bounds: Array | None, origin: Array, plan: Array
+) -> None:
+    for pose, color, width in (
+        (item.pose, MEASURED, WIDTHS["thin"]), (item.placed or item.pose, PLACED, WIDTHS["line"]),
+    ):  # fmt: skip
+        for start, end in _outline(pose, bounds):
+            ends = (np.stack([start, end]) - origin) @ plan
+            canvas.line(ends[0, :2], ends[1, :2], color, width)
+
+
+def _number(
+    canvas: Canvas, item: FoundObject, bounds: Array | None, origin: Array, plan: Array
+) -> None:
+    """An object's number in its middle; its name stands beside the plan."""
+    middle = (_box(item.placed or item.pose, bounds).mean(axis=0) - origin) @ plan
+    canvas.write(str(item.instance), middle[:2], INK, 3)
+
+
+def _box(pose: Pose, bounds: Array | None) -> Array:
+    """(8, 3) corners of a CAD's box as it stands, a ring at each end of what is its vertical there.
+
+    All are at its origin where the box is not known.
+    """
+    ends = bounds if bounds is not None else np.zeros((2, 3))
+    up = _vertical(pose)
+    ring = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    sides = np.zeros((8, 3), np.int64)
+    sides[:, [(up + 1) % 3, (up + 2) % 3]] = np.tile(ring, (2, 1))
+    sides[4:, up] = 1
+    corners = np.take_along_axis(ends, sides, axis=0)
+    return turned(pose.rotation, corners * pose.scale) + pose.translation
+
+
+def _vertical(pose: Pose) -> int:
+    """Which axis of a CAD stands upright, nearly."""
+    return int(np.abs(turned(pose.rotation, np.eye(3))[:, 2]).argmax())
+
+
+def turned(rotation: Array, points: Array) -> Array:
+    """(N, 3) points turned by a unit quaternion w, x, y, z."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_quat(rotation, scalar_first=True).apply(points))
+
+
+def _outline(pose: Pose, bounds: Array | None) -> Iterator[tuple[Array, Array]]:
+    """The lower and upper edges of a CAD's box, and a line from its middle to its front."""
+    box = _box(pose, bounds)
+    for ring in (box[:4], box[4:]):
+        yield from zip(ring, np.roll(ring, -1, axis=0), strict=True)
+    if _vertical(pose) != 2:
+        return
+    # Fronts face -Y in the frame of a CAD whose vertical is Z; of others nothing is known.
+    yield box[:4].mean(axis=0), box[:2].mean(axis=0)
+
+
+def _draw_scale(canvas: Canvas) -> None:
+    """A metre with its ends, at the lower left."""
+    start = canvas.low + 0.15
+    end = start + np.array([1.0, 0.0])
+    half = np.array([0.0, 6.0 / canvas.scale])
+    canvas.line(start, end, INK, 3.0)
+    for place in (start, end):
+        canvas.line(place - half, place + half, INK, 3.0)
+    canvas.write("1 m", (start + end) / 2 + 3 * half, INK)

@@ -1,0 +1,148 @@
+"""The straight lines in the plan on which walls were seen.
+
+Along the prevailing directions they are maxima of the density of upright pieces across them; what
+is left is explained by lines at any angle, by MSAC.
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.rooms.walls import COLUMN, FACING, Line, Walls, line_fit, on_line, profile
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+_BIN: Final = 0.01
+_LEAST_RUN: Final = 0.12  # of evidence on a line, metres
+_MOST_LINES: Final = 70
+# Within so many times their reach of a line that was found, others are its noise.
+_EXPLAINED: Final = 2.5
+# Lines that differ by less than 8 degrees may be the same, as a cosine.
+_PARALLEL: Final = 0.99
+_ODD_TRIES: Final = 200
+_ODD_SAMPLE: Final = 2000
+_ODD_LINES: Final = 16
+_ODD_REACH: Final = 2.0
+
+
+def wall_lines(walls: Walls, directions: tuple[float, ...]) -> list[Line]:
+    """Lines on which walls were seen: along the prevailing directions, and the odd ones.
+
+    Args:
+        walls: The evidence.
+        directions: Degrees modulo 90.
+
+    Returns:
+        At most 70 lines, those with the most evidence first.
+    """
+    free = np.ones(len(walls.points), bool)
+    found: list[tuple[float, float]] = []
+    for direction in directions:
+        for angle in (direction, direction + 90.0):
+            for offset in _offsets(walls, angle):
+                found.append((angle, offset))
+                free &= ~on_line(walls, _unit(angle), offset, spread=_EXPLAINED)
+    lines = [profile(walls, _unit(angle), offset) for angle, offset in found]
+    odd = [profile(walls, _unit(angle), offset) for angle, offset in _odd_lines(walls, free)]
+    lines += [line for line in odd if not _repeats(walls, line, lines)]
+    lines = [line for line in lines if line.cover.sum() * COLUMN > _LEAST_RUN]
+    lines.sort(key=lambda line: -float(line.cover.sum()))
+    return lines[:_MOST_LINES]
+
+
+def _unit(degrees: float) -> Array:
+    return np.array([np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))])
+
+
+def _offsets(walls: Walls, angle: float) -> list[float]:
+    """Where many pieces that face a direction lie: maxima of their smoothed density."""
+    normal = _unit(angle)
+    facing = np.abs(walls.normals @ normal) > FACING
+    if not facing.any():
+        return []
+    place = walls.points[facing] @ normal
+    low = place.min() - 0.2
+    counts = np.bincount(((place - low) / _BIN).astype(int), (walls.weight * walls.share)[facing])
+    counts = np.append(counts, np.zeros(20))
+    steps = np.arange(-12, 13) * _BIN
+    kernel = np.exp(-0.5 * (steps / (walls.reach / 3.0)) ** 2)
+    density = np.convolve(counts, kernel, "same")
+    peaks = np.flatnonzero((density[1:-1] > density[:-2]) & (density[1:-1] >= density[2:])) + 1
+    least = _LEAST_RUN / COLUMN * 0.3 * walls.courses
+    peaks = peaks[density[peaks] > least]
+    kept: list[int] = []
+    for peak in peaks[np.argsort(-density[peaks], kind="stable")]:
+        if all(abs(peak - other) * _BIN > walls.reach for other in kept):
+            kept.append(int(peak))
+    return [low + (peak + 0.5) * _BIN for peak in kept]
+
+
+def _odd_lines(walls: Walls, free: Mask) -> list[tuple[float, float]]:
+    """Lines through what no other line explains, by MSAC, one after the other."""
+    rng = np.random.default_rng(0)
+    found: list[tuple[float, float]] = []
+    least = 2.0 * _LEAST_RUN / COLUMN * walls.courses
+    for _ in range(_ODD_LINES):
+        rows = np.flatnonzero(free)
+        if walls.weight[rows].sum() < least:
+            break
+        some = rows[rng.permutation(len(rows))[:_ODD_SAMPLE]]
+        seed = _best_seed(walls, some, rng.integers(len(some), size=_ODD_TRIES))
+        normal, offset = _grown(walls, rows, seed)
+        taken = rows[on_line(walls, normal, offset, rows=rows)]
+        free[taken] = False
+        free[seed] = False
+        angle = float(np.rad2deg(np.arctan2(normal[1], normal[0])))
+        if walls.weight[taken].sum() >= least:
+            found.append((angle, offset))
+    return found
+
+
+def _repeats(walls: Walls, odd: Line, straight: list[Line]) -> bool:
+    """Whether an odd line is the noise of one along a prevailing direction, slightly turned."""
+    total = np.concatenate([[0.0], np.cumsum(odd.cover)]) / max(float(odd.cover.sum()), 1e-9)
+    a, b = odd.start + COLUMN * np.interp([0.1, 0.9], total, np.arange(len(total)))
+    middle = odd.offset * odd.normal + (a + b) / 2.0 * odd.along
+    half = (b - a) / 2.0
+    for line in straight:
+        near = abs(line.normal @ odd.normal) > _PARALLEL
+        if near and abs(middle @ line.normal - line.offset) < walls.thickness:
+            place = middle @ line.along
+            if line.covered(place - half, place + half) > 0.4 * odd.covered(a, b):
+                return True
+    return False
+
+
+def _best_seed(walls: Walls, some: Rows, tries: Rows) -> int:
+    """The piece whose own line has the most other pieces on it, within two metres."""
+    points, normals = walls.points[some], walls.normals[some]
+    seeds, axes = points[tries], normals[tries]
+    across = points @ axes.T - (seeds * axes).sum(axis=1)
+    along = points @ _quarter(axes).T - (seeds * _quarter(axes)).sum(axis=1)
+    near = (np.abs(along) < _ODD_REACH) & (np.abs(normals @ axes.T) > FACING)
+    support = np.where(near, np.clip(1.0 - (across / walls.reach) ** 2, 0.0, None), 0.0)
+    return int(some[tries[int((walls.weight[some] @ support).argmax())]])
+
+
+def _quarter(axes: Array) -> Array:
+    return np.column_stack([-axes[:, 1], axes[:, 0]])
+
+
+def _grown(walls: Walls, rows: Rows, seed: int) -> tuple[Array, float]:
+    """The line of the pieces around a seed, by reweighted least squares."""
+    points, normals, weight = walls.points[rows], walls.normals[rows], walls.weight[rows]
+    close = ((points - walls.points[seed]) ** 2).sum(axis=1) < _ODD_REACH**2
+    normal = walls.normals[seed]
+    offset = float(walls.points[seed] @ normal)
+    for _ in range(6):
+        across = points @ normal - offset
+        near = close & (np.abs(normals @ normal) > FACING)
+        bell = np.clip(1.0 - (across / walls.reach) ** 2, 0.0, None) ** 2
+        kernel = np.where(near, weight * bell, 0.0)
+        if kernel.sum() < 3.0:
+            break
+        normal, offset = line_fit(points, kernel, normal)
+    return normal, offset

@@ -1,0 +1,96 @@
+"""Leaves of doors that stand open: they are upright and as high as walls, but no walls.
+
+A leaf turns about one of its sides, so while it is open it runs neither as walls do nor in one
+line with a wall, and one of its ends is free.
+"""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.points.surfels import VOXEL, Surfels
+from openrooms_usd.scan.rooms.directions import UPRIGHT, apart
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+# NYU40.
+_WALL: Final = 1
+_DOOR: Final = 8
+# Lower than this, skirting boards and thresholds are called door as well, metres.
+_FOOT: Final = 0.1
+# Within this distance the pieces of a leaf, or of a wall, give its direction, metres.
+_AROUND: Final = 0.35
+_FEWEST: Final = 8
+# Leaves that are open by less move no wall, degrees.
+_OPEN: Final = 4.0
+# A wall goes on in the line of a closed door: so far, in this band, in so many columns.
+_ONWARD: Final = 1.5
+_BAND: Final = 0.08
+_SOME: Final = 6
+
+
+def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
+    """Which pieces of a level scan are called door and stand off the walls.
+
+    Args:
+        pieces: With labels, or none is found.
+        directions: In which walls run, degrees modulo 90.
+    """
+    none = np.zeros(len(pieces), dtype=np.bool_)
+    if pieces.label is None or not directions:
+        return none
+    standing = (np.abs(pieces.normals[:, 2]) < UPRIGHT) & (pieces.points[:, 2] > _FOOT)
+    doors = np.flatnonzero(standing & (pieces.label == _DOOR))
+    walls = np.flatnonzero(standing & (pieces.label == _WALL))
+    if not len(doors) or not len(walls):
+        return none
+    places, column = _columns(pieces.points[doors, :2])
+    angle = _runs(places)
+    off = np.min([apart(angle, direction) for direction in directions], axis=0)
+    rows = np.flatnonzero(off > _OPEN)
+    leaf = np.zeros(len(places), bool)
+    if len(rows):
+        leaf[rows] = ~_in_line(places[rows], angle[rows], _columns(pieces.points[walls, :2])[0])
+    none[doors[leaf[column]]] = True
+    return none
+
+
+def _columns(plan: Array) -> tuple[Array, NDArray[np.int64]]:
+    """(C, 2) middles of the columns that pieces stand in, and (N,) the column of each."""
+    cells = np.floor((plan - plan.min(axis=0)) / VOXEL).astype(np.int64)
+    _, column = np.unique(cells @ [1 << 32, 1], return_inverse=True)
+    count = np.bincount(column)
+    return np.column_stack([np.bincount(column, axis) / count for axis in plan.T]), column
+
+
+def _runs(places: Array) -> Array:
+    """(C,) the directions of the normals of what stands around places, degrees; NaN: of little."""
+    from scipy.spatial import KDTree
+
+    near = KDTree(places).query_pairs(_AROUND, output_type="ndarray")
+    pairs = np.concatenate([near, near[:, ::-1], np.repeat(np.arange(len(places))[:, None], 2, 1)])
+    x, y = places[pairs[:, 1]].T
+    count, sx, sy, xx, xy, yy = (
+        np.bincount(pairs[:, 0], values, len(places)).astype(np.float64)
+        for values in (np.ones(len(pairs)), x, y, x * x, x * y, y * y)
+    )
+    covariance = xy - sx * sy / count
+    difference = (xx - sx * sx / count) - (yy - sy * sy / count)
+    along = 0.5 * np.arctan2(2.0 * covariance, difference)
+    return np.where(count >= _FEWEST, np.rad2deg(along) + 90.0, np.nan)
+
+
+def _in_line(places: Array, angles: Array, walls: Array) -> Mask:
+    """(N,) whether walls go on where what stands at places ends, in the same direction."""
+    from scipy.spatial import KDTree
+
+    found = np.zeros(len(places), bool)
+    runs = _runs(walls)
+    for row, near in enumerate(KDTree(walls).query_ball_point(places, _ONWARD)):
+        turn = np.deg2rad(angles[row])
+        away = np.abs((walls[near] - places[row]) @ np.array([np.cos(turn), np.sin(turn)]))
+        alike = apart(runs[near], angles[row], 180.0) < _OPEN
+        found[row] = ((away < _BAND) & alike).sum() >= _SOME
+    return found

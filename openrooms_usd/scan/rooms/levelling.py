@@ -1,0 +1,159 @@
+"""Where down is: the floor, gravity and the walls' directions of a scan, and the level frame.
+
+In the *level frame* the floor is z = 0, Z points up, the x axis runs along the strongest wall
+direction, and the origin lies near the middle of what was scanned. Everything else that reads a
+scan works there.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.surfels import Surfels, surfels
+from openrooms_usd.scan.rooms.ceilings import ceiling_height
+from openrooms_usd.scan.rooms.directions import wall_directions
+from openrooms_usd.scan.rooms.ground import FEWEST, FLAT, UPRIGHT, Ground, find_ground
+
+Array = NDArray[np.float64]
+
+# How far the given up direction may be off, degrees, and the same where none is given.
+_GIVEN_TILT: Final = 8.0
+_FREE_TILT: Final = 15.0
+# A floor that is farther from its plane was bent by drift, metres.
+_BENT: Final = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """How a scan stands.
+
+    Attributes:
+        level_from_scan: (4, 4) rigid, to the level frame.
+        normal: (3,) unit, of the floor, upwards, in the scan's frame.
+        point: (3,) of the floor, in the scan's frame.
+        residual: Root of the mean squared distance of the floor's pieces to its plane, metres;
+            NaN where no floor was seen.
+        floor_seen: Whether the floor itself was seen; else it is at the walls' lowest points.
+        ceiling: Height of a level ceiling above the floor, metres; None where none was seen.
+        directions: Of the walls, degrees from the level frame's x axis modulo 90, strongest
+            first; empty where no direction prevails.
+        coverage: The part of the directions around the middle in which a wall was seen.
+        notes: What people should know.
+    """
+
+    level_from_scan: Array
+    normal: Array
+    point: Array
+    residual: float
+    floor_seen: bool
+    ceiling: float | None
+    directions: tuple[float, ...]
+    coverage: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def scan_from_level(self) -> Array:
+        """(4, 4) the way back."""
+        inverse = np.eye(4)
+        turn = self.level_from_scan[:3, :3].T
+        inverse[:3, :3] = turn
+        inverse[:3, 3] = -turn @ self.level_from_scan[:3, 3]
+        return inverse
+
+
+def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
+    """Find the floor and the walls' directions of a scan.
+
+    Args:
+        cloud: N finite points, metres, anywhere.
+        up: (3,) roughly upwards, up to 5 degrees off; None: Z, up to 10 degrees off.
+
+    Returns:
+        The level frame and what is known of it.
+
+    Raises:
+        InputError: There are too few points, or they show too little of a room.
+    """
+    if len(cloud) < FEWEST:
+        raise _too_little(f"the scan has {len(cloud)} points")
+    middle = np.median(cloud.points, axis=0)
+    guess = np.array([0.0, 0.0, 1.0]) if up is None else np.asarray(up, float)
+    guess = guess / np.linalg.norm(guess)
+    pieces = surfels(_shifted(cloud, middle))
+    if len(pieces) < FEWEST:
+        raise _too_little("the scan shows hardly any surface")
+    ground = find_ground(pieces, guess, _FREE_TILT if up is None else _GIVEN_TILT)
+    stood = _upright(ground.normal, ground.point)
+    upright = pieces.moved(stood)
+    directions = wall_directions(upright)
+    frame = _turned(directions[0] if directions else 0.0) @ stood
+    frame[:2, 3] -= np.median(pieces.moved(frame).points[:, :2], axis=0)
+    still = pieces.moved(frame)
+    coverage = _coverage(still)
+    frame[:3, 3] -= frame[:3, :3] @ middle
+    return Level(
+        level_from_scan=frame,
+        normal=ground.normal,
+        point=ground.point + middle,
+        residual=ground.residual,
+        floor_seen=ground.seen,
+        ceiling=ceiling_height(still),
+        directions=tuple((angle - directions[0]) % 90.0 for angle in directions),
+        coverage=coverage,
+        notes=_notes(ground),
+    )
+
+
+def _too_little(message: str) -> InputError:
+    return InputError(
+        message,
+        remedy="scan the whole room: its floor, and every wall from end to end",
+    )
+
+
+def _notes(ground: Ground) -> tuple[str, ...]:
+    if not ground.seen:
+        return ("the floor was not seen: it is put where the walls end",)
+    if ground.trust < 1.0 and ground.residual > _BENT:
+        bent = f"{100.0 * ground.residual:.0f} cm"
+        return (f"the floor is bent by {bent}: it is put level at its mean height",)
+    return ()
+
+
+def _shifted(cloud: Cloud, middle: Array) -> Cloud:
+    return Cloud(cloud.points - middle, label=cloud.label, confidence=cloud.confidence)
+
+
+def _coverage(pieces: Surfels) -> float:
+    """The part of 72 directions around the middle of the level surfaces that walls stand in."""
+    slope = np.abs(pieces.normals[:, 2])
+    flat = pieces.points[slope > np.cos(np.deg2rad(FLAT)), :2]
+    walls = pieces.points[slope < np.sin(np.deg2rad(UPRIGHT)), :2]
+    away = walls - np.median(flat if len(flat) else walls, axis=0)
+    sectors = (np.arctan2(away[:, 1], away[:, 0]) / np.pi * 36.0).astype(int) % 72
+    return float((np.bincount(sectors, minlength=72) > 5).mean())
+
+
+def _upright(normal: Array, point: Array) -> Array:
+    """(4, 4) the least turn that makes a normal vertical, the point at height zero."""
+    matrix = np.eye(4)
+    axis = np.array([normal[1], -normal[0], 0.0])
+    skew = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+    if normal[2] > -0.999999:
+        matrix[:3, :3] += skew + skew @ skew / (1.0 + normal[2])
+    else:
+        matrix[:3, :3] = np.diag([1.0, -1.0, -1.0])
+    matrix[:3, 3] = -matrix[:3, :3] @ point
+    return matrix
+
+
+def _turned(degrees: float) -> Array:
+    """(4, 4) that brings a direction in the plan to the x axis by less than 45 degrees."""
+    angle = np.deg2rad(-((degrees + 45.0) % 90.0 - 45.0))
+    matrix = np.eye(4)
+    matrix[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    return matrix

@@ -1,0 +1,91 @@
+"""Piers: walls that stand out into a room, of which a scan may miss a side.
+
+The minimum cut charges for the side that was not seen and may leave a pier out. Wall that reaches
+as high as the room and stands inside the outline is the sign of one.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.rooms.outline import Outline
+from openrooms_usd.scan.rooms.planmap import PIXEL
+from openrooms_usd.scan.rooms.spaces import Spaces
+
+Array = NDArray[np.float64]
+
+_DEEPEST: Final = 2.0
+# What stands free shows its far side or floor in more than this part of its place.
+_SHOWN: Final = 0.3
+_LEAST: Final = 0.1  # metres of wall
+_STRONG: Final = 0.25  # of a pixel's width
+
+
+def with_piers(
+    outline: Outline, spaces: Spaces, away: float, cost: Callable[[Outline], float]
+) -> Outline:
+    """Add rectangular piers around wall that stands inside, where that lowers the cost.
+
+    Args:
+        outline: The room so far.
+        spaces: The map, with the wall that stands there.
+        away: Nearer to the outline than this, wall is its noise, metres.
+        cost: What an outline costs.
+    """
+    for places in _standing_inside(outline, spaces, away):
+        tries = [_pier(outline, wall, places) for wall in range(len(outline))]
+        valid = [other for other in tries if other is not None and other.valid()]
+        valid = [other for other in valid if _is_solid(outline, other, spaces, away)]
+        if valid:
+            best = min(valid, key=cost)
+            outline = best if cost(best) < cost(outline) else outline
+    return outline
+
+
+def _standing_inside(outline: Outline, spaces: Spaces, away: float) -> list[Array]:
+    """(P, 2) the places of each connected piece of wall inside an outline."""
+    import shapely
+    from scipy import ndimage
+
+    inner = shapely.Polygon(outline.corners()).buffer(-away, join_style="mitre")
+    shapely.prepare(inner)
+    inside = shapely.contains_xy(inner, spaces.centres()).reshape(spaces.standing.shape)
+    strong = inside & (spaces.standing > _STRONG * PIXEL)
+    groups, count = ndimage.label(strong, np.ones((3, 3)))
+    centres = spaces.centres()
+    found = [groups.ravel() == number for number in range(1, count + 1)]
+    weights = spaces.standing.ravel()
+    return [centres[rows] for rows in found if weights[rows].sum() > _LEAST]
+
+
+def _is_solid(outline: Outline, other: Outline, spaces: Spaces, away: float) -> bool:
+    """Whether little was seen of what an outline takes away: else the wall stands free."""
+    import shapely
+
+    whole, rest = (shapely.Polygon(shape.corners()) for shape in (outline, other))
+    within = shapely.contains_xy(whole.difference(rest).buffer(-away), spaces.centres())
+    return not within.any() or float(spaces.shown.ravel()[within].mean()) < _SHOWN
+
+
+def _pier(outline: Outline, wall: int, places: Array) -> Outline | None:
+    """The outline with a rectangle that holds some places standing out from one of its walls."""
+    corners = outline.corners()
+    start, end = corners[wall], corners[(wall + 1) % len(outline)]
+    normal = outline.normals[wall]
+    along = np.array([-normal[1], normal[0]])
+    depth = outline.offsets[wall] - places @ normal
+    place = places @ along
+    a, b, deep = place.min(), place.max(), float(depth.max())
+    if deep > _DEEPEST or a < start @ along - PIXEL or b > end @ along + PIXEL:
+        return None
+    normals = np.array([normal, along, normal, -along, normal])
+    offset = outline.offsets[wall]
+    offsets = np.array([offset, a, offset - deep, -b, offset])
+    order = np.arange(len(outline))
+    before, after = order < wall, order > wall
+    return Outline(
+        np.concatenate([outline.normals[before], normals, outline.normals[after]]),
+        np.concatenate([outline.offsets[before], offsets, outline.offsets[after]]),
+    )

@@ -1,0 +1,195 @@
+"""Evidence of walls: the upright pieces of a scan, and how far a wall stands along a line."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.points.surfels import Surfels
+from openrooms_usd.scan.rooms.directions import UPRIGHT
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+# Pieces of a wall lie near its line, by so many times the noise and within these limits, metres,
+# and face across it up to this angle, degrees.
+_NOISES: Final = 3.0
+_REACH: Final = (0.06, 0.1)
+_THICK: Final = 2.5  # times their reach
+FACING: Final = float(np.cos(np.deg2rad(20.0)))
+COLUMN: Final = 0.05
+_COURSE: Final = 0.1  # height of a bin
+_TOP: Final = 0.5  # metres below the highest that was seen, where furniture rarely reaches
+_FOOT: Final = 0.1
+# NYU40: what hangs on walls counts as wall, what is unknown counts less, furniture hardly.
+_ON_WALLS: Final = (1, 8, 11, 19, 30)
+_UNKNOWN: Final = (0, 9, 38, 40)
+_TRUST: Final = {"wall": 1.0, "unknown": 0.7, "furniture": 0.12}
+# Walls do not run along the fronts of furniture.
+_NO_WALL: Final = -0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Walls:
+    """Upright pieces of a level scan.
+
+    Attributes:
+        points: (M, 2) in the plan.
+        normals: (M, 2) unit; the sign says nothing.
+        height: (M,) above the floor.
+        weight: (M,) how far a piece counts as wall, by its label.
+        share: (M,) how many points it has, relative to its neighbours.
+        top: Up to where walls were seen, metres.
+        reach: Pieces of a wall lie this near to its line, metres.
+    """
+
+    points: Array
+    normals: Array
+    height: Array
+    weight: Array
+    share: Array
+    top: float
+    reach: float
+
+    @property
+    def thickness(self) -> float:
+        """Farther than this from a wall, nothing is its noise, metres."""
+        return _THICK * self.reach
+
+    @property
+    def courses(self) -> int:
+        """The number of height bins."""
+        return max(int(np.ceil(self.top / _COURSE)), 4)
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A line in the plan: normal . p = offset.
+
+    Attributes:
+        normal: (2,) unit.
+        offset: Metres.
+        start: Where its first column begins, along the direction (-n_y, n_x).
+        cover: (U,) for columns of 5 cm along the line, how far a wall stands there, 0 to 1.
+        seen: (U,) the same without regard to what height the evidence lies at.
+    """
+
+    normal: Array
+    offset: float
+    start: float
+    cover: Array
+    seen: Array
+
+    @property
+    def along(self) -> Array:
+        """(2,) unit, along the line."""
+        return np.array([-self.normal[1], self.normal[0]])
+
+    def covered(self, a: float | Array, b: float | Array) -> Array:
+        """Metres of wall between places along the line."""
+        return _between(self.cover, self.start, a, b)
+
+    def shown(self, a: float | Array, b: float | Array) -> Array:
+        """Metres of anything upright between places along the line."""
+        return _between(self.seen, self.start, a, b)
+
+
+def _between(values: Array, start: float, a: float | Array, b: float | Array) -> Array:
+    total = np.concatenate([[0.0], np.cumsum(values) * COLUMN])
+    ends = start + COLUMN * np.arange(len(total))
+    return np.asarray(np.abs(np.interp(b, ends, total) - np.interp(a, ends, total)))
+
+
+def upright(pieces: Surfels) -> Walls:
+    """The upright pieces of a level scan, and how far each counts as wall."""
+    standing = np.abs(pieces.normals[:, 2]) < UPRIGHT
+    walls = pieces.take(standing & (pieces.points[:, 2] > _FOOT))
+    normals = walls.normals[:, :2]
+    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    height = walls.points[:, 2]
+    weight = _trust(walls.label, len(walls))
+    counts = np.bincount((height / _COURSE).astype(int), weight, 4)
+    dense = np.flatnonzero(counts >= 0.25 * np.quantile(counts, 0.75))
+    top = float((dense[-1] + 1) * _COURSE)
+    kept = height < top
+    noise = float(np.median(walls.rough)) if len(walls) else 0.0
+    reach = float(np.clip(_NOISES * noise, *_REACH))
+    return Walls(
+        points=walls.points[kept, :2],
+        normals=normals[kept],
+        height=height[kept],
+        weight=weight[kept],
+        share=walls.share[kept],
+        top=top,
+        reach=reach,
+    )
+
+
+def _trust(label: NDArray[np.int32] | None, count: int) -> Array:
+    if label is None or not np.isin(label, (*_ON_WALLS,)).any():
+        return np.full(count, _TRUST["wall"])
+    return np.where(
+        np.isin(label, _ON_WALLS),
+        _TRUST["wall"],
+        np.where(np.isin(label, _UNKNOWN), _TRUST["unknown"], _TRUST["furniture"]),
+    )
+
+
+def on_line(
+    walls: Walls,
+    normal: Array,
+    offset: float,
+    rows: Rows | slice = slice(None),
+    spread: float = 1.0,
+) -> Mask:
+    """Which upright pieces lie on a line and face across it.
+
+    Args:
+        walls: The pieces.
+        normal: (2,) unit, of the line.
+        offset: Of the line, metres.
+        rows: Only some of the pieces.
+        spread: How far away they may lie, in units of their reach.
+    """
+    near = np.abs(walls.points[rows] @ normal - offset) < spread * walls.reach
+    return np.asarray(near & (np.abs(walls.normals[rows] @ normal) > FACING))
+
+
+def line_fit(points: Array, weight: Array, toward: Array) -> tuple[Array, float]:
+    """Total least squares: the line's normal (2,), on the side of ``toward``, and its offset."""
+    middle = np.average(points, axis=0, weights=weight)
+    away = points - middle
+    normal = np.linalg.eigh((away * weight[:, None]).T @ away)[1][:, 0]
+    normal = normal if normal @ toward >= 0.0 else -normal
+    return normal, float(middle @ normal)
+
+
+def profile(walls: Walls, normal: Array, offset: float) -> Line:
+    """How far a wall stands along a line."""
+    on = on_line(walls, normal, offset)
+    along = np.array([-normal[1], normal[0]])
+    places = walls.points @ along
+    start = float(np.floor(places.min() / COLUMN) - 2) * COLUMN if len(places) else 0.0
+    count = int((places.max() - start) / COLUMN) + 3 if len(places) else 1
+    column = ((places[on] - start) / COLUMN).astype(int)
+    course = np.minimum((walls.height[on] / _COURSE).astype(int), walls.courses - 1)
+    furniture = walls.weight[on] <= _TRUST["furniture"]
+    weight = np.where(furniture, _NO_WALL, walls.weight[on])
+    filled = np.zeros((count, walls.courses))
+    np.add.at(filled, (column, course), weight * COLUMN / _COURSE)
+    filled = np.clip(filled * 1.5, _NO_WALL, 1.0)
+    foot = int(_FOOT / _COURSE)
+    everywhere = filled[:, foot:].mean(axis=1)
+    above = filled[:, -int(_TOP / _COURSE) :].mean(axis=1)
+    cover = np.minimum(1.0, 1.4 * (0.7 * above + 0.3 * everywhere))
+    seen = np.minimum(1.0, 3.0 * np.maximum(everywhere, above))
+    return Line(normal, offset, start, _closed(cover), _closed(seen))
+
+
+def _closed(values: Array) -> Array:
+    """Gaps of two columns filled: the running maximum, then the running minimum, of three."""
+    wide = np.pad(values, 2, mode="edge")
+    dilated = np.max([wide[i : i + len(wide) - 2] for i in range(3)], axis=0)
+    return np.asarray(np.min([dilated[i : i + len(dilated) - 2] for i in range(3)], axis=0))

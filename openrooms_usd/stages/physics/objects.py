@@ -1,0 +1,229 @@
+"""The physics of objects: worked out once for all that are alike, each as a layer.
+
+::
+
+    over Chair                default prim: RigidBodyAPI, MassAPI; variants of its looks
+        Physics               Scope
+            Colliders         Scope, purpose guide: Mesh prims with CollisionAPI
+            Materials         Scope: what no material of the object says
+            Joints            Scope: RevoluteJoint and PrismaticJoint prims
+        Geometry/Body         over: RigidBodyAPI, MassAPI, Colliders, where parts move
+        Geometry/door_0_hinge over: likewise
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Sdf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.description.physics import Physics, PhysicsObject
+from openrooms_usd.errors import InputError
+from openrooms_usd.library.construction import movable, tolerance_of
+from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.library.furniture.joinery import Support
+from openrooms_usd.physics.collision_error import RESOLUTION
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.physics.parts import RigidLink, looks_of, read_links
+from openrooms_usd.stages.physics.shapes import Settings, Worked, worked_out
+from openrooms_usd.usd.bodies import frame_and_scale
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.semantics import read_label
+
+Array = NDArray[np.float64]
+
+# Scales that differ by less are one.
+_DIGITS: Final = 6
+# How the alignment says what carries an object.
+_FOUND: Final[dict[str, Support]] = {
+    "floor": "floor",
+    "wall": "wall",
+    "ceiling": "ceiling",
+    "object": "surface",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Thing:
+    """An object as physics has it; equal ones share all of it.
+
+    Attributes:
+        root: The root of one of those that are alike.
+        title: What its layer is called after.
+        category: What it is.
+        fixed: Whether it never moves.
+        mass: Its mass where somebody says it, kilograms.
+        friction: Likewise the static coefficient of all of it.
+        scale: (3,) of its root, as `usd.bodies.frame_and_scale` gives it.
+        looks: The names of its looks; one without a name where it has no choice.
+        links: What it consists of.
+        settings: How its collision shapes are made.
+    """
+
+    root: Sdf.Path
+    title: str
+    category: str
+    fixed: bool
+    mass: float | None
+    friction: float | None
+    scale: Array
+    looks: tuple[str, ...]
+    links: tuple[RigidLink, ...]
+    settings: Settings
+
+    def digest(self, code: str) -> str:
+        """8 hexadecimal digits of all that its layer depends on.
+
+        Args:
+            code: The digest of the code that writes the layer.
+        """
+        parts: list[Any] = [
+            code, self.category, self.fixed, self.mass, self.friction,
+            self.scale.tolist(), self.looks, vars(self.settings),
+        ]  # fmt: skip
+        content = hashlib.sha256()
+        for link in self.links:
+            parts.append([link.path, link.built.tolist(), repr(link.joint)])
+            for solid in link.solids:
+                parts.append([solid.path, solid.name, [repr(s) for s in solid.substances]])
+                content.update(np.ascontiguousarray(solid.mesh.points).tobytes())
+                content.update(np.ascontiguousarray(solid.mesh.triangles).tobytes())
+        content.update(json.dumps(parts, sort_keys=True).encode())
+        return content.hexdigest()[:8]
+
+
+@dataclass(frozen=True)
+class Objects:
+    """Reads objects, each of those that are alike once.
+
+    Attributes:
+        section: The section of the description.
+    """
+
+    section: Physics
+
+    def read(
+        self, stage: Usd.Stage, roots: Iterable[Usd.Prim]
+    ) -> list[tuple[Thing, list[Sdf.Path]]]:
+        """The things that are there, each with all its roots, in the order of the stage."""
+        cache = UsdGeom.XformCache(TIME)
+        groups: dict[tuple[object, ...], list[Usd.Prim]] = {}
+        for root in roots:
+            groups.setdefault(self._alike(root, cache), []).append(root)
+        # Reading goes through the looks, which makes prims anew.
+        members = [[root.GetPath() for root in group] for group in groups.values()]
+        things = [(self.thing(stage, paths[0]), paths) for paths in members]
+        return [(thing, paths) for thing, paths in things if _has_surface(thing)]
+
+    def _alike(self, root: Usd.Prim, cache: UsdGeom.XformCache) -> tuple[object, ...]:
+        given = self.section.objects.get(root.GetName())
+        return (
+            _content(root),
+            tuple(_scale(root, cache).tolist()),
+            given and tuple(given.model_dump().values()),
+            _mass_by_hand(root),
+            _support(root),
+        )
+
+    def thing(self, stage: Usd.Stage, path: Sdf.Path, owner: Sdf.Path | None = None) -> Thing:
+        """What one object is for physics.
+
+        Args:
+            stage: The composed stage.
+            path: Its root.
+            owner: Where its looks are chosen; the root itself where None.
+        """
+        chooser = owner or path
+        links = tuple(read_links(stage, path, chooser))
+        root = stage.GetPrimAtPath(path)
+        given = self.section.objects.get(root.GetName(), PhysicsObject())
+        category = read_label(root, names.CATEGORY) or ""
+        return Thing(
+            path, str(root.GetAssetInfo().get("name", "")) or root.GetName(), category,
+            not movable(category, _support(root)) if given.body is None else given.body == "fixed",
+            given.mass or _mass_by_hand(root),
+            given.friction,
+            _scale(root, UsdGeom.XformCache(TIME)),
+            looks_of(stage.GetPrimAtPath(chooser)),
+            links,
+            Settings(
+                given.shapes or self.section.shapes,
+                tolerance_of(category, self.section.tolerance),
+            ),
+        )  # fmt: skip
+
+
+def _content(root: Usd.Prim) -> object:
+    """What equal objects have equal: a prototype, or what they refer to."""
+    if root.IsInstance():
+        return root.GetPrototype().GetPath()
+    own = set(root.GetStage().GetLayerStack())
+    specs = root.GetPrimStack()
+    if any(spec.layer in own and spec.nameChildren for spec in specs):
+        return root.GetPath()
+    sets = root.GetVariantSets()
+    chosen = tuple((name, sets.GetVariantSelection(name)) for name in sets.GetNames())
+    sources = tuple(
+        (spec.layer.identifier, str(spec.path)) for spec in specs if spec.layer not in own
+    )
+    return (sources, chosen) if sources else root.GetPath()
+
+
+def _scale(root: Usd.Prim, cache: UsdGeom.XformCache) -> Array:
+    _, scale = frame_and_scale(cache.GetLocalToWorldTransform(root))
+    return np.round(scale, _DIGITS) + 0.0
+
+
+def _mass_by_hand(root: Usd.Prim) -> float | None:
+    """What the edits say that an object weighs: nothing weaker has said it yet."""
+    attribute = root.GetAttribute("physics:mass")
+    value = attribute.Get(TIME) if attribute else None
+    return value if isinstance(value, float) and value > 0.0 else None
+
+
+def _support(root: Usd.Prim) -> Support | None:
+    """What carries an object, as it was found in a scan, or as its category is mounted."""
+    attribute = root.GetAttribute(names.ALIGNMENT_SUPPORT)
+    found = attribute.Get() if attribute else None
+    spec = CATEGORIES.get(read_label(root, names.CATEGORY) or "")
+    usual = spec.support if spec else None
+    return _FOUND.get(str(found), usual)
+
+
+def _has_surface(thing: Thing) -> bool:
+    return any(link.solids for link in thing.links)
+
+
+def work_out(context: StageContext, things: Iterable[Thing]) -> Mapping[int, Worked]:
+    """Masses and collision shapes, by ``id`` of the thing; the workers change nothing.
+
+    What has none is left out, with a note.
+    """
+    waiting = list(things)
+    with ThreadPoolExecutor(max(1, context.workers)) as pool:
+        found = list(pool.map(_tried, waiting))
+    made = {}
+    for thing, worked in zip(waiting, found, strict=True):
+        if isinstance(worked, InputError):
+            context.notes.append(f"{thing.root.name} has no physics: {worked.message}")
+            continue
+        made[id(thing)] = worked
+        error = max(link.error for link in worked)
+        wanted = thing.settings.tolerance
+        if error > wanted + RESOLUTION:
+            told = f"its collision shapes lie within {1e3 * error:.0f} mm of it, not"
+            context.notes.append(f"{thing.root.name}: {told} {1e3 * wanted:g} mm")
+    return made
+
+
+def _tried(thing: Thing) -> Worked | InputError:
+    try:
+        return worked_out(thing)
+    except InputError as error:
+        return error

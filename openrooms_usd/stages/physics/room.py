@@ -1,0 +1,104 @@
+"""The physics of the room itself: floor, ceiling, walls around their openings, frames and leaves.
+
+Nothing of it moves but the leaves of doors and windows.
+"""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from pxr import Sdf, Usd, UsdShade
+
+from openrooms_usd import names
+from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.library.friction import friction_of
+from openrooms_usd.library.friction.references import SUBSTANCES
+from openrooms_usd.physics.panels import panel_pieces, slab_hull
+from openrooms_usd.stages.appearance import texels
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.physics.authoring import author_thing
+from openrooms_usd.stages.physics.objects import Objects, Thing, work_out
+from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
+from openrooms_usd.stages.physics.shapes import Collider, WorkedLink, convex_shapes
+from openrooms_usd.usd.materials import read_preview_surface
+from openrooms_usd.usd.semantics import read_label
+
+# A floor and a ceiling are taken for convex: no seam catches what slides, and nothing is beyond.
+_LEVEL: Final = frozenset({"floor", "ceiling"})
+_DECIMALS: Final = 3
+
+
+def author_room(context: StageContext, objects: Objects) -> None:
+    """Write colliders of the shell, and bodies of what moves in its openings."""
+    stage, room = context.stage, Sdf.Path(names.ROOM)
+    if not stage.GetPrimAtPath(room):
+        return
+    openings = stage.GetPrimAtPath(names.OPENINGS)
+    paths = [prim.GetPath() for prim in openings.GetChildren()] if openings else []
+    things = [_built_in(objects.thing(stage, path, room)) for path in paths]
+    things = [thing for thing in things if any(link.solids for link in thing.links)]
+    shell = _built_in(objects.thing(stage, room, room))
+    made = work_out(context, things)
+    _author_shell(context, shell)
+    for thing in things:
+        if id(thing) in made:
+            author_thing(stage, thing.root, thing, made[id(thing)], room)
+
+
+def _built_in(thing: Thing) -> Thing:
+    """What is of the building stays, and stays open: one hull of a frame would fill it."""
+    return replace(thing, fixed=True, settings=replace(thing.settings, shapes="auto"))
+
+
+def _author_shell(context: StageContext, room: Thing) -> None:
+    inside = f"{names.OPENINGS.removeprefix(names.ROOM + '/')}/"
+    solids = [
+        _with_floor_friction(context, solid)
+        for link in room.links
+        if link.joint is None
+        for solid in link.solids
+        if not solid.path.startswith(inside)
+    ]
+    colliders = [
+        Collider(f"{solid.path.rpartition('/')[2]}_{number}", shape, solid)
+        for solid in solids
+        for number, shape in enumerate(_shapes(context, room, solid))
+    ]
+    link = WorkedLink(RigidLink(".", tuple(solids)), tuple(colliders), ())
+    shell = replace(room, links=(link.link,))
+    author_thing(context.stage, room.root, shell, (link,), room.root)
+
+
+def _shapes(context: StageContext, room: Thing, solid: Solid) -> list[TriangleMesh]:
+    """The convex pieces of a surface of the shell."""
+    prim = context.stage.GetPrimAtPath(Sdf.Path(names.ROOM).AppendPath(solid.path))
+    category = read_label(prim, names.CATEGORY)
+    if category in _LEVEL:
+        return [slab_hull(solid.mesh)]
+    exact = panel_pieces(solid.mesh) if category == "wall" else []
+    if exact:
+        return exact
+    found = convex_shapes([solid.mesh], [solid.name], [""], room.settings)
+    return [shape.mesh for shape in found.shapes]
+
+
+def _with_floor_friction(context: StageContext, solid: Solid) -> Solid:
+    """A floor with the mean of its friction map; any other surface as it is."""
+    if Sdf.Path(names.ROOM).AppendPath(solid.path) != Sdf.Path(names.FLOOR):
+        return solid
+    made = tuple(_meant(context.stage, substance) for substance in solid.substances)
+    return replace(solid, substances=made)
+
+
+def _meant(stage: Usd.Stage, made: Substance) -> Substance:
+    prim = stage.GetPrimAtPath(made.material) if made.material else None
+    if prim is None or made.physics is None or made.category not in SUBSTANCES:
+        return made
+    surface, _ = read_preview_surface(UsdShade.Material(prim))
+    found = friction_of(made.category, *texels(surface))
+    # All texels have the same size on the floor.
+    static, dynamic = (
+        round(float(np.mean(values)), _DECIMALS) for values in (found.static, found.dynamic)
+    )
+    known = replace(made.physics, static_friction=static, dynamic_friction=dynamic)
+    return Substance(None, "floor", known)

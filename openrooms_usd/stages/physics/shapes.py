@@ -1,0 +1,168 @@
+"""What is computed of an object for physics: collision shapes and masses, arrays in, arrays out."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.description.physics import Shapes
+from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.library.construction import mass_of_part
+from openrooms_usd.library.friction.references import SUBSTANCES
+from openrooms_usd.physics.components import Part
+from openrooms_usd.physics.decomposition import Shapes as FoundShapes
+from openrooms_usd.physics.mass import MassProperties, combined
+from openrooms_usd.stages.physics.cache import cached_shapes
+from openrooms_usd.stages.physics.parts import RigidLink, Solid
+
+if TYPE_CHECKING:
+    from openrooms_usd.stages.physics.objects import Thing
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How collision shapes are made.
+
+    Attributes:
+        shapes: By which method.
+        tolerance: How far they may lie from what is seen, metres.
+    """
+
+    shapes: Shapes
+    tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Collider:
+    """A convex shape.
+
+    Attributes:
+        name: Unique within its link.
+        mesh: In the frame of its link's prim, before its scale.
+        solid: The part whose material it has.
+    """
+
+    name: str
+    mesh: TriangleMesh
+    solid: Solid
+
+
+@dataclass(frozen=True, eq=False)
+class WorkedLink:
+    """What was worked out of a link.
+
+    Attributes:
+        link: What it is of.
+        colliders: Its shapes.
+        masses: In its rigid frame, by look; empty where it does not move.
+        error: How far its shapes lie from what is seen at most, metres.
+    """
+
+    link: RigidLink
+    colliders: tuple[Collider, ...]
+    masses: tuple[MassProperties, ...]
+    error: float = 0.0
+
+
+Worked = tuple[WorkedLink, ...]
+
+
+def worked_out(thing: "Thing") -> Worked:
+    """Shapes and masses of all links of an object.
+
+    Raises:
+        InputError: Its surfaces enclose nothing and have no area.
+    """
+    try:
+        masses = _masses(thing)
+        return tuple(
+            _worked_link(thing, link, weights)
+            for link, weights in zip(thing.links, masses, strict=True)
+        )
+    except InputError as error:
+        error.place = error.place or str(thing.root)
+        raise
+
+
+def scaled(mesh: TriangleMesh, scale: Array) -> TriangleMesh:
+    """A mesh after a scale along its axes; mirrors keep its outside."""
+    mirrored = np.prod(scale) < 0.0
+    triangles = mesh.triangles[:, ::-1] if mirrored else mesh.triangles
+    return TriangleMesh(mesh.points * scale, triangles, mesh.faces)
+
+
+def _worked_link(thing: "Thing", link: RigidLink, masses: tuple[MassProperties, ...]) -> WorkedLink:
+    names = _stems(link)
+    found = convex_shapes(
+        [scaled(solid.mesh, thing.scale) for solid in link.solids],
+        names,
+        [repr(solid.substances) for solid in link.solids],
+        thing.settings,
+    )
+    by_name = dict(zip(names, link.solids, strict=True))
+    colliders: list[Collider] = []
+    count: dict[str, int] = {}
+    for shape in found.shapes:
+        stem = shape.parts[0]
+        number = count[stem] = count.get(stem, -1) + 1
+        mesh = scaled(shape.mesh, 1.0 / thing.scale)
+        colliders.append(Collider(f"{stem}_{number}", mesh, by_name[stem]))
+    return WorkedLink(link, tuple(colliders), masses, found.error)
+
+
+def _stems(link: RigidLink) -> list[str]:
+    """A name for each part that no number behind it makes that of another."""
+    last = [solid.path.rpartition("/")[2] for solid in link.solids]
+    unique = len(set(last)) == len(last)
+    return last if unique else [f"{name}_p{i}" for i, name in enumerate(last)]
+
+
+def convex_shapes(
+    meshes: list[TriangleMesh], names: list[str], contacts: list[str], settings: Settings
+) -> FoundShapes:
+    """The convex shapes of surfaces that move as one, metres.
+
+    Args:
+        meshes: In one frame, after all scales.
+        names: One for each.
+        contacts: What each is made of: shapes never mix two.
+        settings: How they are made.
+    """
+    parts = [
+        Part(name, mesh.points, mesh.triangles, contact)
+        for mesh, name, contact in zip(meshes, names, contacts, strict=True)
+    ]
+    return cached_shapes(parts, settings.shapes, settings.tolerance)
+
+
+def _masses(thing: "Thing") -> list[tuple[MassProperties, ...]]:
+    """By link and look; where the whole mass is known, each link has its share."""
+    looks = range(len(thing.looks))
+    moving = [not thing.fixed or link.joint is not None for link in thing.links]
+    weighed = [moves or thing.mass is not None for moves in moving]
+    table = [
+        [_link_mass(thing, link, look) for look in looks] if needed else []
+        for link, needed in zip(thing.links, weighed, strict=True)
+    ]
+    if thing.mass is not None:
+        for look in looks:
+            total = sum(row[look].mass for row in table)
+            for row in table:
+                row[look] = row[look].weighing(row[look].mass * thing.mass / total)
+    return [tuple(row) if moves else () for row, moves in zip(table, moving, strict=True)]
+
+
+def _link_mass(thing: "Thing", link: RigidLink, look: int) -> MassProperties:
+    pieces = []
+    for part in link.solids:
+        mesh = scaled(part.mesh, thing.scale)
+        made = part.substances[look].category
+        substance = next((known for known in SUBSTANCES if known == made), None)
+        pieces.append(
+            mass_of_part(thing.category, part.name, substance, mesh.points, mesh.triangles)
+        )
+    return combined(pieces)

@@ -1,0 +1,142 @@
+"""The physics stage: gravity, bodies, collision shapes and joints.
+
+The physics of an object is a layer of its own, which its root references above its asset and its
+look, so that repeats go on sharing a prototype; see `physics_objects`. That of the room's shell is
+written where it is.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+from pxr import Sdf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.codedigest import code_digest
+from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.physics import Physics
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import DescriptionError
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.physics.authoring import author_thing
+from openrooms_usd.stages.physics.objects import Objects, Thing, work_out
+from openrooms_usd.stages.physics.room import author_room
+from openrooms_usd.stages.physics.shapes import Worked
+from openrooms_usd.usd.activation import is_deactivated
+from openrooms_usd.usd.bodies import define_scene
+from openrooms_usd.usd.layers import apply_metadata, export, split_arrays
+
+BODIES: Final = "bodies"
+
+
+class PhysicsStage:
+    """Writes ``/World/Physics``, ``/World/Room/Physics``, and bodies over everything else."""
+
+    name = "physics"
+    reads: tuple[str, ...] = ("layout", "alignment", "materials")
+
+    def inputs(self, room: Room, source: Path) -> Iterable[str]:
+        """None: everything is in the stage."""
+        return ()
+
+    def author(self, context: StageContext) -> None:
+        """Work out what is there, publish what is alike once, and refer to it.
+
+        A room whose description has no ``physics`` gets an empty layer.
+
+        Raises:
+            DescriptionError: An object is named that is not there.
+            OutputError: A layer cannot be written.
+        """
+        section = context.room.physics
+        if section is None:
+            return
+        furniture = context.stage.GetPrimAtPath(names.FURNITURE)
+        roots = list(furniture.GetChildren()) if furniture else []
+        _check_names(context, section, [root.GetName() for root in roots])
+        UsdGeom.Scope.Define(context.stage, names.PHYSICS)
+        define_scene(context.stage, names.PHYSICS_SCENE, section.gravity)
+        objects = Objects(section)
+        found = objects.read(context.stage, roots)
+        author_room(context, objects)
+        _reference(context, found, _publish(context, [thing for thing, _ in found]))
+
+
+def _check_names(context: StageContext, section: Physics, known: Sequence[str]) -> None:
+    """Refuse objects that are not there."""
+    for name in section.objects:
+        if name in known:
+            continue
+        if is_deactivated(context.stage, f"{names.FURNITURE}/{name}"):
+            context.notes.append(f"{name}: deactivated, so it has no physics")
+            continue
+        raise DescriptionError(
+            f"there is no object {name!r}{did_you_mean(name, known)}",
+            place=f"physics.objects.{name}",
+            remedy=f"there are: {', '.join(known[:30]) or 'none'}",
+        )
+
+
+def _publish(context: StageContext, things: Iterable[Thing]) -> dict[int, str]:
+    """Write the layer of each distinct thing, unless it is there already.
+
+    Returns:
+        The anchored path of its layer, by ``id`` of the thing.
+    """
+    code = code_digest(__name__)
+    wanted: dict[int, str] = {}
+    missing: dict[Path, Thing] = {}
+    for thing in things:
+        file = f"{BODIES}/{thing.title}_{thing.digest(code)}.usda"
+        wanted[id(thing)] = file
+        target = context.keep(file)
+        arrays = context.keep(f"{file.removesuffix('.usda')}.usdc")
+        if not (target.is_file() and arrays.is_file()):
+            missing.setdefault(target, thing)
+    made = work_out(context, missing.values())
+    for target, thing in missing.items():
+        if id(thing) in made:
+            _write(target, thing, made[id(thing)])
+    there = {known: file for known, file in wanted.items() if (context.folder / file).is_file()}
+    return {known: context.asset(file) for known, file in there.items()}
+
+
+def _write(target: Path, thing: Thing, made: Worked) -> None:
+    """A light text layer, and its long arrays beside it."""
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    apply_metadata(layer)
+    stage = Usd.Stage.Open(layer)
+    title = "".join(word.capitalize() for word in thing.category.split("_")) or "Object"
+    root = stage.OverridePrim(f"/{title}")
+    stage.SetDefaultPrim(root)
+    author_thing(stage, root.GetPath(), thing, made)
+    # A stage would look for the sublayer as soon as it is named.
+    del root, stage
+    arrays = split_arrays(layer) or _empty()
+    beside = target.with_suffix(".usdc")
+    export(arrays, beside)
+    layer.subLayerPaths.append(f"./{beside.name}")
+    export(layer, target)
+
+
+def _empty() -> Sdf.Layer:
+    layer = Sdf.Layer.CreateAnonymous(".usdc")
+    apply_metadata(layer)
+    return layer
+
+
+def _reference(
+    context: StageContext,
+    found: Iterable[tuple[Thing, Sequence[Sdf.Path]]],
+    files: Mapping[int, str],
+) -> None:
+    """Let each root reference its physics, above all else: thousands in one change."""
+    layer = context.stage.GetEditTarget().GetLayer()
+    paths = [(thing, path) for thing, members in found if id(thing) in files for path in members]
+    with Sdf.ChangeBlock():
+        for thing, path in paths:
+            prim = Sdf.CreatePrimInLayer(layer, path)
+            prim.referenceList.Prepend(Sdf.Reference(files[id(thing)]))
+            if len(thing.links) > 1:
+                # Bodies below an instance are none to the standard.
+                prim.instanceable = False

@@ -1,0 +1,250 @@
+"""Any stage that says UsdPhysics, as bodies, links, joints and shapes for engines.
+
+The front end is USD's own parser, which knows how bodies, colliders and joints are found, also
+inside instances, and the standard's own rules for masses.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Kind, Sdf, Usd, UsdPhysics
+
+from openrooms_usd import names
+from openrooms_usd.errors import StageError
+from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.physics.world import Body, Shape, Visual, World
+from openrooms_usd.physics.world import Link as WorldLink
+from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.rigid.filters import read_filters
+from openrooms_usd.usd.rigid.frames import Frames, inverse
+from openrooms_usd.usd.rigid.items import distinct, shifted, unique, unique_names
+from openrooms_usd.usd.rigid.joints import (
+    KINDS,
+    UNKNOWN_KINDS,
+    Edge,
+    Link,
+    Tree,
+    damping_of,
+    friction_of,
+    joint_axis,
+    joint_of,
+    limits_of,
+    pose,
+    trees,
+)
+from openrooms_usd.usd.rigid.masses import read_mass
+from openrooms_usd.usd.rigid.shapes import ShapeReader, safe
+from openrooms_usd.usd.semantics import read_label
+
+Array = NDArray[np.float64]
+_Type = UsdPhysics.ObjectType
+_SHAPES: Final = tuple(getattr(_Type, name) for name in _Type.names if name.endswith("Shape"))
+# Until USD 26 the parser had the first of these names alone.
+_PARSE: Final = (
+    getattr(UsdPhysics, "UsdPhysicsLoadStageFromPrimRange", None)
+    or UsdPhysics.LoadUsdPhysicsFromRange
+)
+
+
+def read_world(stage: Usd.Stage) -> World:
+    """Read the physics of a stage, ours or a foreign one.
+
+    What moves is a body with RigidBodyAPI that is enabled and not kinematic. What collides and does
+    not move belongs to a fixed body: that of the nearest component or subcomponent, or else of the
+    prim below the stage's default prim. Joints make one body of what they join, as a tree. Links of
+    one body are not meant to collide with each other, nor are pairs of FilteredPairsAPI.
+
+    Args:
+        stage: The composed stage.
+
+    Returns:
+        Everything in metres, kilograms and radians with Z up; scales and mirrors are in the points.
+
+    Raises:
+        StageError: The stage has no physics.
+        InputError: A mass is negative, a body has neither mass nor volume, or joints make a loop.
+    """
+    found = _PARSE(stage, [Sdf.Path.absoluteRootPath])
+    parsed = {kind: list(zip(*rows, strict=True)) for kind, rows in found.items()}
+    if not any(parsed.get(kind) for kind in (_Type.RigidBody, *_SHAPES)):
+        raise StageError(
+            "this stage says nothing of physics: it has no rigid bodies and no colliders",
+            place=stage.GetRootLayer().identifier,
+            remedy="compose the room again with its physics stage, or apply UsdPhysics schemas",
+        )
+    return _Reading(stage, parsed).world()
+
+
+@dataclass
+class _Content:
+    """What a link gathers."""
+
+    shapes: list[Shape] = field(default_factory=list)
+    solids: dict[Sdf.Path, Sequence[TriangleMesh]] = field(default_factory=dict)
+    visuals: list[Visual] = field(default_factory=list)
+
+
+class _Reading:
+    def __init__(self, stage: Usd.Stage, parsed: Mapping[Any, list[tuple[Sdf.Path, Any]]]) -> None:
+        self.stage = stage
+        self.parsed = parsed
+        self.frames = Frames(stage)
+        self.reader = ShapeReader(self.frames)
+        self.moving = {
+            path
+            for path, desc in parsed.get(_Type.RigidBody, ())
+            if desc.rigidBodyEnabled and not desc.kinematicBody
+        }
+        self.links: dict[Sdf.Path, Link] = {}
+        self.content: dict[Sdf.Path, _Content] = {}
+        self.anchored: set[Sdf.Path] = set()
+        self.inverses: dict[Sdf.Path, Array] = {}
+
+    def world(self) -> World:
+        for path in self.moving:
+            self._add(path, moves=True)
+        self._read_colliders()
+        edges = list(self._edges())
+        self._read_visuals()
+        order = {path: number for number, path in enumerate(self.frames.ordered(self.links))}
+        links = {path: self.links[path] for path in sorted(self.links, key=order.__getitem__)}
+        roots = [p for _, d in self.parsed.get(_Type.Articulation, ()) for p in d.rootPrims]
+        taken: set[str] = set()
+        bodies = [self._body(tree, taken) for tree in trees(links, edges, roots)]
+        for loss in self.seen.losses:
+            self.reader.lose(*loss)
+        gravity = self.frames.gravity([desc for _, desc in self.parsed.get(_Type.Scene, ())])
+        colliders = {path: content.solids for path, content in self.content.items()}
+        apart = read_filters(self.stage, bodies, colliders, self.reader)
+        return World(tuple(bodies), gravity, tuple(self.reader.losses.values()), apart)
+
+    def _add(self, path: Sdf.Path, *, moves: bool) -> Sdf.Path:
+        if path not in self.links:
+            self.links[path] = Link(path, moves, self.frames.rigid(path))
+            self.content[path] = _Content()
+        return path
+
+    def _into(self, path: Sdf.Path) -> Array:
+        """(4, 4) from the world to the rigid frame of a link."""
+        if path not in self.inverses:
+            self.inverses[path] = inverse(self.links[path].frame)
+        return self.inverses[path]
+
+    def _holder(self, path: Sdf.Path) -> Sdf.Path:
+        """The link that a prim belongs to: the nearest that moves, else a fixed one."""
+        for prefix in reversed(path.GetPrefixes()):
+            if prefix in self.moving:
+                return prefix
+        return self._add(self._owner(path), moves=False)
+
+    def _owner(self, path: Sdf.Path) -> Sdf.Path:
+        for prefix in reversed(path.GetPrefixes()):
+            kind = Usd.ModelAPI(self.stage.GetPrimAtPath(prefix)).GetKind()
+            if Kind.Registry.IsA(kind, Kind.Tokens.component) or (
+                Kind.Registry.IsA(kind, Kind.Tokens.subcomponent)
+            ):
+                return prefix
+        prefixes = path.GetPrefixes()
+        top = self.stage.GetDefaultPrim()
+        below = 1 if top and prefixes[0] == top.GetPath() and len(prefixes) > 1 else 0
+        return prefixes[below]
+
+    def _read_colliders(self) -> None:
+        for kind in _SHAPES:
+            for path, desc in self.parsed.get(kind, ()):
+                if not desc.collisionEnabled:
+                    continue
+                if desc.rigidBody in self.moving:
+                    holder = desc.rigidBody
+                else:
+                    holder = self._add(self._owner(path), moves=False)
+                into = self._into(holder)
+                read = self.reader.collider(path, desc, into)
+                self.content[holder].shapes += read.shapes
+                self.content[holder].solids[path] = read.solids
+
+    def _read_visuals(self) -> None:
+        self.seen = read_meshes(self.stage)
+        for placed in self.seen:
+            holder = self._holder(placed.prim.GetPath())
+            into = self._into(holder)
+            self.content[holder].visuals += self.reader.visuals(placed, into)
+
+    def _edges(self) -> Iterator[Edge]:
+        for kind, what in UNKNOWN_KINDS.items():
+            for path, _ in self.parsed.get(kind, ()):
+                self.reader.lose(path, "skipped", f"{what}: no hinge, rail or fixed joint")
+        for kind, motion in KINDS.items():
+            for path, desc in self.parsed.get(kind, ()):
+                if not desc.jointEnabled:
+                    self.reader.lose(path, "skipped", "it is disabled")
+                    continue
+                ends = [desc.body0, desc.body1]
+                if not any(end in self.moving for end in ends):
+                    self.reader.lose(path, "skipped", "nothing that moves is joined by it")
+                elif motion == "fixed" and desc.rel0.isEmpty != desc.rel1.isEmpty:
+                    self.anchored.update(end for end in ends if end in self.moving)
+                else:
+                    yield self._edge(path, motion, desc)
+
+    def _edge(self, path: Sdf.Path, motion: Any, desc: Any) -> Edge:
+        ends = []
+        for body, rel, position, orientation in (
+            (desc.body0, desc.rel0, desc.localPose0Position, desc.localPose0Orientation),
+            (desc.body1, desc.rel1, desc.localPose1Position, desc.localPose1Orientation),
+        ):
+            anchor = pose(self.frames, position, orientation)
+            if body in self.moving:
+                ends.append((body, anchor))
+                continue
+            fixed = self._add(self._owner(rel if not rel.isEmpty else path), moves=False)
+            # The standard gives what holds on to nothing that moves in the stage's own frame.
+            held = self.frames.rigid(body) if body else self.frames.placed(np.eye(4))
+            ends.append((fixed, inverse(self.links[fixed].frame) @ held @ anchor))
+        return Edge(
+            path, motion, (ends[0][0], ends[1][0]), (ends[0][1], ends[1][1]),
+            joint_axis(desc), limits_of(self.frames, motion, desc),
+            damping_of(self.frames, motion, desc), friction_of(self.frames, motion, path),
+        )  # fmt: skip
+
+    def _body(self, tree: Tree, taken: set[str]) -> Body:
+        base = self.links[tree.links[0]]
+        root = self._owner(base.path) if len(tree.links) > 1 else base.path
+        fixed = not base.moves or base.path in self.anchored
+        called = unique_names([safe(path.name) for path in tree.links])
+        named = dict(zip(tree.links, called, strict=True))
+        frames, joints = {base.path: np.eye(4)}, []
+        labels = unique_names([safe(edge.path.name) for _, _, edge, _ in tree.joints])
+        for label, (parent, child, edge, backward) in zip(labels, tree.joints, strict=True):
+            ends = (self.links[edge.links[0]], self.links[edge.links[1]])
+            told = (label, named[parent], named[child])
+            joint, frames[child] = joint_of(edge, backward, ends, told, self.reader)
+            joints.append(joint)
+        into = inverse(base.frame)
+        links = [
+            self._link(path, named[path], into, frames[path], fixed and path == base.path)
+            for path in tree.links
+        ]
+        prim = self.stage.GetPrimAtPath(root)
+        category = read_label(prim, names.CATEGORY) or ""
+        name = unique(safe(root.name), taken)
+        return Body(name, str(root), base.frame, tuple(links), tuple(joints), fixed, category)
+
+    def _link(
+        self, path: Sdf.Path, name: str, body_from_world: Array, at: Array, held: bool
+    ) -> WorldLink:
+        link, content, back = self.links[path], self.content[path], inverse(at)
+        mass = None
+        if link.moves and not held:
+            mass = read_mass(self.frames, path, content.solids).transformed(back)
+        return WorldLink(
+            name,
+            str(path),
+            body_from_world @ link.frame @ at,
+            mass,
+            tuple(distinct([shifted(shape, back) for shape in content.shapes])),
+            tuple(distinct([shifted(visual, back) for visual in content.visuals])),
+        )
