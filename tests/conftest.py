@@ -1,5 +1,6 @@
 """What tests of every area share: is a stage valid, and a small room that was composed once."""
 
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -30,6 +31,10 @@ alignment:
     - {category: table_lamp, at: [1.5, 1.6], on: desk}
 """
 
+# Captures of real rooms, which are not part of the project: where they are missing, so are their
+# tests.
+REAL = Path(os.environ.get("ORUSD_REAL") or Path(__file__).parents[2] / "shared" / "data")
+
 # Rules of usd-validation-nvidia that do not fit a room, each with the reason.
 LEFT_OUT: tuple[str, ...] = ()
 
@@ -40,6 +45,18 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ORUSD_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
+
+
+@pytest.fixture(scope="session")
+def real() -> Callable[[str], Path]:
+    """Where a real capture is, by its path below ``$ORUSD_REAL``; the test is skipped without."""
+
+    def find(name: str) -> Path:
+        if not (REAL / name).exists():
+            pytest.skip(f"{name} is not here: ORUSD_REAL says where real captures are")
+        return REAL / name
+
+    return find
 
 
 @pytest.fixture(scope="session")

@@ -4,14 +4,11 @@ import json
 from pathlib import Path
 
 import numpy as np
-import pytest
 from click.testing import CliRunner
 from pxr import Usd
 
 from openrooms_usd.channels import WRITTEN
 from openrooms_usd.cli import orusd
-
-CAPTURE = Path(__file__).parents[3] / "shared/data/roomplan_libroom/Room.json"
 
 
 def call(*words: object) -> str:
@@ -20,10 +17,10 @@ def call(*words: object) -> str:
     return result.output
 
 
-@pytest.mark.skipif(not CAPTURE.is_file(), reason="the shared captures are not here")
-def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened) -> None:
+def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened, real) -> None:
+    source = real("roomplan_libroom/Room.json")
     room, out, pictures = (tmp_path / name for name in ("room", "out", "pictures"))
-    call("import", "roomplan", CAPTURE, "-o", room)
+    call("import", "roomplan", source, "-o", room)
     call("compose", room / "room.yaml", "-o", out)
     assert "clean" in call("validate", "--strict", out / "scene.usda")
     said = call("render", out / "scene.usda", "-o", pictures, "--resolution", "32x24", "--spp", 2,
@@ -32,7 +29,7 @@ def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened) 
     assert json.loads(said)["manifest"] == manifest
     assert set(manifest["channels"]) == set(WRITTEN)
     assert manifest["report"]["approximated"] == 0
-    captured = json.loads(CAPTURE.read_text())
+    captured = json.loads(source.read_text())
     categories = list(manifest["legend"]["category"].values())
     assert categories.count("wall") == len(captured["floors"][0]["polygonCorners"]) == 7
     furniture = [name for name in manifest["legend"]["instance"].values() if "Furniture" in name]

@@ -1,6 +1,7 @@
 """The real captures become rooms without a hand-written polygon, where they are there."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from openrooms_usd.cli import orusd
 
-DATA = Path(__file__).parents[3] / "shared" / "data"
-SCANNET = DATA / "scan2cad_scene0470_00"
-ANNOTATION = SCANNET / "Routines/Script/example_annotation.json"
 FRAME = "frame_000017"
-
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the shared captures are not here")
+Real = Callable[[str], Path]
 
 
 def call(*words: object) -> str:
@@ -45,9 +42,11 @@ def matrix(trs: Any) -> np.ndarray:
     return M
 
 
-def test_a_scene_of_scannet_with_its_annotated_cads(tmp_path: Path) -> None:
-    folder = SCANNET / "Assets/scannet-sample/scene0470_00"
-    options = ("--annotation", ANNOTATION, "--models", SCANNET / "Assets/shapenet-sample")
+def test_a_scene_of_scannet_with_its_annotated_cads(tmp_path: Path, real: Real) -> None:
+    root = real("scan2cad_scene0470_00")
+    folder = root / "Assets/scannet-sample/scene0470_00"
+    annotation = root / "Routines/Script/example_annotation.json"
+    options = ("--annotation", annotation, "--models", root / "Assets/shapenet-sample")
     report = composed(tmp_path, "scannet", folder, *options)
     (room,) = report["layout"]["rooms"]
     x, y = np.array(room["corners"])[:, :2].T
@@ -55,7 +54,7 @@ def test_a_scene_of_scannet_with_its_annotated_cads(tmp_path: Path) -> None:
     # What the points cover, less what hangs through the walls.
     assert area == pytest.approx(8.3, abs=0.5)
     assert room["ceiling_height"] is None
-    (entry,) = json.loads(ANNOTATION.read_text())
+    (entry,) = json.loads(annotation.read_text())
     found = report["alignment"]["objects"]
     assert len(found) == len(entry["aligned_models"])
     for thing, model in zip(found, entry["aligned_models"], strict=True):
@@ -70,8 +69,8 @@ def test_a_scene_of_scannet_with_its_annotated_cads(tmp_path: Path) -> None:
         assert angle < 20.0 or model["sym"] != "__SYM_NONE"
 
 
-def test_a_single_view_stands_where_its_camera_stood(tmp_path: Path) -> None:
-    source = DATA / "sunrgbd_sample/sunrgbd_000017_infos.pkl"
+def test_a_single_view_stands_where_its_camera_stood(tmp_path: Path, real: Real) -> None:
+    source = real("sunrgbd_sample/sunrgbd_000017_infos.pkl")
     report = composed(tmp_path, "sunrgbd", source)
     assert {thing["category"] for thing in report["alignment"]["objects"]} == {"bed", "side_table"}
     (room,) = report["layout"]["rooms"]
@@ -89,8 +88,8 @@ def test_a_single_view_stands_where_its_camera_stood(tmp_path: Path) -> None:
     assert np.degrees(np.arccos(up[2])) < 3.0
 
 
-def test_a_sweep_of_a_laser_scanner(tmp_path: Path) -> None:
-    source = DATA / "pcl_room_scan/room_scan1.pcd"
+def test_a_sweep_of_a_laser_scanner(tmp_path: Path, real: Real) -> None:
+    source = real("pcl_room_scan/room_scan1.pcd")
     report = composed(tmp_path, "scan", source, "--unit", "auto")
     room = report["layout"]["rooms"][0]
     assert len(room["corners"]) >= 4

@@ -1,6 +1,8 @@
 """A real Scan2CAD annotation goes the whole way, and its CADs lie on the real scan."""
 
 import json
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +14,31 @@ from scipy.spatial.transform import Rotation
 
 from openrooms_usd.cli import orusd
 
-DATA = Path(__file__).parents[3] / "shared/data/scan2cad_scene0470_00"
-ANNOTATION = DATA / "Routines/Script/example_annotation.json"
-MODELS = DATA / "Assets/shapenet-sample"
-MESH = DATA / "Assets/scannet-sample/scene0470_00/scene0470_00_vh_clean_2.ply"
 FLOOR = {"floor": [[-0.1, -0.1], [3.6, -0.1], [3.6, 3.0], [-0.1, 3.0]], "height": 2.5}
 
-pytestmark = pytest.mark.skipif(not MESH.is_file(), reason="the shared captures are not here")
+
+@dataclass(frozen=True)
+class Sample:
+    """The files of Scan2CAD's sample."""
+
+    root: Path
+
+    @property
+    def annotation(self) -> Path:
+        return self.root / "Routines/Script/example_annotation.json"
+
+    @property
+    def models(self) -> Path:
+        return self.root / "Assets/shapenet-sample"
+
+    @property
+    def mesh(self) -> Path:
+        return self.root / "Assets/scannet-sample/scene0470_00/scene0470_00_vh_clean_2.ply"
+
+
+@pytest.fixture(scope="module")
+def sample(real: Callable[[str], Path]) -> Sample:
+    return Sample(real("scan2cad_scene0470_00"))
 
 
 def call(*words: object) -> str:
@@ -28,30 +48,37 @@ def call(*words: object) -> str:
 
 
 @pytest.fixture(scope="module")
-def composed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def composed(sample: Sample, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("scan2cad")
     (folder / "floor.json").write_text(json.dumps(FLOOR))
-    options = ("--scan", "scene0470_00", "--models", MODELS, "--polygon", folder / "floor.json")
-    call("import", "scan2cad", ANNOTATION, *options, "-o", folder / "room")
+    options = (
+        "--scan",
+        "scene0470_00",
+        "--models",
+        sample.models,
+        "--polygon",
+        folder / "floor.json",
+    )
+    call("import", "scan2cad", sample.annotation, *options, "-o", folder / "room")
     call("compose", folder / "room/room.yaml", "-o", folder / "out")
     return folder / "out/scene.usda"
 
 
-def scan() -> np.ndarray:
+def scan(sample: Sample) -> np.ndarray:
     """The scan's vertices, read by its header's words alone."""
-    data = MESH.read_bytes()
+    data = sample.mesh.read_bytes()
     header, _, body = data.partition(b"end_header\n")
     count = int(header.split(b"element vertex ")[1].split()[0])
     row = np.dtype([("p", "<f4", 3), ("rgba", "u1", 4)])
     return np.frombuffer(body, row, count)["p"].astype(float)
 
 
-def expected() -> dict[str, np.ndarray]:
+def expected(sample: Sample) -> dict[str, np.ndarray]:
     """Points of every CAD's faces in the scan, from the annotation and the OBJ files alone."""
-    (entry,) = json.loads(ANNOTATION.read_text())
+    (entry,) = json.loads(sample.annotation.read_text())
     found = {}
     for model in entry["aligned_models"]:
-        path = MODELS / model["catid_cad"] / model["id_cad"] / "models/model_normalized.obj"
+        path = sample.models / model["catid_cad"] / model["id_cad"] / "models/model_normalized.obj"
         lines = [line.split() for line in path.read_text().splitlines()]
         points = np.array([[float(x) for x in words[1:4]] for words in lines if words[:1] == ["v"]])
         faces = [word for words in lines if words[:1] == ["f"] for word in words[1:]]
@@ -92,11 +119,12 @@ def furniture(stage: Usd.Stage) -> dict[str, Usd.Prim]:
     return {key: prim for key, prim in rows.items() if key}
 
 
-def test_the_cads_lie_on_the_scan(composed: Path) -> None:
+def test_the_cads_lie_on_the_scan(composed: Path, sample: Sample) -> None:
     stage = Usd.Stage.Open(str(composed))
-    objects, scanned = furniture(stage), cKDTree(scan())
-    assert objects.keys() == expected().keys()
-    for key, points in expected().items():
+    objects, scanned = furniture(stage), cKDTree(scan(sample))
+    wanted = expected(sample)
+    assert objects.keys() == wanted.keys()
+    for key, points in wanted.items():
         found = in_scan(stage, objects[key])
         # The same points, to a tenth of a millimetre, from numbers that our code never touched.
         assert cKDTree(points).query(found)[0].max() < 1e-4, key
@@ -125,10 +153,12 @@ def test_it_is_valid(composed: Path) -> None:
     assert "clean" in call("validate", "--strict", composed)
 
 
-def test_boxes_take_the_place_of_cads_that_are_missing(composed: Path, tmp_path: Path) -> None:
+def test_boxes_take_the_place_of_cads_that_are_missing(
+    composed: Path, sample: Sample, tmp_path: Path
+) -> None:
     floor = tmp_path / "floor.json"
     floor.write_text(json.dumps(FLOOR))
-    call("import", "scan2cad", ANNOTATION, "--polygon", floor, "-o", tmp_path / "room")
+    call("import", "scan2cad", sample.annotation, "--polygon", floor, "-o", tmp_path / "room")
     call("compose", tmp_path / "room/room.yaml", "-o", tmp_path / "out")
     stages = [Usd.Stage.Open(str(path)) for path in (composed, tmp_path / "out/scene.usda")]
     real, boxes = map(furniture, stages)

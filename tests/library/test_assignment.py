@@ -1,5 +1,6 @@
 """Which material things are made of: the tables name what exists, draws follow the weights."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
@@ -20,8 +21,6 @@ from openrooms_usd.library.assignment.weights import drawn, families_for
 from openrooms_usd.library.finishes import finishes_of, furniture_families
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.library.textures import substance_of as substance_of_family
-
-LISTS = Path(__file__).parents[3] / "shared" / "data" / "labels" / "room_types.txt"
 
 
 def test_every_room_type_has_surfaces_of_families_that_exist() -> None:
@@ -45,9 +44,9 @@ def test_families_are_used_where_people_have_them() -> None:
             assert place in family_of(name).uses or substance_of_family(name) == "fabric"
 
 
-@pytest.mark.skipif(not LISTS.is_file(), reason="OpenRooms' lists are not here")
-def test_floors_have_the_substances_that_openrooms_lists() -> None:
-    lines = [line for line in LISTS.read_text(encoding="utf-8").splitlines() if line[0] != "#"]
+def test_floors_have_the_substances_that_openrooms_lists(real: Callable[[str], Path]) -> None:
+    text = real("labels/room_types.txt").read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if line[0] != "#"]
     assert len(lines) == len(ROOMS)
     for line in lines:
         room, _, listed = line.partition(":")

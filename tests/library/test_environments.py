@@ -1,6 +1,7 @@
 """Environments: illuminance against integrals, directions by definition, bad pictures refused."""
 
 import math
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 
@@ -15,7 +16,6 @@ from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.usd.textures import read_texture
 
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
-HDRI = Path(__file__).parents[2].parent / "shared/data/hdri"
 
 
 def solid_angles(height: int) -> np.ndarray:
@@ -174,10 +174,9 @@ def test_a_sun_too_bright_for_a_float_is_refused() -> None:
         scaled_to_nits(black, "a.exr", illuminance=100.0, scale=None)
 
 
-@pytest.mark.skipif(not HDRI.is_dir(), reason="../shared is absent")
 @pytest.mark.parametrize("name", ["apartment", "city", "park"])
-def test_real_panoramas(name: str) -> None:
-    pixels = read_panorama(str(HDRI / f"{name}.hdr"))
+def test_real_panoramas(name: str, real: Callable[[str], Path]) -> None:
+    pixels = read_panorama(str(real(f"hdri/{name}.hdr")))
     assert pixels.shape == (512, 1024, 3)
     assert horizontal_illuminance(pixels) > 0
 

@@ -2,6 +2,7 @@
 
 import json
 import struct
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +19,6 @@ from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.library.pieces import prim_names
 from openrooms_usd.usd.materials import Texture
 from openrooms_usd.usd.meshes import define_mesh
-
-SHARED = Path(__file__).resolve().parents[2].parent / "shared" / "data"
 
 # A wedge 2 wide, 1 deep, 3 high in a Y-up file; only the low corner in front is missing.
 WEDGE = """\
@@ -260,27 +259,21 @@ def test_draco_without_its_decoder_names_the_package(
     assert "openrooms-usd[draco]" in str(caught.value)
 
 
-REAL = sorted(
-    path
-    for folder in (
-        "furniture_glb",
-        "ikea_furniture_parts/assembled",
-        "sweethome3d_furniture/resources",
-    )
-    for path in (SHARED / folder).glob("*")
-    if path.suffix in {".obj", ".glb"}
+@pytest.mark.parametrize(
+    "folder",
+    ["furniture_glb", "ikea_furniture_parts/assembled", "sweethome3d_furniture/resources"],
 )
+def test_real_models(folder: str, real: Callable[[str], Path], tmp_path: Path) -> None:
+    files = [path for path in sorted(real(folder).iterdir()) if path.suffix in {".obj", ".glb"}]
+    assert len(files) > 4
+    for path in files:
+        check_real_model(path, tmp_path / path.stem)
 
 
-@pytest.mark.skipif(not REAL, reason="the folder of real models is absent")
-@pytest.mark.parametrize("path", REAL, ids=lambda path: path.name)
-def test_real_models(path: Path, tmp_path: Path) -> None:
-    try:
-        model = read_model(path, size=(1.0, 0.5, 2.0))
-    except MissingPackageError:
-        pytest.skip("its decoder is not installed")
+def check_real_model(path: Path, folder: Path) -> None:
+    model = read_model(path, size=(1.0, 0.5, 2.0))
     np.testing.assert_allclose(model.extent, [[-0.5, -0.25, 0], [0.5, 0.25, 2]], atol=1e-9)
-    stage = Usd.Stage.Open(str(tmp_path / publish(tmp_path, Asset("chair", (), lambda: model))))
+    stage = Usd.Stage.Open(str(folder / publish(folder, Asset("chair", (), lambda: model))))
     assert sum(prim.IsA(UsdGeom.Mesh) for prim in stage.Traverse()) == len(model.parts)
     for mesh in model.parts.values():
         assert np.isfinite(mesh.points).all()

@@ -18,7 +18,6 @@ from openrooms_usd.library.ownmaterials import (
 )
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface
 
-SHARED = Path(__file__).parents[3] / "shared/data/pbr_ambientcg"
 Folder = Callable[..., Path]
 
 AMBIENTCG = (
@@ -241,10 +240,9 @@ def test_constants() -> None:
             from_constants(mistake)
 
 
-@pytest.mark.skipif(not SHARED.is_dir(), reason="needs ../shared")
 @pytest.mark.parametrize("name", ["wood-floor-43", "tiles", "gold"])
-def test_real_folders(name: str) -> None:
-    material = read_material(SHARED / name, physical_size=1.0)
+def test_real_folders(name: str, real: Callable[[str], Path]) -> None:
+    material = read_material(real(f"pbr_ambientcg/{name}"), physical_size=1.0)
     assert {"base_color", "normal", "roughness"} <= set(material.textures)
     assert ("metallic" in material.textures) == (name != "tiles")
     # Older sets of this source hold DirectX normals and do not say so; their heights do.

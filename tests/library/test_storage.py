@@ -32,18 +32,21 @@ def test_every_door_and_drawer_moves(name: str, style: str, seed: int) -> None:
 
 @pytest.mark.parametrize(("name", "style"), STYLED)
 def test_every_drawer_has_a_box(name: str, style: str) -> None:
-    for joint in _made(name, style).joints:
-        if part_of(joint.name) == "drawer":
-            assert "drawer_box" in {part_of(mesh) for mesh in joint.meshes}
+    furniture = _made(name, style)
+    drawers = [joint for joint in furniture.joints if part_of(joint.name) == "drawer"]
+    fronts = [mesh for mesh in furniture.parts if part_of(mesh) == "drawer_front"]
+    assert len(drawers) == len(fronts)
+    for joint in drawers:
+        assert "drawer_box" in {part_of(mesh) for mesh in joint.meshes}
 
 
 @pytest.mark.parametrize("name", ["cabinet", "wardrobe", "kitchen_cabinet", "counter"])
 def test_doors_turn_about_one_of_their_edges(name: str) -> None:
-    for joint in _made(name, "hinged" if name == "wardrobe" else "doors").joints:
-        if part_of(joint.name) != "door":
-            continue
-        extent = _made(name, "hinged" if name == "wardrobe" else "doors").parts[joint.meshes[0]]
-        low, high = extent.extent
+    furniture = _made(name, "hinged" if name == "wardrobe" else "doors")
+    doors = [joint for joint in furniture.joints if part_of(joint.name) == "door"]
+    assert doors
+    for joint in doors:
+        low, high = furniture.parts[joint.meshes[0]].extent
         assert min(abs(joint.origin[0] - low[0]), abs(joint.origin[0] - high[0])) < 1e-6
         assert joint.origin[1] == pytest.approx(low[1], abs=1e-6)
         # Opening to the front: about -Z on the left, about +Z on the right.
@@ -53,6 +56,7 @@ def test_doors_turn_about_one_of_their_edges(name: str) -> None:
 
 def test_a_tray_is_as_deep_as_its_drawer_runs() -> None:
     furniture = _made("dresser", "double")
+    assert furniture.joints
     for joint in furniture.joints:
         front, box = (furniture.parts[mesh].extent for mesh in joint.meshes[:2])
         assert front[1, 1] == pytest.approx(box[0, 1], abs=1e-4)

@@ -78,7 +78,8 @@ def test_one_shape_for_each_prim_with_names_that_differ(build, save_picture, tmp
     identifiers = [element.get("id") for element in root]
     assert len({name.lower() for name in identifiers}) == len(identifiers)
     shapes = sorted(element.get("id") for element in root if element.tag == "shape")
-    assert shapes == ["A_Box_2", "Floor", "a_box", "bsdf_2"] or len(shapes) == 4
+    # What would be spelled alike, but for capital letters, has a number.
+    assert [name.rstrip("_0123456789") for name in shapes] == ["A_Box", "Floor", "a_box", "bsdf"]
     files = [
         element.get("value") for element in root.iter("string") if element.get("name") == "filename"
     ]

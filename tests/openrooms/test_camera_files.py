@@ -51,7 +51,9 @@ def test_readers_get_the_pose_back(tmp_path: Path) -> None:
 def test_view_and_up_are_far_more_orthogonal_than_loaders_demand(tmp_path: Path) -> None:
     rng = np.random.default_rng(4)
     write_cameras(tmp_path / "cam.txt", [pose(random_pose(rng)) for _ in range(200)])
-    for origin, target, up in read_cameras(tmp_path / "cam.txt"):
+    found = read_cameras(tmp_path / "cam.txt")
+    assert len(found) == 200
+    for origin, target, up in found:
         assert abs((target - origin) @ up) < 1e-5
         assert np.linalg.norm(target - origin) == pytest.approx(1.0, abs=3e-6)
         assert np.linalg.norm(up) == pytest.approx(1.0, abs=3e-6)

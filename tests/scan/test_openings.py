@@ -67,7 +67,9 @@ def test_walls_without_openings_have_none() -> None:
 
 
 def test_corners_run_counter_clockwise_from_the_bottom_left_seen_from_inside() -> None:
-    for opening in find_openings(room([*WINDOWED, *PASSAGE]), CORNERS, HEIGHT):
+    found = find_openings(room([*WINDOWED, *PASSAGE]), CORNERS, HEIGHT)
+    assert len(found) == 2
+    for opening in found:
         a, b, _, d = opening.corners
         out = np.cross(b - a, d - a)
         assert out @ (np.array([2.0, 1.5, 1.3]) - a) > 0

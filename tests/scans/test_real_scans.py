@@ -1,5 +1,6 @@
 """Real captures, where they are there: counts, extents, and what projects onto what."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -7,13 +8,11 @@ import pytest
 
 from openrooms_usd.capture import read_capture
 
-DATA = Path(__file__).parents[3] / "shared" / "data"
-
-pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the real captures are not here")
+Real = Callable[[str], Path]
 
 
-def test_a_scene_of_scannet_with_its_cads() -> None:
-    root = DATA / "scan2cad_scene0470_00"
+def test_a_scene_of_scannet_with_its_cads(real: Real) -> None:
+    root = real("scan2cad_scene0470_00")
     options = {
         "annotation": str(root / "Routines/Script/example_annotation.json"),
         "models": str(root / "Assets/shapenet-sample"),
@@ -41,17 +40,17 @@ def test_a_scene_of_scannet_with_its_cads() -> None:
     assert middles[1] > 1.3 * middles[0]
 
 
-def test_a_sweep_of_a_laser_scanner() -> None:
-    capture = read_capture("scan", DATA / "pcl_room_scan/room_scan1.pcd", {"unit": "auto"})
+def test_a_sweep_of_a_laser_scanner(real: Real) -> None:
+    capture = read_capture("scan", real("pcl_room_scan/room_scan1.pcd"), {"unit": "auto"})
     assert "m is taken" in capture.notes[0]
     assert "56427 duplicated points were dropped" in capture.notes
     assert len(capture.cloud) == 112_586 - 56_427
 
 
-def test_a_frame_of_sun_rgbd_projects_onto_its_picture() -> None:
+def test_a_frame_of_sun_rgbd_projects_onto_its_picture(real: Real) -> None:
     import OpenImageIO
 
-    root = DATA / "sunrgbd_sample"
+    root = real("sunrgbd_sample")
     capture = read_capture("sunrgbd", root / "sunrgbd_000017_infos.pkl")
     (frame,) = capture.frames
     pixels = capture.cloud.points @ frame.world_from_camera[:3, :3] @ frame.K.T

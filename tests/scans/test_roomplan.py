@@ -10,7 +10,6 @@ from openrooms_usd.errors import InputError
 
 CORNERS = np.array([[0, 0], [5, 0], [5, 2.5], [3, 2.5], [2, 4], [0, 4]], dtype=float)
 HEIGHT = 2.45
-REAL = Path(__file__).parents[3] / "shared/data/roomplan_libroom/Room.json"
 
 
 def read(path: Path) -> Capture:
@@ -274,9 +273,8 @@ def test_a_room_without_anything_has_no_floor(scanner) -> None:
     assert capture.height is None
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the shared captures are not here")
-def test_a_real_capture() -> None:
-    capture = read(REAL)
+def test_a_real_capture(real) -> None:
+    capture = read(real("roomplan_libroom/Room.json"))
     assert capture.floor is not None
     assert len(capture.floor) == 7
     assert shapely.Polygon(capture.floor).area == pytest.approx(11.24, abs=0.01)

@@ -16,7 +16,6 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout import LayoutStage
 
 CORNERS = np.array([[0, 0], [5, 0], [5, 2.5], [3, 2.5], [2, 4], [0, 4]], dtype=float)
-REAL = Path(__file__).parents[3] / "shared/data/roomplan_libroom"
 HEAD = '#usda 1.0\n(\n    defaultPrim = "{name}"\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'
 
 
@@ -191,9 +190,9 @@ def test_sections_name_the_rooms(scanner, tmp_path: Path) -> None:
     assert read(path, "kitchen").floor == pytest.approx(read(path).floor)
 
 
-@pytest.mark.skipif(not REAL.exists(), reason="the shared captures are not here")
-def test_a_real_export_says_the_same_in_both_formats() -> None:
-    assert_same(read(REAL / "Room.usdz"), read(REAL / "Room.json"), 1e-6)
+def test_a_real_export_says_the_same_in_both_formats(real) -> None:
+    folder = real("roomplan_libroom")
+    assert_same(read(folder / "Room.usdz"), read(folder / "Room.json"), 1e-6)
 
 
 def test_both_formats_give_the_same_prims(scanner, tmp_path: Path) -> None:

@@ -348,10 +348,8 @@ def _mesh_usd(path: Path, depth: float, info: dict[str, str] | None = None) -> N
     stage.GetRootLayer().Export(str(path))
 
 
-def test_a_real_capture(tmp_path: Path) -> None:
-    source = Path(__file__).resolve().parents[2].parent / "shared/data/roomplan_libroom/Room.json"
-    if not source.is_file():
-        pytest.skip("the folder of real captures is absent")
+def test_a_real_capture(tmp_path: Path, real: Callable[[str], Path]) -> None:
+    source = real("roomplan_libroom/Room.json")
     (tmp_path / "Room.json").write_bytes(source.read_bytes())
     stage, _ = _compose(tmp_path, [], **{"from": "roomplan", "file": "Room.json"})
     wanted = json.loads(source.read_text())["objects"]

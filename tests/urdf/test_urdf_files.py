@@ -77,10 +77,13 @@ def test_all_references_are_relative_and_lead_to_files(world: World, tmp_path: P
 
 def test_a_ros_package_is_named_on_request(world: World, tmp_path: Path) -> None:
     write_urdf(world, tmp_path, looks={}, package="my_room")
-    for file in tmp_path.rglob("*.urdf"):
-        for element in ElementTree.parse(file).getroot().iter("mesh"):
-            name = element.get("filename", "")
-            assert (tmp_path / name.removeprefix("package://my_room/")).is_file()
+    named = [
+        element.get("filename", "")
+        for file in tmp_path.rglob("*.urdf")
+        for element in ElementTree.parse(file).getroot().iter("mesh")
+    ]
+    assert named and all(name.startswith("package://my_room/") for name in named)
+    assert all((tmp_path / name.removeprefix("package://my_room/")).is_file() for name in named)
 
 
 def test_equal_meshes_are_written_once(world: World, tmp_path: Path) -> None:

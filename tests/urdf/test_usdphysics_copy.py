@@ -115,9 +115,13 @@ def test_another_process_writes_the_same_bytes(
 ) -> None:
     command = [sys.executable, "-c", EXPORT, str(composed_bodies), str(tmp_path)]
     subprocess.run(command, check=True, capture_output=True)
-    for file in copied[0].rglob("*"):
-        if file.is_file():
-            assert (tmp_path / file.relative_to(copied[0])).read_bytes() == file.read_bytes()
+    assert contents(copied[0]) and contents(tmp_path) == contents(copied[0])
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {
+        file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()
+    }
 
 
 def test_coefficients_stay_on_request(composed_bodies: Path, tmp_path: Path) -> None:

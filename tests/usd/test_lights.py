@@ -166,7 +166,9 @@ def test_domes_that_stand_upright_all_look_alike(kind: str, up: str, pole: str) 
 def test_other_poles_are_turned(stage: Usd.Stage) -> None:
     UsdLux.DomeLight.Define(stage, "/Legacy")
     UsdLux.DomeLight_1.Define(stage, "/New").CreatePoleAxisAttr("Y")
-    for dome in read_lights(stage):
+    domes = read_lights(stage)
+    assert len(domes) == 2
+    for dome in domes:
         assert isinstance(dome, DomeLight)
         np.testing.assert_allclose(looks_at(dome, 0.5, 0.0), [0, 1, 0], atol=1e-12)
         np.testing.assert_allclose(looks_at(dome, 0.5, 0.5), [0, 0, 1], atol=1e-12)

@@ -297,7 +297,9 @@ def test_mirrored_and_left_handed_surfaces_keep_their_outside() -> None:
     define_mesh(stage, "/World/mirrored", cuboid()).AddScaleOp().Set(Gf.Vec3f(-1, 1, 1))
     left = define_mesh(stage, "/World/left", cuboid().flipped())
     left.GetOrientationAttr().Set("leftHanded")
-    for placed in read_meshes(stage):
+    found = list(read_meshes(stage))
+    assert {placed.path for placed in found} == {"/World/mirrored", "/World/left"}
+    for placed in found:
         assert placed.mirrored == (placed.path == "/World/mirrored")
         assert world_volume(placed) == pytest.approx(6.0)
         assert placed.mesh.normals is not None
@@ -486,11 +488,8 @@ def test_primvars_that_do_not_fit_are_left_out_with_a_reason() -> None:
 # --- a stage from somewhere else ---
 
 
-def test_a_phone_capture_fills_the_bounds_that_usd_computes() -> None:
-    path = Path(__file__).parents[2].parent / "shared/data/roomplan_libroom/Room.usdz"
-    if not path.is_file():
-        pytest.skip("no shared data")
-    stage = Usd.Stage.Open(str(path))
+def test_a_phone_capture_fills_the_bounds_that_usd_computes(real: Callable[[str], Path]) -> None:
+    stage = Usd.Stage.Open(str(real("roomplan_libroom/Room.usdz")))
     reading = read_meshes(stage)
     assert len(reading) > 10
     cache = UsdGeom.BBoxCache(

@@ -1,5 +1,6 @@
 """Taxonomies as data: the lists as they were published, and a class for whatever we can make."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
@@ -18,8 +19,6 @@ from openrooms_usd.usd.taxonomies import (
     class_of,
     number_of,
 )
-
-PUBLISHED = Path(__file__).resolve().parents[2].parent / "shared/data/labels/openrooms45.txt"
 
 # Numbers that users of ScanNet and NYU Depth V2 know by heart, from the benchmark's own list.
 SCANNET20 = {
@@ -41,9 +40,8 @@ def test_nyu40_numbers_are_those_of_the_benchmarks() -> None:
     assert {number: NYU40[number] for number in SCANNET20} == SCANNET20
 
 
-@pytest.mark.skipif(not PUBLISHED.is_file(), reason="the folder of real data is absent")
-def test_openrooms45_is_the_released_list() -> None:
-    rows = PUBLISHED.read_text("utf-8").split()
+def test_openrooms45_is_the_released_list(real: Callable[[str], Path]) -> None:
+    rows = real("labels/openrooms45.txt").read_text("utf-8").split()
     numbered = {0: rows[0]} | {
         int(number): name for name, _, number in (row.rpartition("_") for row in rows[1:])
     }
