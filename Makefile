@@ -5,14 +5,17 @@ PYTHON ?= $(shell for python in python3.11 python3.12 python3.13 python3.14 pyth
 	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null \
 	&& echo $$python && break; done)
 BIN := .venv/bin
+# One worker a core, one room a worker.
+PYTEST = $(BIN)/pytest -n auto --maxprocesses 4 --dist loadgroup
 export PIP_ROOT_USER_ACTION := ignore
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test venv lint types unit check benchmarks fuzz pictures clean
+.PHONY: help demo test slow venv lint types unit check benchmarks fuzz pictures clean
 
 help:
 	@echo "make demo        compose and render the bundled example into out/demo"
-	@echo "make test        ruff, mypy --strict and pytest"
+	@echo "make test        ruff, mypy --strict and pytest without the slow tests: 5 minutes"
+	@echo "make slow        the slow tests"
 	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
 	@echo "make check       ruff and mypy"
 	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
@@ -40,7 +43,10 @@ types: .venv/installed-dev
 	$(BIN)/mypy
 
 unit: .venv/installed-dev
-	$(BIN)/pytest -n 2 --dist loadfile
+	$(PYTEST) -m "not slow"
+
+slow: .venv/installed-dev
+	$(PYTEST) -m slow
 
 benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks

@@ -1,11 +1,12 @@
-"""What tests of every area share: is a stage valid, and a small room that was composed once."""
+"""What tests of all areas share: is a stage valid, a room composed once, the time they may take."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
 import hypothesis
 import pytest
+from _pytest.runner import runtestprotocol
 
 # Machines are shared: how long an example takes says nothing.
 hypothesis.settings.register_profile("patient", deadline=None)
@@ -31,6 +32,9 @@ alignment:
     - {category: table_lamp, at: [1.5, 1.6], on: desk}
 """
 
+# Fixtures that compose a room for many tests.
+ROOMS = ("composed_demo", "composed_bodies", "demo", "generated")
+
 # Captures of real rooms, which are not part of the project: where they are missing, so are their
 # tests.
 REAL = Path(os.environ.get("ORUSD_REAL") or Path(__file__).parents[2] / "shared" / "data")
@@ -39,11 +43,87 @@ REAL = Path(os.environ.get("ORUSD_REAL") or Path(__file__).parents[2] / "shared"
 LEFT_OUT: tuple[str, ...] = ()
 
 
+@pytest.hookimpl(tryfirst=True)  # before xdist reads the marks
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Tests of one room go to one worker, the others file by file."""
+    for item in items:
+        if not any(item.iter_markers("xdist_group")):
+            names = getattr(item, "fixturenames", ())
+            rooms = (name for name in ROOMS if name in names)
+            file = item.nodeid.partition("::")[0]
+            item.add_marker(pytest.mark.xdist_group(next(rooms, file)))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--cpu-limit", type=float, metavar="SECONDS", help=CpuLimit.__doc__)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    limit = config.getoption("--cpu-limit")
+    if limit is not None:
+        config.pluginmanager.register(CpuLimit(limit))
+
+
+class CpuLimit:
+    """Fail a test without the mark slow that takes more processor time, also when repeated."""
+
+    def __init__(self, limit: float) -> None:
+        self.limit = limit
+        self.begin = self.shared = self.spent = 0.0
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> object:
+        if item.get_closest_marker("slow"):
+            return None
+        item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+        # Once more: what is made or compiled at its first use is not there at the first try.
+        for _ in range(2):
+            self.begin, self.shared, self.spent = cpu_seconds(), 0.0, 0.0
+            reports = runtestprotocol(item, log=False, nextitem=nextitem)
+            if self.spent <= self.limit or not all(report.passed for report in reports):
+                break
+        else:
+            for report in reports:
+                if report.when == "call":
+                    report.outcome = "failed"
+                    report.longrepr = (
+                        f"{self.spent:.1f} s of processor time, more than {self.limit:g} s: make "
+                        "it cheaper, or mark it slow and leave a cheap test of the same thing"
+                    )
+        for report in reports:
+            item.ihook.pytest_runtest_logreport(report=report)
+        item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+        return True
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_fixture_setup(
+        self, fixturedef: pytest.FixtureDef[object]
+    ) -> Generator[None, object, object]:
+        """What makes a thing that tests share counts for none of them."""
+        begin, inner = cpu_seconds(), self.shared
+        try:
+            return (yield)
+        finally:
+            if fixturedef.scope != "function":
+                self.shared = inner + cpu_seconds() - begin
+
+    def pytest_runtest_makereport(self, call: pytest.CallInfo[None]) -> None:
+        if call.when == "call":
+            self.spent = cpu_seconds() - self.begin - self.shared
+
+
+def cpu_seconds() -> float:
+    """Processor time of this process so far, and of the children that it waited for."""
+    return sum(os.times()[:4])
+
+
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Textures of the tests come from the tests' own cache, not from the user's."""
+    """What is cached is in the tests' own cache, one for all workers, not in the user's."""
+    base = tmp_path_factory.getbasetemp()
+    run = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ORUSD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("ORUSD_CACHE", str(run / "cache"))
         yield
 
 
