@@ -23,7 +23,7 @@ def orusd(*words: object, env: Mapping[str, str] | None = None) -> None:
 
 def demo_stage(folder: Path) -> Path:
     """Compose the bundled example and return its stage."""
-    from openrooms_usd.cli.composing import copy_example
+    from openrooms_usd.demo import copy_example
 
     orusd("compose", copy_example(folder / "source"), "-o", folder / "demo")
     return folder / "demo" / "scene.usda"

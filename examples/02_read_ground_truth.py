@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from openrooms_usd import compose_room, render_stage
-from openrooms_usd.cli.composing import copy_example
+from openrooms_usd.demo import copy_example
 from openrooms_usd.render.exr import read_channels
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import compose_room
-from openrooms_usd.cli.composing import copy_example
+from openrooms_usd.demo import copy_example
 
 SOFA = "/World/Furniture/sofa"
 

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from openrooms_usd import adapters, compose_room
-from openrooms_usd.cli.composing import copy_example
+from openrooms_usd.demo import copy_example
 from openrooms_usd.geometry.pinhole import look_at
 from openrooms_usd.simulation import strips
 from openrooms_usd.simulation.driving import Action, act

@@ -14,6 +14,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.edits.foreign import refuse_foreign
 from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, OutputError, StageError, printable
+from openrooms_usd.progress import Progress, part, silent
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.draft import Draft, drafting
 from openrooms_usd.stages.reports import gather
@@ -69,29 +70,32 @@ class ComposeSummary:
 
 
 def compose_room(
-    description: Path,
+    description: Room | Path,
     out: Path,
     *,
+    base: Path | None = None,
     only: str | None = None,
     flatten: bool = False,
     usdz: bool = False,
     include_outside: bool = False,
     workers: int | None = None,
-    progress: Callable[[str], None] = lambda stage: None,
+    progress: Progress = silent,
 ) -> ComposeSummary:
-    """Compose the room that a file describes.
+    """Compose a room.
 
     Stages whose inputs have not changed since their layer was written are skipped.
 
     Args:
-        description: The ``room.yaml``.
+        description: The room, or its ``room.yaml``.
         out: The folder for ``scene.usda`` and ``layers/``.
+        base: The folder in which the names of files in the description begin; by default that of
+            the ``room.yaml``, and the current folder for a room that was read from none.
         only: Run this stage alone, on the layers that are there.
         flatten: Also write ``scene.usdc``, the layer stack merged into one layer.
         usdz: Also write ``scene.usdz``, everything in one file.
         include_outside: Whether files outside ``out`` may go into these files.
         workers: Threads that a stage may use; all cores by default. The bytes never depend on it.
-        progress: Called with each stage's name before it runs.
+        progress: Called with each stage's name and the finished fraction of all stages.
 
     Returns:
         What was done.
@@ -102,7 +106,9 @@ def compose_room(
         StageError: The composed stage has errors, or another program has saved over the scene.
         OutputError: ``out`` cannot be written.
     """
-    room = _explicit(load_room(description))
+    described = description if isinstance(description, Room) else load_room(description)
+    source = base or described.folder or Path()
+    room = _explicit(described)
     chosen = _chosen(only)
     if printable(out.absolute(), lines=False) != str(out.absolute()):
         raise OutputError(
@@ -115,9 +121,10 @@ def compose_room(
         with drafting(out) as draft:
             _check_complete(draft, chosen)
             runner.create_edits(draft)
-            summaries = [
-                _run(stage, room, description.parent, draft, workers, progress) for stage in chosen
-            ]
+            summaries = []
+            for index, stage in enumerate(chosen):
+                share = part(progress, stage.name, index, len(chosen))
+                summaries.append(_run(stage, room, source, draft, workers, share))
             runner.write_scene(draft)
             if any(summary.state == "written" for summary in summaries):
                 runner.check(draft)
@@ -166,17 +173,18 @@ def _run(
     source: Path,
     draft: Draft,
     workers: int | None,
-    progress: Callable[[str], None],
+    progress: Callable[[float], None],
 ) -> StageSummary:
     """Run a stage, unless its layer is up to date."""
     started = time.perf_counter()
+    progress(0.0)
     wanted = base.fingerprint(stage, room, source, draft.layer)
     notes: Sequence[str] = ()
     state: State = "unchanged"
     if not runner.is_current(stage, wanted, draft):
-        progress(stage.name)
         state = "written"
         notes = runner.run(stage, room, source, draft, wanted, workers or os.cpu_count() or 1)
+    progress(1.0)
     return StageSummary(stage.name, state, time.perf_counter() - started, tuple(notes))
 
 

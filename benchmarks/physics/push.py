@@ -52,8 +52,8 @@ def speed(quick: bool, folder: Path) -> tuple[list[dict[str, Any]], str]:
 
 
 def _rooms(folder: Path, quick: bool) -> list[tuple[str, World]]:
-    from openrooms_usd.cli.composing import copy_example
     from openrooms_usd.compose import compose_room
+    from openrooms_usd.demo import copy_example
     from openrooms_usd.generate import generate, write
     from openrooms_usd.usd.layers import open_stage
     from openrooms_usd.usd.rigid.reading import read_world

@@ -2,7 +2,8 @@
 
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import count
 from pathlib import Path
 from typing import Final
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.errors import InputError, OrusdError, OutputError, writing
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.render.reading import RenderedScene, RenderedView
 from openrooms_usd.untrusted import read_bytes
@@ -32,7 +34,11 @@ class OpenRoomsDataset:
     """The files of OpenRooms as released (docs/openrooms.md)."""
 
     def write(
-        self, renders: Sequence[RenderedScene], root: Path, options: DatasetOptions
+        self,
+        renders: Sequence[RenderedScene],
+        root: Path,
+        options: DatasetOptions,
+        progress: Progress = silent,
     ) -> DatasetSummary:
         """Write a scene of a dataset; nothing appears before all is written.
 
@@ -40,6 +46,7 @@ class OpenRoomsDataset:
             renders: The variants of one scene.
             root: The dataset's folder; other scenes in it, and other frames of this one, stay.
             options: How to lay it out.
+            progress: Called with each finished view and the finished fraction.
 
         Raises:
             InputError: The renders or options do not fit each other.
@@ -48,11 +55,16 @@ class OpenRoomsDataset:
         _check(renders, options)
         missing: dict[str, str] = {}
         frames: dict[str, list[int]] = {}
+        total, done = sum(len(render.views) for render in renders), count(1)
+
+        def finished(view: str) -> None:
+            progress(view, next(done) / total)
+
         with claims.claimed(root, f".orusd.{options.scene}.sha256") as kept:
             with atomic.filling(root) as beside:
                 for split, render in zip(options.splits, renders, strict=True):
                     place = Place(beside, options.scene, split, options.layout)
-                    frames[split] = _write_split(place, render, options, missing)
+                    frames[split] = _write_split(place, render, options, missing, finished)
                     _write_cameras(place, root, render, options.first)
                 _write_lists(beside, root, options)
                 files = (path for path in beside.rglob("*") if path.is_file())
@@ -64,7 +76,11 @@ class OpenRoomsDataset:
 
 
 def _write_split(
-    place: Place, render: RenderedScene, options: DatasetOptions, missing: dict[str, str]
+    place: Place,
+    render: RenderedScene,
+    options: DatasetOptions,
+    missing: dict[str, str],
+    finished: Callable[[str], None],
 ) -> list[int]:
     lights = lights_of(render)
     instances = max(render.legend("instance"), default=0)
@@ -73,6 +89,7 @@ def _write_split(
         frame = Frame(view, lights, options.order, instances)
         write_frame(place, number, frame)
         missing |= frame.missing
+        finished(view.name)
     return numbers
 
 

@@ -1,7 +1,7 @@
 """The command ``annotate``."""
 
 from pathlib import Path
-from typing import Any
+from typing import Literal
 
 import click
 
@@ -18,34 +18,21 @@ from openrooms_usd.cli.console import echo, json_option, print_json
 @click.option("--stage", type=click.Path(path_type=Path), help="What was rendered, for boxes.")
 @json_option
 def annotate(
-    render: Path, out: Path, form: str, taxonomy: str, stage: Path | None, as_json: bool
+    render: Path,
+    out: Path,
+    form: Literal["coco", "boxes"],
+    taxonomy: str,
+    stage: Path | None,
+    as_json: bool,
 ) -> None:
     """Write what is seen in a finished RENDER: COCO masks and boxes, or boxes in 2D and 3D.
 
     The render needs the channel instance, and semantic or semantic_nyu40 for those classes.
     """
-    from openrooms_usd.render.coco import coco
-    from openrooms_usd.render.manifest import write_json
+    from openrooms_usd.render.annotating import annotate as write
 
-    if form == "coco":
-        found = coco(render, taxonomy)
-        views, count = len(found["images"]), len(found["annotations"])
-    else:
-        found = _boxes(render, stage)
-        views, count = len(found["views"]), sum(len(v["objects"]) for v in found["views"].values())
-    write_json(out, found)
+    summary = write(render, out, form=form, taxonomy=taxonomy, stage=stage)
     if as_json:
-        print_json({"file": str(out), "views": views, "objects": count})
+        print_json(summary.as_dict())
     else:
-        echo(f"wrote {out}: {count} objects in {views} views")
-
-
-def _boxes(render: Path, stage: Path | None) -> dict[str, Any]:
-    from openrooms_usd.render.boxes import boxes
-    from openrooms_usd.usd.diagnostics import quiet
-    from openrooms_usd.usd.layers import open_stage
-
-    if stage is None:
-        raise click.UsageError("boxes in 3D are the stage's: say --stage scene.usda")
-    with quiet():
-        return boxes(render, open_stage(stage))
+        echo(f"wrote {out}: {summary.objects} objects in {summary.views} views")

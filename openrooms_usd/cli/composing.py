@@ -3,15 +3,13 @@
 import sys
 import time
 from contextlib import nullcontext, redirect_stdout
-from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import click
 
 from openrooms_usd import names
-from openrooms_usd.atomic import filling
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
     from openrooms_usd.compose import ComposeSummary
@@ -47,7 +45,7 @@ def compose(
     from openrooms_usd.usd.diagnostics import quiet
 
     started = time.perf_counter()
-    with quiet():
+    with quiet(), progress_bar(hidden=as_json, first="reading") as progress:
         summary = compose_room(
             description,
             out,
@@ -56,6 +54,7 @@ def compose(
             usdz=usdz,
             include_outside=include_outside,
             workers=workers,
+            progress=progress,
         )
     if as_json:
         print_json(summary.as_dict())
@@ -112,6 +111,7 @@ def demo(ctx: click.Context, out: Path, spp: int | None, as_json: bool) -> None:
     equal pictures.
     """
     from openrooms_usd.cli.rendering import render
+    from openrooms_usd.demo import copy_example
 
     room = copy_example(out / "source")
     # With --json the story of the two commands is told beside the document.
@@ -126,21 +126,3 @@ def demo(ctx: click.Context, out: Path, spp: int | None, as_json: bool) -> None:
     echo(f"\nthe pictures: {out / 'render' / 'contact_sheet.png'}")
     echo(f"the scene:    {out / names.SCENE}  (open it in any USD viewer)")
     echo(f"to change:    {room}, then: orusd compose {room} -o {out}")
-
-
-def copy_example(folder: Path) -> Path:
-    """Copy the bundled example into a folder and return its description.
-
-    One that is there already is kept: somebody may have changed it.
-    """
-    from openrooms_usd.description import schema
-
-    if (folder / "room.yaml").is_file():
-        return folder / "room.yaml"
-    bundled = resources.files("openrooms_usd.demo")
-    with filling(folder) as beside:
-        for name in ("room.yaml", "sky.exr"):
-            (beside / name).write_bytes((bundled / name).read_bytes())
-        # The description's first line points editors to it.
-        (beside / schema.FILE).write_text(schema.schema_text(), encoding="utf-8")
-    return folder / "room.yaml"

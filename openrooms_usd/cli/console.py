@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import click
 
 from openrooms_usd.errors import printable
+from openrooms_usd.progress import Progress, silent
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -31,15 +32,20 @@ def print_json(data: object) -> None:
 
 
 @contextmanager
-def progress_bar(*, hidden: bool) -> Iterator[Callable[[str, float], None]]:
-    """A bar on standard error where that is a terminal, else nothing."""
+def progress_bar(*, hidden: bool, first: str = "") -> Iterator[Progress]:
+    """A bar on standard error where that is a terminal, else nothing.
+
+    Args:
+        hidden: Whether there shall be none.
+        first: What is worked on at first.
+    """
     if hidden or not sys.stderr.isatty():
-        yield lambda text, fraction: None
+        yield silent
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
 
     columns = ("[progress.description]{task.description}", BarColumn(), TaskProgressColumn())
     with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
-        task = bar.add_task("composing", total=1.0)
+        task = bar.add_task(first, total=1.0)
         yield lambda text, fraction: bar.update(task, description=text, completed=fraction)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
     from openrooms_usd.render.datasets import DatasetSummary
@@ -46,13 +46,11 @@ def dataset(
 
     Several renders are the variants of one scene: the same views with other materials or lights.
     """
-    from openrooms_usd import adapters
-    from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
-    from openrooms_usd.render.reading import read_render
+    from openrooms_usd.render.datasets import DatasetOptions, write_dataset
 
-    writer: DatasetWriter = adapters.load(adapters.DATASETS, kind)
     options = DatasetOptions(scene, splits, subset, layout, order, first)
-    summary = writer.write([read_render(folder) for folder in renders], out, options)
+    with progress_bar(hidden=as_json, first="reading") as progress:
+        summary = write_dataset(renders, out, kind=kind, options=options, progress=progress)
     if as_json:
         print_json(summary.as_dict())
     else:

@@ -1,17 +1,11 @@
 """The commands ``init``, ``schema`` and ``doctor``."""
 
 import sys
-from importlib import resources
 from pathlib import Path
-from typing import Final
 
 import click
 
-from openrooms_usd.atomic import filling, write_text
 from openrooms_usd.cli.console import echo, json_option, print_json
-from openrooms_usd.errors import OutputError
-
-DESCRIPTION: Final = "room.yaml"
 
 
 @click.command()
@@ -19,29 +13,14 @@ DESCRIPTION: Final = "room.yaml"
 @json_option
 def init(folder: Path, as_json: bool) -> None:
     """Write DIR/room.yaml, a small living room to start from, and its JSON Schema beside it."""
-    from openrooms_usd.description import schema
+    from openrooms_usd.demo import write_starter
 
-    starter = resources.files("openrooms_usd.description").joinpath("starter.yaml")
-    texts = {
-        schema.FILE: schema.schema_text(),
-        DESCRIPTION: f"{schema.HINT}\n{starter.read_text(encoding='utf-8')}",
-    }
-    for name in texts:
-        if (folder / name).exists():
-            raise OutputError(
-                "this file exists already",
-                place=folder / name,
-                remedy="choose another folder, or move the file away",
-            )
-    with filling(folder) as beside:
-        for name, text in texts.items():
-            write_text(beside / name, text)
+    description, rules = write_starter(folder)
     if as_json:
-        paths = {"description": folder / DESCRIPTION, "schema": folder / schema.FILE}
-        print_json({name: str(path) for name, path in paths.items()})
+        print_json({"description": str(description), "schema": str(rules)})
         return
-    echo(f"wrote {folder / DESCRIPTION}")
-    echo(f"next:  orusd compose {folder / DESCRIPTION} -o {folder / 'out'}")
+    echo(f"wrote {description}")
+    echo(f"next:  orusd compose {description} -o {folder / 'out'}")
 
 
 @click.command()

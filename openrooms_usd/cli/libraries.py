@@ -78,7 +78,7 @@ def sheet(
 
     started = time.perf_counter()
     shown = exhibits(categories, every_style=every_style)
-    with quiet(), progress_bar(hidden=as_json) as progress:
+    with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
         draw_sheet(
             out, shown, seed=seed, size=size, samples=spp, renderer=renderer, variant=variant,
             denoise=denoise, progress=progress,

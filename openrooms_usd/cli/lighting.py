@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 
 Position = tuple[float, float, float]
@@ -115,10 +115,10 @@ def probe(
     from openrooms_usd.render.probes import probe_stage
     from openrooms_usd.usd.diagnostics import quiet
 
-    with quiet():
+    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
         found = probe_stage(
             stage, out, at=at, at_openings=openings, resolution=resolution, samples=spp, seed=seed,
-            bounces=bounces, renderer=renderer, variant=variant,
+            bounces=bounces, renderer=renderer, variant=variant, progress=progress,
         )  # fmt: skip
     if as_json:
         print_json(found)

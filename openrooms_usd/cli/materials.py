@@ -81,7 +81,7 @@ def sheet(
     from openrooms_usd.usd.diagnostics import quiet
 
     started = time.perf_counter()
-    with quiet(), progress_bar(hidden=as_json) as progress:
+    with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
         files = draw_material_sheets(
             out, substances, number=number, size=size, samples=spp, renderer=renderer,
             variant=variant, denoise=denoise, progress=progress,

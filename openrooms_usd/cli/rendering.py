@@ -1,19 +1,17 @@
 """The commands ``render`` and ``channels``."""
 
 import re
-import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES, Bsdf
 
 if TYPE_CHECKING:
-    from openrooms_usd.render import Progress, RenderSummary
+    from openrooms_usd.render import RenderSummary
 
 
 def _resolution(
@@ -97,7 +95,7 @@ def render(
 
     # What cannot be written should not be rendered first.
     writer: DatasetWriter | None = adapters.load(adapters.DATASETS, "openrooms") if root else None
-    with quiet(), _progress_bar(hidden=as_json) as progress:
+    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
         summary = render_stage(
             stage,
             out,
@@ -128,26 +126,6 @@ def render(
 
 def _names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",") if name.strip()]
-
-
-@contextmanager
-def _progress_bar(*, hidden: bool) -> Iterator["Progress"]:
-    """A bar on standard error where that is a terminal, else nothing."""
-    from openrooms_usd.render.driver import silent
-
-    if hidden or not sys.stderr.isatty():
-        yield silent
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
-
-    def show(view: str, fraction: float) -> None:
-        bar.update(task, description=view, completed=fraction)
-
-    columns = ("[progress.description]{task.description}", BarColumn(), TaskProgressColumn())
-    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
-        task = bar.add_task("translating", total=1.0)
-        yield show
 
 
 def _print_summary(summary: "RenderSummary") -> None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
     from openrooms_usd.simulate import Friction
@@ -54,7 +54,7 @@ def simulate(
     from openrooms_usd.simulation.settling import settle
     from openrooms_usd.usd.diagnostics import quiet
 
-    with quiet():
+    with quiet(), progress_bar(hidden=as_json, first="reading") as progress:
         settled = settle(
             stage,
             engine=engine,
@@ -63,6 +63,7 @@ def simulate(
             timestep=timestep,
             friction=friction,
             look=look,
+            progress=progress,
         )
     if as_json:
         print_json({"stage": str(stage), **settled.as_dict()})

@@ -32,15 +32,17 @@ def load_room(path: Path) -> Room:
         DescriptionError: It is no valid description; the message lists every mistake.
     """
     remedy = "`orusd init DIR` writes a room to start from"
-    return parse_room(read_bytes(path, "description", remedy=remedy), str(path))
+    text = read_bytes(path, "description", remedy=remedy)
+    return parse_room(text, str(path), folder=path.parent)
 
 
-def parse_room(text: str | bytes, name: str = "room.yaml") -> Room:
+def parse_room(text: str | bytes, name: str = "room.yaml", *, folder: Path | None = None) -> Room:
     """Read a description from text.
 
     Args:
         text: YAML; bytes are UTF-8, with or without a byte order mark.
         name: A file name for messages.
+        folder: Where the names of files in it begin; None for the current folder.
 
     Returns:
         The room, with every default filled in.
@@ -57,7 +59,7 @@ def parse_room(text: str | bytes, name: str = "room.yaml") -> Room:
         raise refusal(name, [*mistakes, *further]) from None
     if mistakes:
         raise refusal(name, mistakes)
-    return room
+    return room if folder is None else room.located(folder)
 
 
 def dump_room(room: Room) -> str:
@@ -65,9 +67,8 @@ def dump_room(room: Room) -> str:
 
     What was not given when the room was made is left out.
     """
-    data = room.model_dump(mode="json", by_alias=True, exclude_unset=True)
     text: str = yaml.dump(
-        data,
+        room.as_dict(),
         Dumper=_Dumper,
         sort_keys=False,
         allow_unicode=True,

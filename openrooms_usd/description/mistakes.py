@@ -16,7 +16,7 @@ _NESTED: Final = (dict, list)
 
 
 class Place(NamedTuple):
-    """A position in a text file, counted from 1."""
+    """A position in a text file, counted from 1; in line 0 for what stands in no file."""
 
     line: int
     column: int
@@ -79,11 +79,13 @@ def refusal(name: str, mistakes: Iterable[Mistake]) -> DescriptionError:
     ordered = sorted(
         dict.fromkeys(mistakes), key=lambda mistake: (mistake.place, written(mistake.path))
     )
-    lines = [
-        f"{name}:{mistake.place.line}:{mistake.place.column}: {mistake}"
-        for mistake in ordered[:_MOST_SHOWN]
-    ]
+    lines = [f"{_where(name, mistake.place)}{mistake}" for mistake in ordered[:_MOST_SHOWN]]
     if len(ordered) > _MOST_SHOWN:
         lines.append(f"and {len(ordered) - _MOST_SHOWN:,} more")
     count = "1 mistake" if len(ordered) == 1 else f"{len(ordered):,} mistakes"
     return DescriptionError("\n  ".join([count, *lines]), place=name)
+
+
+def _where(name: str, place: Place) -> str:
+    """How editors and terminals find a place; nothing where the path alone says it."""
+    return f"{name}:{place.line}:{place.column}: " if place.line else ""

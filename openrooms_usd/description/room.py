@@ -1,9 +1,10 @@
 """The whole description: a name, a room type, a seed, and one section a stage."""
 
 from collections.abc import Iterator
-from typing import Any, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr, ValidationError
 
 from openrooms_usd.description.alignment import Alignment, ObjectList, object_names
 from openrooms_usd.description.cameras import AnyCameras, Cameras
@@ -73,6 +74,52 @@ class Room(CheckedModel):
     """From where it is seen."""
     physics: Physics | None = None
     """How things weigh, collide and move."""
+
+    _folder: Path | None = PrivateAttr(default=None)
+
+    if not TYPE_CHECKING:  # Type checkers see the fields instead.
+
+        def __init__(self, /, **sections: Any) -> None:
+            """Check the sections.
+
+            Raises:
+                DescriptionError: Something is wrong; the message lists every mistake.
+            """
+            try:
+                super().__init__(**sections)
+            except ValidationError as error:
+                from openrooms_usd.description.data import refused
+
+                raise refused(error, sections) from None
+
+        # So that pydantic checks data without calling this: what reads files says the lines.
+        __init__.__pydantic_base_init__ = True
+
+    @property
+    def folder(self) -> Path | None:
+        """Where the names of files in it begin; None for the current folder."""
+        return self._folder
+
+    def located(self, folder: Path) -> Self:
+        """The same room, whose names of files begin in a folder."""
+        room = self.model_copy()
+        room._folder = folder
+        return room
+
+    def as_dict(self) -> dict[str, Any]:
+        """What was given of it, as plain data that makes the same room again."""
+        return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
+
+    def __repr__(self) -> str:
+        return f"Room({self.room!r}, name={self.name!r}, seed={self.seed}: {self._holds()})"
+
+    __str__ = __repr__
+
+    def _holds(self) -> str:
+        """What stands in it, in a few words."""
+        objects = getattr(self.alignment, "objects", None)
+        found = _source(self.alignment) if objects is None else f"{len(objects)} objects"
+        return f"layout from {_source(self.layout)}, {found}"
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:

@@ -14,12 +14,11 @@ from openrooms_usd.render.contract import (
     RenderSession,
     View,
 )
-from openrooms_usd.render.driver import Progress, RenderSummary, render_stage
+from openrooms_usd.render.driver import RenderSummary, render_stage
 
 __all__ = [
     "Image",
     "Legend",
-    "Progress",
     "RenderRequest",
     "RenderSession",
     "RenderSummary",

@@ -5,7 +5,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd import adapters
+from openrooms_usd.progress import Progress, silent
+from openrooms_usd.render.reading import RenderedScene, read_render
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,11 @@ class DatasetWriter(Protocol):
     """Writes renders as a dataset; an entry point ``openrooms_usd.datasets``."""
 
     def write(
-        self, renders: Sequence[RenderedScene], root: Path, options: DatasetOptions
+        self,
+        renders: Sequence[RenderedScene],
+        root: Path,
+        options: DatasetOptions,
+        progress: Progress = silent,
     ) -> DatasetSummary:
         """Write a scene of a dataset; nothing appears before all is written.
 
@@ -64,9 +70,39 @@ class DatasetWriter(Protocol):
             renders: The variants of one scene.
             root: The dataset's folder; other scenes in it stay.
             options: How to lay it out.
+            progress: Called with each finished view and the finished fraction.
 
         Raises:
             InputError: The renders or options do not fit each other.
             OutputError: A file cannot be written.
         """
         ...
+
+
+def write_dataset(
+    renders: Sequence[Path],
+    root: Path,
+    *,
+    kind: str = "openrooms",
+    options: DatasetOptions | None = None,
+    progress: Progress = silent,
+) -> DatasetSummary:
+    """Write finished renders as the files of a published dataset.
+
+    Args:
+        renders: Folders of renders, the variants of one scene.
+        root: The dataset's folder; other scenes in it stay.
+        kind: Whose dataset.
+        options: How to lay it out.
+        progress: Called with each finished view and the finished fraction.
+
+    Returns:
+        What was written.
+
+    Raises:
+        InputError: There is no such dataset, or the renders or options do not fit each other.
+        OutputError: A file cannot be written.
+    """
+    writer: DatasetWriter = adapters.load(adapters.DATASETS, kind)
+    opened = [read_render(folder) for folder in renders]
+    return writer.write(opened, root, options or DatasetOptions(), progress)

@@ -1,7 +1,7 @@
 """Renders the cameras of a stage into files: pictures, ground truth and one manifest."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ from typing import Any
 from openrooms_usd import adapters, claims, ledger
 from openrooms_usd.channels import each
 from openrooms_usd.convert import add_missing
+from openrooms_usd.progress import Progress, part, silent
 from openrooms_usd.render import folder, manifest, shading
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, Bsdf, Renderer, View
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
@@ -16,9 +17,6 @@ from openrooms_usd.render.friction import FRICTION, FrictionMap, derivable, read
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 from openrooms_usd.render.shading import Shading
-
-Progress = Callable[[str, float], None]
-"""Called with the view's name and the finished fraction of the whole run."""
 
 
 @dataclass(frozen=True)
@@ -42,10 +40,6 @@ class RenderSummary:
     def as_dict(self) -> dict[str, Any]:
         """The summary as plain data."""
         return {"out": str(self.out), "manifest": self.manifest, "timing": self.timing}
-
-
-def silent(view: str, fraction: float) -> None:
-    """Show no progress."""
 
 
 def render_stage(
@@ -166,9 +160,9 @@ def render_stage(
             "translation": translation,
         }
         for index, (name, camera) in enumerate(views.items()):
-            part = _part(progress, name, index, len(views))
+            share = part(progress, name, index, len(views))
             began = time.perf_counter()
-            view = session.render(replace(request, camera=camera), part)
+            view = session.render(replace(request, camera=camera), share)
             took = time.perf_counter() - began
             if Shading.makes(asked):
                 view = Shading.complete(view, each(before_shading, lights))
@@ -191,8 +185,3 @@ def _available(given: tuple[str, ...]) -> tuple[str, ...]:
 def _without_halves(view: View) -> View:
     images = {name: replace(image, halves=None) for name, image in view.images.items()}
     return replace(view, images=images)
-
-
-def _part(progress: Progress, name: str, index: int, count: int) -> Callable[[float], None]:
-    """The progress of one view as a part of the whole run's."""
-    return lambda fraction: progress(name, (index + min(max(fraction, 0.0), 1.0)) / count)

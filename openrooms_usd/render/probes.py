@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -12,6 +13,7 @@ from openrooms_usd import __version__, adapters, atomic, names
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics
 from openrooms_usd.geometry.hemisphere import PANORAMA, cosine_weights, panorama_cells
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render import exr
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, Image
 from openrooms_usd.render.manifest import write_json
@@ -119,7 +121,7 @@ def probe_stage(
     bounces: int = DEFAULT_BOUNCES,
     renderer: str = "mitsuba",
     variant: str = "auto",
-    progress: Callable[[float], None] = lambda fraction: None,
+    progress: Progress = silent,
 ) -> dict[str, Any]:
     """Make light probes in a USD stage.
 
@@ -137,7 +139,7 @@ def probe_stage(
         bounces: At most this many scatterings between a light and a probe.
         renderer: A registered renderer.
         variant: ``auto``, or a backend of the renderer.
-        progress: Called with the finished fraction.
+        progress: Called with what is done and the finished fraction.
 
     Returns:
         What stands in ``probes.json``.
@@ -165,7 +167,7 @@ def probe_stage(
         raise RenderError(f"the renderer {renderer} makes no probes", remedy="--renderer mitsuba")
     positions = tuple(place.position for place in places)
     request = ProbeRequest(positions, *resolution, samples, seed, bounces)
-    images = session.probe(request, progress)
+    images = session.probe(request, partial(progress, f"{len(places)} probes"))
     return _write(out, path, request, places, images)
 
 

@@ -8,12 +8,13 @@ from typing import Final
 from openrooms_usd import adapters
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.textures import FAMILIES, family_of
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.contract import Renderer
 from openrooms_usd.render.denoise import load_denoiser
 from openrooms_usd.render.folder import check_writable
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.showroom.photograph import photograph
-from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE, Progress
+from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE
 
 _COLUMNS: Final = 7
 # Texels of a picture's textures for each of its pixels, and at most.
@@ -31,7 +32,7 @@ def draw_material_sheets(
     renderer: str = "mitsuba",
     variant: str = "auto",
     denoise: bool = False,
-    progress: Progress = lambda text, fraction: None,
+    progress: Progress = silent,
 ) -> list[Path]:
     """Render every family on a ball and a floor, and tile the pictures: ``<substance>.png``.
 

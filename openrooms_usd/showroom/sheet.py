@@ -1,11 +1,12 @@
 """The catalogue as one picture."""
 
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
 from openrooms_usd import adapters
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.contract import Renderer
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.folder import check_writable
@@ -19,9 +20,6 @@ DEFAULT_SAMPLES: Final = 64
 _LAMP_SAMPLES: Final = 3
 _COLUMNS: Final = 10
 
-Progress = Callable[[str, float], None]
-"""Called with the exhibit that is finished and the finished fraction."""
-
 
 def draw_sheet(
     path: Path,
@@ -33,7 +31,7 @@ def draw_sheet(
     renderer: str = "mitsuba",
     variant: str = "auto",
     denoise: bool = False,
-    progress: Progress = lambda text, fraction: None,
+    progress: Progress = silent,
 ) -> None:
     """Render every exhibit in the studio and tile the pictures, in the order given.
 

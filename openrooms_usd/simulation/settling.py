@@ -1,7 +1,8 @@
 """Lets a room settle and writes where everything came to rest as a layer."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.physics.world import Body, World
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.simulate import (
     DEFAULT_FRICTION,
     DEFAULT_TIMESTEP,
@@ -87,6 +89,7 @@ def settle(
     timestep: float = DEFAULT_TIMESTEP,
     friction: Friction = DEFAULT_FRICTION,
     look: str | None = None,
+    progress: Progress = silent,
 ) -> Settled:
     """Let the room of a USD file settle, and write the poses as a layer.
 
@@ -101,6 +104,7 @@ def settle(
         timestep: Seconds of one step.
         friction: Which coefficient of each surface counts.
         look: Choose this variant of every object that has it, for its friction.
+        progress: Called with what is done and the finished fraction.
 
     Returns:
         How far everything has moved.
@@ -129,7 +133,7 @@ def settle(
             )
         simulation = found.open(world, timestep=timestep, friction=friction)
         try:
-            run(world, simulation, seconds)
+            run(world, simulation, seconds, partial(progress, f"{seconds:g} s in {engine}"))
             moved = sorted(displacements(world, simulation), key=lambda row: -row.millimetres)
             held = author_motions(room.stage, motions(world, simulation))
         finally:
@@ -138,8 +142,19 @@ def settle(
     return Settled(room.target, engine, seconds, timestep, friction, tuple(moved), tuple(held))
 
 
-def run(world: World, simulation: Simulation, seconds: float) -> None:
+def run(
+    world: World,
+    simulation: Simulation,
+    seconds: float,
+    progress: Callable[[float], None] = lambda fraction: None,
+) -> None:
     """Let time pass, and stop as soon as something explodes.
+
+    Args:
+        world: What is simulated.
+        simulation: Of it.
+        seconds: How long.
+        progress: Called with the finished fraction.
 
     Raises:
         StageError: The place names the prim.
@@ -149,6 +164,7 @@ def run(world: World, simulation: Simulation, seconds: float) -> None:
     while (left := begun + seconds - simulation.time) > 0.5 * simulation.timestep:
         simulation.step(min(_LOOK, left))
         guard.check(simulation)
+        progress(min(1.0, 1.0 - (left - _LOOK) / seconds))
 
 
 def displacements(world: World, simulation: Simulation) -> Iterator[Moved]:

@@ -31,6 +31,8 @@ RANKS = (
         "simulate",
         "simulation",
         "showroom",
+        "importing",
+        "demo",
     ),
     ("generate",),
     ("library",),
@@ -48,6 +50,7 @@ RANKS = (
         "isolation",
         "ledger",
         "physics",
+        "progress",
         "removal",
         "scan",
         "unfinished",
@@ -60,7 +63,8 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "errors", "names", "atomic", "claims", "isolation", "ledger", "unpickling", "untrusted",
+    "errors", "names", "atomic", "claims", "isolation", "ledger", "progress", "unpickling",
+    "untrusted",
 }  # fmt: skip
 HEAVY = {
     "pxr",
@@ -142,7 +146,7 @@ def test_every_part_of_the_core_has_a_rank() -> None:
     parts = {path.stem for path in SOURCES["openrooms_usd"].glob("*.py")} | {
         path.name for path in SOURCES["openrooms_usd"].iterdir() if (path / "__init__.py").is_file()
     }
-    assert parts - {"__init__", "demo"} == set(RANK)
+    assert parts - {"__init__"} == set(RANK)
 
 
 def test_the_core_imports_downwards() -> None:

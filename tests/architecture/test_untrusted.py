@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 READERS = (
     "converters/orusd_openrooms",
     "converters/orusd_scans",
-    "openrooms_usd/cli/importing.py",
+    "openrooms_usd/importing/captures.py",
     "openrooms_usd/description",
     "openrooms_usd/edits",
     "openrooms_usd/ledger.py",
@@ -45,7 +45,7 @@ CALLS = {
 ALLOWED = {
     ("converters/orusd_openrooms/fits.py", "h5py.File"): "writes",
     ("converters/orusd_openrooms/readers.py", "h5py.File"): "checked before",
-    ("openrooms_usd/cli/importing.py", "target.read_bytes"): "a file, and compared alone",
+    ("openrooms_usd/importing/captures.py", "target.read_bytes"): "a file, and compared alone",
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.OpenAsAnonymous"): "looked through before",
     ("openrooms_usd/edits/merging.py", "Usd.Stage.Open"): "layers that were looked through",
     ("openrooms_usd/ledger.py", "self._file.open"): "writes",
@@ -72,7 +72,7 @@ ALLOWED = {
     ("converters/orusd_scans/sunrgbd/files.py", "np.fromfile"): "reads the stream of the door",
     ("converters/orusd_scans/sunrgbd/files.py", "loadmat"): "reads the stream of the door",
     ("converters/orusd_scans/sunrgbd/files.py", "whosmat"): "reads the stream of the door",
-    ("openrooms_usd/cli/importing.py", "path.open"): "writes the copy",
+    ("openrooms_usd/importing/captures.py", "path.open"): "writes the copy",
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.FindOrOpen"): "looked through before",
     ("openrooms_usd/edits/merging.py", "Sdf.Layer.FindOrOpen"): "looked through with the stage",
     ("openrooms_usd/ledger.py", "source.open"): "what this program has just written",

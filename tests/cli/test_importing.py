@@ -9,9 +9,9 @@ from click.testing import CliRunner, Result
 
 from openrooms_usd.capture import Capture
 from openrooms_usd.cli import orusd
-from openrooms_usd.cli.captured_text import describe
 from openrooms_usd.description import load_room, parse_room
 from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.importing.text import describe
 
 # Four walls of 4 x 3 m from the first principles of the format: column-major, Y up.
 WALLS = [
@@ -127,7 +127,7 @@ def test_nothing_is_left_when_writing_fails(
     def full(target: Path, text: str) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("openrooms_usd.cli.importing.write_text", full)
+    monkeypatch.setattr("openrooms_usd.importing.captures.write_text", full)
     before = sorted(tmp_path.iterdir())
     result = run("roomplan", capture, "-o", tmp_path / "room")
     assert isinstance(result.exception, OutputError)

@@ -16,7 +16,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import compose_room, render_stage
 from openrooms_usd.cli import orusd
-from openrooms_usd.cli.composing import copy_example
+from openrooms_usd.demo import copy_example
 from orusd_mitsuba import variants
 
 Show = Callable[..., "Shown"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from openrooms_usd import compose_room
-from openrooms_usd.cli.composing import copy_example
+from openrooms_usd.demo import copy_example
 
 MAIN = "from openrooms_usd.cli import main; main()"
 

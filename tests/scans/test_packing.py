@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.capture import Capture, read_capture
-from openrooms_usd.cli.importing import import_capture
 from openrooms_usd.description import load_room
+from openrooms_usd.importing import import_capture
 from tests.scans import test_arkitscenes, test_scannet_scene, test_sunrgbd
 
 

@@ -1,0 +1,8 @@
+"""A capture becomes a folder: a room.yaml beside what was read.
+
+``captures`` reads, copies and describes; ``text`` is the description, short and to be changed.
+"""
+
+from openrooms_usd.importing.captures import ROOM, ImportedRoom, import_capture
+
+__all__ = ["ROOM", "ImportedRoom", "import_capture"]

@@ -1,0 +1,175 @@
+"""Reads a capture, copies what a room needs of it into a folder, and describes the room there."""
+
+import filecmp
+import os
+import re
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any, Final
+
+from openrooms_usd.adapters import IMPORTERS, load
+from openrooms_usd.atomic import filling, replacing, write_bytes, write_text
+from openrooms_usd.capture import NO_OPTIONS, Capture, Importer, Packed, checked_options
+from openrooms_usd.claims import locked
+from openrooms_usd.description import Room, parse_room
+from openrooms_usd.errors import InputError, OutputError, writing
+from openrooms_usd.importing.text import describe, describe_scan
+from openrooms_usd.untrusted import check_path, opened
+
+ROOM: Final = "room.yaml"
+
+
+@dataclass(frozen=True, eq=False)
+class ImportedRoom:
+    """A room that was described from a capture.
+
+    Attributes:
+        file: Its ``room.yaml``; what the room needs of the capture lies beside it.
+        room: What stands in it.
+        capture: What the importer read.
+    """
+
+    file: Path
+    room: Room
+    capture: Capture
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was dropped or guessed, one sentence each."""
+        return self.capture.notes
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many walls, openings, objects, models, frames and points were read."""
+        read = self.capture
+        return {
+            "walls": 0 if read.floor is None else len(read.floor),
+            "openings": len(read.openings),
+            "objects": len(read.boxes) + len(read.models),
+            "models": sum(model.file is not None for model in read.models),
+            "frames": len(read.frames),
+            "points": 0 if read.cloud is None else len(read.cloud),
+        }
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for ``--json``."""
+        height, notes = self.capture.height, list(self.notes)
+        return {"room": str(self.file), **self.counts, "height": height, "notes": notes}
+
+    def __repr__(self) -> str:
+        known = ", ".join(f"{count} {what}" for what, count in self.counts.items() if count)
+        notes = f"; {len(self.notes)} notes" if self.notes else ""
+        return f"ImportedRoom({str(self.file)!r}: {known or 'nothing'}{notes})"
+
+
+def import_capture(
+    kind: str, source: Path, out: Path, options: Mapping[str, str] = NO_OPTIONS
+) -> ImportedRoom:
+    """Read a capture, copy what a room needs of it into a folder, and describe the room there.
+
+    Args:
+        kind: The name of the importer.
+        source: What it reads.
+        out: The folder; made when it is missing.
+        options: What is asked of the importer; paths begin in the current folder.
+
+    Returns:
+        The room and what was read.
+
+    Raises:
+        InputError: The source cannot be read, or has no usable floor.
+        OutputError: The folder cannot be written, or holds another room or capture.
+    """
+    importer: Importer = load(IMPORTERS, kind)
+    check_path(source)
+    try:
+        asked = checked_options(kind, importer, options)
+        capture = importer.read(source, asked)
+        _check_usable(capture, source)
+        packed = _packed(kind, importer, source, asked)
+        _check_names(packed)
+    except OSError as error:
+        raise _unreadable(source, error) from error
+    described = describe if capture.floor is not None else describe_scan
+    text = described(kind, capture, packed.file, packed.options)
+    room = parse_room(text, str(out / ROOM), folder=out)
+    with locked(out):
+        with writing(out):
+            _refuse_to_replace(out, packed.contents)
+        with filling(out) as folder:
+            for name, content in packed.contents.items():
+                if not os.path.lexists(out / name):
+                    _copy(content, folder / name)
+            write_text(folder / ROOM, text)
+    return ImportedRoom(out / ROOM, room, capture)
+
+
+def _check_usable(capture: Capture, source: Path) -> None:
+    """Refuse what no room can be made of."""
+    if capture.floor is None and capture.cloud is None:
+        raise InputError(
+            "the capture has no floor, and no walls that enclose one",
+            place=source,
+            remedy=capture.remedy,
+        )
+
+
+def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Packed:
+    """What of a capture is copied: what its importer says, or else the file as it is."""
+    pack = getattr(importer, "pack", None)
+    if pack is not None:
+        packed: Packed = pack(source, options)
+    else:
+        packed = Packed(source.name, {source.name: source}, options)
+    if packed.file.isprintable() and packed.file != ROOM:
+        return packed
+    name = f"{kind}{Path(packed.file).suffix}"
+    # The file itself, or the folder that the files lie in.
+    own = re.compile(re.escape(packed.file) + "(?=/|$)")
+    contents = {own.sub(name, key, count=1): v for key, v in packed.contents.items()}
+    return Packed(name, contents, packed.options)
+
+
+def _check_names(packed: Packed) -> None:
+    """Refuse files that would lie elsewhere, or where the description comes."""
+    for name, content in packed.contents.items():
+        path = PurePosixPath(name)
+        if path.is_absolute() or ".." in path.parts or path == PurePosixPath(ROOM):
+            raise InputError(
+                f"a file of the capture cannot be copied as {name!r}",
+                place=content if isinstance(content, Path) else None,
+                remedy="give it another name",
+            )
+
+
+def _copy(content: bytes | Path, target: Path) -> None:
+    if isinstance(content, bytes):
+        write_bytes(target, content)
+        return
+    with opened(content, "frames") as source, replacing(target) as path, path.open("wb") as copy:
+        shutil.copyfileobj(source, copy)
+
+
+def _unreadable(path: Path, error: OSError) -> InputError:
+    return InputError(
+        f"cannot be read: {error.strerror or error}",
+        place=path,
+        remedy="check that it is a file, and that you may read it",
+    )
+
+
+def _refuse_to_replace(out: Path, contents: Mapping[str, bytes | Path]) -> None:
+    remedy = "choose another folder, or move the file away"
+    if os.path.lexists(out / ROOM):
+        raise OutputError("there is a room already", place=out / ROOM, remedy=remedy)
+    for name, content in contents.items():
+        if os.path.lexists(out / name) and not _equal(content, out / name):
+            raise OutputError("another capture has that name", place=out / name, remedy=remedy)
+
+
+def _equal(content: bytes | Path, target: Path) -> bool:
+    if isinstance(content, bytes):
+        return target.is_file() and target.read_bytes() == content
+    return target.is_file() and filecmp.cmp(content, target, shallow=False)

@@ -1,0 +1,25 @@
+"""How what takes long says how far it is: one shape for all of it."""
+
+from collections.abc import Callable
+
+Progress = Callable[[str, float], None]
+"""Called with what is being worked on and the finished fraction of the whole, from 0 to 1."""
+
+
+def silent(what: str, fraction: float) -> None:
+    """Show no progress."""
+
+
+def part(progress: Progress, what: str, index: int, count: int) -> Callable[[float], None]:
+    """The progress of one of several equal parts, as that of the whole.
+
+    Args:
+        progress: Of the whole.
+        what: What this part works on.
+        index: Which part it is, from 0.
+        count: How many there are.
+
+    Returns:
+        Called with the finished fraction of the part.
+    """
+    return lambda fraction: progress(what, (index + min(max(fraction, 0.0), 1.0)) / count)
