@@ -50,6 +50,7 @@ def room(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_radiance(room, tmp_path):
     pytest.importorskip("mitsuba")
     _, data = run("radiance", tmp_path / "r.json", "--stage", room)
@@ -60,6 +61,7 @@ def test_radiance(room, tmp_path):
     assert data["backends"][0]["share"] > 0
 
 
+@pytest.mark.slow
 def test_radiance_with_denoising(room, tmp_path):
     pytest.importorskip("mitsuba")
     said, data = run("radiance", tmp_path / "r.json", "--stage", room, "--denoise")
@@ -76,6 +78,7 @@ def test_radiance_with_denoising(room, tmp_path):
     assert "| scalar | 8 |" in said
 
 
+@pytest.mark.slow
 def test_first_picture(room, tmp_path):
     pytest.importorskip("mitsuba")
     said, data = run("first_picture", tmp_path / "f.json", "--stage", room)
@@ -83,6 +86,7 @@ def test_first_picture(room, tmp_path):
     assert "| scalar |" in said
 
 
+@pytest.mark.slow
 def test_compose(tmp_path):
     said, data = run("compose", tmp_path / "c.json")
     assert data["rows"][0]["objects"] == 10
@@ -90,6 +94,7 @@ def test_compose(tmp_path):
     assert "| 10 |" in said
 
 
+@pytest.mark.slow
 def test_generate(tmp_path):
     pytest.importorskip("fcl")
     said, data = run("generate", tmp_path / "g.json")
@@ -98,6 +103,7 @@ def test_generate(tmp_path):
     assert "| apartment | 1 |" in said
 
 
+@pytest.mark.slow
 def test_materials(tmp_path):
     variants = pytest.importorskip("orusd_mitsuba.variants")
     if variants.choose("auto").variant.startswith("scalar"):
@@ -133,6 +139,7 @@ def test_the_hall_has_as_many_objects_as_asked_for(monkeypatch, tmp_path):
     assert len(places) == 37
 
 
+@pytest.mark.slow
 def test_light(tmp_path):
     pytest.importorskip("mitsuba")
     from orusd_mitsuba import variants
@@ -150,6 +157,7 @@ def test_light(tmp_path):
     assert "to path" in said
 
 
+@pytest.mark.slow
 def test_physics_by_step(tmp_path):
     pytest.importorskip("pybullet")
     pytest.importorskip("mujoco")

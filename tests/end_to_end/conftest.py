@@ -94,6 +94,7 @@ GENERATED = (
     ("kitchen", 16), ("library", 17), ("living_room", 18), ("office", 19), ("stairs", 20),
 )  # fmt: skip
 ROOMS = (("demo",), *GENERATED)
+QUICK = (("bathroom", 11),)
 
 
 @pytest.fixture(scope="session")
@@ -113,10 +114,19 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], 
     return scene
 
 
-@pytest.fixture(scope="session", params=ROOMS, ids=lambda room: "-".join(map(str, room)))
-def room(request: pytest.FixtureRequest, demo: Path, generated: Callable[[str, int], Path]) -> Path:
+def marked(room: tuple[str] | tuple[str, int]) -> Any:
+    """A room with its worker; the smallest alone is quick."""
+    name = "-".join(map(str, room))
+    slow = () if room in QUICK else (pytest.mark.slow,)
+    return pytest.param(room, id=name, marks=[pytest.mark.xdist_group(name), *slow])
+
+
+@pytest.fixture(scope="session", params=map(marked, ROOMS))
+def room(request: pytest.FixtureRequest, generated: Callable[[str, int], Path]) -> Path:
     """The ``scene.usda`` of the bundled example and of each generated room."""
-    return demo if request.param == ("demo",) else generated(*request.param)
+    if request.param == ("demo",):
+        return request.getfixturevalue("demo")  # type: ignore[no-any-return]
+    return generated(*request.param)
 
 
 @pytest.fixture

@@ -16,6 +16,8 @@ from orusd_mitsuba import variants
 
 GRID = (8, 8)
 
+pytestmark = pytest.mark.slow
+
 
 def picture(path: Path) -> np.ndarray:
     """As the file has it, without our own reader."""

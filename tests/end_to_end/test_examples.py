@@ -20,6 +20,7 @@ SAYS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs_anywhere(example: Path, tmp_path: Path) -> None:
     text = example.read_text()

@@ -11,6 +11,10 @@ from openrooms_usd.generate.programs import PROGRAMS
 from openrooms_usd.library.furniture import category
 from tests.generate import checks, scenes
 
+# The others take long: small and full, with and without groups of things, and every shape is here.
+FEW = ("bathroom", "bedroom", "hallway", "kitchen", "stairs")
+KINDS = [pytest.param(kind, marks=() if kind in FEW else pytest.mark.slow) for kind in PROGRAMS]
+
 # A door in the east, a table with a jar on it, a sofa before the north wall, a picture above it.
 PLAIN = """\
 layout:
@@ -55,7 +59,7 @@ def found(text: str, folder: Path) -> list[str]:
     return checks.violations(scenes.read(scene), supports)
 
 
-@pytest.mark.parametrize("room_type", PROGRAMS)
+@pytest.mark.parametrize("room_type", KINDS)
 def test_generated_rooms_are_sound(room_type: str, tmp_path: Path) -> None:
     """Small rooms, which are the crowded ones; `benchmarks.generate` checks a thousand."""
     least, usual, _ = PROGRAMS[room_type].area

@@ -47,7 +47,14 @@ def _extent(parts: Parts) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("name", "style"), EVERYTHING)
-@pytest.mark.parametrize("factor", [(1, 1, 1), (1.3, 0.8, 1.1), (0.02, 9, 3)])
+@pytest.mark.parametrize(
+    "factor",
+    [
+        pytest.param((1, 1, 1), marks=pytest.mark.slow),
+        (1.3, 0.8, 1.1),
+        pytest.param((0.02, 9, 3), marks=pytest.mark.slow),
+    ],
+)
 def test_fills_the_box_exactly(name: str, style: str, factor: Size) -> None:
     usual = np.array(_usual(name, style)) * factor
     width, depth, height = np.clip(usual, 0.02, 20.0).tolist()
@@ -68,7 +75,9 @@ def test_is_planned_for_its_box(name: str, style: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "style"), EVERYTHING)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))]
+)
 def test_meshes_are_sound(name: str, style: str, seed: int) -> None:
     parts = make(name, _usual(name, style), style, _rng(seed)).parts
     triangles = 0

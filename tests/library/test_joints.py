@@ -128,7 +128,7 @@ def _made(name: str, style: str, seed: int, factor: Size = (1.0, 1.0, 1.0)) -> F
 
 
 @pytest.mark.parametrize(("name", "style"), _jointed())
-@pytest.mark.parametrize("seed", [0, 5])
+@pytest.mark.parametrize("seed", [0, pytest.param(5, marks=pytest.mark.slow)])
 def test_what_moves_stays_clear_of_the_rest(name: str, style: str, seed: int) -> None:
     factor = (1.0, 1.0, 1.0) if seed == 0 else (1.15, 0.95, 1.06)
     assert list(collisions(_made(name, style, seed, factor))) == []
