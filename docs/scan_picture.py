@@ -63,7 +63,9 @@ def scanned(
 def _write(home: Path, scan: Scan, camera: PinholeCamera, size: tuple[int, int]) -> None:
     home.mkdir(parents=True, exist_ok=True)
     cloud = scan.cloud
-    arrays = {name: getattr(cloud, name) for name in ("points", "label", "instance", "eyes")}
+    arrays = {
+        name: getattr(cloud, name) for name in ("points", "label", "instance", "sensor_origins")
+    }
     np.savez(home / "scan.npz", **arrays)
     frame = {
         "id": CAMERA, "resolution": size, "K": camera.K.tolist(),

@@ -115,7 +115,7 @@ def take(
 
 
 def trace(
-    room: SimulatedRoom, caster: RayCaster, eye: Array, directions: Array,
+    room: SimulatedRoom, caster: RayCaster, origin: Array, directions: Array,
     random: np.random.Generator,
 ) -> tuple[Array, Ints, Array]:  # fmt: skip
     """What comes back along rays: through glass mostly nothing, off mirrors the room in them.
@@ -125,7 +125,7 @@ def trace(
         of the angle of incidence.
     """
     optics = np.array([part.optics for part in room.parts])[room.part]
-    hits = caster.first_hit(eye, directions)
+    hits = caster.first_hit(origin, directions)
     triangle = hits.triangle.astype(np.int64)
     distance = np.where(triangle >= 0, hits.distance, 0.0)
     units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
@@ -137,7 +137,7 @@ def trace(
     if len(mirror):
         normals = caster.normals[triangle[mirror]]
         turned = units[mirror] - 2 * cosine[mirror, None] * normals
-        starts = eye + distance[mirror, None] * units[mirror] + 1e-4 * turned
+        starts = origin + distance[mirror, None] * units[mirror] + 1e-4 * turned
         again = caster.first_hit(starts, turned)
         met = again.triangle >= 0
         distance[mirror[met]] += again.distance[met]
@@ -161,7 +161,7 @@ def depth_sigma(depth: Array) -> Array:
 
 
 def hidden(
-    room: SimulatedRoom, missed: frozenset[int], eye: Array, points: Array, how: Scanner
+    room: SimulatedRoom, missed: frozenset[int], origin: Array, points: Array, how: Scanner
 ) -> NDArray[np.bool_]:
     """(R,) whether returns are of the ceiling, or beyond walls, that the scan shall not show."""
     found = np.zeros(len(points), dtype=np.bool_)
@@ -172,10 +172,10 @@ def hidden(
         a, b = room.floor[wall], room.floor[(wall + 1) % len(room.floor)]
         along = (b - a) / np.linalg.norm(b - a)
         across = np.array([along[1], -along[0]])
-        away, before = (points[:, :2] - a) @ across, (eye[:2] - a) @ across
+        away, before = (points[:, :2] - a) @ across, (origin[:2] - a) @ across
         # Where the ray goes through the wall; else where it ends.
         crossing = np.clip(before / np.minimum(before - away, -1e-9), 0.0, 1.0)
-        run = (eye[:2] + crossing[:, None] * (points[:, :2] - eye[:2]) - a) @ along
+        run = (origin[:2] + crossing[:, None] * (points[:, :2] - origin[:2]) - a) @ along
         within = (run > 0) & (run < np.linalg.norm(b - a)) & (before < 0)
         found |= within & (away > -how.blind)
     return found

@@ -68,13 +68,13 @@ class Fused:
         return total[:, 1:4] / count[:, None], part, total[:, 4:7] / count[:, None], count
 
 
-def fuse(fused: Fused, parts: Sequence[Part], eyes: Array, fewest: int = 1) -> Cloud:
+def fuse(fused: Fused, parts: Sequence[Part], sensor_origins: Array, fewest: int = 1) -> Cloud:
     """The cloud of all returns, its normals by planes through neighbours.
 
     Args:
         fused: The returns.
         parts: What they are of.
-        eyes: (V, 3) where the cameras stood.
+        sensor_origins: (V, 3) where the cameras stood.
         fewest: Cells with fewer returns are dropped.
     """
     cells = fused.cells()
@@ -88,7 +88,7 @@ def fuse(fused: Fused, parts: Sequence[Part], eyes: Array, fewest: int = 1) -> C
         label=label,
         instance=instance,
         confidence=(count / (count + SURE)).astype(np.float32),
-        eyes=eyes,
+        sensor_origins=sensor_origins,
     )
 
 

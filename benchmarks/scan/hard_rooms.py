@@ -125,7 +125,7 @@ def several_rooms(seed: int) -> HardCase:
     parts = [first, second.moved(beside)]
     joined = {
         name: np.concatenate([getattr(part.cloud, name) for part in parts])
-        for name in ("points", "normals", "label", "instance", "confidence", "eyes")
+        for name in ("points", "normals", "label", "instance", "confidence", "sensor_origins")
     }
     rooms = tuple(room for part in parts for room in part.truth.rooms)
     return HardCase(Scan(Cloud(**joined), Truth(rooms, (), {})))

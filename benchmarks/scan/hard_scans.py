@@ -80,8 +80,8 @@ def millimetres(seed: int) -> HardCase:
     """Coordinates in millimetres."""
     scan = usual(seed)
     cloud = scan.cloud
-    eyes = None if cloud.eyes is None else cloud.eyes * 1000.0
-    thousand = replace(cloud, points=cloud.points * 1000.0, eyes=eyes)
+    sensor_origins = None if cloud.sensor_origins is None else cloud.sensor_origins * 1000.0
+    thousand = replace(cloud, points=cloud.points * 1000.0, sensor_origins=sensor_origins)
     return HardCase(_with_cloud(scan, thousand), unit=0.001)
 
 

@@ -42,7 +42,7 @@ def walk(
     places = stations(free, clearance, random)
     way = _smooth(_route(free, _tour(places)))
     rounds = max(2.5, 0.6 * len(places))
-    eyes = _along(way, frames)
+    sensor_origins = _along(way, frames)
     held = random.uniform(*HELD)
     sway = 0.04 * np.sin(np.linspace(0, 2 * np.pi * 3 * len(places), frames) + random.uniform(0, 6))
     yaw = random.uniform(0, 2 * np.pi) + np.linspace(0, 2 * np.pi * rounds, frames)
@@ -52,7 +52,12 @@ def walk(
     ahead = _directions(yaw, np.radians(pitch + random.normal(0, 1.5, frames)))
     z = np.clip(held + sway, *HELD) + room.truth.rooms[0].corners[0, 2]
     return np.stack(
-        [pose(R, eye) for R, eye in zip(rotations(ahead), np.column_stack([eyes, z]), strict=True)]
+        [
+            pose(R, origin)
+            for R, origin in zip(
+                rotations(ahead), np.column_stack([sensor_origins, z]), strict=True
+            )
+        ]
     )
 
 
@@ -74,8 +79,8 @@ def free_cells(room: SimulatedRoom, caster: RayCaster) -> tuple[Array, Array]:
     shape = np.ceil((high - low) / CELL).astype(int) + 1
     centres = low + CELL * (np.indices(shape).reshape(2, -1).T)
     top = min((room.truth.rooms[0].ceiling or 2.5) - 0.05, 2.1)
-    eyes = np.column_stack([centres, np.full(len(centres), ground + top)])
-    hits = caster.first_hit(eyes, np.broadcast_to((0.0, 0.0, -1.0), eyes.shape))
+    sensor_origins = np.column_stack([centres, np.full(len(centres), ground + top)])
+    hits = caster.first_hit(sensor_origins, np.broadcast_to((0.0, 0.0, -1.0), sensor_origins.shape))
     clear = np.isfinite(hits.distance) & (hits.distance > top - STEP)
     clear &= inside(outline, centres) & (wall_distance(outline, centres) > CELL / 2)
     away = CELL * distance_transform_edt(np.pad(clear.reshape(shape), 1))[1:-1, 1:-1]

@@ -125,7 +125,7 @@ def cloud_in(frame: WorldFrame, scanned: Scanned, source: Path, notes: list[str]
         given,
         points=frame.points(given.points),
         normals=None if given.normals is None else (given.normals @ frame.rotation.T).astype("f4"),
-        eyes=None if given.eyes is None else frame.points(given.eyes),
+        sensor_origins=None if given.sensor_origins is None else frame.points(given.sensor_origins),
     )
     if scanned.faces is not None:
         cloud, told = as_cloud(cloud, scanned.faces)
@@ -139,9 +139,11 @@ def cloud_in(frame: WorldFrame, scanned: Scanned, source: Path, notes: list[str]
 
 def with_eyes(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Cloud:
     """A cloud that was seen from its photographs, where nothing better is known."""
-    if cloud.eyes is not None or not frames:
+    if cloud.sensor_origins is not None or not frames:
         return cloud
-    return replace(cloud, eyes=np.array([frame.world_from_camera[:3, 3] for frame in frames]))
+    return replace(
+        cloud, sensor_origins=np.array([frame.world_from_camera[:3, 3] for frame in frames])
+    )
 
 
 def unit_of(cloud: Cloud, asked: str, source: Path, notes: list[str]) -> float:

@@ -39,16 +39,20 @@ def test_the_outline_is_where_walls_stop_rays_from_inside(read):
     mesh = trimesh.Trimesh(soup.reshape(-1, 3), np.arange(3 * len(soup)).reshape(-1, 3))
     outline = shapely.Polygon(room.floor)
     assert outline.exterior.is_ccw
-    eye = np.array([*outline.representative_point().coords[0], room.truth.rooms[0].ceiling - 0.02])
+    origin = np.array(
+        [*outline.representative_point().coords[0], room.truth.rooms[0].ceiling - 0.02]
+    )
     angles = np.radians(np.arange(0.5, 360, 5))
     ways = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
-    places, rays, _ = mesh.ray.intersects_location(np.tile(eye, (72, 1)), ways, multiple_hits=False)
+    places, rays, _ = mesh.ray.intersects_location(
+        np.tile(origin, (72, 1)), ways, multiple_hits=False
+    )
     assert len(rays) == 72
     for place, ray in zip(places, rays, strict=True):
-        line = shapely.LineString([eye[:2], eye[:2] + 100 * ways[ray, :2]])
+        line = shapely.LineString([origin[:2], origin[:2] + 100 * ways[ray, :2]])
         near = line.intersection(outline.exterior)
-        expected = shapely.Point(eye[:2]).distance(near)
-        assert np.linalg.norm(place - eye) == pytest.approx(expected, abs=1e-4)
+        expected = shapely.Point(origin[:2]).distance(near)
+        assert np.linalg.norm(place - origin) == pytest.approx(expected, abs=1e-4)
 
 
 def test_openings_are_holes_in_their_walls_counter_clockwise_from_inside(read):

@@ -178,10 +178,12 @@ def test_the_camera_is_held_in_free_space(room):
     from openrooms_usd.geometry.raycast import RayCaster
 
     poses = walk(room, RayCaster(room.points, room.triangles), 50, np.random.default_rng(6))
-    eyes = poses[:, :3, 3]
-    assert (eyes[:, 2] >= 1.4).all() and (eyes[:, 2] <= 1.7).all()
-    assert (eyes[:, :2] > 0.15).all() and (eyes[:, :2] < np.array([4, 3]) - 0.15).all()
-    assert not (np.abs(eyes[:, :2] - (1.8, 1.3)).max(axis=1) < 0.3).any()
+    sensor_origins = poses[:, :3, 3]
+    assert (sensor_origins[:, 2] >= 1.4).all() and (sensor_origins[:, 2] <= 1.7).all()
+    assert (sensor_origins[:, :2] > 0.15).all() and (
+        sensor_origins[:, :2] < np.array([4, 3]) - 0.15
+    ).all()
+    assert not (np.abs(sensor_origins[:, :2] - (1.8, 1.3)).max(axis=1) < 0.3).any()
 
 
 def test_equal_seeds_give_equal_scans(room):

@@ -97,7 +97,9 @@ def room(width: float = 5.0, depth: float = 4.0) -> FoundRoom:
     return FoundRoom(np.array([0.0, 0.0, 1.0]), np.zeros(3), corners)
 
 
-def scan(objects: list[Placed], eyes: Array, seed: int = 0, noise: float = 0.006) -> Cloud:
+def scan(
+    objects: list[Placed], sensor_origins: Array, seed: int = 0, noise: float = 0.006
+) -> Cloud:
     """What scanners at some places see of objects in `room`: one-sided, instances from 1."""
     bounds: Block = ((-2.5, -2.0, 0.0), (2.5, 2.0, 2.6))
     vertices, faces = mesh((bounds,))
@@ -112,17 +114,19 @@ def scan(objects: list[Placed], eyes: Array, seed: int = 0, noise: float = 0.006
     directions = rng.normal(size=(60_000, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     points, instances = [], []
-    for eye in eyes:
-        hits = caster.first_hit(eye, directions)
+    for origin in sensor_origins:
+        hits = caster.first_hit(origin, directions)
         depth = hits.distance + noise * rng.normal(size=len(directions))
-        points.append(eye + directions * depth[:, None])
+        points.append(origin + directions * depth[:, None])
         instances.append(owner[hits.triangle])
     return Cloud(
-        np.concatenate(points), instance=np.concatenate(instances).astype(np.int32), eyes=eyes
+        np.concatenate(points),
+        instance=np.concatenate(instances).astype(np.int32),
+        sensor_origins=sensor_origins,
     )
 
 
-EYES = np.array([[0.0, -1.2, 1.5], [1.2, -0.8, 1.5], [-1.2, -0.6, 1.5], [0.3, 0.2, 1.6]])
+SENSOR_ORIGINS = np.array([[0.0, -1.2, 1.5], [1.2, -0.8, 1.5], [-1.2, -0.6, 1.5], [0.3, 0.2, 1.6]])
 
 
 def errors(pose: Pose, truth: Pose, quarter_turns: tuple[int, ...] = (0,)) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ from openrooms_usd.scan.registration.hypotheses import from_box, plain
 from openrooms_usd.scan.registration.template import shaped
 from openrooms_usd.scan.registration.undersides import supports
 from openrooms_usd.scan.registration.wallsides import walls_of
-from tests.scan.alignment_cases import CABINET, CHAIR, EYES, Placed, cad, room, scan
+from tests.scan.alignment_cases import CABINET, CHAIR, SENSOR_ORIGINS, Placed, cad, room, scan
 
 LOW = (((-0.3, -0.2, 0.0), (0.3, 0.2, 0.16)),)
 CRATE = (((-0.3, -0.2, 0.0), (0.3, 0.2, 0.3)),)
@@ -84,7 +84,7 @@ def test_the_floor_is_possible_where_a_foot_may_be_hidden() -> None:
 def test_a_crate_on_a_flat_one_stands_on_it() -> None:
     lower = Placed(LOW, (0.3, 0.7, 0.0), 0.3)
     upper = Placed(CRATE, (0.3, 0.7, 0.16), 0.3)
-    cloud = scan([upper, lower], EYES)
+    cloud = scan([upper, lower], SENSOR_ORIGINS)
     pose = upper.pose()
     near = replace(pose, translation=pose.translation + np.array([0.04, -0.03, -0.06]))
     found = align(cloud, [Hint(1, cad="crate", pose=near)], [cad("crate", CRATE)], [room()])
@@ -94,7 +94,7 @@ def test_a_crate_on_a_flat_one_stands_on_it() -> None:
 
 @pytest.mark.parametrize(("label", "word"), [(8, "door"), (9, "window"), (1, "wall")])
 def test_openings_and_walls_are_left_to_the_layout(label: int, word: str) -> None:
-    cloud = scan([Placed(CABINET, (0.2, 0.5, 0.0), 0.7)], EYES)
+    cloud = scan([Placed(CABINET, (0.2, 0.5, 0.0), 0.7)], SENSOR_ORIGINS)
     labelled = replace(cloud, label=np.full(len(cloud), label, dtype=np.int32))
     found = align(labelled, None, [cad("cabinet", CABINET)], categories={3: ("cabinet",)})
     reasons = [item.reason for item in found.rejected if item.instance == 1]

@@ -11,7 +11,17 @@ from openrooms_usd.scan.registration.alignment import align
 from openrooms_usd.scan.registration.hints import Box, Hint, moved_pose
 from openrooms_usd.scan.registration.selection import FEWEST
 from openrooms_usd.scan.results import Pose
-from tests.scan.alignment_cases import CABINET, CHAIR, EYES, TABLE, Placed, cad, errors, room, scan
+from tests.scan.alignment_cases import (
+    CABINET,
+    CHAIR,
+    SENSOR_ORIGINS,
+    TABLE,
+    Placed,
+    cad,
+    errors,
+    room,
+    scan,
+)
 
 
 def near(pose: Pose) -> Pose:
@@ -41,7 +51,7 @@ def test_a_side_at_the_wall_that_nobody_saw_is_at_the_wall() -> None:
 def test_a_chair_under_a_table_keeps_its_place() -> None:
     chair = Placed(CHAIR, (0.0, 0.15, 0.0), 0.1)
     table = Placed(TABLE, (0.0, 0.45, 0.0), 0.0)
-    cloud = scan([chair, table], EYES)
+    cloud = scan([chair, table], SENSOR_ORIGINS)
     hints = [
         Hint(1, cad="chair", pose=near(chair.pose())),
         Hint(2, cad="table", pose=near(table.pose())),
@@ -56,7 +66,7 @@ def test_a_chair_under_a_table_keeps_its_place() -> None:
 
 def test_labels_that_are_wrong_in_a_tenth_of_the_points_do_not_matter() -> None:
     chair, cabinet = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7), Placed(CABINET, (0.85, 0.75, 0.0), 0.7)
-    cloud = scan([chair, cabinet], EYES)
+    cloud = scan([chair, cabinet], SENSOR_ORIGINS)
     assert cloud.instance is not None
     wrong = cloud.instance.copy()
     close = (wrong == 2) & (np.linalg.norm(cloud.points - [0.6, 0.55, 0.5], axis=1) < 0.3)
@@ -73,7 +83,7 @@ def test_labels_that_are_wrong_in_a_tenth_of_the_points_do_not_matter() -> None:
 
 def test_a_cad_in_millimetres_is_scaled() -> None:
     true = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7, "Y", 0.001)
-    cloud = scan([true], EYES)
+    cloud = scan([true], SENSOR_ORIGINS)
     vertices, _ = true.vertices()
     box = Box(vertices.mean(axis=0), np.array([0.5, 0.5, 0.9]), Rotation.from_euler(
         "z", 0.75
@@ -87,14 +97,14 @@ def test_a_cad_in_millimetres_is_scaled() -> None:
 def test_what_stands_on_a_table_ends_at_its_top() -> None:
     thing = (((-0.15, -0.10, 0.0), (0.15, 0.10, 0.35)), ((-0.15, 0.05, 0.35), (0.15, 0.10, 0.5)))
     table, box = Placed(TABLE, (0.0, 0.6, 0.0), 0.2), Placed(thing, (0.1, 0.6, 0.74), 0.2)
-    cloud = scan([box, table], EYES)
+    cloud = scan([box, table], SENSOR_ORIGINS)
     found = align(cloud, [Hint(1, cad="box", pose=near(box.pose()))], [cad("box", thing)])
     assert found.objects[0].pose.translation[2] == pytest.approx(0.74, abs=0.015)
 
 
 def test_few_points_are_refused_with_the_reason() -> None:
     chair = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)
-    cloud = scan([chair], EYES)
+    cloud = scan([chair], SENSOR_ORIGINS)
     assert cloud.instance is not None
     rows = np.flatnonzero((cloud.instance == 1) & (cloud.points[:, 2] > 0.1))
     others = np.flatnonzero(cloud.instance == 0)
@@ -116,14 +126,14 @@ def test_few_points_are_refused_with_the_reason() -> None:
     ],
 )
 def test_what_has_no_cad_is_refused_with_the_reason(hint: Hint, reason: str) -> None:
-    cloud = scan([Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)], EYES)
+    cloud = scan([Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)], SENSOR_ORIGINS)
     labelled = replace(cloud, label=np.full(len(cloud), 5, dtype=np.int32))
     found = align(labelled, [hint], [cad("chair", CHAIR)])
     assert reason in found.rejected[0].reason
 
 
 def test_a_cad_that_is_nowhere_near_is_refused() -> None:
-    cloud = scan([Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)], EYES)
+    cloud = scan([Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)], SENSOR_ORIGINS)
     pole = cad("pole", (((-0.01, -0.01, 0.0), (0.01, 0.01, 3.0)),))
     far = Pose(np.array([0.2, 0.5, 0.0]), np.array([1.0, 0.0, 0.0, 0.0]), np.ones(3))
     found = align(cloud, [Hint(1, cad="pole", pose=far)], [pole])
@@ -132,8 +142,8 @@ def test_a_cad_that_is_nowhere_near_is_refused() -> None:
 
 def test_points_without_instances_are_cut_out_by_the_hint() -> None:
     chair = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)
-    cloud = scan([chair], EYES)
-    bare = Cloud(cloud.points, eyes=cloud.eyes)
+    cloud = scan([chair], SENSOR_ORIGINS)
+    bare = Cloud(cloud.points, sensor_origins=cloud.sensor_origins)
     hint = Hint(7, cad="chair", pose=near(chair.pose()))
     found = align(bare, [hint], [cad("chair", CHAIR)], [room()]).objects[0]
     assert errors(found.pose, chair.pose())[0] < 0.05

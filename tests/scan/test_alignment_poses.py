@@ -14,7 +14,7 @@ from openrooms_usd.scan.results import Pose
 from tests.scan.alignment_cases import (
     CABINET,
     CHAIR,
-    EYES,
+    SENSOR_ORIGINS,
     SOFA,
     TABLE,
     Placed,
@@ -35,7 +35,7 @@ SCENE = {
 
 @cache
 def seen() -> Cloud:
-    return scan(list(SCENE.values()), EYES)
+    return scan(list(SCENE.values()), SENSOR_ORIGINS)
 
 
 def models(**changes: object) -> list[CadModel]:
@@ -124,7 +124,7 @@ def test_labelled_points_alone_find_cad_and_pose() -> None:
         cad("table_a", TABLE), cad("table_long", TABLE, scale=np.array([0.5, 1.0, 1.0])),
     ]  # fmt: skip
     placed = [Placed(CHAIR, (0.3, 0.6, 0.0), 0.4), Placed(TABLE, (-1.0, 0.4, 0.0), 1.2)]
-    cloud = scan(placed, EYES)
+    cloud = scan(placed, SENSOR_ORIGINS)
     hints = [Hint(1, "chair"), Hint(2, "table")]
     found = align(cloud, hints, plain, [room()])
     assert [one.cad for one in found.objects] == ["chair_a", "table_a"]

@@ -19,9 +19,9 @@ def shot(pose: np.ndarray, noise: np.random.Generator | None) -> DepthFrame:
     """What a camera inside the box sees: depth, and the wall's axis as its label."""
     v, u = np.mgrid[:HEIGHT, :WIDTH] + 0.5
     local = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones_like(u)], -1)
-    rays, eye = local @ pose[:3, :3].T, pose[:3, 3]
+    rays, origin = local @ pose[:3, :3].T, pose[:3, 3]
     with np.errstate(divide="ignore"):
-        ways = np.where(rays > 0, (SIZE - eye) / rays, -eye / rays)
+        ways = np.where(rays > 0, (SIZE - origin) / rays, -origin / rays)
     depth = ways.min(axis=-1)
     label = ways.argmin(axis=-1) + 1
     if noise is not None:
@@ -35,10 +35,10 @@ def shots(count: int, noisy: bool = True) -> Iterator[DepthFrame]:
     rng = np.random.default_rng(0)
     for i in range(count):
         angle = 2.0 * np.pi * i / count
-        eye = np.array([1.5 + 0.4 * np.cos(angle), 1.2 + 0.3 * np.sin(angle), 1.3])
-        target = eye + np.array([np.cos(3 * angle), np.sin(3 * angle), 0.8 * (-1) ** i])
+        origin = np.array([1.5 + 0.4 * np.cos(angle), 1.2 + 0.3 * np.sin(angle), 1.3])
+        target = origin + np.array([np.cos(3 * angle), np.sin(3 * angle), 0.8 * (-1) ** i])
         pose = np.eye(4)
-        pose[:3, :3], pose[:3, 3] = look_at(eye, target)[:3, :3] @ np.diag([1, -1, -1]), eye
+        pose[:3, :3], pose[:3, 3] = look_at(origin, target)[:3, :3] @ np.diag([1, -1, -1]), origin
         yield shot(pose, rng if noisy else None)
 
 
@@ -101,7 +101,7 @@ def test_drop_outs_and_lost_frames_are_passed_over() -> None:
     assert (found.frames, found.lost) == (6, 2)
     assert found.notes == ("2 of 8 frames have no pose: they were left out",)
     assert np.isfinite(found.cloud.points).all()
-    assert len(found.cloud.eyes) == 6
+    assert len(found.cloud.sensor_origins) == 6
 
 
 def test_pixels_at_the_edge_of_a_thing_do_not_fly() -> None:

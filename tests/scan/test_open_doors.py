@@ -9,7 +9,7 @@ from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.doorleaves import open_leaves
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.planmap import PIXEL, at_eye_height, overlooked
+from openrooms_usd.scan.rooms.planmap import PIXEL, at_sensor_height, overlooked
 from openrooms_usd.scan.rooms.spaces import _markers, _rooms
 from tests.scan.scanned_rooms import DOOR, RoomScan, corner_error
 
@@ -96,12 +96,14 @@ def test_nobody_looks_through_what_stands_at_the_height_of_the_eyes():
     shelf = ((2.02, 0.3, 0.3, 2.4, 0.0, 1.9),)
     low, shape = np.array([-0.5, -0.5]), (110, 84)
     pieces = surfels(RoomScan(SQUARE, boxes=shelf, missing=(3,)).cloud())
-    for eye, blocked in ((1.5, True), (2.3, False)):
-        solid = at_eye_height(pieces, eye, low, shape)
+    for origin, blocked in ((1.5, True), (2.3, False)):
+        solid = at_sensor_height(pieces, origin, low, shape)
         assert solid[int(2.52 / PIXEL), int(2.0 / PIXEL)] == blocked
     barrier = np.zeros(shape, bool)
     barrier[round(4.7 / PIXEL), 10:72] = True
-    eyes = (np.array([[0.6, 1.5]]) - low) / PIXEL
+    sensor_origins = (np.array([[0.6, 1.5]]) - low) / PIXEL
     behind = round(3.5 / PIXEL), round(2.0 / PIXEL)
-    assert overlooked(barrier, eyes)[behind]
-    assert not overlooked(barrier | at_eye_height(pieces, 1.5, low, shape), eyes)[behind]
+    assert overlooked(barrier, sensor_origins)[behind]
+    assert not overlooked(barrier | at_sensor_height(pieces, 1.5, low, shape), sensor_origins)[
+        behind
+    ]

@@ -45,11 +45,11 @@ def spans(openings: tuple[FoundOpening, ...], wall: int) -> list[list[float]]:
 
 
 def through(cloud: Cloud, moved: np.ndarray) -> np.ndarray:
-    """The points that eyes in the room's middle see through the hole, after a motion."""
+    """The points that sensors in the room's middle see through the hole, after a motion."""
     seen = cloud.points * moved[:3] + moved[3:]
-    eye = np.array([2.0, 1.5, 1.5])
-    share = (4.0 - eye[0]) / np.maximum(seen[:, 0] - eye[0], 1e-6)
-    _, y, z = (eye + share[:, None] * (seen - eye)).T
+    origin = np.array([2.0, 1.5, 1.5])
+    share = (4.0 - origin[0]) / np.maximum(seen[:, 0] - origin[0], 1e-6)
+    _, y, z = (origin + share[:, None] * (seen - origin)).T
     # The right end of the wall is its left one, seen from inside.
     inside = (y > 1.0) & (y < 2.0) & (z > 1.0) & (z < 1.9) & (seen[:, 0] > 4.3)
     return np.asarray(seen[inside])

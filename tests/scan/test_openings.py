@@ -19,8 +19,8 @@ from tests.scan.walled_rooms import (
     CORNERS,
     CURTAIN,
     DOOR,
-    EYES,
     HEIGHT,
+    SENSOR_ORIGINS,
     WINDOW,
     Sheet,
     casing_of,
@@ -140,7 +140,7 @@ def test_french_window_ends_above_a_low_sill() -> None:
 
 def test_boards_around_a_door_are_not_the_door() -> None:
     cloud = room([*casing_of(2, (1.0, 1.9), 2.05, 0.015), Sheet(2, (1.0, 1.9), (0.0, 2.05))])
-    sight = sight_of(cloud.points, EYES)
+    sight = sight_of(cloud.points, SENSOR_ORIGINS)
     grid = list(wall_grids(cloud, CORNERS, HEIGHT, ASKED, sight))[2]
     outside = Rectangle(0, round(2.12 / CELL), round(0.925 / CELL), round(1.975 / CELL))
     trimmed = without_casing(grid, outside)

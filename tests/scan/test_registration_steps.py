@@ -8,7 +8,7 @@ from scipy.optimize import approx_fprime
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.scan.models.cad import UPRIGHT
-from openrooms_usd.scan.points.visibility import likely_eyes, look_around
+from openrooms_usd.scan.points.visibility import likely_sensor_origins, look_around
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.fitting import FINE, Stage, refined
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, true_size
@@ -25,7 +25,7 @@ from openrooms_usd.scan.registration.template import (
 )
 from openrooms_usd.scan.registration.wallsides import walls_of
 from openrooms_usd.scan.results import Pose
-from tests.scan.alignment_cases import CABINET, CHAIR, EYES, Placed, cad, room, scan
+from tests.scan.alignment_cases import CABINET, CHAIR, SENSOR_ORIGINS, Placed, cad, room, scan
 
 PARAMETERS = np.array([0.4, -0.3, 0.1, 0.8, 0.05, -0.08, 0.1])
 
@@ -120,9 +120,9 @@ def test_a_fit_returns_from_every_side(axis: int) -> None:
 
 def test_only_what_faces_an_eye_and_is_not_covered_is_visible() -> None:
     placed = Placed(CABINET, (0.0, 1.0, 0.0), 0.0)
-    cloud = scan([placed], EYES)
+    cloud = scan([placed], SENSOR_ORIGINS)
     shape = shaped(cad("cabinet", CABINET), np.eye(3), np.ones(3))
-    panoramas = look_around(cloud.points, EYES)
+    panoramas = look_around(cloud.points, SENSOR_ORIGINS)
     place = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     normals = shape.normals
     visible = panoramas.visible(posed(shape.points, place), normals, shape.two_sided)
@@ -136,11 +136,11 @@ def test_only_what_faces_an_eye_and_is_not_covered_is_visible() -> None:
 
 
 def test_without_a_path_people_stand_on_free_floor() -> None:
-    cloud = scan([Placed(CABINET, (0.0, 1.0, 0.0), 0.0)], EYES)
-    eyes = likely_eyes(cloud.points)
-    assert len(eyes) > 5
-    assert (np.abs(eyes[:, :2]) < [2.6, 2.1]).all()
-    in_cabinet = (np.abs(eyes[:, 0]) < 0.3) & (np.abs(eyes[:, 1] - 1.0) < 0.2)
+    cloud = scan([Placed(CABINET, (0.0, 1.0, 0.0), 0.0)], SENSOR_ORIGINS)
+    sensor_origins = likely_sensor_origins(cloud.points)
+    assert len(sensor_origins) > 5
+    assert (np.abs(sensor_origins[:, :2]) < [2.6, 2.1]).all()
+    in_cabinet = (np.abs(sensor_origins[:, 0]) < 0.3) & (np.abs(sensor_origins[:, 1] - 1.0) < 0.2)
     assert not in_cabinet.any()
 
 

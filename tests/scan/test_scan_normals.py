@@ -16,7 +16,7 @@ def sphere(count: int, offset: float = 0.0) -> np.ndarray:
 @pytest.mark.parametrize("offset", [0.0, 1e6])
 def test_a_sphere_seen_from_its_middle(offset: float) -> None:
     points = sphere(20_000, offset)
-    cloud = with_normals(Cloud(points, eyes=np.full((1, 3), offset)))
+    cloud = with_normals(Cloud(points, sensor_origins=np.full((1, 3), offset)))
     cosines = -np.einsum("ni,ni->n", cloud.normals, points - offset)
     assert np.degrees(np.arccos(cosines.clip(-1, 1))).mean() < 1.0
     assert cosines.min() > 0.97
@@ -26,8 +26,8 @@ def test_the_two_sides_of_a_wall_look_to_their_own_eyes() -> None:
     rng = np.random.default_rng(1)
     sheet = rng.uniform(0, 1, (4000, 3)) * [2.0, 0.0, 2.0]
     points = np.concatenate([sheet[:2000], sheet[2000:] + np.array([0.0, 0.3, 0.0])])
-    eyes = np.array([[1.0, -1.0, 1.0], [1.0, 1.3, 1.0]])
-    normals = with_normals(Cloud(points, eyes=eyes)).normals
+    sensor_origins = np.array([[1.0, -1.0, 1.0], [1.0, 1.3, 1.0]])
+    normals = with_normals(Cloud(points, sensor_origins=sensor_origins)).normals
     assert (normals[:2000, 1] < -0.99).all()
     assert (normals[2000:, 1] > 0.99).all()
 

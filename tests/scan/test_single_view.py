@@ -11,7 +11,7 @@ from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.scan.rooms.planmap import sighted
 
 # The corner is the origin; the camera stands five metres before one wall and looks at it.
-EYE = np.array([3.0, 5.0, 1.4])
+SENSOR_ORIGIN = np.array([3.0, 5.0, 1.4])
 
 
 def view() -> Cloud:
@@ -26,10 +26,16 @@ def view() -> Cloud:
             np.stack([nothing, 5 * a, 2.6 * b], axis=1),
         ]
     )
-    right, forward, up = (points - EYE)[:, 0], -(points - EYE)[:, 1], (points - EYE)[:, 2]
+    right, forward, up = (
+        (points - SENSOR_ORIGIN)[:, 0],
+        -(points - SENSOR_ORIGIN)[:, 1],
+        (points - SENSOR_ORIGIN)[:, 2],
+    )
     half = np.tan(np.radians(30.0))
     seen = (np.abs(right) < half * forward) & (np.abs(up) < 0.75 * half * forward)
-    return Cloud(points[seen] + random.normal(0, 0.004, (seen.sum(), 3)), eyes=EYE[None])
+    return Cloud(
+        points[seen] + random.normal(0, 0.004, (seen.sum(), 3)), sensor_origins=SENSOR_ORIGIN[None]
+    )
 
 
 def test_the_room_reaches_to_the_camera() -> None:
@@ -37,7 +43,7 @@ def test_the_room_reaches_to_the_camera() -> None:
     (room,) = found.rooms
     corners = room.moved(found.level.scan_from_level).corners
     plan = shapely.Polygon(corners[:, :2])
-    assert plan.contains(shapely.Point(EYE[:2]))
+    assert plan.contains(shapely.Point(SENSOR_ORIGIN[:2]))
     # The wall that was seen is where it is, and is not guessed; those beside the camera are.
     sides = shapely.LineString([(1.0, 0.0), (5.0, 0.0)])
     assert plan.exterior.buffer(0.03).contains(sides)
@@ -50,8 +56,8 @@ def test_it_is_refused_where_a_whole_room_is_expected() -> None:
 
 
 def test_what_lies_before_the_camera_is_space() -> None:
-    eye = np.array([[0.0, 0.0]])
-    seen = sighted(np.array([[2.0, 1.0]]), eye, np.array([-0.5, -0.5]), (60, 40))
+    origin = np.array([[0.0, 0.0]])
+    seen = sighted(np.array([[2.0, 1.0]]), origin, np.array([-0.5, -0.5]), (60, 40))
     x, y = np.meshgrid(*(0.05 * (np.arange(n) + 0.5) - 0.5 for n in seen.shape), indexing="ij")
     line = shapely.LineString([(0.0, 0.0), (2.0, 1.0)])
     away = shapely.distance(line, shapely.points(x[seen], y[seen]))

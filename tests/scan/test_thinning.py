@@ -19,7 +19,7 @@ def cloud(points: np.ndarray, seed: int = 0) -> Cloud:
         label=rng.integers(0, 5, n).astype("i4"),
         instance=rng.integers(0, 9, n).astype("i4"),
         confidence=rng.random(n).astype("f4"),
-        eyes=np.array([[1.0, 2.0, 3.0]]),
+        sensor_origins=np.array([[1.0, 2.0, 3.0]]),
     )
 
 
@@ -47,7 +47,7 @@ def test_thinning_is_the_mean_of_each_voxel(count: int, voxel: float, offset: fl
         for name in ("label", "instance"):
             values, votes = np.unique(getattr(full, name)[inside], return_counts=True)
             assert getattr(thinned, name)[i] == values[np.argmax(votes)]
-    assert thinned.eyes is full.eyes
+    assert thinned.sensor_origins is full.sensor_origins
 
 
 def test_points_alone_in_their_voxels_stay_as_they_are() -> None:

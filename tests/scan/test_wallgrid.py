@@ -6,14 +6,14 @@ import pytest
 from openrooms_usd.scan.openings.wallfaces import REACH, faces_of, nearest_walls
 from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, wall_grids
 from openrooms_usd.scan.points.sightlines import sight_of
-from tests.scan.walled_rooms import CORNERS, EYES, HEIGHT, WINDOW, Sheet, frame_of, room
+from tests.scan.walled_rooms import CORNERS, HEIGHT, SENSOR_ORIGINS, WINDOW, Sheet, frame_of, room
 
 ELL = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 2.0], [2.0, 4.0], [0.0, 4.0]])
 
 
-def grids(*sheets: Sheet, eyes: np.ndarray | None = EYES) -> list[WallGrid]:
+def grids(*sheets: Sheet, sensor_origins: np.ndarray | None = SENSOR_ORIGINS) -> list[WallGrid]:
     cloud = room(sheets)
-    sight = sight_of(cloud.points, eyes)
+    sight = sight_of(cloud.points, sensor_origins)
     return list(wall_grids(cloud, CORNERS, HEIGHT, (WINDOW,), sight))
 
 
@@ -70,11 +70,11 @@ def test_a_recess_is_behind_and_a_hole_is_void() -> None:
 def test_nothing_is_known_behind_furniture() -> None:
     cut = Sheet(0, (1.0, 2.2), (0.0, 2.0))
     front = Sheet(0, (1.0, 2.2), (0.0, 2.0), -0.5, 3, cuts=False)
-    # Wall 0 runs from right to left: the eye stands before the sheet's middle.
-    eye = np.array([[2.4, 2.5, 1.5]])
-    hidden = cells(grids(cut, front, eyes=eye)[0].void, (1.1, 2.1), (0.1, 1.7))
+    # Wall 0 runs from right to left: the sensor stands before the sheet's middle.
+    origin = np.array([[2.4, 2.5, 1.5]])
+    hidden = cells(grids(cut, front, sensor_origins=origin)[0].void, (1.1, 2.1), (0.1, 1.7))
     assert (hidden == 0).all()
-    assert cells(grids(cut, eyes=eye)[0].void, (1.1, 2.1), (0.1, 1.7)).min() > 0.3
+    assert cells(grids(cut, sensor_origins=origin)[0].void, (1.1, 2.1), (0.1, 1.7)).min() > 0.3
 
 
 def test_relief_is_how_far_the_face_stands_out() -> None:
@@ -89,7 +89,7 @@ def test_relief_is_how_far_the_face_stands_out() -> None:
 def test_a_wall_that_stands_askew_is_taken_as_it_stands() -> None:
     cloud = room(noise=0.0)
     corners = CORNERS + np.array([[0.0, 0.04], [0.0, -0.03], [0.0, 0.0], [0.0, 0.0]])
-    grid = next(wall_grids(cloud, corners, HEIGHT, (), sight_of(cloud.points, EYES)))
+    grid = next(wall_grids(cloud, corners, HEIGHT, (), sight_of(cloud.points, SENSOR_ORIGINS)))
     assert np.abs(np.nanmedian(grid.relief[10:-10, 10:-10], axis=0)).max() < 0.004
     assert grid.solid.mean() > 0.97
 
@@ -99,7 +99,7 @@ def test_the_other_side_of_a_wall_is_not_its_recess() -> None:
     assert cloud.normals is not None
     back = cloud.points[:, 1] < -0.05
     cloud.normals[back] *= -1
-    grid = next(wall_grids(cloud, CORNERS, HEIGHT, (), sight_of(cloud.points, EYES)))
+    grid = next(wall_grids(cloud, CORNERS, HEIGHT, (), sight_of(cloud.points, SENSOR_ORIGINS)))
     assert not grid.recess.any()
 
 
@@ -110,7 +110,7 @@ def test_eyes_see_what_nothing_hides() -> None:
     sight = sight_of(np.concatenate([screen, far]), np.array([[0.0, 0.0, 1.0]]))
     outward = np.array([1.0, 0.0, 0.0])
     before, behind = np.array([[0.8, 0.0, 1.0]]), np.array([[2.0, 0.0, 1.0]])
-    assert sight.eyes_on(before, outward) == [1]
-    assert sight.eyes_on(behind, outward) == [0]
+    assert sight.sensors_looking_at(before, outward) == [1]
+    assert sight.sensors_looking_at(behind, outward) == [0]
     # From its back nobody looks at a surface.
-    assert sight.eyes_on(before, -outward) == [0]
+    assert sight.sensors_looking_at(before, -outward) == [0]

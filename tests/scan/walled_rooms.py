@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 HEIGHT = 2.6
 CORNERS = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
-EYES = np.array([[x, y, 1.5] for x in (1.0, 2.0, 3.0) for y in (1.0, 2.0)])
+SENSOR_ORIGINS = np.array([[x, y, 1.5] for x in (1.0, 2.0, 3.0) for y in (1.0, 2.0)])
 SPACING = 0.02
 WALL, FLOOR, DOOR, WINDOW, CURTAIN = 1, 2, 8, 9, 16
 
@@ -80,7 +80,7 @@ def room(
         points,
         normals=normals.astype(np.float32),
         label=label.astype(np.int32) if labels else None,
-        eyes=EYES,
+        sensor_origins=SENSOR_ORIGINS,
     )
 
 

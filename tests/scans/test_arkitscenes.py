@@ -74,7 +74,7 @@ def test_a_scan(tmp_path: Path, frames: str) -> None:
     for i, frame in enumerate(capture.frames):
         assert frame.world_from_camera == pytest.approx(pose(i / 10), abs=1e-6)
         assert (frame.resolution, frame.K[0, 0], frame.K[0, 2]) == ((64, 48), 50, 32)
-    assert capture.cloud.eyes[3] == pytest.approx([0.09, 0, 1.4], abs=1e-6)
+    assert capture.cloud.sensor_origins[3] == pytest.approx([0.09, 0, 1.4], abs=1e-6)
     (box,) = capture.boxes
     assert (box.id, box.label) == ("u1", "chair")
     assert box.size == pytest.approx([0.6, 0.4, 1.0])

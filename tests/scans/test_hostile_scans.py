@@ -238,9 +238,9 @@ def test_matrices_are_of_numbers(tmp_path: Path) -> None:
 @pytest.mark.parametrize("units", [0.0, -1.0, 1e-40, float("inf"), float("nan")])
 def test_depth_has_a_unit(tmp_path: Path, units: float) -> None:
     path = tmp_path / "a.sens"
-    eyes = np.eye(4, dtype="<f4").tobytes() * 4
+    sensor_origins = np.eye(4, dtype="<f4").tobytes() * 4
     head = struct.pack("<2i4IfQ", 0, 0, 4, 4, 4, 4, units, 0)
-    path.write_bytes(struct.pack("<IQ", 4, 0) + eyes + head)
+    path.write_bytes(struct.pack("<IQ", 4, 0) + sensor_origins + head)
     with path.open("rb") as stream, pytest.raises(InputError, match="make no sense"):
         list(Sens(stream, path).depths())
 

@@ -48,7 +48,7 @@ def test_a_copy_reads_as_the_original(tmp_path: Path, case: str) -> None:
 
 
 def check(found: Capture, expected: Capture) -> None:
-    for name in ("points", "colors", "normals", "label", "instance", "eyes"):
+    for name in ("points", "colors", "normals", "label", "instance", "sensor_origins"):
         ours, theirs = getattr(found.cloud, name), getattr(expected.cloud, name)
         assert (ours is None) == (theirs is None), name
         if ours is not None:

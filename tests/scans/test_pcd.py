@@ -91,7 +91,7 @@ def test_all_forms_give_the_same(tmp_path: Path, form: str) -> None:
     assert cloud.label.tolist() == [1, 2, 3, 4]
     expected = [[c >> 16, c >> 8 & 255, c & 255] for c in RGB]
     assert cloud.colors.tolist() == expected
-    assert cloud.eyes.tolist() == [[1.0, 2.0, 3.0]]
+    assert cloud.sensor_origins.tolist() == [[1.0, 2.0, 3.0]]
 
 
 @settings(max_examples=60, deadline=None)

@@ -115,7 +115,7 @@ def test_photographs_come_along_as_eyes(tmp_path: Path) -> None:
     options = {"frames": str(frames), "unit": "mm"}
     capture = read_capture("scan", stored(tmp_path, 1000 * ROOM), options)
     assert [frame.id for frame in capture.frames] == ["7"]
-    assert capture.cloud.eyes == pytest.approx(np.array([[2.5, 1.0, 1.4]]))
+    assert capture.cloud.sensor_origins == pytest.approx(np.array([[2.5, 1.0, 1.4]]))
 
 
 def test_unknown_endings_name_the_known_ones(tmp_path: Path) -> None:
@@ -125,10 +125,11 @@ def test_unknown_endings_name_the_known_ones(tmp_path: Path) -> None:
 
 
 def test_where_points_were_seen_from(tmp_path: Path) -> None:
-    points, eyes = np.eye(3) * 1000.0, np.array([[0, 0, 1500.0], [np.nan, 0, 0]])
-    np.savez(tmp_path / "scan.npz", points=points, eyes=eyes)
-    cloud = read_capture("scan", tmp_path / "scan.npz", {"unit": "mm"}).cloud
-    np.testing.assert_allclose(cloud.eyes, [[0, 0, 1.5]])
-    np.savez(tmp_path / "bad.npz", points=points, eyes=eyes[:, :2])
-    with pytest.raises(InputError, match="'eyes' has the shape"):
+    points, sensor_origins = np.eye(3) * 1000.0, np.array([[0, 0, 1500.0], [np.nan, 0, 0]])
+    for name in ("sensor_origins", "eyes"):
+        np.savez(tmp_path / f"{name}.npz", points=points, **{name: sensor_origins})
+        cloud = read_capture("scan", tmp_path / f"{name}.npz", {"unit": "mm"}).cloud
+        np.testing.assert_allclose(cloud.sensor_origins, [[0, 0, 1.5]])
+    np.savez(tmp_path / "bad.npz", points=points, sensor_origins=sensor_origins[:, :2])
+    with pytest.raises(InputError, match="'sensor_origins' has the shape"):
         read_capture("scan", tmp_path / "bad.npz")

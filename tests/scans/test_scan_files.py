@@ -94,7 +94,7 @@ def test_e57_by_pye57(tmp_path: Path) -> None:
     c, s = np.cos(1.0), np.sin(1.0)
     expected = POINTS @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T + [1, 2, 3]
     assert cloud.points == pytest.approx(expected, abs=1e-6)
-    assert cloud.eyes == pytest.approx(np.array([[1.0, 2.0, 3.0]]))
+    assert cloud.sensor_origins == pytest.approx(np.array([[1.0, 2.0, 3.0]]))
     whole = path.read_bytes()
     for data in (b"ASTM-E57", b"x" * 2000, whole[:1024], whole[:-1024]):
         (tmp_path / "cut.e57").write_bytes(data)

@@ -89,9 +89,9 @@ def test_a_scene(tmp_path: Path) -> None:
     assert (capture.cloud.instance == np.where(chair, 1, np.where(lamp, 5, 0))).all()
     assert (capture.cloud.label == 2).all(), "the labelled mesh says more than names do"
     assert [frame.id for frame in capture.frames] == ["0", "1", "2", "4"]
-    eye = ALIGN @ [0.1, 0.2, 1.2, 1.0]
-    assert capture.frames[1].world_from_camera[:3, 3] == pytest.approx(eye[:3], abs=1e-6)
-    assert capture.cloud.eyes[1] == pytest.approx(eye[:3], abs=1e-6)
+    origin = ALIGN @ [0.1, 0.2, 1.2, 1.0]
+    assert capture.frames[1].world_from_camera[:3, 3] == pytest.approx(origin[:3], abs=1e-6)
+    assert capture.cloud.sensor_origins[1] == pytest.approx(origin[:3], abs=1e-6)
     assert read_capture("scannet", folder / f"{NAME}_vh_clean_2.ply").cloud.points == pytest.approx(
         capture.cloud.points
     )

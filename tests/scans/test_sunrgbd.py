@@ -95,7 +95,7 @@ def raw(folder: Path) -> Path:
 def check(capture: Capture) -> None:
     cloud, (frame,), (box,) = capture.cloud, capture.frames, capture.boxes
     assert cloud.points[:, 1] == pytest.approx(np.full(len(cloud), 3.0), abs=3e-3)
-    assert cloud.eyes.tolist() == [[0, 0, 0]]
+    assert cloud.sensor_origins.tolist() == [[0, 0, 0]]
     assert frame.world_from_camera[:3, :3] == pytest.approx(TILT @ LEVEL, abs=1e-6)
     # Pixels from 1 at the first one's centre are pixels from 0.5 there.
     assert pytest.approx(K - [[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]], abs=1e-3) == frame.K

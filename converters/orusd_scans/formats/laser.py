@@ -111,7 +111,7 @@ def _check_chunk_size(stream: BinaryIO, start: int, records: int, path: Path) ->
 
 
 def read_e57(path: Path) -> Scanned:
-    """Read all scans of an E57 file, in its common frame; where each stood is an eye.
+    """Read all scans of an E57 file, in its common frame; where each stood is a sensor.
 
     Raises:
         InputError: It is no such file, is cut off, or holds no points.
@@ -131,14 +131,16 @@ def read_e57(path: Path) -> Scanned:
                 file.read_scan(i, colors=True, ignore_missing_fields=True)
                 for i in range(file.scan_count)
             ]
-            eyes = [file.get_header(i) for i in range(file.scan_count)]
-            places = [np.asarray(head.translation, np.float64) for head in eyes if head.has_pose()]
+            headers = [file.get_header(i) for i in range(file.scan_count)]
+            places = [
+                np.asarray(head.translation, np.float64) for head in headers if head.has_pose()
+            ]
         finally:
             file.close()
     if not scans:
         raise broken(path, "it holds no scans")
     cloud = cloud_of(_joined(scans), path, [])
-    return Scanned(replace(cloud, eyes=np.array(places)) if places else cloud)
+    return Scanned(replace(cloud, sensor_origins=np.array(places)) if places else cloud)
 
 
 def _check_e57(stream: BinaryIO, path: Path) -> None:

@@ -48,9 +48,9 @@ def read_pcd(path: Path) -> Scanned:
     notes: list[str] = []
     columns = {n: v for n, v in values.items() if v.ndim == 1 and not n.startswith("_")}
     cloud = cloud_of(_with_colors(columns), path, notes)
-    eye = _viewpoint(header, path)
-    if eye.any():
-        cloud = replace(cloud, eyes=eye[None])
+    origin = _viewpoint(header, path)
+    if origin.any():
+        cloud = replace(cloud, sensor_origins=origin[None])
     return Scanned(cloud, notes=tuple(notes))
 
 
@@ -108,12 +108,12 @@ def _count(header: Mapping[str, list[str]], path: Path) -> int:
 def _viewpoint(header: Mapping[str, list[str]], path: Path) -> NDArray[np.float64]:
     """(3,) where the scanner stood."""
     try:
-        eye = np.array([float(word) for word in header.get("VIEWPOINT", ["0"] * 7)[:3]])
+        origin = np.array([float(word) for word in header.get("VIEWPOINT", ["0"] * 7)[:3]])
     except ValueError as error:
         raise broken(path, "the header's VIEWPOINT is not of numbers") from error
-    if eye.shape != (3,) or not np.isfinite(eye).all():
+    if origin.shape != (3,) or not np.isfinite(origin).all():
         raise broken(path, "the header's VIEWPOINT is no place")
-    return eye
+    return origin
 
 
 def _ascii(stream: BinaryIO, row: np.dtype[Any], count: int, path: Path) -> Any:

@@ -31,6 +31,8 @@ _TRIPLES: Final = {
     "colors": ("red", "green", "blue"),
 }
 _SINGLES: Final = ("label", "instance", "confidence")
+# Where the sensor stood; the second name is an earlier one.
+_ORIGINS: Final = ("sensor_origins", "eyes")
 
 
 def read_text(path: Path) -> Scanned:
@@ -81,19 +83,20 @@ def _names(values: NDArray[np.float64], path: Path) -> tuple[str, ...]:
 def read_npz(path: Path) -> Scanned:
     """Read the arrays ``points``, ``normals``, ``colors`` (N, 3), ``label`` and ``instance`` (N,).
 
-    ``eyes`` (V, 3) may say where the points were seen from.
+    ``sensor_origins`` (V, 3), or ``eyes``, may say where the points were seen from.
 
     Raises:
         InputError: It is no NPZ file, holds objects, or its arrays do not fit each other.
     """
-    found = read_arrays(path, (*_TRIPLES, *_SINGLES, "eyes"), "points")
-    eyes = found.pop("eyes", None)
+    found = read_arrays(path, (*_TRIPLES, *_SINGLES, *_ORIGINS), "points")
+    given = {name: found.pop(name) for name in _ORIGINS if name in found}
     notes: list[str] = []
     cloud = cloud_of(_columns(found, path), path, notes)
-    if eyes is not None:
-        if eyes.dtype.kind != "f" or eyes.ndim != 2 or eyes.shape[1] != 3:
-            raise broken(path, f"'eyes' has the shape {eyes.shape}")
-        cloud = replace(cloud, eyes=eyes[np.isfinite(eyes).all(axis=1)].astype(np.float64))
+    for name, origins in given.items():
+        if origins.dtype.kind != "f" or origins.ndim != 2 or origins.shape[1] != 3:
+            raise broken(path, f"{name!r} has the shape {origins.shape}")
+        finite = origins[np.isfinite(origins).all(axis=1)]
+        cloud = replace(cloud, sensor_origins=finite.astype(np.float64))
     return Scanned(cloud, notes=tuple(notes))
 
 

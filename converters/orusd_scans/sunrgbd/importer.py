@@ -90,7 +90,9 @@ class SunRgbdImporter:
                 "intrinsics.txt, or an index that ends in .pkl",
             )
         same = WorldFrame(np.eye(3), np.zeros(3))
-        placed = replace(cloud_in(same, Scanned(cloud), source, notes), eyes=np.zeros((1, 3)))
+        placed = replace(
+            cloud_in(same, Scanned(cloud), source, notes), sensor_origins=np.zeros((1, 3))
+        )
         return Capture(
             source=source.name,
             source_from_world=np.eye(4),

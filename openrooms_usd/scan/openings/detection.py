@@ -98,7 +98,7 @@ def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[F
     if not len(cloud):
         return ()
     cloud = replace(cloud, instance=None, confidence=None)
-    sight = sight_of(_around(cloud.points, corners), cloud.eyes)
+    sight = sight_of(_around(cloud.points, corners), cloud.sensor_origins)
     labelled = cloud.label is not None and bool(np.isin(cloud.label, (DOOR, WINDOW)).any())
     found: list[FoundOpening] = []
     mirrored = echoes(cloud.points, sight, height or _HIGHEST)

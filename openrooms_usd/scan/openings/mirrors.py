@@ -36,7 +36,7 @@ class Echoes:
     Attributes:
         points: (N, 3) some of the scan's points, in the level frame.
         full: The voxels of ``sight`` that hold points, or have a neighbour that does.
-        sight: What the eyes could see.
+        sight: What the sensors could see.
     """
 
     points: Array
@@ -54,14 +54,14 @@ class Echoes:
         return bool(self.full[cell[:, 0], cell[:, 1], cell[:, 2]].mean() > _SAME)
 
     def _through(self, face: WallFace, where: Rectangle) -> Array:
-        """(M, 3) in the wall's frame, the points behind it that some eye sees through a place."""
+        """(M, 3) in the wall's frame, points behind it that a sensor sees through a place."""
         points = face.from_level(self.points)
         points = points[(points[:, 1] > _BEHIND) & (points[:, 2] > _FLOOR)]
         seen = np.zeros(len(points), dtype=np.bool_)
-        for eye in face.from_level(self.sight.eyes):
-            if eye[1] < 0:
-                share = (-eye[1] / (points[:, 1] - eye[1]))[:, None]
-                x, z = (eye + share * (points - eye))[:, [0, 2]].T / CELL
+        for origin in face.from_level(self.sight.sensor_origins):
+            if origin[1] < 0:
+                share = (-origin[1] / (points[:, 1] - origin[1]))[:, None]
+                x, z = (origin + share * (points - origin))[:, [0, 2]].T / CELL
                 seen |= (x > where.left) & (x < where.right) & (z > where.bottom) & (z < where.top)
         return np.asarray(points[seen])
 
@@ -71,7 +71,7 @@ def echoes(points: Array, sight: Sight, height: float) -> Echoes:
 
     Args:
         points: (N, 3) of the scan, in the level frame.
-        sight: What its eyes could see.
+        sight: What its sensors could see.
         height: Of the ceiling, metres.
     """
     some = points[:: max(1, len(points) // _SAMPLE)]

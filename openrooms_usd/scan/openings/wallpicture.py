@@ -2,7 +2,7 @@
 
 Every wall has a frame of its own: x to the right along its inner face, y outwards, z up. Cells of
 the picture say how far the wall stands there, whether something behind its plane was seen, or
-whether the eyes looked through without any return; where furniture hides the wall they say nothing.
+whether sensors looked through without any return; where furniture hides the wall they say nothing.
 """
 
 from collections.abc import Iterator, Sequence
@@ -37,7 +37,7 @@ _FIT_ROUNDS: Final = 6
 _SPARSE: Final = 0.2
 # Scans are dense here and thin there: how far around a cell its usual number is asked, metres.
 _LOCAL: Final = 0.25
-# So many eyes that look through a cell make it sure that nothing is there.
+# So many sensors that look through a cell make it sure that nothing is there.
 _SURE: Final = 3.0
 # Returns with labels count where they face across the wall up to 25 degrees.
 _FACING: Final = float(np.cos(np.radians(25.0)))
@@ -51,7 +51,7 @@ class WallGrid:
         face: The wall.
         solid: (Z, X) where the wall's face returned.
         recess: (Z, X) where only what lies a few centimetres behind it did.
-        void: (Z, X) from 0 to 1, how sure it is that eyes looked through without a return.
+        void: (Z, X) from 0 to 1, how sure it is that sensors looked through without a return.
         relief: (Z, X) how far what returned stands out into the room, metres, relative to the
             wall's plane; less than 0 where it lies deeper, NaN where nothing near did.
         tint: (Z, X) what returned from the face along the colour in which the wall differs most,
@@ -89,7 +89,7 @@ def wall_grids(
         corners: (N, 2) counter-clockwise.
         height: Of the walls, metres.
         classes: Labels whose shares are asked for.
-        sight: What the eyes could see.
+        sight: What the sensors could see.
     """
     faces = faces_of(corners)
     nearest = nearest_walls(cloud.points, corners, faces)
@@ -221,12 +221,12 @@ def _label_counts(
 
 
 def _seen_through(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) -> Array:
-    """(Z, X) how sure it is that eyes looked at a cell; asked for every second row and column."""
+    """(Z, X) how sure it is that sensors looked at a cell; asked for every second one."""
     rows, columns = np.nonzero(open_cells[::2, ::2])
     x, z = (2 * columns + 1.0) * CELL, (2 * rows + 1.0) * CELL
     places = face.to_level(np.column_stack([x, plane[0] + plane[1] * x + plane[2] * z, z]))
     seen = np.zeros(open_cells[::2, ::2].shape)
-    eyes = sight.eyes_on(places, np.append(face.outward, 0.0))
-    seen[rows, columns] = np.minimum(eyes / _SURE, 1.0)
+    sensor_origins = sight.sensors_looking_at(places, np.append(face.outward, 0.0))
+    seen[rows, columns] = np.minimum(sensor_origins / _SURE, 1.0)
     whole = np.repeat(np.repeat(seen, 2, axis=0), 2, axis=1)[: len(open_cells)]
     return np.where(open_cells, whole[:, : open_cells.shape[1]], 0.0)

@@ -24,7 +24,7 @@ def enclosed(void: Mask, standing: Mask) -> Mask:
     """(Z, X) voids without slits, and without what nobody looked at above the wall that was seen.
 
     Args:
-        void: (Z, X) where eyes looked through, as far as anything in their way is concerned.
+        void: (Z, X) where sensors looked through, as far as anything in their way is concerned.
         standing: (Z, X) where the wall returned.
     """
     broad = ndimage.binary_opening(void, np.ones((_SLIT, _SLIT), dtype=bool))

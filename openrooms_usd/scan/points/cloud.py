@@ -21,7 +21,7 @@ class Cloud:
         label: (N,) NYU40 classes; 0 where there is none.
         instance: (N,) numbers of objects; 0 where there is none.
         confidence: (N,) from 0 to 1.
-        eyes: (V, 3) where the scanner stood, not of each point.
+        sensor_origins: (V, 3) where the scanner stood, not of each point.
     """
 
     points: Array
@@ -30,7 +30,7 @@ class Cloud:
     label: NDArray[np.int32] | None = None
     instance: NDArray[np.int32] | None = None
     confidence: NDArray[np.float32] | None = None
-    eyes: Array | None = None
+    sensor_origins: Array | None = None
 
     def __len__(self) -> int:
         return len(self.points)
@@ -43,18 +43,20 @@ class Cloud:
         """The cloud after a similarity or rigid motion (4, 4)."""
         linear = matrix[:3, :3]
         turn = linear / np.cbrt(np.linalg.det(linear))
-        normals, eyes = self.normals, self.eyes
+        normals, sensor_origins = self.normals, self.sensor_origins
         return replace(
             self,
             points=self.points @ linear.T + matrix[:3, 3],
             normals=None if normals is None else (normals @ turn.T).astype(np.float32),
-            eyes=None if eyes is None else eyes @ linear.T + matrix[:3, 3],
+            sensor_origins=None
+            if sensor_origins is None
+            else sensor_origins @ linear.T + matrix[:3, 3],
         )
 
     def _each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Cloud":
         kept = {
             field.name: change(values)
             for field in fields(self)
-            if field.name != "eyes" and (values := getattr(self, field.name)) is not None
+            if field.name != "sensor_origins" and (values := getattr(self, field.name)) is not None
         }
         return replace(self, **kept)

@@ -81,7 +81,7 @@ class Fused:
     """What came of the frames.
 
     Attributes:
-        cloud: One point a voxel, with normals, confidence and eyes.
+        cloud: One point a voxel, with normals, confidence and sensors.
         voxel: Edge length of the voxels in the end, metres.
         frames: Frames that were used.
         lost: Frames without a usable pose.
@@ -122,20 +122,26 @@ def fuse(frames: Iterable[DepthFrame], options: FusionOptions = DEFAULTS) -> Fus
         InputError: A frame is no depth picture, or its camera is none.
     """
     sums = VoxelSums(options.voxel, options.memory)
-    eyes, lost = list[Array](), 0
+    sensor_origins, lost = list[Array](), 0
     for number, frame in enumerate(frames):
         if not np.isfinite(frame.world_from_camera).all():
             lost += 1
             continue
         _check(frame, number)
-        eyes.append(frame.world_from_camera[:3, 3])
+        sensor_origins.append(frame.world_from_camera[:3, 3])
         sums.add(_samples(frame, options))
-    notes = list(_lost(lost, len(eyes)))
+    notes = list(_lost(lost, len(sensor_origins)))
     if sums.voxel > options.voxel:
         notes.append(
             f"voxels became {100 * sums.voxel:g} cm, so that {options.memory >> 20} MB suffice"
         )
-    return Fused(_cloud(sums, eyes, options.frames), sums.voxel, len(eyes), lost, tuple(notes))
+    return Fused(
+        _cloud(sums, sensor_origins, options.frames),
+        sums.voxel,
+        len(sensor_origins),
+        lost,
+        tuple(notes),
+    )
 
 
 def _lost(lost: int, used: int) -> Iterator[str]:
@@ -175,14 +181,14 @@ def _samples(frame: DepthFrame, options: FusionOptions) -> Samples:
     z = depth[v, u]
     fx, fy, cx, cy = frame.K[0, 0], frame.K[1, 1], frame.K[0, 2], frame.K[1, 2]
     local = np.column_stack([(u + 0.5 - cx) * z / fx, (v + 0.5 - cy) * z / fy, z])
-    turn, eye = frame.world_from_camera[:3, :3], frame.world_from_camera[:3, 3]
+    turn, origin = frame.world_from_camera[:3, :3], frame.world_from_camera[:3, 3]
     rays = local @ turn.T
 
     def seen(picture: NDArray[Any] | None) -> NDArray[Any] | None:
         return None if picture is None else picture[v, u]
 
     return Samples(
-        points=rays + eye,
+        points=rays + origin,
         weights=depth_noise(z) ** -2,
         views=-rays / np.linalg.norm(rays, axis=1, keepdims=True),
         label=seen(frame.label),
@@ -215,7 +221,7 @@ def _steady(depth: Array, focal: float) -> NDArray[np.bool_]:
     return good
 
 
-def _cloud(sums: VoxelSums, eyes: list[Array], fewest: int) -> Cloud:
+def _cloud(sums: VoxelSums, sensor_origins: list[Array], fewest: int) -> Cloud:
     table = sums.merged()
     kept = table.seen >= fewest
     points, weight = table.points()[kept], table.weight[kept]
@@ -226,5 +232,5 @@ def _cloud(sums: VoxelSums, eyes: list[Array], fewest: int) -> Cloud:
         label=table.label[kept] if sums.has_label else None,
         instance=table.instance[kept] if sums.has_instance else None,
         confidence=(weight / (weight + _GOOD**-2)).astype(np.float32),
-        eyes=np.array(eyes).reshape(-1, 3),
+        sensor_origins=np.array(sensor_origins).reshape(-1, 3),
     )

@@ -22,13 +22,13 @@ def with_normals(cloud: Cloud, neighbours: int = NEIGHBOURS) -> Cloud:
     """The cloud with normals: its own where it has them, estimated ones otherwise.
 
     Args:
-        cloud: N points; its eyes say to which side normals look.
+        cloud: N points; its sensors say to which side normals look.
         neighbours: How many points make a neighbourhood.
     """
     if cloud.normals is not None:
         return cloud
     normals = estimate_normals(cloud.points, neighbours)
-    return replace(cloud, normals=towards(normals, views(cloud.points, cloud.eyes)))
+    return replace(cloud, normals=towards(normals, views(cloud.points, cloud.sensor_origins)))
 
 
 def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Normals:
@@ -74,20 +74,20 @@ def towards(normals: Normals, directions: Array) -> Normals:
     return np.where(away[:, None], -normals, normals).astype(np.float32)
 
 
-def views(points: Array, eyes: Array | None) -> Array:
+def views(points: Array, sensor_origins: Array | None) -> Array:
     """(N, 3) the direction from each point to where it was probably seen from.
 
-    That is the nearest eye. Without eyes it is the middle of the points, which is right for the
+    That is the nearest sensor. Without any it is the middle of the points, which is right for the
     walls, floor and ceiling of a convex room and for little else.
 
     Args:
         points: (N, 3) metres.
-        eyes: (V, 3) where the scanner stood.
+        sensor_origins: (V, 3) where the scanner stood.
     """
-    if eyes is None or len(eyes) == 0:
+    if sensor_origins is None or len(sensor_origins) == 0:
         middle = np.median(points, axis=0) if len(points) else np.zeros(3)
         return np.asarray(middle - points)
     from scipy.spatial import cKDTree
 
-    _, nearest = cKDTree(eyes).query(points)
-    return np.asarray(eyes[nearest] - points)
+    _, nearest = cKDTree(sensor_origins).query(points)
+    return np.asarray(sensor_origins[nearest] - points)

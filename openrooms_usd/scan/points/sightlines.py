@@ -1,4 +1,4 @@
-"""Which places the eyes of a scan look at without anything in between."""
+"""Which places the sensors of a scan look at without anything in between."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -6,15 +6,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.points.visibility import likely_eyes
+from openrooms_usd.scan.points.visibility import likely_sensor_origins
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 # Voxels that hold points block sight; metres.
 VOXEL: Final = 0.05
-_EYES: Final = 24
-# Eyes see surfaces up to this far, metres, and at this cosine of incidence or more.
+_MOST_SENSORS: Final = 24
+# Sensors see surfaces up to this far, metres, and at this cosine of incidence or more.
 _REACH: Final = 5.5
 _COSINE: Final = 0.3
 # A line of sight begins this far before the surface, so that its own returns do not block it.
@@ -29,25 +29,25 @@ class Sight:
     """What blocks the view in a scan.
 
     Attributes:
-        eyes: (V, 3) places far from each other at which the scanner stood, or may have stood.
+        sensor_origins: (V, 3) places far from each other where the scanner stood, or may have.
         low: (3,) the corner of the voxels.
         full: Which voxels block, one layer of free ones around them.
     """
 
-    eyes: Array
+    sensor_origins: Array
     low: Array
     full: Mask
 
-    def eyes_on(self, places: Array, outward: Array) -> NDArray[np.int64]:
-        """(N,) how many eyes look at places of a surface with nothing in between.
+    def sensors_looking_at(self, places: Array, outward: Array) -> NDArray[np.int64]:
+        """(N,) how many sensors look at places of a surface with nothing in between.
 
         Args:
             places: (N, 3) metres.
-            outward: (3,) unit vector from the side of the eyes through the surface.
+            outward: (3,) unit vector from the side of the sensors through the surface.
         """
         seen = np.zeros(len(places), dtype=np.int64)
-        for eye in self.eyes:
-            sight = eye - places
+        for origin in self.sensor_origins:
+            sight = origin - places
             distance = np.linalg.norm(sight, axis=1)
             facing = -(sight @ outward) > _COSINE * np.maximum(distance, _CLEAR)
             rows = np.flatnonzero(facing & (distance < _REACH))
@@ -73,12 +73,12 @@ class Sight:
         return blocked
 
 
-def sight_of(points: Array, eyes: Array | None) -> Sight:
+def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
     """What blocks the view in a scan.
 
     Args:
         points: (N, 3) in the level frame, metres.
-        eyes: (V, 3) where the scanner stood; None: wherever somebody could have stood.
+        sensor_origins: (V, 3) where the scanner stood; None: wherever somebody could have stood.
     """
     some = points[:: max(1, len(points) // _SAMPLE)]
     low, high = np.quantile(some, (0.001, 0.999), axis=0)
@@ -91,6 +91,10 @@ def sight_of(points: Array, eyes: Array | None) -> Sight:
     for axis in range(3):
         np.moveaxis(counts, axis, 0)[[0, -1]] = 0
     usual = float(np.median(counts[counts > 0]))
-    stood = likely_eyes(points) if eyes is None or not len(eyes) else eyes
-    chosen = np.unique(np.linspace(0, len(stood) - 1, _EYES).round().astype(np.int64))
+    stood = (
+        likely_sensor_origins(points)
+        if sensor_origins is None or not len(sensor_origins)
+        else sensor_origins
+    )
+    chosen = np.unique(np.linspace(0, len(stood) - 1, _MOST_SENSORS).round().astype(np.int64))
     return Sight(stood[chosen], low, counts > _STRAY * usual)

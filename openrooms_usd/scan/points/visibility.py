@@ -11,8 +11,8 @@ Array = NDArray[np.float64]
 # Cells of a panorama: about the angle of two centimetres in two metres.
 _COLUMNS: Final = 512
 _ROWS: Final = 256
-_EYES: Final = 20
-# A surface is seen if nothing lies nearer to the eye than this much before it, metres and share.
+_MOST_SENSORS: Final = 20
+# A surface is seen if nothing lies nearer to the sensor than this much before it, metres and share.
 _MARGIN: Final = 0.03
 _MARGIN_SHARE: Final = 0.01
 # Cosine between line of sight and normal below which scanners see nothing.
@@ -25,14 +25,14 @@ _BODY: Final = (0.3, 1.9)
 
 @dataclass(frozen=True, eq=False)
 class Panoramas:
-    """The nearest point of a scan in every direction from some eyes.
+    """The nearest point of a scan in every direction from some sensors.
 
     Attributes:
-        eyes: (V, 3) metres.
+        sensor_origins: (V, 3) metres.
         range: (V, rows * columns) metres; inf where there is no point.
     """
 
-    eyes: Array
+    sensor_origins: Array
     range: NDArray[np.float32]
 
     def visible(
@@ -40,7 +40,7 @@ class Panoramas:
     ) -> NDArray[np.bool_]:
         """(N,) whether a scanner would have seen a surface there.
 
-        It would if from one eye the scan has a point behind it or about as far, and none well
+        It would if from one sensor the scan has a point behind it or about as far, and none well
         before it; where the scan has nothing at all in that direction, nothing is known.
 
         Args:
@@ -49,8 +49,8 @@ class Panoramas:
             two_sided: (N,) whether the other side may be seen too.
         """
         seen = np.zeros(len(points), dtype=np.bool_)
-        for eye, nearest in zip(self.eyes, self.range, strict=True):
-            sight = eye - points
+        for origin, nearest in zip(self.sensor_origins, self.range, strict=True):
+            sight = origin - points
             distance = np.sqrt(np.einsum("ij,ij->i", sight, sight))
             cosine = np.einsum("ij,ij->i", sight, normals) / np.maximum(distance, 1e-9)
             facing = np.where(two_sided, np.abs(cosine), cosine) > _GRAZING
@@ -60,22 +60,22 @@ class Panoramas:
         return seen
 
 
-def look_around(points: Array, eyes: Array) -> Panoramas:
+def look_around(points: Array, sensor_origins: Array) -> Panoramas:
     """What a scan shows from some of the places where the scanner stood.
 
     Args:
         points: (N, 3) metres.
-        eyes: (V, 3) metres; of many, those far from each other are taken.
+        sensor_origins: (V, 3) metres; of many, those far from each other are taken.
     """
-    chosen = eyes[_far_apart(eyes, _EYES)]
+    chosen = sensor_origins[_far_apart(sensor_origins, _MOST_SENSORS)]
     nearest = np.full((len(chosen), _ROWS * _COLUMNS), np.inf, dtype=np.float32)
-    for row, eye in zip(nearest, chosen, strict=True):
-        sight = (points - eye).astype(np.float32)
+    for row, origin in zip(nearest, chosen, strict=True):
+        sight = (points - origin).astype(np.float32)
         np.minimum.at(row, _cells(sight), np.sqrt(np.einsum("ij,ij->i", sight, sight)))
     return Panoramas(chosen, nearest)
 
 
-def likely_eyes(points: Array) -> Array:
+def likely_sensor_origins(points: Array) -> Array:
     """(V, 3) where somebody could have stood: over bare floor, clear of everything.
 
     Args:

@@ -31,7 +31,7 @@ class Samples:
     Attributes:
         points: (N, 3) metres.
         weights: (N,) inverse variances, per square metre.
-        views: (N, 3) unit directions from the point to the eye.
+        views: (N, 3) unit directions from the point to the sensor.
         label: (N,) classes; 0 where there is none.
         instance: (N,) numbers of objects; 0 where there is none.
         colors: (N, 3) from 0 to 255.
@@ -54,7 +54,7 @@ class Table:
         origin: (3,) what the positions are relative to, metres.
         weight: (M,) the sum of the observations' weights.
         place: (M, 3) the sum of positions.
-        views: (M, 3) the sum of directions to the eyes.
+        views: (M, 3) the sum of directions to the sensors.
         color: (M, 3) the sum of colours.
         color_weight: (M,) the weight of those observations that had colours.
         label: (M,) the class with the most votes.

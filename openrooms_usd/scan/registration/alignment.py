@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.models.symmetry import symmetry_of
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.visibility import Panoramas, likely_eyes, look_around
+from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
 from openrooms_usd.scan.registration.competition import begun, finished
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
@@ -106,9 +106,13 @@ class _Scene:
         categories: Mapping[int, Sequence[str]],
     ) -> "_Scene":
         points = cloud.points[:: max(len(cloud) // _LOOK, 1)]
-        eyes = cloud.eyes if cloud.eyes is not None and len(cloud.eyes) else likely_eyes(points)
+        sensor_origins = (
+            cloud.sensor_origins
+            if cloud.sensor_origins is not None and len(cloud.sensor_origins)
+            else likely_sensor_origins(points)
+        )
         selection = Selection(cloud, models, categories)
-        return cls(selection, walls_of(rooms), look_around(points, eyes))
+        return cls(selection, walls_of(rooms), look_around(points, sensor_origins))
 
     def instances(self) -> list[Hint]:
         cloud = self.selection.cloud

@@ -99,7 +99,7 @@ class Surroundings:
 
 
 def hidden_sides(shape: Shape, visible: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(4,) whether the sides +x, -x, +y and -y of a shape were hidden from all eyes.
+    """(4,) whether the sides +x, -x, +y and -y of a shape were hidden from all sensors.
 
     Args:
         shape: The shape.

@@ -114,8 +114,8 @@ def find_layout(
     """Find the rooms of a scan.
 
     Args:
-        cloud: N finite points in the level frame, metres. Labels (NYU40) and eyes help where they
-            are given.
+        cloud: N finite points in the level frame, metres. Labels (NYU40) and sensors help where
+            they are given.
         level: How the scan stands.
         options: What people may choose.
 
@@ -130,14 +130,16 @@ def find_layout(
     if not len(walls.points):
         raise _too_little("the scan shows no wall")
     # What is seen of a part of a room is seen from inside it.
-    eyes = np.zeros((0, 2)) if cloud.eyes is None else cloud.eyes[:, :2]
-    held = eyes if options.partial else eyes[:0]
-    spaces = find_spaces(pieces, walls, cloud.eyes, held)
+    sensor_origins = (
+        np.zeros((0, 2)) if cloud.sensor_origins is None else cloud.sensor_origins[:, :2]
+    )
+    held = sensor_origins if options.partial else sensor_origins[:0]
+    spaces = find_spaces(pieces, walls, cloud.sensor_origins, held)
     lines = _lines(walls, spaces, level.directions)
     cells = cut_plan(lines, spaces.low, spaces.high, level.directions)
     plan = Plan(
         walls, spaces, cells, level.directions, options.simplicity,
-        _PARTIAL if options.partial else _OWN, eyes, held,
+        _PARTIAL if options.partial else _OWN, sensor_origins, held,
     )  # fmt: skip
     rooms: list[LayoutRoom] = []
     refused = 0.0

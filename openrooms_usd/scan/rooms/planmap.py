@@ -1,4 +1,4 @@
-"""Maps of the plan: what lies in each pixel, and what eyes looked over without a return."""
+"""Maps of the plan: what lies in each pixel, and what sensors looked over without a return."""
 
 from typing import Final
 
@@ -12,10 +12,11 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 PIXEL: Final = 0.05
-# So far above and below the eyes things block their view, metres, where they fill this part of it.
+# So far above and below the sensors things block their view, metres, where they fill this part
+# of it.
 _LEVEL: Final = 0.25
 _FILLED: Final = 0.5
-_MOST_EYES: Final = 60
+_MOST_SENSORS: Final = 60
 _MOST_SIGHTS: Final = 20_000
 _RAYS: Final = 720
 _FAR_SIGHT: Final = 10.0
@@ -36,29 +37,29 @@ def plan_map(plan: Array, low: Array, shape: tuple[int, ...], weight: Array | No
     return np.bincount(flat, weights, int(np.prod(shape))).astype(np.float64).reshape(shape)
 
 
-def at_eye_height(pieces: Surfels, eye: float, low: Array, shape: tuple[int, ...]) -> Mask:
-    """Where something stands at the height of the eyes: nobody looks through it."""
+def at_sensor_height(pieces: Surfels, origin: float, low: Array, shape: tuple[int, ...]) -> Mask:
+    """Where something stands at the height of the sensors: nobody looks through it."""
     from scipy import ndimage
 
     upright = np.abs(pieces.normals[:, 2]) < UPRIGHT
-    facing = upright & (np.abs(pieces.points[:, 2] - eye) < _LEVEL)
+    facing = upright & (np.abs(pieces.points[:, 2] - origin) < _LEVEL)
     filled = plan_map(pieces.points[facing, :2], low, shape)
     across = ndimage.uniform_filter(filled, 3) * 9.0 / 1.5
     return np.asarray((filled > 0) & (across > _FILLED * 2.0 * _LEVEL / PIXEL))
 
 
-def overlooked(barrier: Mask, eyes: Array) -> Mask:
+def overlooked(barrier: Mask, sensor_origins: Array) -> Mask:
     """What lies before the barrier as seen from places in the map; rays that meet none are void."""
     from scipy import ndimage
 
-    some = eyes[:: max(1, len(eyes) // _MOST_EYES)]
+    some = sensor_origins[:: max(1, len(sensor_origins) // _MOST_SENSORS)]
     angles = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
     toward = np.column_stack([np.cos(angles), np.sin(angles)])
     reach = np.arange(0.0, _FAR_SIGHT / PIXEL, 0.7)
     solid = np.pad(ndimage.binary_dilation(barrier, disc(1)), 1)
     seen = np.zeros(solid.shape, bool)
-    for eye in some:
-        place = np.floor(eye + toward[:, None, :] * reach[None, :, None]).astype(int) + 1
+    for origin in some:
+        place = np.floor(origin + toward[:, None, :] * reach[None, :, None]).astype(int) + 1
         place = np.clip(place, 0, np.array(solid.shape) - 1)
         x, y = place[..., 0], place[..., 1]
         stopped = np.maximum.accumulate(solid[x, y], axis=1)
@@ -67,14 +68,14 @@ def overlooked(barrier: Mask, eyes: Array) -> Mask:
     return np.asarray(ndimage.binary_closing(seen, disc(1))[1:-1, 1:-1])
 
 
-def sighted(plan: Array, eyes: Array, low: Array, shape: tuple[int, ...]) -> Mask:
-    """What lies between places (N, 2) and the only eyes (E, 2) that can have seen them."""
+def sighted(plan: Array, sensor_origins: Array, low: Array, shape: tuple[int, ...]) -> Mask:
+    """What lies between places (N, 2) and the only sensors (E, 2) that can have seen them."""
     some = plan[:: max(1, len(plan) // _MOST_SIGHTS)]
     seen = np.zeros(shape, bool)
-    for eye in eyes:
-        longest = float(np.linalg.norm(some - eye, axis=1).max(initial=0.0))
+    for origin in sensor_origins:
+        longest = float(np.linalg.norm(some - origin, axis=1).max(initial=0.0))
         part = np.linspace(0.0, 1.0, int(longest / (0.7 * PIXEL)) + 2)[:, None, None]
-        pixel = np.floor((eye + part * (some - eye) - low) / PIXEL).astype(int).reshape(-1, 2)
+        pixel = np.floor((origin + part * (some - origin) - low) / PIXEL).astype(int).reshape(-1, 2)
         pixel = pixel[((pixel >= 0) & (pixel < shape)).all(axis=1)]
         seen[tuple(pixel.T)] = True
     return seen

@@ -36,7 +36,7 @@ class Plan:
         directions: In which walls run, degrees modulo 90.
         simplicity: What a corner must save in missing wall, metres.
         own: What a square metre of the room itself is worth, in metres of missing wall.
-        eyes: (E, 2) where the scanner stood.
+        sensor_origins: (E, 2) where the scanner stood.
         kept: (H, 2) places that every room must hold.
     """
 
@@ -46,7 +46,7 @@ class Plan:
     directions: tuple[float, ...]
     simplicity: float
     own: float
-    eyes: Array
+    sensor_origins: Array
     kept: Array
 
     def outline(self, number: int) -> Outline:
@@ -100,5 +100,5 @@ class Plan:
 
     def _stood(self, number: int) -> Array:
         """(S, 2) places where people stood within a room."""
-        within = self.eyes[self.spaces.numbers(self.eyes) == number]
+        within = self.sensor_origins[self.spaces.numbers(self.sensor_origins) == number]
         return np.concatenate([within, self.kept])

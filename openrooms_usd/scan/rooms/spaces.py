@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.planmap import (
     PIXEL,
-    at_eye_height,
+    at_sensor_height,
     disc,
     overlooked,
     plan_map,
@@ -41,7 +41,7 @@ class Spaces:
 
     Attributes:
         low: (2,) the corner of pixel (0, 0), metres.
-        seen: (X, Y) whether the scan shows anything there, or eyes looked over it.
+        seen: (X, Y) whether the scan shows anything there, or sensors looked over it.
         shown: (X, Y) whether the scan shows anything there.
         standing: (X, Y) metres of wall there that reach as high as walls were seen.
         rooms: (X, Y) the number of the room, from 1; 0 where there is none.
@@ -78,15 +78,15 @@ class Spaces:
 
 
 def find_spaces(
-    pieces: Surfels, walls: Walls, eyes: Array | None = None, held: Array | None = None
+    pieces: Surfels, walls: Walls, sensor_origins: Array | None = None, held: Array | None = None
 ) -> Spaces:
     """Map what a level scan shows and cut it into rooms.
 
     Args:
         pieces: In the level frame.
         walls: Its upright pieces.
-        eyes: (V, 3) where the scanner stood; what it could see from there, up to the walls, is
-            space too.
+        sensor_origins: (V, 3) where the scanner stood; what it could see from there, up to the
+            walls, is space too.
         held: (H, 2) places that the map must reach.
     """
     from scipy import ndimage
@@ -104,9 +104,11 @@ def find_spaces(
         shown |= sighted(plan, held, low, shape)
     seen = shown.copy()
     barrier = _barrier(walls, low, shape)
-    if eyes is not None:
-        blocked = barrier | at_eye_height(pieces, float(np.median(eyes[:, 2])), low, shape)
-        seen |= overlooked(blocked, (eyes[:, :2] - low) / PIXEL)
+    if sensor_origins is not None:
+        blocked = barrier | at_sensor_height(
+            pieces, float(np.median(sensor_origins[:, 2])), low, shape
+        )
+        seen |= overlooked(blocked, (sensor_origins[:, :2] - low) / PIXEL)
     seen |= _holes(seen, barrier)
     free = ndimage.binary_opening(seen & ~barrier, disc(1))
     rooms, middles = _rooms(free, barrier, low)
