@@ -10,7 +10,7 @@ from openrooms_usd.scan.registration.alignment import align
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.hypotheses import from_box, plain
-from openrooms_usd.scan.registration.template import shaped
+from openrooms_usd.scan.registration.template import template_of
 from openrooms_usd.scan.registration.undersides import supports
 from openrooms_usd.scan.registration.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, SENSOR_ORIGINS, Placed, cad, room, scan
@@ -102,10 +102,10 @@ def test_openings_and_walls_are_left_to_the_layout(label: int, word: str) -> Non
 
 
 def test_strays_do_not_stretch_a_cad_beyond_sane_limits() -> None:
-    shape = shaped(cad("chair", CHAIR), np.eye(3), np.ones(3))
-    size = shape.size * [1.0, 4.0, 1.0]
+    template = template_of(cad("chair", CHAIR), np.eye(3), np.ones(3))
+    size = template.size * [1.0, 4.0, 1.0]
     box = Box(np.array([0.0, 0.0, 0.45]), size, np.array([1.0, 0.0, 0.0, 0.0]))
-    stretch = from_box(shape, box, given=False)[0].parameters[4:] - plain(shape)
+    stretch = from_box(template, box, given=False)[0].parameters[4:] - plain(template)
     assert stretch == pytest.approx([0.0, 0.3, 0.0], abs=1e-9)
-    given = from_box(shape, box, given=True)[0].parameters[4:] - plain(shape)
+    given = from_box(template, box, given=True)[0].parameters[4:] - plain(template)
     assert given[1] == pytest.approx(np.log(4.0))

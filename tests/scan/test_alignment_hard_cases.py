@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.alignment import align
 from openrooms_usd.scan.registration.hints import Box, Hint, moved_pose
-from openrooms_usd.scan.registration.selection import FEWEST
+from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS
 from openrooms_usd.scan.results import Pose
 from tests.scan.alignment_cases import (
     CABINET,
@@ -113,7 +113,7 @@ def test_few_points_are_refused_with_the_reason() -> None:
     found = align(few, hints, [cad("chair", CHAIR)])
     assert found.objects == ()
     assert "points" in found.rejected[0].reason
-    assert str(FEWEST) in found.rejected[0].reason
+    assert str(MIN_OBJECT_POINTS) in found.rejected[0].reason
     assert "no points of this instance" in found.rejected[1].reason
 
 

@@ -10,15 +10,15 @@ from scipy.spatial.transform import Rotation
 from openrooms_usd.scan.models.cad import UPRIGHT
 from openrooms_usd.scan.points.visibility import likely_sensor_origins, look_around
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
-from openrooms_usd.scan.registration.fitting import FINE, Stage, refined
+from openrooms_usd.scan.registration.fitting import FINE, AnnealingLevel, refined
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, true_size
-from openrooms_usd.scan.registration.priors import Start
+from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.surroundings import Surroundings
 from openrooms_usd.scan.registration.template import (
-    Shape,
+    Template,
     directions,
     posed,
-    shaped,
+    template_of,
     turn_of,
     unposed,
     upright_of,
@@ -31,42 +31,42 @@ PARAMETERS = np.array([0.4, -0.3, 0.1, 0.8, 0.05, -0.08, 0.1])
 
 
 class Case(NamedTuple):
-    shape: Shape
-    prior: Start
+    template: Template
+    prior: PoseHypothesis
 
 
 def case(up: str = "Y") -> Case:
     model = cad("chair", CHAIR, up)  # type: ignore[arg-type]
-    shape = shaped(model, UPRIGHT[up], np.array([1.1, 0.9, 1.0]))  # type: ignore[index]
-    return Case(shape, Start(PARAMETERS + 0.05, np.full(7, 0.1), np.zeros(3)))
+    template = template_of(model, UPRIGHT[up], np.array([1.1, 0.9, 1.0]))  # type: ignore[index]
+    return Case(template, PoseHypothesis(PARAMETERS + 0.05, np.full(7, 0.1), np.zeros(3)))
 
 
 @pytest.mark.parametrize("up", ["X", "Y", "Z"])
 def test_parameters_and_poses_are_the_same(up: str) -> None:
-    shape, _ = case(up)
-    pose = shape.pose(PARAMETERS)
+    template, _ = case(up)
+    pose = template.pose(PARAMETERS)
     turn = Rotation.from_quat(pose.rotation, scalar_first=True)
-    own = shape.model.surface.points
-    assert posed(shape.points, PARAMETERS) == pytest.approx(
+    own = template.model.surface.points
+    assert posed(template.points, PARAMETERS) == pytest.approx(
         turn.apply(own * pose.scale) + pose.translation, abs=1e-12
     )
-    assert shape.parameters(pose) == pytest.approx(PARAMETERS, abs=1e-12)
+    assert template.parameters(pose) == pytest.approx(PARAMETERS, abs=1e-12)
     assert unposed(posed(own, PARAMETERS), PARAMETERS) == pytest.approx(own, abs=1e-12)
 
 
 @pytest.mark.parametrize("up", ["X", "Y", "Z"])
 def test_a_tilted_pose_stands_upright_about_its_middle(up: str) -> None:
-    shape, _ = case(up)
-    pose = shape.pose(PARAMETERS)
+    template, _ = case(up)
+    pose = template.pose(PARAMETERS)
     tilt = Rotation.from_rotvec([0.12, -0.08, 0.0])
-    middle = np.array([0.0, 0.0, 0.5 * shape.size[2]])
+    middle = np.array([0.0, 0.0, 0.5 * template.size[2]])
     centre = posed(middle, PARAMETERS)
     tilted = Pose(
         tilt.apply(pose.translation - centre) + centre,
         (tilt * Rotation.from_quat(pose.rotation, scalar_first=True)).as_quat(scalar_first=True),
         pose.scale,
     )
-    found = shape.parameters(tilted)
+    found = template.parameters(tilted)
     assert posed(middle, found) == pytest.approx(centre, abs=1e-9)
     assert found[3:] == pytest.approx(PARAMETERS[3:], abs=0.01)
     rotation = Rotation.from_quat(tilted.rotation, scalar_first=True).as_matrix()
@@ -91,14 +91,14 @@ def test_the_prior_and_its_derivative_agree() -> None:
 
 def test_contacts_and_their_derivatives_agree() -> None:
     """Standing above the floor, with one corner in a wall; which side is there only chooses."""
-    shape, _ = case()
-    shape.__dict__["flat"] = np.ones(4)
+    template, _ = case()
+    template.__dict__["flat"] = np.ones(4)
     around = Surroundings(None, 0.0, walls_of([room()]).near(np.array([2.4, 0.0]), 0.5))
     place = np.array([2.35, 0.0, 0.03, 0.4, 0.1, 0.0, -0.1])
-    rows = around.rows(shape, place, np.zeros(4, dtype=np.bool_))
+    rows = around.rows(template, place, np.zeros(4, dtype=np.bool_))
 
     def energy(p: np.ndarray) -> float:
-        return around.rows(shape, p, np.zeros(4, dtype=np.bool_)).energy
+        return around.rows(template, p, np.zeros(4, dtype=np.bool_)).energy
 
     assert rows.energy > 10.0
     assert 2.0 * rows.slope.T @ rows.residual == pytest.approx(
@@ -108,31 +108,33 @@ def test_contacts_and_their_derivatives_agree() -> None:
 
 @pytest.mark.parametrize("axis", range(7))
 def test_a_fit_returns_from_every_side(axis: int) -> None:
-    shape, _ = case("Z")
+    template, _ = case("Z")
     truth = PARAMETERS.copy()
-    points = posed(shape.points, truth)
-    prior = Start(truth, np.full(7, 0.3), truth[4:])
+    points = posed(template.points, truth)
+    prior = PoseHypothesis(truth, np.full(7, 0.3), truth[4:])
     off = np.array([0.05, 0.05, 0.05, 0.1, 0.08, 0.08, 0.08]) * np.eye(7)[axis]
-    stages = (Stage(0.1, 500, 8, 1.0), *FINE)
-    fit = refined(shape, Evidence(points, 0.02), Surroundings(), prior, truth + off, stages)
+    stages = (AnnealingLevel(0.1, 500, 8, 1.0), *FINE)
+    fit = refined(template, Evidence(points, 0.02), Surroundings(), prior, truth + off, stages)
     assert fit.parameters == pytest.approx(truth, abs=0.012)
 
 
 def test_only_what_faces_an_eye_and_is_not_covered_is_visible() -> None:
     placed = Placed(CABINET, (0.0, 1.0, 0.0), 0.0)
     cloud = scan([placed], SENSOR_ORIGINS)
-    shape = shaped(cad("cabinet", CABINET), np.eye(3), np.ones(3))
+    template = template_of(cad("cabinet", CABINET), np.eye(3), np.ones(3))
     panoramas = look_around(cloud.points, SENSOR_ORIGINS)
     place = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    normals = shape.normals
-    visible = panoramas.visible(posed(shape.points, place), normals, shape.two_sided)
+    normals = template.normals
+    visible = panoramas.visible(posed(template.points, place), normals, template.two_sided)
     assert visible[normals[:, 1] < -0.9].mean() > 0.95
     assert visible[normals[:, 2] > 0.9].mean() > 0.95
     assert not visible[normals[:, 1] > 0.9].any()
     assert not visible[normals[:, 2] < -0.9].any()
     # In the free space before it everything is visible, although no points are there.
-    forward = posed(shape.points, place + np.eye(7)[1] * -0.6)
-    assert panoramas.visible(forward, normals, shape.two_sided)[normals[:, 1] < -0.9].mean() > 0.9
+    forward = posed(template.points, place + np.eye(7)[1] * -0.6)
+    assert (
+        panoramas.visible(forward, normals, template.two_sided)[normals[:, 1] < -0.9].mean() > 0.9
+    )
 
 
 def test_without_a_path_people_stand_on_free_floor() -> None:
@@ -165,8 +167,8 @@ def test_a_box_around_points_knows_heading_and_size() -> None:
 
 
 def test_a_unit_is_found_from_the_size_of_a_box() -> None:
-    shape = shaped(cad("chair", CHAIR, "Z", 0.001), np.eye(3), np.full(3, 0.00105))
-    box = box_of(Evidence(shape.points, 0.02), 0.0)
-    true = true_size(from_box(shape, box, given=True)[0])
+    template = template_of(cad("chair", CHAIR, "Z", 0.001), np.eye(3), np.full(3, 0.00105))
+    box = box_of(Evidence(template.points, 0.02), 0.0)
+    true = true_size(from_box(template, box, given=True)[0])
     assert true is not None
-    assert shape.pose(np.array([0.0, 0, 0, 0, *true])).scale == pytest.approx(np.full(3, 0.001))
+    assert template.pose(np.array([0.0, 0, 0, 0, *true])).scale == pytest.approx(np.full(3, 0.001))

@@ -5,11 +5,11 @@ import pytest
 
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.evidence import Evidence
-from openrooms_usd.scan.registration.fitting import Fit, Stage, energy
-from openrooms_usd.scan.registration.priors import Start
+from openrooms_usd.scan.registration.fitting import AnnealingLevel, Fit, energy
+from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.surroundings import Surroundings
-from openrooms_usd.scan.registration.template import Shape, posed, shaped
-from openrooms_usd.scan.registration.truesize import Sizes, Trial, sized
+from openrooms_usd.scan.registration.template import Template, posed, template_of
+from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.undersides import supports
 from openrooms_usd.scan.registration.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, cad, room
@@ -23,27 +23,29 @@ DOOR = (
 PLACE = np.array([0.3, -0.2, 0.0, 0.4, 0.0, 0.0, 0.0])
 
 
-def shape_of(blocks: tuple = CHAIR) -> Shape:  # type: ignore[type-arg]
-    return shaped(cad("thing", blocks), np.eye(3), np.ones(3))
+def shape_of(blocks: tuple = CHAIR) -> Template:  # type: ignore[type-arg]
+    return template_of(cad("thing", blocks), np.eye(3), np.ones(3))
 
 
 def test_a_few_points_of_a_scan_lie_as_well_on_a_thin_cad_as_many() -> None:
-    shape = shape_of(DOOR)
-    surface = shape.points[np.abs(shape.normals[:, 1]) > 0.9]
+    template = shape_of(DOOR)
+    surface = template.points[np.abs(template.normals[:, 1]) > 0.9]
     evidence = Evidence(posed(surface, PLACE), 0.02)
-    start = Start(PLACE, np.full(7, 0.1), np.zeros(3))
+    start = PoseHypothesis(PLACE, np.full(7, 0.1), np.zeros(3))
     few, many = (
-        energy(shape, evidence, Surroundings(), start, PLACE, Stage(0.07, count, 0, 1.0))
-        for count in (150, len(shape.points))
+        energy(
+            template, evidence, Surroundings(), start, PLACE, AnnealingLevel(0.07, count, 0, 1.0)
+        )
+        for count in (150, len(template.points))
     )
     assert many < 5.0
     assert few < 15.0
 
 
 def sizes(more: float, any_size: float = 30.0) -> Sizes:
-    start = Start(PLACE, np.full(7, 0.1), np.zeros(3))
+    start = PoseHypothesis(PLACE, np.full(7, 0.1), np.zeros(3))
     free, true = (
-        Trial(SHAPE, start, Surroundings(), Fit(PLACE, value))
+        Candidate(SHAPE, start, Surroundings(), Fit(PLACE, value))
         for value in (any_size, any_size + more)
     )
     return Sizes(free, true)
@@ -77,16 +79,18 @@ def test_without_a_true_size_any_is_taken() -> None:
 
 def test_which_side_is_at_the_wall_counts_whether_it_was_hidden_or_not() -> None:
     around = Surroundings(None, 0.0, walls_of([room()]).near(np.array([2.0, 0.0]), 1.0))
-    shape = shape_of()
-    place = np.array([2.5 - 0.5 * shape.size[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    template = shape_of()
+    place = np.array([2.5 - 0.5 * template.size[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     seen, hidden = (
-        around.rows(shape, place, np.full(4, value, dtype=np.bool_)).energy
+        around.rows(template, place, np.full(4, value, dtype=np.bool_)).energy
         for value in (False, True)
     )
     assert seen == pytest.approx(hidden)
     # The back is likelier there than the side.
-    back = place + np.array([0.5 * (shape.size[0] - shape.size[1]), 0, 0, -0.5 * np.pi, 0, 0, 0])
-    assert around.rows(shape, back, np.zeros(4, dtype=np.bool_)).energy < seen - 1.0
+    back = place + np.array(
+        [0.5 * (template.size[0] - template.size[1]), 0, 0, -0.5 * np.pi, 0, 0, 0]
+    )
+    assert around.rows(template, back, np.zeros(4, dtype=np.bool_)).energy < seen - 1.0
 
 
 def test_a_blob_of_wrong_labels_does_not_lower_an_object() -> None:

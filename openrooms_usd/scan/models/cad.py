@@ -22,8 +22,8 @@ UPRIGHT: Final[dict[Up, Array]] = {
 }
 _SEED: Final = 20190617
 # Points on a surface, and more candidates, because those that cannot be seen fall out.
-_POINTS: Final = 6000
-_CANDIDATES: Final = 15000
+_SURFACE_POINTS: Final = 6000
+_CANDIDATE_POINTS: Final = 15000
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,11 +85,11 @@ class CadModel:
         What lies inside, such as the boards of a closed drawer, has none. How the faces are wound
         does not matter.
         """
-        points, normals, area = scattered(self.vertices[self.faces], _CANDIDATES)
+        points, normals, area = scattered(self.vertices[self.faces], _CANDIDATE_POINTS)
         front, back = _exposed(RayCaster(self.vertices, self.faces), points, normals)
         seen = np.flatnonzero(front | back)
         seen = seen if len(seen) else np.arange(len(points))
-        rows = seen[np.linspace(0, len(seen) - 1, min(_POINTS, len(seen))).astype(np.intp)]
+        rows = seen[np.linspace(0, len(seen) - 1, min(_SURFACE_POINTS, len(seen))).astype(np.intp)]
         # Neighbours are not next to each other, so that every n-th point is a sample, too.
         rows = np.random.default_rng(_SEED).permutation(rows)
         return Surface(

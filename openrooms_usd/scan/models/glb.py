@@ -24,10 +24,10 @@ _NUMBERS: Final = {
     "SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16,
 }  # fmt: skip
 # Unpacked arrays have no more bytes than this, or so many times the file; compressed ones have.
-_SMALL: Final = 64 << 20
-_MOST_GAIN: Final = 16
+_MIN_ARRAY_BYTES: Final = 64 << 20
+_MAX_COMPRESSION_GAIN: Final = 16
 # Corners of all triangles that all nodes show.
-_MOST_CORNERS: Final = 1 << 26
+_MAX_CORNERS: Final = 1 << 26
 
 
 def glb_header(content: bytes, place: object) -> dict[str, Any]:
@@ -82,7 +82,7 @@ def weigh(header: Mapping[str, Any], size: int, place: object) -> None:
     """
     try:
         _check_extensions(header, place)
-        _check_amounts(header, max(_SMALL, _MOST_GAIN * size))
+        _check_amounts(header, max(_MIN_ARRAY_BYTES, _MAX_COMPRESSION_GAIN * size))
     except (ValueError, TypeError, LookupError, AttributeError) as error:
         raise _broken(str(error) or type(error).__name__, place) from error
 
@@ -122,8 +122,8 @@ def _check_amounts(header: Mapping[str, Any], most: int) -> None:
     ]
     nodes = header.get("nodes", [])
     shown = sum(corners[_whole(node["mesh"])] for node in nodes if "mesh" in node)
-    if max(shown, sum(corners)) > _MOST_CORNERS:
-        raise ValueError(f"its nodes show more than {_MOST_CORNERS:,} corners")
+    if max(shown, sum(corners)) > _MAX_CORNERS:
+        raise ValueError(f"its nodes show more than {_MAX_CORNERS:,} corners")
     _check_tree(nodes)
 
 

@@ -11,13 +11,13 @@ from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
 Array = NDArray[np.float64]
 
 # Points of the whole surface, on which the turned ones shall lie.
-_DENSE: Final = 16000
+_DENSE_POINTS: Final = 16000
 # A turned surface is the same if most of it moves by less than this share of its size, so about a
 # centimetre of a chair: less than what scanners tell apart.
-_MOST: Final = 0.985
-_SHARE: Final = 0.012
+_MIN_SAME_SHARE: Final = 0.985
+_SAME_SIZE_SHARE: Final = 0.012
 # Turns that no polygon with up to eight corners survives all.
-_ANY: Final = tuple(np.deg2rad([17.0, 31.0, 53.0, 72.0, 101.0, 127.0, 149.0]))
+_ODD_TURNS_RAD: Final = tuple(np.deg2rad([17.0, 31.0, 53.0, 72.0, 101.0, 127.0, 149.0]))
 
 
 def symmetry_of(model: CadModel, upright: Array) -> Symmetry:
@@ -30,17 +30,20 @@ def symmetry_of(model: CadModel, upright: Array) -> Symmetry:
     low, high = np.sort(model.extent @ upright.T, axis=0)
     middle = 0.5 * (low + high)
     points = model.surface.points @ upright.T - middle
-    whole, _, area = scattered(model.vertices[model.faces], _DENSE)
+    whole, _, area = scattered(model.vertices[model.faces], _DENSE_POINTS)
     tree: KDTree[None] = KDTree(whole @ upright.T - middle)
-    limit = max(_SHARE * float(np.linalg.norm(high - low)), 1.6 * float(np.sqrt(area / _DENSE)))
+    limit = max(
+        _SAME_SIZE_SHARE * float(np.linalg.norm(high - low)),
+        1.6 * float(np.sqrt(area / _DENSE_POINTS)),
+    )
 
     def same(angle: float) -> bool:
         c, s = np.cos(angle), np.sin(angle)
         turned = points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         distance, _ = tree.query(turned, distance_upper_bound=limit)
-        return bool(np.isfinite(distance).mean() >= _MOST)
+        return bool(np.isfinite(distance).mean() >= _MIN_SAME_SHARE)
 
-    if all(same(angle) for angle in _ANY):
+    if all(same(angle) for angle in _ODD_TURNS_RAD):
         return "inf"
     if not same(np.pi):
         return "none"

@@ -17,12 +17,12 @@ Array = NDArray[np.float64]
 # Curtains reach beyond their window to the sides, and above and below, metres; a column of cells
 # is behind one if this part of it is.
 _CURTAIN_MORE: Final = (0.12, 0.1)
-_VEILED: Final = 0.3
+_VEILED_SHARE: Final = 0.3
 # Curtains that end lower than this reach the floor, and where their windows' sills may be, metres.
 _TO_THE_FLOOR: Final = 0.3
-_ANY_SILL: Final = 0.5
+_MIN_SILL_SHARE: Final = 0.5
 # Curtains that are drawn aside are up to this wide, metres.
-_BUNDLE: Final = 0.6
+_MAX_BUNDLE_WIDTH_M: Final = 0.6
 
 
 def curtain_weights(grid: WallGrid) -> Array:
@@ -42,7 +42,7 @@ def behind_curtain(where: Rectangle) -> Rectangle:
     wide, tall = where.right - where.left > 4 * side, where.top - where.bottom > 4 * end
     bottom, top = where.bottom + end * tall, where.top - end * tall
     if where.bottom * CELL < _TO_THE_FLOOR:
-        bottom = max(bottom, round(_ANY_SILL / CELL))
+        bottom = max(bottom, round(_MIN_SILL_SHARE / CELL))
     return Rectangle(
         min(bottom, top - 1), top,
         where.left + side * wide, where.right - side * wide,
@@ -58,10 +58,10 @@ def grown(where: Rectangle, more: float) -> Rectangle:
 def under_curtains(grid: WallGrid, where: Rectangle) -> Rectangle:
     """A window with those of its parts that curtains at its sides hide."""
     curtain = grid.labels[CURTAIN] + grid.labels[BLINDS]
-    veiled = (curtain[where.rows] > 0).mean(axis=0) > _VEILED
+    veiled = (curtain[where.rows] > 0).mean(axis=0) > _VEILED_SHARE
     left, right = _reach(veiled[: where.left][::-1]), _reach(veiled[where.right :])
     # A wide curtain beside a window that is open to the view belongs to another one.
-    most = round(_BUNDLE / CELL)
+    most = round(_MAX_BUNDLE_WIDTH_M / CELL)
     slit = where.right - where.left < most
     more = round(_CURTAIN_MORE[0] / CELL)
     left, right = (max(n - more, 0) if slit or n <= most else 0 for n in (left, right))

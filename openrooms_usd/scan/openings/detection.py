@@ -21,8 +21,8 @@ from openrooms_usd.scan.openings.doorframes import frames
 from openrooms_usd.scan.openings.mirrors import Echoes, echoes
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
-    ASKED,
     DOOR,
+    OPENING_LABELS,
     WINDOW,
     Proposal,
     hole_weights,
@@ -48,18 +48,18 @@ MARGIN: Final = 0.05
 # Between openings, metres.
 APART: Final = 0.02
 # Walls of rooms without a ceiling are looked at up to this height, metres.
-_HIGHEST: Final = 3.0
+_MAX_WALL_HEIGHT_M: Final = 3.0
 # Points so far from a room block no view in it, metres.
-_OUTSIDE: Final = 1.0
+_VIEW_MARGIN_M: Final = 1.0
 # Least and greatest width and height, metres.
-_SIZES: Final = {"door": ((0.5, 4.0), (1.6, 3.2)), "window": ((0.25, 8.0), (0.25, 4.0))}
+_SIZES_M: Final = {"door": ((0.5, 4.0), (1.6, 3.2)), "window": ((0.25, 8.0), (0.25, 4.0))}
 _LEAST_CONFIDENCE: Final = 0.4
 # Of generated rooms in which openings were found, the part that was wrong of what spoke less than
 # fully for an opening, and what is true of those for which everything spoke.
-_DOUBT: Final = 0.65
-_SUREST: Final = 0.97
+_UNSURE_WRONG_SHARE: Final = 0.65
+_SUREST_RIGHT_SHARE: Final = 0.97
 # What is nearer to an opening than this, metres, and less than this part of it belongs to it.
-_SCRAP: Final = (0.15, 0.35)
+_SCRAP_M_AND_SHARE: Final = (0.15, 0.35)
 # Walls of which less was seen show nothing.
 _LEAST_SHOWN: Final = 0.15
 # Holes down to the floor that end lower are of something that stands before the wall, metres.
@@ -67,20 +67,20 @@ _LOWEST_PASSAGE: Final = 1.8
 # Few doors are higher than this, metres.
 _HIGHEST_DOOR: Final = 2.35
 # Doors of which this part is open let the floor behind them be seen.
-_AJAR: Final = 0.2
+_AJAR_SHARE: Final = 0.2
 # So much of a closed leaf returned.
-_LEAF: Final = 0.6
+_CLOSED_LEAF_SHARE: Final = 0.6
 # This part of the labelled returns must call an opening by its name.
-_NAMED: Final = 0.3
+_MIN_NAMED_SHARE: Final = 0.3
 # A door's foot may be hidden up to this height, metres.
 _HIDDEN_FOOT: Final = 0.6
 # Flat patches up to the first size that are called a window are wrong labels, and up to the second
 # if they are round; square metres.
-_BLOB: Final = (0.35, 0.8)
+_BLOB_AREAS_M2: Final = (0.35, 0.8)
 # The wall stands on this part of them at least.
-_FLAT: Final = 0.5
+_MIN_WALL_SHARE: Final = 0.5
 # Curtains up to this width so near to a window are those of that one, metres.
-_BUNDLE: Final = 0.5
+_CURTAIN_WIDTH_M: Final = 0.5
 _CURTAIN_PAIR: Final = 0.25
 
 
@@ -101,8 +101,8 @@ def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[F
     sight = sight_of(_around(cloud.points, corners), cloud.sensor_origins)
     labelled = cloud.label is not None and bool(np.isin(cloud.label, (DOOR, WINDOW)).any())
     found: list[FoundOpening] = []
-    mirrored = echoes(cloud.points, sight, height or _HIGHEST)
-    for grid in wall_grids(cloud, corners, height or _HIGHEST, ASKED, sight):
+    mirrored = echoes(cloud.points, sight, height or _MAX_WALL_HEIGHT_M)
+    for grid in wall_grids(cloud, corners, height or _MAX_WALL_HEIGHT_M, OPENING_LABELS, sight):
         found += _in_wall(grid, labelled, mirrored)
     return tuple(found)
 
@@ -111,7 +111,7 @@ def _around(points: Array, corners: Array) -> Array:
     """The points in the box around a room."""
     inside = np.ones(len(points), dtype=np.bool_)
     for axis in (0, 1):
-        low, high = corners[:, axis].min() - _OUTSIDE, corners[:, axis].max() + _OUTSIDE
+        low, high = corners[:, axis].min() - _VIEW_MARGIN_M, corners[:, axis].max() + _VIEW_MARGIN_M
         inside &= (points[:, axis] > low) & (points[:, axis] < high)
     return points if inside.all() else points[inside]
 
@@ -143,7 +143,7 @@ def _by_holes(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Prop
         if proposal.kind == "door":
             proposal = measured(grid, "door", replace(where, bottom=0))
         # A leaf that stands open hides a part of its hole, but not of its labels.
-        named = proposal.label > _NAMED
+        named = proposal.label > _MIN_NAMED_SHARE
         if not labelled or named == (proposal.kind == "window"):
             yield proposal
 
@@ -153,25 +153,25 @@ def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
         proposal = replace(measured(grid, "door", where), leaf=clear)
         # Who looks through an open door sees the floor behind it.
         # Uprights of shelves and wardrobes have no leaf between them.
-        shut = proposal.hole < _AJAR and proposal.solid > _LEAF
+        shut = proposal.hole < _AJAR_SHARE and proposal.solid > _CLOSED_LEAF_SHARE
         if shut or proposal.threshold > 0.3:
             yield proposal
 
 
 def _by_labels(grid: WallGrid) -> Iterator[Proposal]:
-    for where in rectangles(label_weights(grid, "door"), _SIZES["door"][1][0]):
+    for where in rectangles(label_weights(grid, "door"), _SIZES_M["door"][1][0]):
         proposal = measured(grid, "door", where)
-        if proposal.label > _NAMED and proposal.sill < _HIDDEN_FOOT:
+        if proposal.label > _MIN_NAMED_SHARE and proposal.sill < _HIDDEN_FOOT:
             yield measured(grid, "door", without_casing(grid, replace(where, bottom=0)))
     named: list[Proposal] = []
     for where in rectangles(label_weights(grid, "window")):
         proposal = measured(grid, "window", under_curtains(grid, where))
-        if proposal.label > _NAMED and not _is_blob(grid, proposal):
+        if proposal.label > _MIN_NAMED_SHARE and not _is_blob(grid, proposal):
             named.append(proposal)
     yield from named
     for where in rectangles(curtain_weights(grid)):
         hidden = replace(measured(grid, "window", behind_curtain(where)), curtain=1.0)
-        reach = where if hidden.width > _BUNDLE else grown(where, _CURTAIN_PAIR)
+        reach = where if hidden.width > _CURTAIN_WIDTH_M else grown(where, _CURTAIN_PAIR)
         if hidden.solid < 0.5 and not any(_beside(reach, q.where) < 0 for q in named):
             yield hidden
 
@@ -179,13 +179,18 @@ def _by_labels(grid: WallGrid) -> Iterator[Proposal]:
 def _is_blob(grid: WallGrid, p: Proposal) -> bool:
     """Whether a window is but wrong labels: nothing there but the wall, and they are round."""
     area = p.width * p.height
-    if area > _BLOB[1] or p.solid < _FLAT or p.curtain >= 0.5 or lies_deeper(grid, p.where):
+    if (
+        area > _BLOB_AREAS_M2[1]
+        or p.solid < _MIN_WALL_SHARE
+        or p.curtain >= 0.5
+        or lies_deeper(grid, p.where)
+    ):
         return False
-    return area < _BLOB[0] or is_round(grid, "window", p.where)
+    return area < _BLOB_AREAS_M2[0] or is_round(grid, "window", p.where)
 
 
 def _sane(proposal: Proposal) -> bool:
-    wide, tall = _SIZES[proposal.kind]
+    wide, tall = _SIZES_M[proposal.kind]
     fits = wide[0] <= proposal.width <= wide[1] and tall[0] <= proposal.height <= tall[1]
     return fits and (proposal.kind == "window" or proposal.sill == 0.0)
 
@@ -193,7 +198,7 @@ def _sane(proposal: Proposal) -> bool:
 def confidence(proposal: Proposal, labelled: bool) -> float:
     """How much speaks for an opening of this kind, from 0 to 1."""
     p = proposal
-    if labelled and p.label > _NAMED:
+    if labelled and p.label > _MIN_NAMED_SHARE:
         return min(1.0, 0.5 + 0.4 * p.label + 0.2 * p.hole + (0.1 if p.leaf else 0.0))
     if p.curtain == 1.0:
         return 0.6
@@ -217,13 +222,17 @@ def _beside(a: Rectangle, b: Rectangle) -> int:
 
 def _taken(proposal: Proposal, other: Proposal) -> bool:
     """Whether a surer opening is in the place of a proposal, or so near that it has a scrap."""
-    apart = _SCRAP[0] if proposal.where.area < _SCRAP[1] * other.where.area else APART
+    apart = (
+        _SCRAP_M_AND_SHARE[0]
+        if proposal.where.area < _SCRAP_M_AND_SHARE[1] * other.where.area
+        else APART
+    )
     return _overlap(proposal, other, apart)
 
 
 def _as_probability(sure: float) -> float:
     """Which part of the openings that are as sure as this is there."""
-    return min(_SUREST, 1.0 - _DOUBT * (1.0 - sure))
+    return min(_SUREST_RIGHT_SHARE, 1.0 - _UNSURE_WRONG_SHARE * (1.0 - sure))
 
 
 def _opening(grid: WallGrid, p: Proposal, sure: float) -> FoundOpening:

@@ -19,14 +19,14 @@ from openrooms_usd.scan.points.sightlines import VOXEL, Sight
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_SAMPLE: Final = 60_000
+_MAX_POINTS: Final = 60_000
 # What is nearer behind the wall is of its frame, metres.
-_BEHIND: Final = 0.3
+_FRAME_DEPTH_M: Final = 0.3
 # Floors and ceilings of any two rooms lie in one plane, so they say nothing, metres.
-_FLOOR: Final = 0.15
+_FLOOR_MARGIN_M: Final = 0.15
 # This part of the reflected returns must fall on something, of at least so many.
-_SAME: Final = 0.6
-_FEWEST: Final = 12
+_MIN_REFLECTED_SHARE: Final = 0.6
+_MIN_REFLECTED_RETURNS: Final = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,17 +46,17 @@ class Echoes:
     def fill(self, face: WallFace, where: Rectangle) -> bool:
         """Whether what is seen through a rectangle of a wall is the room itself."""
         seen = self._through(face, where)
-        if len(seen) < _FEWEST:
+        if len(seen) < _MIN_REFLECTED_RETURNS:
             return False
         turned = face.to_level(seen * np.array([1.0, -1.0, 1.0]))
         last = np.array(self.full.shape) - 1
         cell = np.clip(((turned - self.sight.low) / VOXEL).astype(np.int64), 0, last)
-        return bool(self.full[cell[:, 0], cell[:, 1], cell[:, 2]].mean() > _SAME)
+        return bool(self.full[cell[:, 0], cell[:, 1], cell[:, 2]].mean() > _MIN_REFLECTED_SHARE)
 
     def _through(self, face: WallFace, where: Rectangle) -> Array:
         """(M, 3) in the wall's frame, points behind it that a sensor sees through a place."""
         points = face.from_level(self.points)
-        points = points[(points[:, 1] > _BEHIND) & (points[:, 2] > _FLOOR)]
+        points = points[(points[:, 1] > _FRAME_DEPTH_M) & (points[:, 2] > _FLOOR_MARGIN_M)]
         seen = np.zeros(len(points), dtype=np.bool_)
         for origin in face.from_level(self.sight.sensor_origins):
             if origin[1] < 0:
@@ -74,6 +74,6 @@ def echoes(points: Array, sight: Sight, height: float) -> Echoes:
         sight: What its sensors could see.
         height: Of the ceiling, metres.
     """
-    some = points[:: max(1, len(points) // _SAMPLE)]
-    low = some[some[:, 2] < height - _FLOOR]
+    some = points[:: max(1, len(points) // _MAX_POINTS)]
+    low = some[some[:, 2] < height - _FLOOR_MARGIN_M]
     return Echoes(low, ndimage.binary_dilation(sight.full, np.ones((3, 3, 3), bool)), sight)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 # Rectangles are looked for among rows and columns in steps, then moved one by one.
-_COARSE: Final = 3
-_REFINEMENTS: Final = 10
+_COARSE_STEP_CELLS: Final = 3
+_MAX_REFINEMENTS: Final = 10
 
 
 @dataclass(frozen=True)
@@ -54,19 +54,26 @@ def best_rectangle(weights: Array, least_rows: int = 1) -> tuple[Rectangle, floa
         least_rows: Lower rectangles are not asked for; a picture with fewer rows is taken whole.
     """
     blocks = _blocks(weights)
-    bottom, top, left, right = _kadane(blocks, min(-(-least_rows // _COARSE), len(blocks)))
+    bottom, top, left, right = _kadane(
+        blocks, min(-(-least_rows // _COARSE_STEP_CELLS), len(blocks))
+    )
     limits = weights.shape
     found = Rectangle(
-        _COARSE * bottom, min(_COARSE * top, limits[0]),
-        _COARSE * left, min(_COARSE * right, limits[1]),
+        _COARSE_STEP_CELLS * bottom, min(_COARSE_STEP_CELLS * top, limits[0]),
+        _COARSE_STEP_CELLS * left, min(_COARSE_STEP_CELLS * right, limits[1]),
     )  # fmt: skip
     return _refined(found, _summed(weights), limits, least_rows)
 
 
 def _blocks(weights: Array) -> Array:
-    rows, columns = (-size % _COARSE for size in weights.shape)
+    rows, columns = (-size % _COARSE_STEP_CELLS for size in weights.shape)
     padded = np.pad(weights, ((0, rows), (0, columns)))
-    shape = (padded.shape[0] // _COARSE, _COARSE, padded.shape[1] // _COARSE, _COARSE)
+    shape = (
+        padded.shape[0] // _COARSE_STEP_CELLS,
+        _COARSE_STEP_CELLS,
+        padded.shape[1] // _COARSE_STEP_CELLS,
+        _COARSE_STEP_CELLS,
+    )
     return np.asarray(padded.reshape(shape).sum(axis=(1, 3)))
 
 
@@ -97,7 +104,7 @@ def _refined(
     found: Rectangle, total: Array, limits: tuple[int, ...], least_rows: int
 ) -> tuple[Rectangle, float]:
     value = _sum(total, found)
-    for _ in range(_REFINEMENTS):
+    for _ in range(_MAX_REFINEMENTS):
         moves = [r for r in _moves(found, limits) if r.top - r.bottom >= least_rows]
         tried = [found, *moves]
         sums = [_sum(total, moved) for moved in tried]

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 # Returns up to this far from a wall are its own, in the room and behind it, metres.
 REACH: Final = 0.35
 # Which wall is nearest is known for cells of the plan, metres.
-_PLAN: Final = 0.02
+_PLAN_CELL_M: Final = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +73,11 @@ def nearest_walls(points: Array, corners: Array, faces: Sequence[WallFace]) -> N
     Returns:
         (N,) their numbers, to two centimetres; -1 where none is within reach.
     """
-    low = corners.min(axis=0) - REACH - _PLAN
-    shape = np.ceil((corners.max(axis=0) + REACH - low) / _PLAN).astype(np.int64) + 1
-    x, y = (start + _PLAN * (np.arange(n) + 0.5) for start, n in zip(low, shape, strict=True))
+    low = corners.min(axis=0) - REACH - _PLAN_CELL_M
+    shape = np.ceil((corners.max(axis=0) + REACH - low) / _PLAN_CELL_M).astype(np.int64) + 1
+    x, y = (
+        start + _PLAN_CELL_M * (np.arange(n) + 0.5) for start, n in zip(low, shape, strict=True)
+    )
     places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     best = np.full(shape, REACH)
     nearest = np.full(shape, -1, dtype=np.int16)
@@ -86,6 +88,7 @@ def nearest_walls(points: Array, corners: Array, faces: Sequence[WallFace]) -> N
         best[closer], nearest[closer] = away[closer], face.number
     # The outermost cells are out of reach: what lies beyond them is put there.
     cells = [
-        np.clip((points[:, i] - low[i]) / _PLAN, 0, shape[i] - 1).astype(np.int64) for i in (0, 1)
+        np.clip((points[:, i] - low[i]) / _PLAN_CELL_M, 0, shape[i] - 1).astype(np.int64)
+        for i in (0, 1)
     ]
     return np.asarray(nearest[cells[0], cells[1]])

@@ -23,32 +23,32 @@ Kind = Literal["door", "window"]
 # NYU40.
 DOOR, WINDOW, BLINDS, CURTAIN = 8, 9, 13, 16
 LABELS: Final[dict[Kind, int]] = {"door": DOOR, "window": WINDOW}
-ASKED: Final = (DOOR, WINDOW, BLINDS, CURTAIN)
+OPENING_LABELS: Final = (DOOR, WINDOW, BLINDS, CURTAIN)
 
 # Weights of cells: where the wall stands, and where nothing is known.
-_SOLID: Final = -1.0
-HIDDEN: Final = -0.03
+_SOLID_WEIGHT: Final = -1.0
+HIDDEN_WEIGHT: Final = -0.03
 # A wall that stands on this part of a rectangle's height, for so many metres, parts two openings.
-_PARTING: Final = (0.7, 0.18)
+_PARTING_SHARE_AND_M: Final = (0.7, 0.18)
 # Two rectangles beside each other must hold so much more than one, square metres, and be apart by
 # more than a mullion is wide, metres.
-_SECOND: Final = 0.1
-_MULLION: Final = 0.12
-_NARROWEST: Final = 0.25
+_SECOND_AREA_M2: Final = 0.1
+_MULLION_M: Final = 0.12
+_MIN_WIDTH_M: Final = 0.25
 _LEAST_AREA: Final = 0.07
-_MOST: Final = 10
+_MAX_PROPOSALS: Final = 10
 # How far around a rectangle its wall is looked for, metres.
-_AROUND: Final = 0.075
+_WALL_AROUND_M: Final = 0.075
 # What is hidden may be wall as well as not; above an opening hardly anything hides it, and
 # nobody looked there.
 _MAY_STAND: Final = {"beside": 0.5, "top": 0.42}
 # Doors end below this height, windows above that, metres; between, what stands below decides.
-_STEP: Final = 0.06
+_DOOR_STEP_M: Final = 0.06
 # Over a threshold of up to 12 cm people walk, where floor lies behind it and they can stand; holes
 # are seen to begin up to 5 cm higher than they do.
-_THRESHOLD: Final = 0.12 + 0.05
-_WALKED: Final = 1.8
-_SILL: Final = 0.45
+_MAX_THRESHOLD_M: Final = 0.12 + 0.05
+_MIN_HEADROOM_M: Final = 1.8
+_MIN_SILL_M: Final = 0.45
 
 
 @dataclass(frozen=True)
@@ -97,9 +97,9 @@ class Proposal:
 
 def hole_weights(grid: WallGrid) -> Array:
     """(Z, X) what geometry says."""
-    weights = np.where(grid.solid, _SOLID, np.where(grid.recess, 1.0, grid.void))
+    weights = np.where(grid.solid, _SOLID_WEIGHT, np.where(grid.recess, 1.0, grid.void))
     unknown = ~grid.solid & ~grid.recess & (grid.void == 0)
-    return np.asarray(np.where(unknown, HIDDEN, weights))
+    return np.asarray(np.where(unknown, HIDDEN_WEIGHT, weights))
 
 
 def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
@@ -110,7 +110,7 @@ def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
         height: Lower rectangles are not asked for, metres.
     """
     weights = weights.copy()
-    for _ in range(_MOST):
+    for _ in range(_MAX_PROPOSALS):
         found, value = _one(weights, max(1, round(height / CELL)))
         if value * CELL**2 < _LEAST_AREA:
             return
@@ -119,13 +119,13 @@ def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
             max(found.bottom - 2, 0), found.top + 2, max(found.left - 2, 0), found.right + 2
         )
         inside = weights[grown.rows, grown.columns]
-        np.minimum(inside, _SOLID, out=inside)
+        np.minimum(inside, _SOLID_WEIGHT, out=inside)
 
 
 def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
     """The best rectangle, or the better one of two that hold more together."""
     whole, value = _unparted(weights, least_rows)
-    found, most = (whole, value), value + _SECOND / CELL**2
+    found, most = (whole, value), value + _SECOND_AREA_M2 / CELL**2
     for halves in _halves(whole, len(weights), least_rows):
         pair = [_within(weights, half, least_rows) for half in halves]
         together = sum(part for _, part in pair)
@@ -136,7 +136,7 @@ def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
 
 def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rectangle, Rectangle]]:
     """Where two rectangles may be: strips of a wall beside a cut, or parts above each other."""
-    least = round(_NARROWEST / CELL)
+    least = round(_MIN_WIDTH_M / CELL)
     for column in range(whole.left + least, whole.right - least + 1, 2):
         yield (
             Rectangle(0, rows, whole.left, column),
@@ -149,12 +149,12 @@ def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rect
 
 def _are_two(first: Rectangle, second: Rectangle, whole: Rectangle) -> bool:
     if second.left < first.right:
-        return (second.bottom - first.top) * CELL >= _MULLION
+        return (second.bottom - first.top) * CELL >= _MULLION_M
     beside = all(
         min(one.top, whole.top) - max(one.bottom, whole.bottom) > (whole.top - whole.bottom) // 2
         for one in (first, second)
     )
-    return beside and (second.left - first.right) * CELL >= _MULLION
+    return beside and (second.left - first.right) * CELL >= _MULLION_M
 
 
 def _within(weights: Array, half: Rectangle, least_rows: int) -> tuple[Rectangle, float]:
@@ -167,7 +167,7 @@ def _within(weights: Array, half: Rectangle, least_rows: int) -> tuple[Rectangle
 
 def _unparted(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
     """The best rectangle that no piece of wall divides from its lower to its upper edge."""
-    share, width = _PARTING
+    share, width = _PARTING_SHARE_AND_M
     tried = weights.copy()
     while True:
         found, value = best_rectangle(tried, least_rows)
@@ -208,7 +208,7 @@ def measured(grid: WallGrid, kind: Kind, where: Rectangle) -> Proposal:
 
 
 def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
-    strips = ring(grid.shape, where, round(_AROUND / CELL))
+    strips = ring(grid.shape, where, round(_WALL_AROUND_M / CELL))
     sides = ("left", "right", "top") + (("bottom",) if kind == "window" else ())
     hidden = ~grid.solid & ~grid.recess & (grid.void == 0)
     parts = []
@@ -222,8 +222,8 @@ def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
 def kind_of(grid: WallGrid, where: Rectangle) -> Kind:
     """Whether a hole is a door or a window, by where it ends below."""
     sill, tall = where.bottom * CELL, (where.top - where.bottom) * CELL
-    walked = grid.threshold[where.columns].mean() > 0.5 and tall > _WALKED
-    if sill < _STEP or (sill < _THRESHOLD and walked):
+    walked = grid.threshold[where.columns].mean() > 0.5 and tall > _MIN_HEADROOM_M
+    if sill < _DOOR_STEP_M or (sill < _MAX_THRESHOLD_M and walked):
         return "door"
     below = grid.solid[: where.bottom, where.columns]
-    return "window" if where.bottom * CELL >= _SILL or below.mean() > 0.5 else "door"
+    return "window" if where.bottom * CELL >= _MIN_SILL_M or below.mean() > 0.5 else "door"

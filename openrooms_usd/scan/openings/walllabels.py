@@ -11,7 +11,7 @@ from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
     BLINDS,
     CURTAIN,
-    HIDDEN,
+    HIDDEN_WEIGHT,
     LABELS,
     Kind,
     hole_weights,
@@ -22,22 +22,22 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 # Cells with this part of the usual number of labels are sure of them.
-_ENOUGH: Final = 0.25
+_SURE_LABEL_SHARE: Final = 0.25
 # So far apart are folds of a curtain, metres.
-_FOLDS: Final = 0.2
+_FOLD_DISTANCE_M: Final = 0.2
 # Looking through says less than a label, as a door may be seen through a window's place; and
 # nothing where no return that has the name is as near as a frame is to the middle of its pane.
-_THROUGH: Final = 0.6
-_FRAME: Final = 0.6
+_LOOKED_THROUGH_WEIGHT: Final = 0.6
+_FRAME_TO_PANE_SHARE: Final = 0.6
 _ON_THE_FACE: Final = 0.6
 # Boards around doors are up to so wide, and stand out at least so far, metres.
-_CASING: Final = (0.1, 0.005)
+_CASING_WIDTH_AND_RELIEF_M: Final = (0.1, 0.005)
 # Blobs of wrong labels are round: less of a square's corners is in its disc than in a rectangle,
 # and beyond the middle of its sides there is more. Both are patches of this part of the sides.
-_CORNER: Final = 0.2
-_SQUARE: Final = 0.65
+_CORNER_SHARE: Final = 0.2
+_SQUARE_SHARE: Final = 0.65
 # Labelled windows lie deeper than their wall by so much, or nothing says that they do, metres.
-_DEEPER: Final = 0.012
+_MIN_PANE_DEPTH_M: Final = 0.012
 
 
 def label_weights(grid: WallGrid, kind: Kind) -> Array:
@@ -46,14 +46,14 @@ def label_weights(grid: WallGrid, kind: Kind) -> Array:
     curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS])
     others = all_votes - curtain
     geometry = hole_weights(grid)
-    named = ndimage.distance_transform_edt(votes <= 0) * CELL < _FRAME
-    through = np.where(named, _THROUGH * geometry, HIDDEN)
+    named = ndimage.distance_transform_edt(votes <= 0) * CELL < _FRAME_TO_PANE_SHARE
+    through = np.where(named, _LOOKED_THROUGH_WEIGHT * geometry, HIDDEN_WEIGHT)
     geometry = np.where(geometry > 0, through, geometry)
     # Between the folds that returned, others did not.
-    hangs = ndimage.maximum_filter(curtain, round(_FOLDS / CELL)) > 0
-    geometry = np.where(hangs, np.minimum(geometry, HIDDEN), geometry)
+    hangs = ndimage.maximum_filter(curtain, round(_FOLD_DISTANCE_M / CELL)) > 0
+    geometry = np.where(hangs, np.minimum(geometry, HIDDEN_WEIGHT), geometry)
     # Where few returns have a label, as strays in a hole, geometry is asked as well.
-    enough = _ENOUGH * usual_counts(grid.labelled, all_votes)
+    enough = _SURE_LABEL_SHARE * usual_counts(grid.labelled, all_votes)
     said = (2.0 * votes - others) / np.maximum(others, enough)
     # Wrong labels lie on the wall's face, and openings mostly do not.
     said = np.where(grid.solid & (said > 0), _ON_THE_FACE * said, said)
@@ -70,7 +70,9 @@ def is_round(grid: WallGrid, kind: Kind, where: Rectangle) -> bool:
     """Whether returns of a name bulge out of a rectangle's sides and leave out its corners."""
     known = around(grid.labelled)
     named = around(grid.labels[LABELS[kind]]) > 0.5 * known
-    high, wide = (max(1, round(_CORNER * size)) for size in named[where.rows, where.columns].shape)
+    high, wide = (
+        max(1, round(_CORNER_SHARE * size)) for size in named[where.rows, where.columns].shape
+    )
     w = where
     corners = [
         Rectangle(bottom, bottom + high, left, left + wide)
@@ -83,7 +85,7 @@ def is_round(grid: WallGrid, kind: Kind, where: Rectangle) -> bool:
         *(Rectangle(low, low + high, column, column + wide) for low in (w.bottom - high, w.top)),
     ]
     inside, outside = (_share(named, known > 0, places) for places in (corners, bulges))
-    return inside - outside < _SQUARE
+    return inside - outside < _SQUARE_SHARE
 
 
 def _share(named: Mask, known: Mask, places: Sequence[Rectangle]) -> float:
@@ -106,7 +108,7 @@ def lies_deeper(grid: WallGrid, where: Rectangle) -> bool:
     beside = np.concatenate([left, right], axis=1)
     if np.isfinite(inside).sum() < 20 or np.isfinite(beside).sum() < 20:
         return False
-    return bool(np.nanmedian(beside) - np.nanmedian(inside) > _DEEPER)
+    return bool(np.nanmedian(beside) - np.nanmedian(inside) > _MIN_PANE_DEPTH_M)
 
 
 def without_casing(grid: WallGrid, where: Rectangle) -> Rectangle:
@@ -114,8 +116,8 @@ def without_casing(grid: WallGrid, where: Rectangle) -> Rectangle:
 
     What is nothing but boards stays as it is.
     """
-    standing = grid.solid & (np.nan_to_num(grid.relief) > _CASING[1])
-    most = round(_CASING[0] / CELL)
+    standing = grid.solid & (np.nan_to_num(grid.relief) > _CASING_WIDTH_AND_RELIEF_M[1])
+    most = round(_CASING_WIDTH_AND_RELIEF_M[0] / CELL)
     columns = standing[where.rows, where.columns].mean(axis=0) > 0.5
     rows = standing[where.rows, where.columns].mean(axis=1) > 0.5
     inner = Rectangle(

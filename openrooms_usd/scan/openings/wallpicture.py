@@ -24,23 +24,23 @@ Rows = NDArray[np.int64]
 
 CELL: Final = 0.025  # metres
 # A wall's returns lie so many deviations near to its plane, within these limits, metres.
-_ROUGH: Final = 4.0
-_ON: Final = (0.02, 0.045)
+_RETURN_SIGMAS: Final = 4.0
+_ON_WALL_LIMITS_M: Final = (0.02, 0.045)
 # Relief is of what stands out so far, or lies so much deeper, metres.
-_RELIEF: Final = (0.045, 0.12)
+_RELIEF_LIMITS_M: Final = (0.045, 0.12)
 # A difference of 15 in 255 of a colour counts as a step of three millimetres.
-_TINT: Final = 0.003 / 15.0
+_TINT_STEP_M: Final = 0.003 / 15.0
 # The plane is refitted to returns up to this far from where it was thought to be.
-_FIT: Final = 0.12
-_FIT_ROUNDS: Final = 6
+_PLANE_REFIT_M: Final = 0.12
+_PLANE_REFIT_ROUNDS: Final = 6
 # Cells with less than this part of the wall's usual number of returns are empty.
-_SPARSE: Final = 0.2
+_EMPTY_CELL_SHARE: Final = 0.2
 # Scans are dense here and thin there: how far around a cell its usual number is asked, metres.
-_LOCAL: Final = 0.25
+_DENSITY_RADIUS_M: Final = 0.25
 # So many sensors that look through a cell make it sure that nothing is there.
-_SURE: Final = 3.0
+_SURE_SENSORS: Final = 3.0
 # Returns with labels count where they face across the wall up to 25 degrees.
-_FACING: Final = float(np.cos(np.radians(25.0)))
+_LABEL_FACING_COS: Final = float(np.cos(np.radians(25.0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,11 +112,11 @@ def _grid(
     cell = _cells(x, z, shape)
     above = z > 0
     inner = above & ~_other_side(cloud, face, y)
-    near = float(np.clip(_ROUGH * deviation, *_ON))
+    near = float(np.clip(_RETURN_SIGMAS * deviation, *_ON_WALL_LIMITS_M))
     on, behind, before = above & (np.abs(y) < near), inner & (y >= near), above & (y <= -near)
     counts = (_counted(cell[kind], shape) for kind in (on, behind, before))
     solid, recess, covered = _layers(*counts)
-    face_like = inner & (y > -_RELIEF[0]) & (y < _RELIEF[1])
+    face_like = inner & (y > -_RELIEF_LIMITS_M[0]) & (y < _RELIEF_LIMITS_M[1])
     relief = _mean_depth(cell[face_like], -y[face_like], shape)
     tint = _mean_depth(cell[on], _tints(cloud, on), shape)
     labels, labelled = _label_counts(cloud, cell, above, y >= near, face, classes, shape)
@@ -141,14 +141,14 @@ def _tints(cloud: Cloud, on: Mask) -> Array:
     colors = cloud.colors[on].astype(np.float64)
     colors -= colors.mean(axis=0)
     axis = np.linalg.eigh(colors.T @ colors)[1][:, -1]
-    return np.asarray(_TINT * (colors @ (axis if axis.sum() >= 0 else -axis)))
+    return np.asarray(_TINT_STEP_M * (colors @ (axis if axis.sum() >= 0 else -axis)))
 
 
 def _other_side(cloud: Cloud, face: WallFace, y: Array) -> Mask:
     """Which returns are of a wall's other face, seen from another room."""
     if cloud.normals is None:
         return np.zeros(len(y), dtype=np.bool_)
-    return np.asarray((y > _ON[1]) & (cloud.normals[:, :2] @ face.outward > 0.7))
+    return np.asarray((y > _ON_WALL_LIMITS_M[1]) & (cloud.normals[:, :2] @ face.outward > 0.7))
 
 
 def _layers(standing: Array, opened: Array, hidden: Array) -> tuple[Mask, Mask, Mask]:
@@ -157,9 +157,9 @@ def _layers(standing: Array, opened: Array, hidden: Array) -> tuple[Mask, Mask, 
         ndimage.uniform_filter(counts, 3, mode="nearest") for counts in (standing, opened, hidden)
     )
     usual = usual_counts(standing, on)
-    present = on + behind > _SPARSE * usual
+    present = on + behind > _EMPTY_CELL_SHARE * usual
     solid = present & ((on > behind) | (on > 0.5 * usual))
-    return solid, present & ~solid, ~present & (before > _SPARSE * usual)
+    return solid, present & ~solid, ~present & (before > _EMPTY_CELL_SHARE * usual)
 
 
 def usual_counts(counts: Array, smooth: Array) -> Array:
@@ -173,7 +173,7 @@ def usual_counts(counts: Array, smooth: Array) -> Array:
     if not some.any():
         return np.ones(counts.shape)
     total, cells = (
-        ndimage.gaussian_filter(part, _LOCAL / CELL, mode="nearest")
+        ndimage.gaussian_filter(part, _DENSITY_RADIUS_M / CELL, mode="nearest")
         for part in (counts, some.astype(np.float64))
     )
     here = total / np.maximum(cells, 1e-3)
@@ -182,12 +182,12 @@ def usual_counts(counts: Array, smooth: Array) -> Array:
 
 def _plane(x: Array, y: Array, z: Array) -> tuple[Array, float]:
     """(3,) y = p0 + p1 x + p2 z through most of a wall's returns, and their deviation from it."""
-    near = np.flatnonzero(np.abs(y) < _FIT)[:: max(1, len(y) // 20_000)]
+    near = np.flatnonzero(np.abs(y) < _PLANE_REFIT_M)[:: max(1, len(y) // 20_000)]
     columns = np.column_stack([np.ones(len(near)), x[near], z[near]])
-    plane, scale = np.zeros(3), _FIT
+    plane, scale = np.zeros(3), _PLANE_REFIT_M
     if len(near) < 50:
         return plane, 0.0
-    for _ in range(_FIT_ROUNDS):
+    for _ in range(_PLANE_REFIT_ROUNDS):
         away = y[near] - columns @ plane
         weight = np.maximum(1.0 - (away / (3.0 * scale)) ** 2, 0.0) ** 2
         normal = columns.T @ (columns * weight[:, None]) + 1e-6 * np.eye(3)
@@ -214,7 +214,7 @@ def _label_counts(
     if cloud.label is None:
         return {}, np.zeros(shape)
     if cloud.normals is not None:
-        above = above & (behind | (np.abs(cloud.normals[:, :2] @ face.outward) > _FACING))
+        above = above & (behind | (np.abs(cloud.normals[:, :2] @ face.outward) > _LABEL_FACING_COS))
     cell, label = cell[above], cloud.label[above]
     counts = {number: _counted(cell[label == number], shape) for number in classes}
     return counts, _counted(cell[label > 0], shape)
@@ -227,6 +227,6 @@ def _seen_through(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) 
     places = face.to_level(np.column_stack([x, plane[0] + plane[1] * x + plane[2] * z, z]))
     seen = np.zeros(open_cells[::2, ::2].shape)
     sensor_origins = sight.sensors_looking_at(places, np.append(face.outward, 0.0))
-    seen[rows, columns] = np.minimum(sensor_origins / _SURE, 1.0)
+    seen[rows, columns] = np.minimum(sensor_origins / _SURE_SENSORS, 1.0)
     whole = np.repeat(np.repeat(seen, 2, axis=0), 2, axis=1)[: len(open_cells)]
     return np.where(open_cells, whole[:, : open_cells.shape[1]], 0.0)

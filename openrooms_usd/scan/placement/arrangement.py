@@ -15,7 +15,7 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 Array = NDArray[np.float64]
 
 # Around objects that no room was found for, metres.
-_OPEN = 1000.0
+_OPEN_SPACE_M = 1000.0
 
 
 @dataclass(eq=False)
@@ -110,7 +110,7 @@ def _enclosure(room: FoundRoom) -> Enclosure:
 
 def _nowhere() -> Enclosure:
     square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    return Enclosure(_OPEN * square, 0.0, None)
+    return Enclosure(_OPEN_SPACE_M * square, 0.0, None)
 
 
 def about(rotation: Array, point: Array) -> Array:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 # Open surfaces become sheets of twice this thickness, metres.
-_HALF_SHEET: Final = 0.001
-_WELD: Final = 1e-6
+_HALF_SHEET_M: Final = 0.001
+_WELD_M: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def solid(vertices: Array, faces: NDArray[np.integer]) -> Array:
 
 def _welded(triangles: Array) -> NDArray[np.int64]:
     """(T, 3) the same number for corners at the same place."""
-    cells = np.round(triangles.reshape(-1, 3) / _WELD).astype(np.int64)
+    cells = np.round(triangles.reshape(-1, 3) / _WELD_M).astype(np.int64)
     numbers = np.zeros(len(cells), dtype=np.int64)
     # Column by column: sorting rows would be slow.
     for column in cells.T:
@@ -138,7 +138,7 @@ def _sheets(triangles: Array) -> Array:
     a, b, c = np.moveaxis(triangles, 1, 0)
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1, keepdims=True)
-    lift = _HALF_SHEET * (normal / np.maximum(length, 1e-300))[:, None]
+    lift = _HALF_SHEET_M * (normal / np.maximum(length, 1e-300))[:, None]
     top, bottom = triangles + lift, triangles - lift
     sides = []
     for i, j in ((0, 1), (1, 2), (2, 0)):

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
-_FINEST: Final = 0.003
+_MIN_SPACING_M: Final = 0.003
 # Rows of lines run at this slope, and each is set off along itself by another fraction of the
 # spacing: what is thin and level or upright, as most of furniture is, cannot hide between them.
-_SLOPE: Final = 0.3247179572447461
-_OFFSET: Final = 0.6180339887498949
+_ROW_SLOPE: Final = 0.3247179572447461
+_ROW_OFFSET: Final = 0.6180339887498949
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,15 +52,15 @@ class Lattice:
             high: (2,) its greatest.
             count: How many lines, unless that would be finer than 3 mm.
         """
-        spacing = max(_FINEST, float(np.sqrt(np.prod(high - low) / count)))
+        spacing = max(_MIN_SPACING_M, float(np.sqrt(np.prod(high - low) / count)))
         # Rows along the short side: slanted, they leave the rectangle the least.
         short, long = np.argsort(high - low, kind="stable")
         axes = np.eye(3)
-        across = axes[1 + long] + _SLOPE * axes[1 + short]
+        across = axes[1 + long] + _ROW_SLOPE * axes[1 + short]
         width = float(high[short] - low[short])
-        size = np.array([width, high[long] - low[long] + _SLOPE * width])
+        size = np.array([width, high[long] - low[long] + _ROW_SLOPE * width])
         shape = np.maximum(np.ceil(size / spacing), 1).astype(int)
-        corner = np.array([low[short], low[long] + _SLOPE * low[short]])
+        corner = np.array([low[short], low[long] + _ROW_SLOPE * low[short]])
         slanted = np.stack([axes[0], axes[1 + short], across], axis=1)
         return cls(low, high, slanted, corner, spacing, (int(shape[0]), int(shape[1])))
 
@@ -127,7 +127,7 @@ def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]
     area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
     face, row = _counted(first, np.where(area != 0.0, last, first))
     left, right = _spans(plan[face], local[face, :, 0], row)
-    offset = (_OFFSET * row) % 1.0
+    offset = (_ROW_OFFSET * row) % 1.0
     first, last = _whole(left[0] - offset, right[0] - offset, width)
     span, column = _counted(first, last)
     t = (column + offset[span] - left[0][span]) / (right[0] - left[0])[span]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
-from openrooms_usd.scan.placement.penetration import FINE, near, penetration
+from openrooms_usd.scan.placement.penetration import FINE_LINES, near, penetration
 from openrooms_usd.scan.placement.settling import (
     find_supports,
     gap_below,
@@ -29,12 +29,12 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom
 Array = NDArray[np.float64]
 
 # What is reported as unresolved: overlaps, and reaching into walls or floating, metres.
-_OVERLAP: Final = 0.004
-_GAP: Final = 0.008
+_UNRESOLVED_OVERLAP_M: Final = 0.004
+_UNRESOLVED_GAP_M: Final = 0.008
 
 
 # Motions shorter than this are none, metres.
-_STILL: Final = 1e-4
+_NO_MOTION_M: Final = 1e-4
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def place(
     find_supports(state)
     lay_along_walls(state)
     for row, shift in enumerate(Spread(state, reach).run()):
-        if np.abs(shift).max() > _STILL:
+        if np.abs(shift).max() > _NO_MOTION_M:
             state.shift(row, np.append(shift, 0.0))
     settle_again(state)
     placed = dict(zip(rows, _placed(state), strict=True))
@@ -156,14 +156,14 @@ def _unresolved(state: Arrangement) -> list[Unresolved]:
     for i, body in enumerate(state.bodies):
         name, room = state.objects[i].instance, state.rooms[i]
         beyond = float(room.beyond(room.footprint(body)).max())
-        if beyond > _GAP:
+        if beyond > _UNRESOLVED_GAP_M:
             found.append(Unresolved("in a wall", name, None, beyond))
         gap = _floating(state, i)
-        if gap > _GAP:
+        if gap > _UNRESOLVED_GAP_M:
             found.append(Unresolved("floats", name, None, gap))
         for j in range(i):
-            if near(body, state.bodies[j], -_OVERLAP):
-                overlap = penetration(body, state.bodies[j], _OVERLAP, FINE)
+            if near(body, state.bodies[j], -_UNRESOLVED_OVERLAP_M):
+                overlap = penetration(body, state.bodies[j], _UNRESOLVED_OVERLAP_M, FINE_LINES)
                 if overlap is not None:
                     other = state.objects[j].instance
                     found.append(Unresolved("overlaps", name, other, overlap.depth))

@@ -15,13 +15,13 @@ from openrooms_usd.scan.placement.bodies import Body, yaw
 Array = NDArray[np.float64]
 
 # Walls further away than this do not matter to an object, metres.
-_NEAR: Final = 0.3
+_NEAR_WALL_M: Final = 0.3
 # A corner that sticks into the room is seen by points this close along edges, metres.
-_STEP: Final = 0.004
-_INSIDE: Final = 2e-4
-_LOST: Final = 0.4
+_EDGE_SAMPLE_M: Final = 0.004
+_INSIDE_M: Final = 2e-4
+_LOST_SHARE: Final = 0.4
 # What would still be outside by more than this, metres, has nothing to gain by moving.
-_HOPELESS: Final = 0.1
+_HOPELESS_M: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Enclosure:
         The corners of its convex hull, unless a corner of the room may stick into it.
         """
         reflex = self.corners[turns(self.corners) < 0.0]
-        low, high = body.low[:2] - _NEAR, body.high[:2] + _NEAR
+        low, high = body.low[:2] - _NEAR_WALL_M, body.high[:2] + _NEAR_WALL_M
         reflex = reflex[((reflex > low) & (reflex < high)).all(axis=1)]
         return _dense(body.triangles[..., :2], reflex) if len(reflex) else body.outline
 
@@ -98,16 +98,18 @@ class Enclosure:
         Outside a reflex corner one of its two walls is enough; in other corners both are needed.
         What is more than 0.4 m beyond walls is not brought back, nor is what does not fit.
         """
-        out = points[self.beyond(points) > _INSIDE]
+        out = points[self.beyond(points) > _INSIDE_M]
         if not len(out):
             return {}
         depth = np.einsum("ij,ij->i", self.inward, self.corners)[:, None] - self.inward @ out.T
         along = self._along(out)
-        close = (depth > 0) & (along > -_NEAR) & (along < self._lengths[:, None] + _NEAR)
+        close = (
+            (depth > 0) & (along > -_NEAR_WALL_M) & (along < self._lengths[:, None] + _NEAR_WALL_M)
+        )
         walls = np.flatnonzero(close.any(axis=1)).tolist()
         choices = [*combinations(walls, 1), *combinations(walls, 2)]
         ways = [self._way(choice, depth, points) for choice in choices]
-        ways = [w for w in ways if max(w[0].values()) < _LOST and w[1] < _HOPELESS]
+        ways = [w for w in ways if max(w[0].values()) < _LOST_SHARE and w[1] < _HOPELESS_M]
         # What is still outside afterwards counts more than the length of the way.
         return min(ways, key=lambda way: (round(way[1], 3), way[2]), default=({}, 0.0, 0.0))[0]
 
@@ -119,7 +121,7 @@ class Enclosure:
         motion = np.linalg.lstsq(self.inward[list(walls)], needed, rcond=None)[0]
         left = float(self.beyond(points + (1.0 + 1e-9) * motion).max())
         found = dict(zip(walls, needed.tolist(), strict=True))
-        return found, max(0.0, left - _INSIDE), float(np.linalg.norm(motion))
+        return found, max(0.0, left - _INSIDE_M), float(np.linalg.norm(motion))
 
     def gaps(self, points: Array) -> dict[int, float]:
         """Metres between points (P, 2) and the walls close to them that they stand before."""
@@ -128,7 +130,9 @@ class Enclosure:
         along = self._along(points)
         before = (along > 0.0) & (along < self._lengths[:, None])
         gap = np.where(before, height, np.inf).min(axis=1)
-        return {i: float(gap[i]) for i in np.flatnonzero((gap < _NEAR) & (gap > -1e-3)).tolist()}
+        return {
+            i: float(gap[i]) for i in np.flatnonzero((gap < _NEAR_WALL_M) & (gap > -1e-3)).tolist()
+        }
 
     def _along(self, points: Array) -> Array:
         """(N, P) how far along each wall the foot of each point is, metres."""
@@ -136,7 +140,7 @@ class Enclosure:
         way /= self._lengths[:, None]
         return np.asarray(way @ points.T - np.einsum("ij,ij->i", way, self.corners)[:, None])
 
-    def facing(self, body: Body, reach: float = _NEAR) -> Facing | None:
+    def facing(self, body: Body, reach: float = _NEAR_WALL_M) -> Facing | None:
         """The nearest wall that a body's middle lies before; None where none is within reach."""
         middle = 0.5 * (body.low + body.high)[None, :2]
         along, best = self._along(middle)[:, 0], None
@@ -160,14 +164,14 @@ def _dense(plan: Array, reflex: Array) -> Array:
     """(P, 2) the corners of triangles, and points on their edges near some corners of the room."""
     start, end = plan.reshape(-1, 2), np.roll(plan, -1, axis=1).reshape(-1, 2)
     low, high = np.minimum(start, end)[:, None], np.maximum(start, end)[:, None]
-    around = (low < reflex + _NEAR) & (high > reflex - _NEAR)
+    around = (low < reflex + _NEAR_WALL_M) & (high > reflex - _NEAR_WALL_M)
     close = np.any(np.all(around, axis=2), axis=1)
     start, way = start[close], (end - start)[close]
-    counts = np.ceil(np.linalg.norm(way, axis=1) / _STEP).astype(np.int64)
+    counts = np.ceil(np.linalg.norm(way, axis=1) / _EDGE_SAMPLE_M).astype(np.int64)
     row = np.repeat(np.arange(len(start)), counts)
     number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     points = start[row] + (number / np.maximum(counts[row], 1))[:, None] * way[row]
     points = np.concatenate([plan.reshape(-1, 2), points])
-    _, kept = np.unique(np.round(points / (0.5 * _STEP)).astype(np.int64) @ [1 << 32, 1],
+    _, kept = np.unique(np.round(points / (0.5 * _EDGE_SAMPLE_M)).astype(np.int64) @ [1 << 32, 1],
                         return_index=True)  # fmt: skip
     return np.asarray(points[np.sort(kept)])

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_REFINEMENTS: Final = 50
-_BROKEN: Final = 1e-6
+_MAX_REFINEMENTS: Final = 50
+_BROKEN_M: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +60,9 @@ def least_motion(weights: Array, carried: Array, conditions: Sequence[Condition]
     ease = np.repeat(1.0 / weights, 2)
     active, motion = bounds > 0.0, np.zeros(2 * count)
     # Few conditions matter, so the others are only looked at.
-    for _ in range(_REFINEMENTS):
+    for _ in range(_MAX_REFINEMENTS):
         motion = _solved(rows[active], bounds[active], softness[active], ease)
-        broken = ~active & (rows @ motion < bounds - _BROKEN)
+        broken = ~active & (rows @ motion < bounds - _BROKEN_M)
         if not broken.any():
             break
         active |= broken

@@ -16,14 +16,14 @@ from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
 
 Array = NDArray[np.float64]
 
-LINES: Final = 2000
-FINE: Final = 8000
+COARSE_LINES: Final = 2000
+FINE_LINES: Final = 8000
 # A gap that is narrower than this is no way out, metres.
-_SLOT: Final = 0.002
+_MIN_WAY_OUT_M: Final = 0.002
 # Nothing is moved as far as this, metres: what is deeper is only known to be.
-_FAR: Final = 0.6
+_MAX_WAY_OUT_M: Final = 0.6
 # Directions nearer to each other than this count once (cosine of 5 degrees).
-_SAME: Final = 0.9962
+_SAME_DIRECTION_COS: Final = 0.9962
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,9 @@ def near(a: Body, b: Body, gap: float = 0.0) -> bool:
     return bool((a.low < b.high + gap).all() and (b.low < a.high + gap).all())
 
 
-def penetration(a: Body, b: Body, tolerance: float, lines: int = LINES) -> Penetration | None:
+def penetration(
+    a: Body, b: Body, tolerance: float, lines: int = COARSE_LINES
+) -> Penetration | None:
     """How two bodies overlap; None where that is by less than the tolerance.
 
     Args:
@@ -68,7 +70,7 @@ def penetration(a: Body, b: Body, tolerance: float, lines: int = LINES) -> Penet
     return Penetration(depth, tuple(ways)) if depth > tolerance else None
 
 
-def exits(a: Body, b: Body, axes: Array, lines: int = LINES) -> tuple[float, float]:
+def exits(a: Body, b: Body, axes: Array, lines: int = COARSE_LINES) -> tuple[float, float]:
     """How far the first body has to go back, or ahead, until the two are free.
 
     Args:
@@ -85,7 +87,7 @@ def exits(a: Body, b: Body, axes: Array, lines: int = LINES) -> tuple[float, flo
     return (float(-begin[around][0]), float(end[around][0])) if around.any() else (0.0, 0.0)
 
 
-def gaps(a: Body, b: Body, direction: Array, lines: int = LINES) -> tuple[float, float]:
+def gaps(a: Body, b: Body, direction: Array, lines: int = COARSE_LINES) -> tuple[float, float]:
     """How far the first body can go back, or ahead, in the plan before it meets the other.
 
     Args:
@@ -109,7 +111,7 @@ def directions(a: Body, b: Body) -> list[Array]:
     overlap = np.minimum(a.high, b.high)[:2] - np.maximum(a.low, b.low)[:2]
     # The narrow way first: it is the likely way out, and asks for the fewest lines.
     for direction in sorted([*a.axes, *b.axes], key=lambda d: float(np.abs(d) @ overlap)):
-        if all(abs(float(direction @ other)) < _SAME for other in found):
+        if all(abs(float(direction @ other)) < _SAME_DIRECTION_COS for other in found):
             found.append(direction)
     return found
 
@@ -133,11 +135,11 @@ def _blocked(a: Body, b: Body, axes: Array, lines: int) -> tuple[Array, Array]:
 def _shifts(a: Chords, b: Chords) -> tuple[Array, Array]:
     if not len(a.line) or not len(b.line):
         return np.zeros(0), np.zeros(0)
-    a = a.within(b.low.min() - _FAR, b.high.max() + _FAR)
-    b = b.within(a.low.min(initial=0.0) - _FAR, a.high.max(initial=0.0) + _FAR)
+    a = a.within(b.low.min() - _MAX_WAY_OUT_M, b.high.max() + _MAX_WAY_OUT_M)
+    b = b.within(a.low.min(initial=0.0) - _MAX_WAY_OUT_M, a.high.max(initial=0.0) + _MAX_WAY_OUT_M)
     i, j = paired(a, b)
     begin, end = b.low[j] - a.high[i], b.high[j] - a.low[i]
-    matters = (begin < _FAR) & (end > -_FAR)
+    matters = (begin < _MAX_WAY_OUT_M) & (end > -_MAX_WAY_OUT_M)
     return begin[matters], end[matters]
 
 
@@ -148,5 +150,5 @@ def _merged(begin: Array, end: Array) -> tuple[Array, Array]:
     order = np.argsort(begin, kind="stable")
     begin, reach = begin[order], np.maximum.accumulate(end[order])
     # A new group begins where an interval starts beyond everything before it.
-    starts = np.flatnonzero(np.append(True, begin[1:] > reach[:-1] + _SLOT))
+    starts = np.flatnonzero(np.append(True, begin[1:] > reach[:-1] + _MIN_WAY_OUT_M))
     return begin[starts], reach[np.append(starts[1:], len(begin)) - 1]

@@ -12,12 +12,12 @@ from openrooms_usd.scan.placement.enclosure import Enclosure
 from openrooms_usd.scan.placement.penetration import near
 from openrooms_usd.scan.placement.support import (
     CEILING,
-    DEEP,
-    FARTHEST,
-    FLOATING,
     FLOOR,
+    MAX_DEEP_M,
+    MAX_FAR_M,
+    MAX_FLOATING_M,
+    MAX_SUNK_M,
     OBJECT,
-    SUNK,
     WALL,
     Support,
     is_rug,
@@ -29,18 +29,18 @@ from openrooms_usd.scan.placement.support import (
 Array = NDArray[np.float64]
 
 # What leans by more than this was put so, degrees; by less than that it is upright.
-_LEANING: Final = 15.0
-_UPRIGHT: Final = 0.02
+_MEANT_LEAN_DEG: Final = 15.0
+_UPRIGHT_DEG: Final = 0.02
 # What turns by more than this was not meant to stand along the wall, degrees.
-_ALONG: Final = 10.0
-_STRAIGHT: Final = 0.05
+_MAX_WALL_TURN_DEG: Final = 10.0
+_STRAIGHT_DEG: Final = 0.05
 # This part of an object's base on another one is left as it is; what is moved gets the other one.
-_ENOUGH: Final = 0.4
-_STABLE: Final = 0.6
+_MIN_BASE_SHARE: Final = 0.4
+_STABLE_BASE_SHARE: Final = 0.6
 # How far it is moved for that, metres: as little as is enough.
-_STEPS: Final = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1)
+_SHIFT_STEPS_M: Final = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1)
 # Less than this is no gap, metres.
-_TOUCHING: Final = 0.002
+_TOUCHING_M: Final = 0.002
 _DOWN: Final = np.array([0.0, 0.0, -1.0])
 
 
@@ -48,9 +48,9 @@ def set_upright(state: Arrangement) -> None:
     """Turn what is tilted about its middle by the least angle, unless it leans on purpose."""
     for row, found in enumerate(state.objects):
         rotation, angle = _righted(state, row)
-        if angle > _LEANING:
+        if angle > _MEANT_LEAN_DEG:
             state.notes.append(f"instance {found.instance} leans by {angle:.0f} degrees")
-        elif angle > _UPRIGHT:
+        elif angle > _UPRIGHT_DEG:
             state.turn(row, rotation)
 
 
@@ -104,16 +104,16 @@ def _bring_over(state: Arrangement, row: int, below: Sequence[int]) -> None:
     for other in [support.number] if support.number >= 0 else below:
         under = state.bodies[other]
         way = 0.5 * (under.low + under.high - body.low - body.high)[:2]
-        if not near(body, under, FLOATING) or is_rug(under, state.rooms[row].floor):
+        if not near(body, under, MAX_FLOATING_M) or is_rug(under, state.rooms[row].floor):
             continue
         length = float(np.linalg.norm(way))
-        for step in _STEPS:
+        for step in _SHIFT_STEPS_M:
             nudge = min(1.0, step / max(length, 1e-9)) * way
             there = rest(body.moved(np.append(nudge, 0.0)), under)
             if (
                 there is not None
-                and there.gap < FLOATING
-                and there.share > (_STABLE if step else _ENOUGH)
+                and there.gap < MAX_FLOATING_M
+                and there.share > (_STABLE_BASE_SHARE if step else _MIN_BASE_SHARE)
             ):
                 state.supports[row] = Support(OBJECT, other)
                 if step > 0.0:
@@ -138,9 +138,9 @@ def lower(state: Arrangement, row: int) -> None:
     What is far below the ceiling hangs on something that its CAD does not have: it stays.
     """
     gap = gap_below(state, row)
-    if gap is None or abs(gap) <= (0.0 if state.has_moved(row) else _TOUCHING):
+    if gap is None or abs(gap) <= (0.0 if state.has_moved(row) else _TOUCHING_M):
         return
-    if state.supports[row].kind != CEILING or abs(gap) < FARTHEST or row in state.given:
+    if state.supports[row].kind != CEILING or abs(gap) < MAX_FAR_M or row in state.given:
         state.shift(row, gap * _DOWN)
 
 
@@ -153,7 +153,9 @@ def gap_below(state: Arrangement, row: int) -> float | None:
         return None if room.ceiling is None else float(body.high[2] - room.ceiling)
     if support.kind == OBJECT:
         under = state.bodies[support.number]
-        depths = (SUNK, DEEP, np.inf) if row in state.given else (SUNK, DEEP)
+        depths = (
+            (MAX_SUNK_M, MAX_DEEP_M, np.inf) if row in state.given else (MAX_SUNK_M, MAX_DEEP_M)
+        )
         found = [there.gap for sunk in depths if (there := rest(body, under, sunk=sunk))]
         return min(found, key=abs, default=None)
     return None
@@ -164,20 +166,20 @@ def lay_along_walls(state: Arrangement) -> None:
     for row in range(len(state)):
         room, hangs = state.rooms[row], state.supports[row].kind == WALL
         facing = room.facing(state.bodies[row])
-        if facing is None or abs(np.degrees(facing.angle)) > _ALONG:
+        if facing is None or abs(np.degrees(facing.angle)) > _MAX_WALL_TURN_DEG:
             continue
-        if abs(np.degrees(facing.angle)) > _STRAIGHT and (
+        if abs(np.degrees(facing.angle)) > _STRAIGHT_DEG and (
             hangs or _reaches(state.bodies[row], room)
         ):
             round_ = state.objects[row].symmetry == "inf"
             if not round_:
                 state.turn(row, yaw(facing.angle))
-        if hangs and abs(facing.gap) > _TOUCHING:
+        if hangs and abs(facing.gap) > _TOUCHING_M:
             _carry(state, row, -facing.gap * room.inward[facing.wall])
 
 
 def _reaches(body: Body, room: Enclosure) -> bool:
-    return bool(room.beyond(room.footprint(body)).max() > _TOUCHING)
+    return bool(room.beyond(room.footprint(body)).max() > _TOUCHING_M)
 
 
 def _carry(state: Arrangement, row: int, motion: Array) -> None:

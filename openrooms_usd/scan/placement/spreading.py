@@ -12,8 +12,8 @@ from openrooms_usd.scan.placement.arrangement import Arrangement
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.least_motion import Condition, least_motion
 from openrooms_usd.scan.placement.penetration import (
-    FINE,
-    LINES,
+    COARSE_LINES,
+    FINE_LINES,
     Penetration,
     directions,
     gaps,
@@ -27,25 +27,25 @@ Pair: TypeAlias = tuple[int, int]
 Walls: TypeAlias = list[dict[int, float]]
 
 # Overlaps up to this are left alone, metres.
-TOLERANCE: Final = 0.002
+TOLERATED_OVERLAP_M: Final = 0.002
 # What is moved apart keeps this between, metres.
-_CLEARANCE: Final = 0.0005
-_ROUNDS: Final = 16
+_CLEARANCE_M: Final = 0.0005
+_MAX_ROUNDS: Final = 16
 # A way that has been tried and did not free a pair counts as longer by this, metres.
-_TRIED: Final = 0.01
+_TRIED_WAY_PENALTY_M: Final = 0.01
 # What is left of a way that is not given up, metres; and what is the same way (a cosine).
-_NEARLY: Final = 0.015
-_ONWARD: Final = 0.999
+_WAY_LEFT_M: Final = 0.015
+_SAME_WAY_COS: Final = 0.999
 # How much conditions give way: walls least, then how far objects may go, then other objects.
 _WALL_SOFTNESS: Final = 1e-7
 _REACH_SOFTNESS: Final = 1e-6
 _PAIR_SOFTNESS: Final = 1e-5
 _CONTACT_SOFTNESS: Final = 1.0
 # Bodies nearer than this touch, metres.
-_CONTACT: Final = 0.004
+_CONTACT_M: Final = 0.004
 # Another state is better if that much less overlaps, metres.
-_BETTER: Final = 1e-4
-_SAME_PLACE: Final = 1e-6
+_BETTER_BY_M: Final = 1e-4
+_SAME_PLACE_M: Final = 1e-6
 
 
 @dataclass(eq=False)
@@ -72,7 +72,7 @@ class Spread:
         self._ancestry = self.state.ancestry()
         self._carrier = [self.state.carrier(row) for row in range(len(self.state))]
         self._stuck = [
-            bool(room.beyond(points).max() > TOLERANCE and not room.leave(points))
+            bool(room.beyond(points).max() > TOLERATED_OVERLAP_M and not room.leave(points))
             for room, points in zip(self.state.rooms, self._footprints, strict=True)
         ]
         self._out = [0.0] * len(self.state)
@@ -81,16 +81,16 @@ class Spread:
     def run(self) -> Array:
         """(N, 2) how far each object goes, with what carries it: the best that was found."""
         place = best = np.zeros((len(self.state), 2))
-        lines, least = LINES, np.inf
-        for _ in range(_ROUNDS):
+        lines, least = COARSE_LINES, np.inf
+        for _ in range(_MAX_ROUNDS):
             pairs, walls = self._overlaps(place, lines), self._beyond(place)
-            if not pairs and not any(walls) and lines == LINES:
+            if not pairs and not any(walls) and lines == COARSE_LINES:
                 # What few lines missed, more may find.
-                lines = FINE
+                lines = FINE_LINES
                 pairs = self._overlaps(place, lines)
             left = sum(found.depth for found in pairs.values())
             left += sum(max(way.values()) for way in walls if way)
-            if left < least - _BETTER:
+            if left < least - _BETTER_BY_M:
                 best, least = place, left
             if left == 0.0:
                 break
@@ -113,7 +113,7 @@ class Spread:
         found = []
         for room, points, shift in zip(self.state.rooms, self._footprints, place, strict=True):
             way = room.leave(points + shift)
-            found.append(way if max(way.values(), default=0.0) > TOLERANCE else {})
+            found.append(way if max(way.values(), default=0.0) > TOLERATED_OVERLAP_M else {})
         return found
 
     def _overlaps(self, place: Array, lines: int) -> dict[Pair, Penetration]:
@@ -125,7 +125,9 @@ class Spread:
         for pair in combinations(range(len(bodies)), 2):
             a, b = (bodies[row] for row in pair)
             # What cannot come into its room is no reason to move what is in it.
-            if near(a, b, -TOLERANCE) and not (self._stuck[pair[0]] or self._stuck[pair[1]]):
+            if near(a, b, -TOLERATED_OVERLAP_M) and not (
+                self._stuck[pair[0]] or self._stuck[pair[1]]
+            ):
                 overlap = self._overlap((pair, lines), a, b, place[pair[0]] - place[pair[1]])
                 if overlap is not None:
                     found[pair] = overlap
@@ -133,8 +135,8 @@ class Spread:
 
     def _overlap(self, key: tuple[Pair, int], a: Body, b: Body, apart: Array) -> Penetration | None:
         known = self._known.get(key)
-        if known is None or np.abs(known[0] - apart).max() > _SAME_PLACE:
-            known = self._known[key] = apart, penetration(a, b, TOLERANCE, key[1])
+        if known is None or np.abs(known[0] - apart).max() > _SAME_PLACE_M:
+            known = self._known[key] = apart, penetration(a, b, TOLERATED_OVERLAP_M, key[1])
         return known[1]
 
     def _contacts(self, place: Array) -> dict[Pair, Condition]:
@@ -143,9 +145,13 @@ class Spread:
         for pair in combinations(range(len(self.state)), 2):
             a, b = (self.state.bodies[row] for row in pair)
             apart = place[pair[0]] - place[pair[1]]
-            if np.abs(apart).max() < TOLERANCE or pair in self._pairs or pair in self._touching:
+            if (
+                np.abs(apart).max() < TOLERATED_OVERLAP_M
+                or pair in self._pairs
+                or pair in self._touching
+            ):
                 continue
-            if self._ancestry[pair] or self._ancestry[pair[::-1]] or not near(a, b, _CONTACT):
+            if self._ancestry[pair] or self._ancestry[pair[::-1]] or not near(a, b, _CONTACT_M):
                 continue
             towards = _contact(a, b)
             if towards is not None:
@@ -160,22 +166,22 @@ class Spread:
         before = self._pairs.get(pair)
         costs = []
         for k, (direction, depth) in enumerate(found.ways):
-            cost = float(direction @ apart) + depth + _TRIED * self._tried[pair, k]
+            cost = float(direction @ apart) + depth + _TRIED_WAY_PENALTY_M * self._tried[pair, k]
             # A way that all but freed them is gone to its end.
-            going = before is not None and float(before.directions[i] @ direction) > _ONWARD
-            costs.append(-np.inf if going and depth < _NEARLY else cost)
+            going = before is not None and float(before.directions[i] @ direction) > _SAME_WAY_COS
+            costs.append(-np.inf if going and depth < _WAY_LEFT_M else cost)
         k = int(np.argmin(costs))
         self._tried[pair, k] += 1
         direction, depth = found.ways[k]
-        bound = float(direction @ apart) + depth + _CLEARANCE
+        bound = float(direction @ apart) + depth + _CLEARANCE_M
         return Condition({i: direction, j: -direction}, bound, _PAIR_SOFTNESS)
 
     def _enclosing(self, place: Array, walls: Walls) -> list[Condition]:
         conditions = []
         for row, (room, points) in enumerate(zip(self.state.rooms, self._footprints, strict=True)):
-            needed = {wall: -max(gap - _CLEARANCE, 0.0)
+            needed = {wall: -max(gap - _CLEARANCE_M, 0.0)
                       for wall, gap in room.gaps(points + place[row]).items()}  # fmt: skip
-            needed |= {wall: depth + _CLEARANCE for wall, depth in walls[row].items()}
+            needed |= {wall: depth + _CLEARANCE_M for wall, depth in walls[row].items()}
             hangs = self.state.supports[row].kind == WALL
             for wall, depth in needed.items():
                 normal = room.inward[wall]
@@ -205,7 +211,7 @@ def _contact(a: Body, b: Body) -> Array | None:
     """The direction (2,) in which a body touches another one; None where it does not."""
     for direction in directions(a, b):
         back, ahead = gaps(a, b, direction)
-        if min(back, ahead) < _CONTACT:
+        if min(back, ahead) < _CONTACT_M:
             return direction if ahead < back else -direction
     return None
 

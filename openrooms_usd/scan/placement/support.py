@@ -42,40 +42,40 @@ USUAL: Final[Mapping[str, str]] = {
 the floor or on an object, may stand on the other too, but hangs nowhere."""
 
 # How far below its support an object may have been measured, and how far above it, metres.
-SUNK: Final = 0.08
-FLOATING: Final = 0.12
+MAX_SUNK_M: Final = 0.08
+MAX_FLOATING_M: Final = 0.12
 # What nothing carries within these may be further off, metres: tall things by a part of their
 # height, for they are not hung as low as that.
-DEEP: Final = 0.16
-_FALL: Final = 0.2
-_FALL_SHARE: Final = 0.25
-FARTHEST: Final = 0.4
+MAX_DEEP_M: Final = 0.16
+_TALL_FALL_M: Final = 0.2
+_TALL_FALL_SHARE: Final = 0.25
+MAX_FAR_M: Final = 0.4
 # How near to a wall or to the ceiling something may hang there, metres; what is no panel must all
 # but touch its wall.
-_HANGS: Final = 0.2
-_BULKY_HANGS: Final = 0.06
+_HANGING_GAP_M: Final = 0.2
+_BULKY_HANGING_GAP_M: Final = 0.06
 # Standing is likelier than hanging unless what is below is further away by this, metres; a panel
 # (thinner than this, and than a part of its other sides) is as likely to hang.
-_STANDS: Final = 0.1
-_PANEL_STANDS: Final = 0.03
-_PANEL: Final = 0.15
-_PANEL_SHARE: Final = 0.5
+_STANDING_BONUS_M: Final = 0.1
+_PANEL_STANDING_BONUS_M: Final = 0.03
+_PANEL_THICKNESS_M: Final = 0.15
+_PANEL_THICKNESS_SHARE: Final = 0.5
 # This part of what an object stands on must lie on its support.
-_SHARE: Final = 0.3
+_MIN_BASE_SHARE: Final = 0.3
 # Where the floor is close below as well, this part.
-_INSTEAD: Final = 0.7
+_MIN_BASE_SHARE_NEAR_FLOOR: Final = 0.7
 # What lies on the floor and is lower than this carries whatever reaches over it, metres.
-_RUG: Final = 0.04
-_RUG_SHARE: Final = 0.08
+_RUG_HEIGHT_M: Final = 0.04
+_RUG_HEIGHT_SHARE: Final = 0.08
 # Lines within this of the lowest points belong to what an object stands on, metres.
-_BASE: Final = 0.012
+_BASE_HEIGHT_M: Final = 0.012
 # The very lowest corners, metres, and about how many of them are looked at.
-_TIP: Final = 0.003
-_TIPS: Final = 64
+_TIP_HEIGHT_M: Final = 0.003
+_MAX_TIPS: Final = 64
 # The floor is likelier than other things by this, metres; but where a thing lies between an object
 # and the floor, as the lowest board of a shelf does, that is likelier than the floor.
-_PREFERENCE: Final = 0.02
-_BETWEEN: Final = 0.06
+_FLOOR_BONUS_M: Final = 0.02
+_BETWEEN_BONUS_M: Final = 0.06
 _VERTICAL: Final = (2, 0, 1)
 
 
@@ -105,7 +105,7 @@ class Support:
     number: int = -1
 
 
-def rest(body: Body, under: Body, lines: int = 1500, sunk: float = SUNK) -> Rest | None:
+def rest(body: Body, under: Body, lines: int = 1500, sunk: float = MAX_SUNK_M) -> Rest | None:
     """How a body is over another one; None where it is not.
 
     Args:
@@ -127,16 +127,16 @@ def rest(body: Body, under: Body, lines: int = 1500, sunk: float = SUNK) -> Rest
         return None
     i, gaps = i[over], gaps[over]
     gap = min(float(gaps.min()), _lowest_gap(body, under, sunk))
-    base = bottom.low < body.low[2] + _BASE
-    carried = np.unique(i[base[i] & (gaps < gap + _BASE)])
+    base = bottom.low < body.low[2] + _BASE_HEIGHT_M
+    carried = np.unique(i[base[i] & (gaps < gap + _BASE_HEIGHT_M)])
     return Rest(gap, len(carried) / max(1, int(base.sum())))
 
 
 def _lowest_gap(body: Body, under: Body, sunk: float) -> float:
     """The gap below a body's lowest corners, which lines between them might miss."""
     corners = body.triangles.reshape(-1, 3)
-    corners = corners[corners[:, 2] < body.low[2] + _TIP]
-    corners = corners[:: 1 + len(corners) // _TIPS]
+    corners = corners[corners[:, 2] < body.low[2] + _TIP_HEIGHT_M]
+    corners = corners[:: 1 + len(corners) // _MAX_TIPS]
     limit = body.low[2] + sunk
     inside = (under.triangles[..., :2] > corners[:, :2].min(axis=0)).any(axis=1).all(axis=1)
     inside &= (under.triangles[..., :2] < corners[:, :2].max(axis=0)).any(axis=1).all(axis=1)
@@ -172,8 +172,11 @@ def order(bodies: Sequence[Body], floor: Sequence[float]) -> list[int]:
 
 def is_rug(body: Body, floor: float) -> bool:
     """Whether something lies flat on the floor, for other things to stand on."""
-    return bool(body.high[2] - body.low[2] < _RUG and abs(body.low[2] - floor) < FLOATING
-                and min(body.high[:2] - body.low[:2]) > 0.25)  # fmt: skip
+    return bool(
+        body.high[2] - body.low[2] < _RUG_HEIGHT_M
+        and abs(body.low[2] - floor) < MAX_FLOATING_M
+        and min(body.high[:2] - body.low[:2]) > 0.25
+    )
 
 
 def support_of(
@@ -191,10 +194,10 @@ def support_of(
     usual, body = USUAL.get(category), bodies[number]
     if usual == CEILING or (usual == WALL and room.facing(body) is not None):
         return Support(usual)
-    fall = min(max(_FALL, _FALL_SHARE * float(body.high[2] - body.low[2])), FARTHEST)
-    fall = FARTHEST if usual == FLOOR else fall
-    found = _standing(body, bodies, below, room, SUNK, FLOATING)
-    found = found or _standing(body, bodies, below, room, DEEP, fall)
+    fall = min(max(_TALL_FALL_M, _TALL_FALL_SHARE * float(body.high[2] - body.low[2])), MAX_FAR_M)
+    fall = MAX_FAR_M if usual == FLOOR else fall
+    found = _standing(body, bodies, below, room, MAX_SUNK_M, MAX_FLOATING_M)
+    found = found or _standing(body, bodies, below, room, MAX_DEEP_M, fall)
     if usual not in (FLOOR, OBJECT):
         found += _hanging(body, room)
     return min(found, key=lambda item: item[0])[1] if found else Support("nothing")
@@ -203,16 +206,19 @@ def support_of(
 def _hanging(body: Body, room: Enclosure) -> Iterator[tuple[float, Support]]:
     """The wall and the ceiling, where they are near, and what speaks against each."""
     facing = room.facing(body)
-    if facing is not None and abs(facing.gap) < _HANGS:
+    if facing is not None and abs(facing.gap) < _HANGING_GAP_M:
         normal = room.inward[facing.wall]
         depth = float(np.ptp(body.outline @ normal))
         width = float(np.ptp(body.outline @ np.array([-normal[1], normal[0]])))
         smaller = min(width, float(body.high[2] - body.low[2]))
-        panel = depth < min(_PANEL, _PANEL_SHARE * smaller)
-        if panel or abs(facing.gap) < _BULKY_HANGS:
-            yield abs(facing.gap) + (_PANEL_STANDS if panel else _STANDS), Support(WALL)
-    if room.ceiling is not None and abs(room.ceiling - body.high[2]) < _HANGS:
-        yield abs(room.ceiling - float(body.high[2])) + _STANDS, Support(CEILING)
+        panel = depth < min(_PANEL_THICKNESS_M, _PANEL_THICKNESS_SHARE * smaller)
+        if panel or abs(facing.gap) < _BULKY_HANGING_GAP_M:
+            yield (
+                abs(facing.gap) + (_PANEL_STANDING_BONUS_M if panel else _STANDING_BONUS_M),
+                Support(WALL),
+            )
+    if room.ceiling is not None and abs(room.ceiling - body.high[2]) < _HANGING_GAP_M:
+        yield abs(room.ceiling - float(body.high[2])) + _STANDING_BONUS_M, Support(CEILING)
 
 
 def _standing(
@@ -224,21 +230,21 @@ def _standing(
     gap = float(body.low[2] - room.floor)
     on_floor = gap < floating
     if on_floor:
-        found.append((abs(gap) - _PREFERENCE, Support(FLOOR)))
+        found.append((abs(gap) - _FLOOR_BONUS_M, Support(FLOOR)))
     grounded = body.moved(np.array([0.0, 0.0, -gap]))
     for other in below:
         under = bodies[other]
         if on_floor and is_rug(under, room.floor):
             there = rest(grounded, under)
-            if there is not None and there.share > _RUG_SHARE:
-                return [(abs(gap) - _PREFERENCE, Support(OBJECT, other))]
+            if there is not None and there.share > _RUG_HEIGHT_SHARE:
+                return [(abs(gap) - _FLOOR_BONUS_M, Support(OBJECT, other))]
         if under.high[2] < body.low[2] - floating:
             continue
         there = rest(body, under, sunk=sunk)
         if (
             there is not None
             and there.gap < floating
-            and there.share > (_INSTEAD if on_floor else _SHARE)
+            and there.share > (_MIN_BASE_SHARE_NEAR_FLOOR if on_floor else _MIN_BASE_SHARE)
         ):
-            found.append((abs(there.gap) - _BETWEEN * on_floor, Support(OBJECT, other)))
+            found.append((abs(there.gap) - _BETWEEN_BONUS_M * on_floor, Support(OBJECT, other)))
     return found

@@ -21,16 +21,16 @@ from openrooms_usd.scan.points.voxels import Samples, VoxelSums
 Array = NDArray[np.float64]
 
 # Confidence is one half where the standard error is this, metres.
-_GOOD: Final = 0.005
+_HALF_CONFIDENCE_M: Final = 0.005
 # Surfaces that are seen flatter than this have no reliable depth: the tangent of 80 degrees.
-_GRAZING: Final = 5.67
+_GRAZING_TAN: Final = 5.67
 # A jump between neighbouring pixels is none while noise explains it, in standard deviations.
-_NOISE: Final = 3.0
+_JUMP_SIGMAS: Final = 3.0
 # Pixels are left out where they lie closer than this part of a voxel at that distance, metres.
-_SPACING: Final = 0.66
-_TYPICAL: Final = 3.0
-_MOST_STRIDE: Final = 4
-_RIGID: Final = 1e-2
+_MIN_SPACING_VOXELS: Final = 0.66
+_TYPICAL_DEPTH_M: Final = 3.0
+_MAX_STRIDE: Final = 4
+_RIGID_TOLERANCE: Final = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +164,7 @@ def _check(frame: DepthFrame, number: int) -> None:
                 remedy="resample it to the size of the depth picture, by the nearest pixel",
             )
     turn, K = frame.world_from_camera[:3, :3], frame.K
-    if np.abs(turn.T @ turn - np.eye(3)).max() > _RIGID or np.linalg.det(turn) < 0.0:
+    if np.abs(turn.T @ turn - np.eye(3)).max() > _RIGID_TOLERANCE or np.linalg.det(turn) < 0.0:
         raise InputError("its pose is no rotation with a translation", place=place)
     if not np.isfinite(K).all() or K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
         raise InputError("its intrinsics are none: fx and fy are above zero", place=place)
@@ -199,7 +199,7 @@ def _samples(frame: DepthFrame, options: FusionOptions) -> Samples:
 
 def _stride(voxel: float, focal: float) -> int:
     """Every how many pixels one suffices for a voxel that is some metres away."""
-    return int(np.clip(_SPACING * voxel * focal / _TYPICAL, 1, _MOST_STRIDE))
+    return int(np.clip(_MIN_SPACING_VOXELS * voxel * focal / _TYPICAL_DEPTH_M, 1, _MAX_STRIDE))
 
 
 def _steady(depth: Array, focal: float) -> NDArray[np.bool_]:
@@ -209,7 +209,7 @@ def _steady(depth: Array, focal: float) -> NDArray[np.bool_]:
     degrees jump as well.
     """
     good = depth > 0.0
-    allowed = _GRAZING * depth / focal + _NOISE * np.sqrt(2.0) * depth_noise(depth)
+    allowed = _GRAZING_TAN * depth / focal + _JUMP_SIGMAS * np.sqrt(2.0) * depth_noise(depth)
     for axis in (0, 1):
         near = np.moveaxis(depth, axis, 0)
         limit = np.moveaxis(allowed, axis, 0)
@@ -231,6 +231,6 @@ def _cloud(sums: VoxelSums, sensor_origins: list[Array], fewest: int) -> Cloud:
         colors=table.colors_seen()[kept] if sums.has_colors else None,
         label=table.label[kept] if sums.has_label else None,
         instance=table.instance[kept] if sums.has_instance else None,
-        confidence=(weight / (weight + _GOOD**-2)).astype(np.float32),
+        confidence=(weight / (weight + _HALF_CONFIDENCE_M**-2)).astype(np.float32),
         sensor_origins=np.array(sensor_origins).reshape(-1, 3),
     )

@@ -14,8 +14,8 @@ Normals = NDArray[np.float32]
 # Neighbours of a point, itself among them: at 2 cm between points a patch of 4 cm around it.
 NEIGHBOURS: Final = 16
 # Points at a time: bounds the memory of their neighbourhoods.
-_BLOCK: Final = 1 << 16
-_FEWEST: Final = 3
+_POINTS_AT_A_TIME: Final = 1 << 16
+_MIN_NEIGHBOURS: Final = 3
 
 
 def with_normals(cloud: Cloud, neighbours: int = NEIGHBOURS) -> Cloud:
@@ -49,13 +49,13 @@ def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Normals:
 
     count = len(points)
     normals = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (count, 1))
-    if count < _FEWEST:
+    if count < _MIN_NEIGHBOURS:
         return normals
     # Differences of numbers near zero are exact enough far from the origin, too.
     local = points - points.mean(axis=0)
     tree = cKDTree(local)
-    for start in range(0, count, _BLOCK):
-        rows = slice(start, start + _BLOCK)
+    for start in range(0, count, _POINTS_AT_A_TIME):
+        rows = slice(start, start + _POINTS_AT_A_TIME)
         _, near = tree.query(local[rows], min(neighbours, count))
         normals[rows] = _least_axes(local[near])
     return normals

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_TRIES: Final = 400
-_SAMPLE: Final = 4000
-_ROUNDS: Final = 12
+_MSAC_TRIES: Final = 400
+_MSAC_SAMPLE: Final = 4000
+_REWEIGHTING_ROUNDS: Final = 12
 # Tukey's biweight at this many standard deviations is 95 % efficient on clean points.
-_TUKEY: Final = 4.685
-_LEAST_SIGMA: Final = 0.002
+_TUKEY_SIGMAS: Final = 4.685
+_MIN_SIGMA_M: Final = 0.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,13 +58,13 @@ def fit_plane(points: Array, up: Array, tolerance: float, max_tilt: float) -> Pl
         return None
     normal, point = best
     sigma = tolerance / 2.0
-    for _ in range(_ROUNDS):
+    for _ in range(_REWEIGHTING_ROUNDS):
         distance = (points - point) @ normal
         near = np.abs(distance) < tolerance
         if near.sum() < 3:
             return None
-        sigma = max(1.4826 * float(np.median(np.abs(distance[near]))), _LEAST_SIGMA)
-        reach = min(_TUKEY * sigma, tolerance)
+        sigma = max(1.4826 * float(np.median(np.abs(distance[near]))), _MIN_SIGMA_M)
+        reach = min(_TUKEY_SIGMAS * sigma, tolerance)
         weight = np.clip(1.0 - (distance / reach) ** 2, 0.0, None) ** 2
         normal, point = total_least_squares(points, weight, up)
     distance = (points - point) @ normal
@@ -85,8 +85,8 @@ def _msac(points: Array, up: Array, tolerance: float, least: float) -> tuple[Arr
     if len(points) < 3:
         return None
     rng = np.random.default_rng(0)
-    some = points[rng.permutation(len(points))[:_SAMPLE]]
-    a, b, c = some[rng.integers(len(some), size=(3, _TRIES))]
+    some = points[rng.permutation(len(points))[:_MSAC_SAMPLE]]
+    a, b, c = some[rng.integers(len(some), size=(3, _MSAC_TRIES))]
     normals = np.cross(b - a, c - a)
     length = np.linalg.norm(normals, axis=1)
     # A triangle of small area says nothing about a direction.

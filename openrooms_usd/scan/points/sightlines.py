@@ -15,13 +15,13 @@ Mask = NDArray[np.bool_]
 VOXEL: Final = 0.05
 _MOST_SENSORS: Final = 24
 # Sensors see surfaces up to this far, metres, and at this cosine of incidence or more.
-_REACH: Final = 5.5
-_COSINE: Final = 0.3
+_MAX_SIGHT_M: Final = 5.5
+_MIN_INCIDENCE_COS: Final = 0.3
 # A line of sight begins this far before the surface, so that its own returns do not block it.
-_CLEAR: Final = 0.12
+_CLEAR_BEFORE_SURFACE_M: Final = 0.12
 # Voxels with this part of the points of usual ones, or less, hold strays.
-_STRAY: Final = 0.15
-_SAMPLE: Final = 100_000
+_STRAY_SHARE: Final = 0.15
+_MAX_POINTS: Final = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,18 +49,20 @@ class Sight:
         for origin in self.sensor_origins:
             sight = origin - places
             distance = np.linalg.norm(sight, axis=1)
-            facing = -(sight @ outward) > _COSINE * np.maximum(distance, _CLEAR)
-            rows = np.flatnonzero(facing & (distance < _REACH))
+            facing = -(sight @ outward) > _MIN_INCIDENCE_COS * np.maximum(
+                distance, _CLEAR_BEFORE_SURFACE_M
+            )
+            rows = np.flatnonzero(facing & (distance < _MAX_SIGHT_M))
             seen[rows[~self._blocked(places[rows], sight[rows] / distance[rows, None], outward,
                                      distance[rows])]] += 1  # fmt: skip
         return seen
 
     def _blocked(self, places: Array, toward: Array, outward: Array, distance: Array) -> Mask:
         blocked = np.zeros(len(places), dtype=np.bool_)
-        start = _CLEAR / np.maximum(-(toward @ outward), 1e-9)
+        start = _CLEAR_BEFORE_SURFACE_M / np.maximum(-(toward @ outward), 1e-9)
         last = np.array(self.full.shape) - 1
         open_rows = np.arange(len(places))
-        for step in range(int(_REACH / VOXEL)):
+        for step in range(int(_MAX_SIGHT_M / VOXEL)):
             reached = start[open_rows] + step * VOXEL
             open_rows = open_rows[reached < distance[open_rows]]
             if not len(open_rows):
@@ -80,7 +82,7 @@ def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
         points: (N, 3) in the level frame, metres.
         sensor_origins: (V, 3) where the scanner stood; None: wherever somebody could have stood.
     """
-    some = points[:: max(1, len(points) // _SAMPLE)]
+    some = points[:: max(1, len(points) // _MAX_POINTS)]
     low, high = np.quantile(some, (0.001, 0.999), axis=0)
     low = low - 3 * VOXEL
     shape = tuple(np.ceil((high + 3 * VOXEL - low) / VOXEL).astype(np.int64).tolist())
@@ -97,4 +99,4 @@ def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
         else sensor_origins
     )
     chosen = np.unique(np.linspace(0, len(stood) - 1, _MOST_SENSORS).round().astype(np.int64))
-    return Sight(stood[chosen], low, counts > _STRAY * usual)
+    return Sight(stood[chosen], low, counts > _STRAY_SHARE * usual)

@@ -19,19 +19,19 @@ Rows = NDArray[np.int64]
 
 VOXEL: Final = 0.05
 # Points are first thinned to this part of a voxel, so that each piece is known from up to 16.
-_GRAIN: Final = 0.5
+_THINNING_VOXELS: Final = 0.5
 # A plane needs some points; where there are fewer, the next larger voxels are asked.
-_FEWEST: Final = 6
-_COARSER: Final = (2.0, 4.0)
-_WIDEST: Final = 4
+_MIN_POINTS: Final = 6
+_COARSER_VOXELS: Final = (2.0, 4.0)
+_WIDEST_VOXELS: Final = 4
 # In those, stray points are many, but do not lie in a plane: this far from it at most, metres.
-_FLAT: Final = 0.03
+_MAX_OFF_PLANE_M: Final = 0.03
 # Neighbourhoods with less than this part of the usual number of points are stray points.
-_STRAY: Final = 0.2
+_STRAY_SHARE: Final = 0.2
 # Within cubes of this size pieces are compared, metres.
-_BLOCK: Final = 0.4
+_COMPARED_CUBE_M: Final = 0.4
 # Farther than this from the middle lies no room, metres.
-_FARTHEST: Final = 60.0
+_MAX_DISTANCE_M: Final = 60.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,21 +81,21 @@ def surfels(cloud: Cloud, voxel: float = VOXEL) -> Surfels:
         One piece for each occupied voxel that has enough neighbours, in the order of the voxels.
         What the scan gives as normals is not used: it may be missing, or noisy.
     """
-    near = np.abs(cloud.points - np.median(cloud.points, axis=0)).max(axis=1) < _FARTHEST
+    near = np.abs(cloud.points - np.median(cloud.points, axis=0)).max(axis=1) < _MAX_DISTANCE_M
     bare = Cloud(cloud.points, label=cloud.label, confidence=cloud.confidence).take(near)
-    fine = thin(bare, voxel * _GRAIN)
+    fine = thin(bare, voxel * _THINNING_VOXELS)
     pieces = thin(fine, voxel)
     normals, rough, count = _planes(fine.points, pieces.points, voxel)
     usual, spread = float(np.median(count)), np.ones(len(pieces))
-    for coarser in _COARSER:
-        lonely = count < _FEWEST
+    for coarser in _COARSER_VOXELS:
+        lonely = count < _MIN_POINTS
         if lonely.any():
             wide = _planes(fine.points, pieces.points[lonely], voxel * coarser)
-            flat = (wide[2] >= 2 * _FEWEST) & (wide[1] < _FLAT)
+            flat = (wide[2] >= 2 * _MIN_POINTS) & (wide[1] < _MAX_OFF_PLANE_M)
             rows = np.flatnonzero(lonely)[flat]
             normals[rows], rough[rows], count[rows] = (values[flat] for values in wide)
             spread[rows] = 3.0 * coarser / np.sqrt(count[rows])
-    kept = (count >= _FEWEST) & (count >= _STRAY * usual) & np.isfinite(rough)
+    kept = (count >= _MIN_POINTS) & (count >= _STRAY_SHARE * usual) & np.isfinite(rough)
     share = _shares(bare, pieces.points, voxel)
     found = Surfels(pieces.points, normals, rough, share, pieces.label).take(kept)
     return _filled(found, np.rint(spread[kept]).astype(int), voxel)
@@ -103,9 +103,9 @@ def surfels(cloud: Cloud, voxel: float = VOXEL) -> Surfels:
 
 def _filled(pieces: Surfels, spread: Rows, voxel: float) -> Surfels:
     """Where pieces lie several voxels apart, as many on their planes as lie between them."""
-    wide = np.clip(spread, 1, _WIDEST)
+    wide = np.clip(spread, 1, _WIDEST_VOXELS)
     parts = [pieces.take(wide == 1)]
-    for size in range(2, _WIDEST + 1):
+    for size in range(2, _WIDEST_VOXELS + 1):
         some = pieces.take(wide == size)
         if len(some):
             across = np.cross(some.normals, np.eye(3)[np.abs(some.normals).argmin(axis=1)])
@@ -128,8 +128,8 @@ def _shares(cloud: Cloud, places: Array, voxel: float) -> Array:
     """(M,) confident points in the voxel of each place, relative to its block's mean, at most 2."""
     origin = cloud.points.min(axis=0)
     mass = _counts(cloud.points - origin, places - origin, voxel, cloud.confidence)
-    blocks = _counts(places - origin, places - origin, _BLOCK, mass)
-    pieces = _counts(places - origin, places - origin, _BLOCK, None)
+    blocks = _counts(places - origin, places - origin, _COMPARED_CUBE_M, mass)
+    pieces = _counts(places - origin, places - origin, _COMPARED_CUBE_M, None)
     return np.asarray(np.minimum(mass * pieces / np.maximum(blocks, 1e-9), 2.0))
 
 

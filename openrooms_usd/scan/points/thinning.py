@@ -16,12 +16,12 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 # Coordinates beyond this are no place on Earth, in any map projection, metres.
-_FARTHEST: Final = 1e8
+_MAX_COORDINATE_M: Final = 1e8
 # Up to this part of the points may lack a normal and be dropped; else all normals are.
-_FEW: Final = 0.01
+_MAX_LACKING_SHARE: Final = 0.01
 # Mean normals shorter than this come from both sides of a sheet.
-_UNDECIDED: Final = 1e-3
-_SHORTEST: Final = 1e-6
+_MIN_MEAN_NORMAL: Final = 1e-3
+_MIN_NORMAL: Final = 1e-6
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def clean(cloud: Cloud) -> tuple[Cloud, Cleaned]:
         The cloud, its normals of unit length, and the counts of what was dropped. Of equal points
         the first stays, with its label.
     """
-    placed = np.asarray((np.abs(cloud.points) <= _FARTHEST).all(axis=1))
+    placed = np.asarray((np.abs(cloud.points) <= _MAX_COORDINATE_M).all(axis=1))
     whole = cloud if placed.all() else cloud.take(placed)
     first = _first_of_equal(whole.points)
     single = whole if first.all() else whole.take(first)
@@ -161,7 +161,7 @@ def majority(group: Rows, values: NDArray[np.int32]) -> NDArray[np.int32]:
 
 def _mean_normals(mean: Array, first: NDArray[np.float32]) -> NDArray[np.float32]:
     length = np.linalg.norm(mean, axis=1, keepdims=True)
-    decided = length > _UNDECIDED
+    decided = length > _MIN_MEAN_NORMAL
     return np.where(decided, mean / np.where(decided, length, 1.0), first).astype(np.float32)
 
 
@@ -195,9 +195,9 @@ def _unit_normals(cloud: Cloud) -> tuple[Cloud, int, bool]:
     if cloud.normals is None:
         return cloud, 0, False
     length = np.linalg.norm(cloud.normals, axis=1)
-    good = np.isfinite(length) & (length > _SHORTEST)
+    good = np.isfinite(length) & (length > _MIN_NORMAL)
     broken = len(cloud) - int(good.sum())
-    if broken > _FEW * len(cloud):
+    if broken > _MAX_LACKING_SHARE * len(cloud):
         return replace(cloud, normals=None), broken, True
     kept = cloud if broken == 0 else cloud.take(good)
     assert kept.normals is not None

@@ -14,12 +14,12 @@ Rows = NDArray[np.int64]
 Columns = dict[str, NDArray[Any]]
 
 # Three cell numbers of 21 bits make a key; the origin's cell is in the middle.
-_BITS: Final = 21
-_MIDDLE: Final = 1 << (_BITS - 1)
-_MASK: Final = (1 << _BITS) - 1
+_CELL_BITS: Final = 21
+_ORIGIN_CELL: Final = 1 << (_CELL_BITS - 1)
+_MASK: Final = (1 << _CELL_BITS) - 1
 # What one voxel takes: a row of `Table`; and how often, while rows are merged.
-_ROW: Final = 88
-_COPIES: Final = 4
+_ROW_BYTES: Final = 88
+_MERGE_COPIES: Final = 4
 # However large voxels become, they never join across the origin.
 _OCTANTS: Final = 8
 
@@ -103,7 +103,7 @@ class VoxelSums:
     def __init__(self, voxel: float, memory: int) -> None:
         self.voxel = voxel
         self.has_colors = self.has_label = self.has_instance = False
-        self._most = max(memory // (_ROW * _COPIES), _OCTANTS)
+        self._most = max(memory // (_ROW_BYTES * _MERGE_COPIES), _OCTANTS)
         self._origin: Array | None = None
         self._rows: list[Columns] = [_no_rows()]
 
@@ -121,7 +121,7 @@ class VoxelSums:
         if self._origin is None:
             self._origin = np.rint(samples.points.mean(axis=0))
         self._rows.append(_observed(samples, self._origin, self.voxel))
-        if sum(len(rows["key"]) for rows in self._rows[1:]) > self._most // _COPIES:
+        if sum(len(rows["key"]) for rows in self._rows[1:]) > self._most // _MERGE_COPIES:
             self._merge()
 
     def merged(self) -> Table:
@@ -182,19 +182,19 @@ def _observed(samples: Samples, origin: Array, voxel: float) -> Columns:
 
 
 def _keys(local: Array, voxel: float) -> Rows:
-    cells = np.floor(local / voxel) + _MIDDLE
+    cells = np.floor(local / voxel) + _ORIGIN_CELL
     if cells.min() < 0 or cells.max() > _MASK:
         raise InputError(
-            f"the camera's path reaches more than {_MIDDLE * voxel / 1000:.0f} km",
+            f"the camera's path reaches more than {_ORIGIN_CELL * voxel / 1000:.0f} km",
             remedy="check the unit of the poses: metres are expected",
         )
     x, y, z = (cells[:, axis].astype(np.int64) for axis in range(3))
-    return np.asarray((x << 2 * _BITS) | (y << _BITS) | z)
+    return np.asarray((x << 2 * _CELL_BITS) | (y << _CELL_BITS) | z)
 
 
 def _coarser(key: Rows) -> Rows:
     """The keys of voxels of twice the size."""
-    halves = [((key >> shift & _MASK) >> 1) + _MIDDLE // 2 << shift for shift in (42, 21, 0)]
+    halves = [((key >> shift & _MASK) >> 1) + _ORIGIN_CELL // 2 << shift for shift in (42, 21, 0)]
     return np.asarray(halves[0] | halves[1] | halves[2])
 
 

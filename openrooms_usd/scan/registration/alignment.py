@@ -11,14 +11,14 @@ from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.models.symmetry import symmetry_of
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
-from openrooms_usd.scan.registration.competition import begun, finished
+from openrooms_usd.scan.registration.competition import best_sizes, surveyed_candidates
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, from_pose
-from openrooms_usd.scan.registration.selection import FEWEST, RefusedError, Selection
+from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS, RefusedError, Selection
 from openrooms_usd.scan.registration.surroundings import Surroundings
-from openrooms_usd.scan.registration.template import directions, posed, shaped, unposed
-from openrooms_usd.scan.registration.truesize import Sizes, Trial, sized
+from openrooms_usd.scan.registration.template import directions, posed, template_of, unposed
+from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.undersides import supports
 from openrooms_usd.scan.registration.wallsides import Walls, walls_of
 from openrooms_usd.scan.results import FoundObject, FoundRoom
@@ -26,14 +26,14 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom
 Array = NDArray[np.float64]
 
 # Points nearer to the CAD than this lie on it, metres; fits with less of either are refused.
-_ON: Final = 0.05
-_COVERED: Final = 0.04
-_INLIERS: Final = 0.3
-_COVERAGE: Final = 0.15
+_ON_CAD_M: Final = 0.05
+_COVERED_M: Final = 0.04
+_MIN_INLIER_SHARE: Final = 0.3
+_MIN_COVERAGE_SHARE: Final = 0.15
 # Points for what was seen from where; more say the same.
-_LOOK: Final = 300_000
+_MAX_VISIBILITY_POINTS: Final = 300_000
 # What standing on anything but the likeliest support must save.
-_DOUBT: Final = 9.0
+_OTHER_SUPPORT_ENERGY: Final = 9.0
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class _Scene:
         rooms: Sequence[FoundRoom],
         categories: Mapping[int, Sequence[str]],
     ) -> "_Scene":
-        points = cloud.points[:: max(len(cloud) // _LOOK, 1)]
+        points = cloud.points[:: max(len(cloud) // _MAX_VISIBILITY_POINTS, 1)]
         sensor_origins = (
             cloud.sensor_origins
             if cloud.sensor_origins is not None and len(cloud.sensor_origins)
@@ -127,24 +127,25 @@ class _Scene:
         rows = self.selection.rows(hint)
         bounds = bounds_of(hint, models)
         evidence = gathered(cloud.points[rows], bounds, self.walls)
-        if len(evidence.points) < FEWEST:
+        if len(evidence.points) < MIN_OBJECT_POINTS:
             raise RefusedError(
-                f"only {len(evidence.points)} points (at 1.2 cm) belong to it; {FEWEST} are needed"
+                f"only {len(evidence.points)} points (at 1.2 cm) belong to it; "
+                f"{MIN_OBJECT_POINTS} are needed"
             )
         corners = corners_of(hint, models)
         bottom = None if corners is None else float(corners[:, 2].min())
         possible = supports(cloud, rows, evidence, bottom)
         box = hint.box or box_of(evidence, possible[0])
         chosen = self.selection.candidates(hint, rows, evidence, box)
-        trials = [
-            trial
+        candidates = [
+            candidate
             for model, upright in chosen
             for rank, support in enumerate(possible)
-            for trial in self._tried(
-                hint, model, upright, evidence, box, support, _DOUBT * (rank > 0)
+            for candidate in self._tried(
+                hint, model, upright, evidence, box, support, _OTHER_SUPPORT_ENERGY * (rank > 0)
             )
         ]
-        return evidence, finished(trials, evidence)
+        return evidence, best_sizes(candidates, evidence)
 
     def _tried(
         self,
@@ -155,49 +156,53 @@ class _Scene:
         box: Box,
         support: float | None,
         doubt: float,
-    ) -> list[Trial]:
-        """The best starts of one CAD, roughly refined."""
+    ) -> list[Candidate]:
+        """The best hypotheses of one CAD, roughly refined."""
         if hint.pose is not None and hint.cad is not None:
-            shape = shaped(model, upright, hint.pose.scale)
-            starts = from_pose(shape, hint.pose)
+            template = template_of(model, upright, hint.pose.scale)
+            hypotheses = from_pose(template, hint.pose)
         else:
-            shape = shaped(model, upright, _reference(model, upright, box))
-            starts = from_box(shape, box, given=hint.box is not None)
-        radius = 0.5 * float(np.linalg.norm(shape.size[:2]))
+            template = template_of(model, upright, _reference(model, upright, box))
+            hypotheses = from_box(template, box, given=hint.box is not None)
+        radius = 0.5 * float(np.linalg.norm(template.size[:2]))
         around = Surroundings(
-            self.panoramas, support, self.walls.near(starts[0].parameters, radius), doubt
+            self.panoramas, support, self.walls.near(hypotheses[0].parameters, radius), doubt
         )
-        return [trial for start in starts for trial in begun(shape, evidence, around, start)]
+        return [
+            candidate
+            for hypothesis in hypotheses
+            for candidate in surveyed_candidates(template, evidence, around, hypothesis)
+        ]
 
 
-def _found(hint: Hint, best: Trial, evidence: Evidence) -> FoundObject:
-    shape, parameters = best.shape, best.fit.parameters
-    places = posed(shape.points, parameters)
-    normals = directions(shape.normals, parameters)
-    _, nearest = shape.tree.query(unposed(evidence.points, parameters))
+def _found(hint: Hint, best: Candidate, evidence: Evidence) -> FoundObject:
+    template, parameters = best.template, best.fit.parameters
+    places = posed(template.points, parameters)
+    normals = directions(template.normals, parameters)
+    _, nearest = template.tree.query(unposed(evidence.points, parameters))
     offset = evidence.points - places[nearest]
     across = np.abs(np.einsum("ij,ij->i", offset, normals[nearest]))
     far = np.sqrt(np.einsum("ij,ij->i", offset, offset))
-    distance: Array = np.maximum(across, far - shape.spacing)
-    on = distance < _ON
+    distance: Array = np.maximum(across, far - template.spacing)
+    on = distance < _ON_CAD_M
     assert best.around.panoramas is not None
-    visible = best.around.panoramas.visible(places, normals, shape.two_sided)
+    visible = best.around.panoramas.visible(places, normals, template.two_sided)
     reached: Array = np.asarray(evidence.tree.query(places)[0])
-    limit = max(_COVERED, evidence.spacing)
+    limit = max(_COVERED_M, evidence.spacing)
     coverage = float((reached[visible] < limit).mean()) if visible.any() else 0.0
-    if on.mean() < _INLIERS or coverage < _COVERAGE:
+    if on.mean() < _MIN_INLIER_SHARE or coverage < _MIN_COVERAGE_SHARE:
         raise RefusedError(
-            f"the CAD {shape.model.id} does not fit: {100 * on.mean():.0f} % of the points lie on "
-            f"it, and {100 * coverage:.0f} % of what must have been seen of it has points"
+            f"the CAD {template.model.id} does not fit: {100 * on.mean():.0f} % of the points lie "
+            f"on it, and {100 * coverage:.0f} % of what must have been seen of it has points"
         )
     return FoundObject(
         instance=hint.instance,
-        category=hint.category or shape.model.category,
-        cad=shape.model.id,
-        pose=shape.pose(parameters),
+        category=hint.category or template.model.category,
+        cad=template.model.id,
+        pose=template.pose(parameters),
         residual=float(np.sqrt(np.mean(distance[on] ** 2))),
         coverage=coverage,
-        symmetry=shape.model.symmetry or symmetry_of(shape.model, shape.upright),
+        symmetry=template.model.symmetry or symmetry_of(template.model, template.upright),
     )
 
 

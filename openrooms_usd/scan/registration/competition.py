@@ -1,4 +1,4 @@
-"""Tries starts of a CAD against each other: surveyed, refined roughly, the best of them finely."""
+"""Tries pose hypotheses against each other: surveyed, refined roughly, the best of them finely."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,87 +8,108 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.registration.evidence import Evidence
-from openrooms_usd.scan.registration.fitting import FINE, ROUGH, Fit, Stage, energy, refined
+from openrooms_usd.scan.registration.fitting import (
+    FINE,
+    ROUGH,
+    AnnealingLevel,
+    Fit,
+    energy,
+    refined,
+)
 from openrooms_usd.scan.registration.hypotheses import stretched, true_size, varied
-from openrooms_usd.scan.registration.priors import Start
+from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.surroundings import Surroundings
-from openrooms_usd.scan.registration.template import Shape
-from openrooms_usd.scan.registration.truesize import Sizes, Trial
+from openrooms_usd.scan.registration.template import Template
+from openrooms_usd.scan.registration.truesize import Candidate, Sizes
 
 Array = NDArray[np.float64]
 
-# How starts are compared, how many variations of each are refined roughly, how many of all are
+# How hypotheses are compared, how many variations of each are refined roughly, how many of all are
 # refined finely, and how much worse than the best these may be.
-_SURVEY: Final = Stage(0.12, 80, 0, 1.0)
-_STRETCH: Final = Stage(0.05, 400, 0, 0.8)
-_ROUGHLY: Final = 2
-_FINELY: Final = 4
-_HOPELESS: Final = (20.0, 1.6)
+_SURVEY_LEVEL: Final = AnnealingLevel(0.12, 80, 0, 1.0)
+_STRETCH_LEVEL: Final = AnnealingLevel(0.05, 400, 0, 0.8)
+_ROUGH_VARIATIONS: Final = 2
+_FINE_FITS: Final = 4
+_HOPELESS_ENERGY: Final = (20.0, 1.6)
 # Fits whose parameters are as near to each other as this are one, metres or radians.
-_SAME: Final = 0.02
+_SAME_FIT_M_RAD: Final = 0.02
 
 
-def begun(shape: Shape, evidence: Evidence, around: Surroundings, start: Start) -> list[Trial]:
-    """The best of what varies one start, roughly refined."""
+def surveyed_candidates(
+    template: Template, evidence: Evidence, around: Surroundings, hypothesis: PoseHypothesis
+) -> list[Candidate]:
+    """The best of what varies one hypothesis, roughly refined."""
     surveyed: list[tuple[float, int, Array]] = []
-    for parameters in varied(start):
+    for parameters in varied(hypothesis):
         if around.support is not None:
             parameters[2] = around.support
-        cost = energy(shape, evidence, around, start, parameters, _SURVEY)
+        cost = energy(template, evidence, around, hypothesis, parameters, _SURVEY_LEVEL)
         surveyed.append((cost, len(surveyed), parameters))
     return [
-        Trial(shape, start, around, refined(shape, evidence, around, start, parameters, ROUGH))
-        for _, _, parameters in sorted(surveyed)[:_ROUGHLY]
+        Candidate(
+            template,
+            hypothesis,
+            around,
+            refined(template, evidence, around, hypothesis, parameters, ROUGH),
+        )
+        for _, _, parameters in sorted(surveyed)[:_ROUGH_VARIATIONS]
     ]
 
 
-def finished(trials: Sequence[Trial], evidence: Evidence) -> Sizes:
-    """The best trials, finely refined: of any size, and of the CAD's true one."""
-    energies = [trial.fit.energy for trial in trials]
-    order = _different(trials, sorted(range(len(trials)), key=energies.__getitem__))
-    limit = _HOPELESS[0] + _HOPELESS[1] * energies[order[0]]
-    hopeful = [row for row in _mixed(trials, order)[:_FINELY] if energies[row] < limit]
-    fine = [_settled(trials[row], evidence) for row in hopeful]
+def best_sizes(candidates: Sequence[Candidate], evidence: Evidence) -> Sizes:
+    """The best candidates, finely refined: of any size, and of the CAD's true one."""
+    energies = [candidate.fit.energy for candidate in candidates]
+    order = _different(candidates, sorted(range(len(candidates)), key=energies.__getitem__))
+    limit = _HOPELESS_ENERGY[0] + _HOPELESS_ENERGY[1] * energies[order[0]]
+    hopeful = [row for row in _mixed(candidates, order)[:_FINE_FITS] if energies[row] < limit]
+    fine = [_settled(candidates[row], evidence) for row in hopeful]
     true = [sizes.true for sizes in fine if sizes.true is not None]
     return Sizes(
-        min((sizes.any for sizes in fine), key=lambda trial: trial.fit.energy),
-        min(true, key=lambda trial: trial.fit.energy, default=None),
+        min((sizes.any for sizes in fine), key=lambda candidate: candidate.fit.energy),
+        min(true, key=lambda candidate: candidate.fit.energy, default=None),
     )
 
 
-def _mixed(trials: Sequence[Trial], order: Sequence[int]) -> list[int]:
-    """The best of each start before the second best: rough fits hardly tell fronts from sides."""
-    starts = [trials[row].start for row in order]
-    earlier = [sum(other is start for other in starts[:k]) for k, start in enumerate(starts)]
+def _mixed(candidates: Sequence[Candidate], order: Sequence[int]) -> list[int]:
+    """The best of each before the second best: rough fits hardly tell fronts from sides."""
+    hypotheses = [candidates[row].hypothesis for row in order]
+    earlier = [
+        sum(other is hypothesis for other in hypotheses[:k])
+        for k, hypothesis in enumerate(hypotheses)
+    ]
     return [row for _, row in sorted(zip(earlier, order, strict=True), key=lambda pair: pair[0])]
 
 
-def _different(trials: Sequence[Trial], order: Sequence[int]) -> list[int]:
-    """Those rows that lead elsewhere than an earlier one of the same start."""
+def _different(candidates: Sequence[Candidate], order: Sequence[int]) -> list[int]:
+    """Those rows that lead elsewhere than an earlier one of the same hypothesis."""
     kept: list[int] = []
     for row in order:
-        trial = trials[row]
+        candidate = candidates[row]
         same = [
             other
             for other in kept
-            if trials[other].start is trial.start
-            and np.abs(trials[other].fit.parameters - trial.fit.parameters).max() < _SAME
+            if candidates[other].hypothesis is candidate.hypothesis
+            and np.abs(candidates[other].fit.parameters - candidate.fit.parameters).max()
+            < _SAME_FIT_M_RAD
         ]
         if not same:
             kept.append(row)
     return kept
 
 
-def _settled(trial: Trial, evidence: Evidence) -> Sizes:
-    t = trial
-    begins = [t.fit.parameters, *stretched(t.shape, t.fit.parameters)]
-    costs = [energy(t.shape, evidence, t.around, t.start, begin, _STRETCH) for begin in begins]
+def _settled(candidate: Candidate, evidence: Evidence) -> Sizes:
+    t = candidate
+    begins = [t.fit.parameters, *stretched(t.template, t.fit.parameters)]
+    costs = [
+        energy(t.template, evidence, t.around, t.hypothesis, begin, _STRETCH_LEVEL)
+        for begin in begins
+    ]
     begin = begins[int(np.argmin(costs))]
-    fit = refined(t.shape, evidence, t.around, t.start, begin, FINE)
-    size = true_size(t.start)
+    fit = refined(t.template, evidence, t.around, t.hypothesis, begin, FINE)
+    size = true_size(t.hypothesis)
     if size is None:
         return Sizes(replace(t, fit=fit))
     begin = np.concatenate([fit.parameters[:4], size])
-    same = refined(t.shape, evidence, t.around, t.start.at(size), begin, FINE)
-    cost = energy(t.shape, evidence, t.around, t.start, same.parameters, FINE[-1])
+    same = refined(t.template, evidence, t.around, t.hypothesis.at(size), begin, FINE)
+    cost = energy(t.template, evidence, t.around, t.hypothesis, same.parameters, FINE[-1])
     return Sizes(replace(t, fit=fit), replace(t, fit=Fit(same.parameters, cost)))

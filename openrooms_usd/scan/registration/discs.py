@@ -29,14 +29,14 @@ class System(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Points of a shape against discs.
+    """Points of a template against discs.
 
     Attributes:
         across: (N, 3) unit, normal to the disc.
         height: (N,) along it, metres.
         along: (N, 3) unit, in the disc; 0 where the point is above it.
         beyond: (N,) from its edge, metres.
-        lever: (N, 3) of the shape's points about its origin, turned.
+        lever: (N, 3) of the template's points about its origin, turned.
         local: (N, 3) the same, not turned.
         turn: (3, 3) about the vertical.
     """
@@ -69,14 +69,14 @@ class Pairs(NamedTuple):
 def paired(
     points: Array, normals: Array, targets: Array, radius: float, parameters: Array
 ) -> Pairs:
-    """Pairs of a shape's points and points of the scan.
+    """Pairs of a template's points and points of the scan.
 
     Args:
-        points: (N, 3) of the shape, in its own frame.
+        points: (N, 3) of the template, in its own frame.
         normals: (N, 3) unit, there.
         targets: (N, 3) points of the scan.
         radius: Of the discs, metres.
-        parameters: (7,) where the shape is.
+        parameters: (7,) where the template is.
     """
     turn = turn_of(parameters)
     local = points * np.exp(parameters[4:])

@@ -16,25 +16,25 @@ from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls
 Array = NDArray[np.float64]
 
 # Points farther apart than this do not hang together, metres.
-_GAP: Final = 0.08
+_CLUSTER_GAP_M: Final = 0.08
 # Pieces of less than this part of the largest one are strays, where it is known about where the
 # object is, and where not.
-_STRAY: Final = 0.1
-_APART: Final = 0.3
+_STRAY_SHARE_LOCATED: Final = 0.1
+_STRAY_SHARE: Final = 0.3
 # Points so near to the floor are the floor's, where the object is not as flat itself, metres.
-_FLOOR: Final = 0.025
-_FLAT: Final = 0.12
+_NEAR_FLOOR_M: Final = 0.025
+_FLAT_OBJECT_M: Final = 0.12
 # Points so near to a wall that face as it does are the wall's, metres and cosine, and so are those
 # beyond it; unless that is most of what there is, as of a picture.
-_WALL: Final = 0.05
-_BEYOND: Final = (-0.5, -0.03)
-_FACING: Final = 0.85
-_MOSTLY: Final = 0.5
-_ALONG: Final = 0.1
-_NEIGHBOURS: Final = 12
+_NEAR_WALL_M: Final = 0.05
+_BEYOND_WALL_M: Final = (-0.5, -0.03)
+_FACES_WALL_COS: Final = 0.85
+_MAX_WALL_SHARE: Final = 0.5
+_WALL_MARGIN_M: Final = 0.1
+_NORMAL_NEIGHBOURS: Final = 12
 # Between points: coarser for large objects, metres, and for how many points.
-_FINEST: Final = 0.012
-_MOST: Final = 5000
+_MIN_SPACING_M: Final = 0.012
+_MAX_POINTS: Final = 5000
 _SEED: Final = 20100607
 
 
@@ -70,12 +70,12 @@ def gathered(points: Array, bounds: Array | None = None, walls: Walls = NO_WALLS
     """
     if bounds is not None:
         points = points[((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)]
-    points = _together(points, _STRAY if bounds is not None else _APART)
-    if len(points) and np.quantile(points[:, 2], 0.95) > _FLAT:
-        points = points[points[:, 2] > _FLOOR]
-    spacing = _FINEST
+    points = _together(points, _STRAY_SHARE_LOCATED if bounds is not None else _STRAY_SHARE)
+    if len(points) and np.quantile(points[:, 2], 0.95) > _FLAT_OBJECT_M:
+        points = points[points[:, 2] > _NEAR_FLOOR_M]
+    spacing = _MIN_SPACING_M
     thinned = thin(Cloud(points), spacing).points
-    while len(thinned) > _MOST:
+    while len(thinned) > _MAX_POINTS:
         spacing *= 1.2
         thinned = thin(Cloud(points), spacing).points
     thinned = _off_walls(thinned, walls)
@@ -85,7 +85,7 @@ def gathered(points: Array, bounds: Array | None = None, walls: Walls = NO_WALLS
 
 def _off_walls(points: Array, walls: Walls) -> Array:
     """Without points of the walls, which wrong labels give to what stands before them."""
-    if not len(walls.starts) or len(points) <= _NEIGHBOURS:
+    if not len(walls.starts) or len(points) <= _NORMAL_NEIGHBOURS:
         return points
     normals = _normals(points)
     walled = np.zeros(len(points), dtype=np.bool_)
@@ -94,16 +94,16 @@ def _off_walls(points: Array, walls: Walls) -> Array:
         length = float(np.linalg.norm(way))
         station = (points[:, :2] - start) @ way / max(length, 1e-9)
         depth = (points[:, :2] - start) @ inward
-        beside = (station > -_ALONG) & (station < length + _ALONG)
-        facing = np.abs(normals[:, :2] @ inward) > _FACING
-        at = (np.abs(depth) < _WALL) & facing
-        walled |= beside & (at | ((depth > _BEYOND[0]) & (depth < _BEYOND[1])))
-    return points[~walled] if walled.mean() < _MOSTLY else points
+        beside = (station > -_WALL_MARGIN_M) & (station < length + _WALL_MARGIN_M)
+        facing = np.abs(normals[:, :2] @ inward) > _FACES_WALL_COS
+        at = (np.abs(depth) < _NEAR_WALL_M) & facing
+        walled |= beside & (at | ((depth > _BEYOND_WALL_M[0]) & (depth < _BEYOND_WALL_M[1])))
+    return points[~walled] if walled.mean() < _MAX_WALL_SHARE else points
 
 
 def _normals(points: Array) -> Array:
     """(N, 3) least axes of the nearest points."""
-    _, near = KDTree(points).query(points, k=_NEIGHBOURS)
+    _, near = KDTree(points).query(points, k=_NORMAL_NEIGHBOURS)
     off = points[near] - points[near].mean(axis=1, keepdims=True)
     return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", off, off))[1][:, :, 0])
 
@@ -112,7 +112,7 @@ def _together(points: Array, share: float) -> Array:
     """Without pieces that are apart and smaller than this share of the largest one."""
     if not len(points):
         return points
-    cells = np.floor((points - points.min(axis=0)) / _GAP).astype(np.int64)
+    cells = np.floor((points - points.min(axis=0)) / _CLUSTER_GAP_M).astype(np.int64)
     full = np.zeros(cells.max(axis=0) + 1, dtype=np.bool_)
     full[tuple(cells.T)] = True
     pieces, _ = ndimage.label(full, np.ones((3, 3, 3)))

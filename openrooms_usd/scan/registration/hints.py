@@ -14,8 +14,8 @@ from openrooms_usd.scan.results import Pose
 Array = NDArray[np.float64]
 
 # How far around a hint points of its instance may lie: metres, and share of its size.
-_AROUND: Final = 0.2
-_AROUND_SHARE: Final = 0.15
+_AROUND_HINT_M: Final = 0.2
+_AROUND_HINT_SHARE: Final = 0.15
 _CORNERS: Final = np.array(
     [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
 )
@@ -112,7 +112,7 @@ def bounds_of(hint: Hint, models: Sequence[CadModel]) -> Array | None:
     if corners is None:
         return None
     low, high = corners.min(axis=0), corners.max(axis=0)
-    margin = _AROUND + _AROUND_SHARE * (high - low)
+    margin = _AROUND_HINT_M + _AROUND_HINT_SHARE * (high - low)
     return np.stack([low - margin, high + margin])
 
 

@@ -9,28 +9,28 @@ from numpy.typing import NDArray
 
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box
-from openrooms_usd.scan.registration.priors import Start
-from openrooms_usd.scan.registration.template import Shape, turn_of
+from openrooms_usd.scan.registration.priors import PoseHypothesis
+from openrooms_usd.scan.registration.template import Template, turn_of
 from openrooms_usd.scan.results import Pose
 
 Array = NDArray[np.float64]
 
 # Units of one metre in which CADs come, and the logarithm of scale within which one is believed.
-_UNITS: Final = (1.0, 0.001, 0.01, 0.0254)
-_UNIT_REACH: Final = 0.25
-# Deviations of a given start and of a given box: metres, radians, logarithms of scale.
-_HINTED: Final = np.array([0.12, 0.12, 0.12, 0.2, 0.12, 0.12, 0.12])
+_CAD_UNITS_M: Final = (1.0, 0.001, 0.01, 0.0254)
+_UNIT_LOG_TOLERANCE: Final = 0.25
+# Deviations of a given hypothesis and of a given box: metres, radians, logarithms of scale.
+_GIVEN_POSE_SIGMAS: Final = np.array([0.12, 0.12, 0.12, 0.2, 0.12, 0.12, 0.12])
 # Those of a box about the points, which show only a part of the object.
-_SEEN: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25])
+_SEEN_BOX_SIGMAS: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25])
 # How much a CAD may be stretched to fill a box, logarithms of scale, and how much at most to fill
 # what points fill, among which may be strays.
-_STRETCH: Final = 0.18
-_FILLED: Final = 0.3
-_TURNS: Final = (0.0, 0.14, -0.14)
-_STRETCHES: Final = (-0.18, -0.1, 0.1, 0.18)
+_BOX_STRETCH_LOG: Final = 0.18
+_POINTS_STRETCH_LOG: Final = 0.3
+_TURNS_RAD: Final = (0.0, 0.14, -0.14)
+_STRETCHES_LOG: Final = (-0.18, -0.1, 0.1, 0.18)
 # Which end of an axis is moved, with the other one held: the base is where it stands.
 _ENDS: Final = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 0.0))
-_SHIFTS: Final = ((0.0, 0.0), (0.08, 0.0), (-0.08, 0.0), (0.0, 0.08), (0.0, -0.08))
+_SHIFTS_M: Final = ((0.0, 0.0), (0.08, 0.0), (-0.08, 0.0), (0.0, 0.08), (0.0, -0.08))
 
 
 def box_of(evidence: Evidence, support: float | None) -> Box:
@@ -57,57 +57,68 @@ def box_of(evidence: Evidence, support: float | None) -> Box:
     )
 
 
-def from_pose(shape: Shape, pose: Pose) -> list[Start]:
+def from_pose(template: Template, pose: Pose) -> list[PoseHypothesis]:
     """What a noisy pose says."""
-    known = shape.parameters(pose)
-    return [Start(known, _HINTED, plain(shape))]
+    known = template.parameters(pose)
+    return [PoseHypothesis(known, _GIVEN_POSE_SIGMAS, plain(template))]
 
 
-def from_box(shape: Shape, box: Box, *, given: bool) -> list[Start]:
-    """What a box says: one start for each side that may be its front.
+def from_box(template: Template, box: Box, *, given: bool) -> list[PoseHypothesis]:
+    """What a box says: one hypothesis for each side that may be its front.
 
     Args:
-        shape: What is to be fitted.
+        template: What is to be fitted.
         box: Where it is.
         given: Whether somebody drew it; else it is only what the points fill.
     """
     base, size, heading = box.upright()
-    starts = []
+    hypotheses = []
     for quarter in range(4):
         lengths = size if quarter % 2 == 0 else size[[1, 0, 2]]
-        scale = np.log(np.maximum(lengths, 0.01) / np.maximum(shape.size, 0.01))
+        scale = np.log(np.maximum(lengths, 0.01) / np.maximum(template.size, 0.01))
         if not given:
-            usual = float(np.median(scale - plain(shape)))
-            scale = np.minimum(scale, plain(shape) + usual + _FILLED)
+            usual = float(np.median(scale - plain(template)))
+            scale = np.minimum(scale, plain(template) + usual + _POINTS_STRETCH_LOG)
         known = np.array([*base, heading + quarter * 0.5 * np.pi, *scale])
-        starts.append(Start(known, _HINTED if given else _SEEN, plain(shape), _STRETCH))
-    return starts
+        hypotheses.append(
+            PoseHypothesis(
+                known,
+                _GIVEN_POSE_SIGMAS if given else _SEEN_BOX_SIGMAS,
+                plain(template),
+                _BOX_STRETCH_LOG,
+            )
+        )
+    return hypotheses
 
 
-def plain(shape: Shape) -> Array:
+def plain(template: Template) -> Array:
     """(3,) the logarithms of scale at which a CAD has its own size in metres."""
-    return np.asarray(-np.abs(shape.upright) @ np.log(shape.reference))
+    return np.asarray(-np.abs(template.upright) @ np.log(template.reference))
 
 
-def true_size(start: Start) -> Array | None:
+def true_size(hypothesis: PoseHypothesis) -> Array | None:
     """(3,) the logarithms of scale at which a CAD has the size that its unit says.
 
-    The unit is the one that leads nearest to the start's size; None where none comes near.
+    The unit is the one that leads nearest to the hypothesis' size; None where none comes near.
     """
-    mean = float(np.mean(start.parameters[4:] - start.plain))
-    nearest = min((np.log(unit) for unit in _UNITS), key=lambda log: abs(log - mean))
-    return np.asarray(start.plain + nearest) if abs(nearest - mean) < _UNIT_REACH else None
+    mean = float(np.mean(hypothesis.parameters[4:] - hypothesis.plain))
+    nearest = min((np.log(unit) for unit in _CAD_UNITS_M), key=lambda log: abs(log - mean))
+    return (
+        np.asarray(hypothesis.plain + nearest)
+        if abs(nearest - mean) < _UNIT_LOG_TOLERANCE
+        else None
+    )
 
 
-def varied(start: Start) -> Iterator[Array]:
-    """(7,) parameters about a start: turned and shifted, at its size and at the CAD's true one."""
-    true = true_size(start)
-    known = start.parameters[4:]
-    for turn, shift in product(_TURNS, _SHIFTS):
-        yield _moved(start.parameters, turn, shift, known if true is None else true)
+def varied(hypothesis: PoseHypothesis) -> Iterator[Array]:
+    """(7,) parameters about a hypothesis: turned and shifted, at its size and at the true one."""
+    true = true_size(hypothesis)
+    known = hypothesis.parameters[4:]
+    for turn, shift in product(_TURNS_RAD, _SHIFTS_M):
+        yield _moved(hypothesis.parameters, turn, shift, known if true is None else true)
     if true is not None:
-        for turn in _TURNS:
-            yield _moved(start.parameters, turn, (0.0, 0.0), known)
+        for turn in _TURNS_RAD:
+            yield _moved(hypothesis.parameters, turn, (0.0, 0.0), known)
 
 
 def _moved(parameters: Array, turn: float, shift: tuple[float, float], size: Array) -> Array:
@@ -116,12 +127,12 @@ def _moved(parameters: Array, turn: float, shift: tuple[float, float], size: Arr
     return moved
 
 
-def stretched(shape: Shape, parameters: Array) -> Iterator[Array]:
+def stretched(template: Template, parameters: Array) -> Iterator[Array]:
     """(7,) parameters with one side moved outward or inward, so that the other one stays."""
     turn = turn_of(parameters)
-    for (axis, end), stretch in product(_ENDS, _STRETCHES):
+    for (axis, end), stretch in product(_ENDS, _STRETCHES_LOG):
         moved = parameters.copy()
         moved[4 + axis] += stretch
-        grown = shape.size[axis] * (np.exp(moved[4 + axis]) - np.exp(parameters[4 + axis]))
+        grown = template.size[axis] * (np.exp(moved[4 + axis]) - np.exp(parameters[4 + axis]))
         moved[:3] += 0.5 * end * grown * turn[:, axis]
         yield moved

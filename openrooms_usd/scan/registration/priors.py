@@ -11,18 +11,18 @@ from openrooms_usd.scan.registration.discs import System
 Array = NDArray[np.float64]
 
 # Logarithms of scale that are as good as equal.
-_KNOWN: Final = 0.003
+_EQUAL_SCALE_LOG: Final = 0.003
 # No scale is more than so many deviations from what is known.
-_SANE: Final = 2.5
+_MAX_SCALE_SIGMAS: Final = 2.5
 _EVEN: Final = np.eye(3) - 1.0 / 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class PoseHypothesis:
     """What is known before.
 
     Attributes:
-        parameters: (7,) of the shape.
+        parameters: (7,) of the template.
         deviation: (7,) how far from them the truth may be.
         plain: (3,) the last three parameters at the CAD's own size in metres.
         stretch: How much the axes may be stretched against each other, logarithms of scale.
@@ -49,16 +49,16 @@ class Start:
 
     def bounded(self, parameters: Array) -> Array:
         """The parameters with a scale within sane limits of what is known."""
-        reach = _SANE * self.deviation[4:]
+        reach = _MAX_SCALE_SIGMAS * self.deviation[4:]
         scale = np.clip(parameters[4:], self.parameters[4:] - reach, self.parameters[4:] + reach)
         return np.concatenate([parameters[:4], scale])
 
-    def at(self, scale: Array) -> "Start":
+    def at(self, scale: Array) -> "PoseHypothesis":
         """The same, but the last three parameters are known."""
         parameters = np.concatenate([self.parameters[:4], scale])
-        return Start(
+        return PoseHypothesis(
             parameters,
-            np.concatenate([self.deviation[:4], np.full(3, _KNOWN)]),
+            np.concatenate([self.deviation[:4], np.full(3, _EQUAL_SCALE_LOG)]),
             self.plain,
             self.stretch,
         )

@@ -13,10 +13,10 @@ from openrooms_usd.scan.registration.hints import Box
 Array = NDArray[np.float64]
 
 # Bins of the descriptor over distance from the vertical and height, both in shares of the box.
-_RINGS: Final = 6
-_LAYERS: Final = 10
+_RADIAL_BINS: Final = 6
+_HEIGHT_BINS: Final = 10
 # Logarithms of a length's ratio that are as bad as a wholly different descriptor.
-_LENGTHS: Final = 0.5
+_LENGTH_RATIO_LOG: Final = 0.5
 
 
 def ranked(
@@ -46,7 +46,7 @@ def _unlike(model: CadModel, upright: Array, size: Array, seen: Array) -> float:
     lengths = float(np.abs(ratio - np.median(ratio)).mean() + min(abs(np.median(ratio)), 0.5))
     base = np.array([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]])
     shape = _descriptor(model.surface.points @ upright.T - base, own)
-    return lengths / _LENGTHS + float(np.abs(shape - seen).sum())
+    return lengths / _LENGTH_RATIO_LOG + float(np.abs(shape - seen).sum())
 
 
 def _level_sorted(size: Array) -> Array:
@@ -60,7 +60,7 @@ def _descriptor(points: Array, size: Array) -> Array:
     """
     radius = np.linalg.norm(points[:, :2], axis=1) / max(0.5 * float(np.hypot(*size[:2])), 1e-9)
     height = points[:, 2] / max(float(size[2]), 1e-9)
-    ring = np.clip((radius * _RINGS).astype(np.intp), 0, _RINGS - 1)
-    layer = np.clip((height * _LAYERS).astype(np.intp), 0, _LAYERS - 1)
-    counts = np.bincount(layer * _RINGS + ring, minlength=_RINGS * _LAYERS)
+    ring = np.clip((radius * _RADIAL_BINS).astype(np.intp), 0, _RADIAL_BINS - 1)
+    layer = np.clip((height * _HEIGHT_BINS).astype(np.intp), 0, _HEIGHT_BINS - 1)
+    counts = np.bincount(layer * _RADIAL_BINS + ring, minlength=_RADIAL_BINS * _HEIGHT_BINS)
     return np.asarray(counts / max(len(points), 1))

@@ -19,15 +19,15 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 # Objects of fewer points are not aligned.
-FEWEST: Final = 60
+MIN_OBJECT_POINTS: Final = 60
 # How far around a hint points are looked for that have no numbers of objects, metres: neighbours
 # would come along. The labels (NYU40) of what is no object: wall, floor, ceiling.
-_CROPPED: Final = 0.08
-_ROOM: Final = (1, 2, 22)
+_CROP_MARGIN_M: Final = 0.08
+_ROOM_LABELS: Final = (1, 2, 22)
 # Classes (NYU40) that the layout finds.
-_SHELL: Final = {1: "wall", 2: "floor", 8: "door", 9: "window", 22: "ceiling"}
+_LAYOUT_LABELS: Final = {1: "wall", 2: "floor", 8: "door", 9: "window", 22: "ceiling"}
 # CADs that are tried.
-_CADS: Final = 4
+_MAX_CADS: Final = 4
 
 
 class RefusedError(Exception):
@@ -63,15 +63,15 @@ class Selection:
             raise RefusedError(
                 "the scan has no points of this instance, and no box or pose is given"
             )
-        inside = (self.cloud.points > corners.min(axis=0) - _CROPPED).all(axis=1)
-        inside &= (self.cloud.points < corners.max(axis=0) + _CROPPED).all(axis=1)
+        inside = (self.cloud.points > corners.min(axis=0) - _CROP_MARGIN_M).all(axis=1)
+        inside &= (self.cloud.points < corners.max(axis=0) + _CROP_MARGIN_M).all(axis=1)
         cropped = np.flatnonzero(inside)
         if self.cloud.label is None:
             return cropped
         label = self.cloud.label[cropped]
         meant = [k for k, names in self.categories.items() if hint.category in names]
         alike = cropped[np.isin(label, meant)]
-        return alike if len(alike) >= FEWEST else cropped[~np.isin(label, _ROOM)]
+        return alike if len(alike) >= MIN_OBJECT_POINTS else cropped[~np.isin(label, _ROOM_LABELS)]
 
     def candidates(
         self, hint: Hint, rows: Rows, evidence: Evidence, box: Box
@@ -94,9 +94,9 @@ class Selection:
             rotation = Rotation.from_quat(hint.pose.rotation, scalar_first=True).as_matrix()
             return [(fitting[0], upright_of(rotation))]
         standing = [(model, upright) for model in fitting for upright in _uprights(model)]
-        if len(standing) > _CADS:
+        if len(standing) > _MAX_CADS:
             order = ranked([m for m, _ in standing], [u for _, u in standing], evidence, box)
-            standing = [standing[row] for row in order[:_CADS]]
+            standing = [standing[row] for row in order[:_MAX_CADS]]
         return standing
 
     def _wanted(self, hint: Hint, rows: Rows) -> Sequence[str]:
@@ -117,8 +117,8 @@ class Selection:
         if wanted:
             return f"there is no CAD of the category {' or '.join(wanted)}"
         label = self._label(rows)
-        if label in _SHELL:
-            return f"its points are labelled {_SHELL[label]}, which the layout finds"
+        if label in _LAYOUT_LABELS:
+            return f"its points are labelled {_LAYOUT_LABELS[label]}, which the layout finds"
         return f"there is no CAD of the category that its points' label means (NYU40: {label})"
 
 

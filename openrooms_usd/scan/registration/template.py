@@ -14,15 +14,15 @@ from openrooms_usd.scan.results import Pose
 
 Array = NDArray[np.float64]
 
-# Outward directions of the sides of a shape's box.
+# Outward directions of the sides of a template's box.
 SIDES: Final = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
 # What lies in a side: within this share of the extent, and looks outward (cosine).
-_SKIN: Final = 0.02
-_FACING: Final = 0.9
+_SIDE_SHARE: Final = 0.02
+_OUTWARD_COS: Final = 0.9
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class Template:
     """Points of an upright CAD at a reference scale, metres, origin in the middle of its base.
 
     Where it is, is said by seven parameters: the base's middle in the scan (3), the turn about the
@@ -59,15 +59,15 @@ class Shape:
     def flat(self) -> Array:
         """(4,) how much of the sides +x, -x, +y and -y of its box is surface, from 0 to 1."""
         reach = self.points @ SIDES.T / np.maximum(0.5 * np.abs(SIDES) @ self.size, 1e-9)
-        on = (reach > 1.0 - 2.0 * _SKIN) & (self.normals @ SIDES.T > _FACING)
+        on = (reach > 1.0 - 2.0 * _SIDE_SHARE) & (self.normals @ SIDES.T > _OUTWARD_COS)
         areas = self.size[2] * self.size[[1, 1, 0, 0]]
         filled = on.sum(axis=0) * self.spacing**2 / np.maximum(areas, 1e-9)
         return np.asarray(np.minimum(filled, 1.0))
 
-    def part(self, count: int) -> "Shape":
-        """The shape with about so many of its points, evenly chosen."""
+    def part(self, count: int) -> "Template":
+        """The template with about so many of its points, evenly chosen."""
         step = max(len(self.points) // count, 1)
-        return Shape(
+        return Template(
             self.model,
             self.upright,
             self.reference,
@@ -100,7 +100,7 @@ class Shape:
         return np.array([*base, yaw, *np.log(stretch)])
 
 
-def shaped(model: CadModel, upright: Array, reference: Array) -> Shape:
+def template_of(model: CadModel, upright: Array, reference: Array) -> Template:
     """A CAD turned upright at a scale.
 
     Args:
@@ -112,7 +112,7 @@ def shaped(model: CadModel, upright: Array, reference: Array) -> Shape:
     low, high = np.sort((model.extent * reference) @ upright.T, axis=0)
     base = np.array([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]])
     normals = (surface.normals / reference) @ upright.T
-    return Shape(
+    return Template(
         model=model,
         upright=upright,
         reference=reference,
@@ -140,16 +140,16 @@ def turn_of(parameters: Array) -> Array:
 
 
 def posed(points: Array, parameters: Array) -> Array:
-    """(..., 3) points of a shape in the scan."""
+    """(..., 3) points of a template in the scan."""
     return np.asarray((points * np.exp(parameters[4:])) @ turn_of(parameters).T + parameters[:3])
 
 
 def unposed(points: Array, parameters: Array) -> Array:
-    """(..., 3) points of the scan in the frame of a shape."""
+    """(..., 3) points of the scan in the frame of a template."""
     return np.asarray(((points - parameters[:3]) @ turn_of(parameters)) / np.exp(parameters[4:]))
 
 
 def directions(normals: Array, parameters: Array) -> Array:
-    """(N, 3) unit normals of a shape in the scan."""
+    """(N, 3) unit normals of a template in the scan."""
     turned = (normals / np.exp(parameters[4:])) @ turn_of(parameters).T
     return np.asarray(turned / np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None])

@@ -11,32 +11,32 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.scan.registration.fitting import Fit
-from openrooms_usd.scan.registration.priors import Start
+from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.surroundings import Surroundings
-from openrooms_usd.scan.registration.template import Shape
+from openrooms_usd.scan.registration.template import Template
 
 # What three scales that are free save by fitting noise, at even odds, in the energy's unit: half
 # of an energy is the negative logarithm of a likelihood.
-_FREE: Final = 9.0
+_FREE_SCALES_ENERGY: Final = 9.0
 # Energies of good fits in scans that are not bent.
-_USUAL: Final = 50.0
+_GOOD_FIT_ENERGY: Final = 50.0
 # How often the share of CADs to scale is estimated anew.
-_ROUNDS: Final = 20
+_EM_ROUNDS: Final = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class Candidate:
     """A fit with all that it was made of.
 
     Attributes:
-        shape: What was fitted.
-        start: What was known before.
+        template: What was fitted.
+        hypothesis: What was known before.
         around: What it touches.
         fit: How far it has come.
     """
 
-    shape: Shape
-    start: Start
+    template: Template
+    hypothesis: PoseHypothesis
     around: Surroundings
     fit: Fit
 
@@ -50,8 +50,8 @@ class Sizes:
         true: It has its CAD's true size; None where that is not known, or far off.
     """
 
-    any: Trial
-    true: Trial | None = None
+    any: Candidate
+    true: Candidate | None = None
 
     @property
     def excess(self) -> float:
@@ -62,10 +62,10 @@ class Sizes:
         """
         assert self.true is not None
         more = self.true.fit.energy - self.any.fit.energy
-        return more / max(1.0, self.any.fit.energy / _USUAL) - _FREE
+        return more / max(1.0, self.any.fit.energy / _GOOD_FIT_ENERGY) - _FREE_SCALES_ENERGY
 
 
-def sized(objects: Sequence[Sizes]) -> list[Trial]:
+def sized(objects: Sequence[Sizes]) -> list[Candidate]:
     """The likelier fit of each object, given what the others say.
 
     The share of CADs to scale is that of a mixture, by expectation and maximisation from even odds
@@ -73,7 +73,7 @@ def sized(objects: Sequence[Sizes]) -> list[Trial]:
     """
     known = [sizes.excess for sizes in objects if sizes.true is not None]
     excess, odds = np.clip(np.array(known), -50.0, 50.0), 0.0
-    for _ in range(_ROUNDS):
+    for _ in range(_EM_ROUNDS):
         likely = float((1.0 / (1.0 + np.exp(0.5 * excess - odds))).sum())
         odds = float(np.log((likely + 1.0) / (len(known) - likely + 1.0)))
     return [

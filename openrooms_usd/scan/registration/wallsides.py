@@ -12,7 +12,7 @@ from openrooms_usd.scan.results import FoundRoom
 Array = NDArray[np.float64]
 
 # Walls farther than this from the middle of an object are not its own, beyond its own radius.
-_REACH: Final = 0.4
+_WALL_REACH_M: Final = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Walls:
         station = np.einsum("ij,ij->i", offset, unit)
         depth = np.einsum("ij,ij->i", offset, self.normals)
         kept = (station > -0.5 * radius) & (station < length + 0.5 * radius)
-        kept &= (depth > -0.5 * radius) & (depth < radius + _REACH)
+        kept &= (depth > -0.5 * radius) & (depth < radius + _WALL_REACH_M)
         return Walls(self.starts[kept], self.ends[kept], self.normals[kept])
 
 

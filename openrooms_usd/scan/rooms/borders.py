@@ -9,26 +9,26 @@ from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.planmap import PIXEL
 from openrooms_usd.scan.rooms.spaces import Spaces
-from openrooms_usd.scan.rooms.walls import COLUMN, Line
+from openrooms_usd.scan.rooms.walls import COLUMN_M, Line
 
 Array = NDArray[np.float64]
 
-_LEAST_EDGE: Final = 0.6  # metres of straight border
-_BLUR: Final = 1.5  # pixels
-_STEEP: Final = 0.12  # slope of the blurred map, a pixel
-_FACING: Final = 0.9  # cosine
-_WALL: Final = 0.4  # of the cover
-_LEAST_RUN: Final = 0.3  # metres
-_MOST_ENDS: Final = 30
+_MIN_EDGE_M: Final = 0.6  # metres of straight border
+_BLUR_PIXELS: Final = 1.5  # pixels
+_MIN_SLOPE: Final = 0.12  # slope of the blurred map, a pixel
+_FACING_COS: Final = 0.9  # cosine
+_WALL_COVER_SHARE: Final = 0.4  # of the cover
+_MIN_RUN_M: Final = 0.3  # metres
+_MAX_ENDS: Final = 30
 # Of a wall that was missed: how far from its first place what was seen may end, metres;
-_SEARCH: Final = 0.3
+_SEARCH_M: Final = 0.3
 # which part of its columns, of this width, metres, must show such an end; and which of the ends
 # is taken, because a scan that ends in a wavering line reached the wall at its farthest.
-_ENDED: Final = 0.4
-_STRIP: Final = 0.1
-_FARTHEST: Final = 0.8
+_ENDED_SHARE: Final = 0.4
+_STRIP_M: Final = 0.1
+_END_QUANTILE: Final = 0.8
 # The wall itself stands behind what was seen, never before it, metres.
-_BEHIND: Final = 0.03
+_BEHIND_SEEN_M: Final = 0.03
 
 
 def border_lines(spaces: Spaces, directions: tuple[float, ...]) -> list[tuple[Array, float]]:
@@ -42,15 +42,15 @@ def border_lines(spaces: Spaces, directions: tuple[float, ...]) -> list[tuple[Ar
     """
     from scipy import ndimage
 
-    inside = ndimage.gaussian_filter((spaces.rooms > 0).astype(float), _BLUR)
+    inside = ndimage.gaussian_filter((spaces.rooms > 0).astype(float), _BLUR_PIXELS)
     slope = np.column_stack([np.gradient(inside, axis=axis).ravel() for axis in (0, 1)])
     steep = np.linalg.norm(slope, axis=1)
-    border = steep > _STEEP
+    border = steep > _MIN_SLOPE
     places, slope = spaces.centres()[border], slope[border] / steep[border, None]
     found = []
     for angle in [d + turn for d in directions for turn in (0.0, 90.0)]:
         normal = np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))])
-        facing = np.abs(slope @ normal) > _FACING
+        facing = np.abs(slope @ normal) > _FACING_COS
         found += [(normal, offset) for offset in _edges(places[facing] @ normal)]
     return found
 
@@ -66,13 +66,13 @@ def end_lines(lines: list[Line], directions: tuple[float, ...]) -> list[tuple[Ar
         return []
     ends = []
     for line in lines:
-        wall = np.pad(line.cover > _WALL, 1).astype(int)
+        wall = np.pad(line.cover > _WALL_COVER_SHARE, 1).astype(int)
         first, last = (np.flatnonzero(np.diff(wall) == step) for step in (1, -1))
         for a, b in zip(first, last, strict=True):
-            if (b - a) * COLUMN > _LEAST_RUN:
-                ends += [(b - a, line.along, line.start + COLUMN * place) for place in (a, b)]
+            if (b - a) * COLUMN_M > _MIN_RUN_M:
+                ends += [(b - a, line.along, line.start + COLUMN_M * place) for place in (a, b)]
     ends.sort(key=lambda end: -end[0])
-    return [(along, float(place)) for _, along, place in ends[:_MOST_ENDS]]
+    return [(along, float(place)) for _, along, place in ends[:_MAX_ENDS]]
 
 
 def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -> Outline:
@@ -94,8 +94,8 @@ def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -
         away = pieces.points[:, :2] @ normal - offsets[wall]
         place = (pieces.points[:, :2] - starts[wall]) @ along
         length = float((ends[wall] - starts[wall]) @ along)
-        near = (np.abs(away) < 2.0 * _SEARCH) & (place > 0.0) & (place < length)
-        offsets[wall] += _end(place[near], away[near], int(length / _STRIP))
+        near = (np.abs(away) < 2.0 * _SEARCH_M) & (place > 0.0) & (place < length)
+        offsets[wall] += _end(place[near], away[near], int(length / _STRIP_M))
     moved = Outline(outline.normals, offsets)
     return moved if moved.valid() else outline
 
@@ -103,12 +103,12 @@ def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -
 def _end(place: Array, away: Array, columns: int) -> float:
     """How far the wall behind what ends in so many columns stands; 0 where too little ends."""
     farthest = np.full(columns + 1, -np.inf)
-    np.maximum.at(farthest, np.minimum((place / _STRIP).astype(int), columns), away)
+    np.maximum.at(farthest, np.minimum((place / _STRIP_M).astype(int), columns), away)
     # Where the view goes on, as through a door, nothing ends.
-    ending = farthest[np.abs(farthest) < _SEARCH]
-    if len(ending) < max(_ENDED * columns, 3):
+    ending = farthest[np.abs(farthest) < _SEARCH_M]
+    if len(ending) < max(_ENDED_SHARE * columns, 3):
         return 0.0
-    return float(np.quantile(ending, _FARTHEST)) + _BEHIND
+    return float(np.quantile(ending, _END_QUANTILE)) + _BEHIND_SEEN_M
 
 
 def _edges(offsets: Array) -> list[float]:
@@ -118,5 +118,5 @@ def _edges(offsets: Array) -> list[float]:
     counts = np.bincount(((offsets - low) / (0.5 * PIXEL)).astype(int))
     density = np.convolve(np.append(counts, np.zeros(8)), [1, 2, 3, 4, 3, 2, 1], "same")
     peaks = np.flatnonzero((density[1:-1] > density[:-2]) & (density[1:-1] >= density[2:])) + 1
-    strong = peaks[density[peaks] > 4.0 * _LEAST_EDGE / PIXEL]
+    strong = peaks[density[peaks] > 4.0 * _MIN_EDGE_M / PIXEL]
     return [float(low + (peak + 0.5) * 0.5 * PIXEL) for peak in strong]

@@ -9,19 +9,27 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.rooms.walls import COLUMN, FACING, Line, Walls, line_fit, on_line, profile
+from openrooms_usd.scan.rooms.walls import (
+    COLUMN_M,
+    FACES_ACROSS_COS,
+    Line,
+    Walls,
+    line_fit,
+    on_line,
+    profile,
+)
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-_BIN: Final = 0.01
-_LEAST_RUN: Final = 0.12  # of evidence on a line, metres
-_MOST_LINES: Final = 70
+_OFFSET_BIN_M: Final = 0.01
+_MIN_RUN_M: Final = 0.12  # of evidence on a line, metres
+_MAX_LINES: Final = 70
 # Within so many times their reach of a line that was found, others are its noise.
-_EXPLAINED: Final = 2.5
+_EXPLAINED_REACHES: Final = 2.5
 # Lines that differ by less than 8 degrees may be the same, as a cosine.
-_PARALLEL: Final = 0.99
+_SAME_LINE_COS: Final = 0.99
 _ODD_TRIES: Final = 200
 _ODD_SAMPLE: Final = 2000
 _ODD_LINES: Final = 16
@@ -44,13 +52,13 @@ def wall_lines(walls: Walls, directions: tuple[float, ...]) -> list[Line]:
         for angle in (direction, direction + 90.0):
             for offset in _offsets(walls, angle):
                 found.append((angle, offset))
-                free &= ~on_line(walls, _unit(angle), offset, spread=_EXPLAINED)
+                free &= ~on_line(walls, _unit(angle), offset, spread=_EXPLAINED_REACHES)
     lines = [profile(walls, _unit(angle), offset) for angle, offset in found]
     odd = [profile(walls, _unit(angle), offset) for angle, offset in _odd_lines(walls, free)]
     lines += [line for line in odd if not _repeats(walls, line, lines)]
-    lines = [line for line in lines if line.cover.sum() * COLUMN > _LEAST_RUN]
+    lines = [line for line in lines if line.cover.sum() * COLUMN_M > _MIN_RUN_M]
     lines.sort(key=lambda line: -float(line.cover.sum()))
-    return lines[:_MOST_LINES]
+    return lines[:_MAX_LINES]
 
 
 def _unit(degrees: float) -> Array:
@@ -60,31 +68,33 @@ def _unit(degrees: float) -> Array:
 def _offsets(walls: Walls, angle: float) -> list[float]:
     """Where many pieces that face a direction lie: maxima of their smoothed density."""
     normal = _unit(angle)
-    facing = np.abs(walls.normals @ normal) > FACING
+    facing = np.abs(walls.normals @ normal) > FACES_ACROSS_COS
     if not facing.any():
         return []
     place = walls.points[facing] @ normal
     low = place.min() - 0.2
-    counts = np.bincount(((place - low) / _BIN).astype(int), (walls.weight * walls.share)[facing])
+    counts = np.bincount(
+        ((place - low) / _OFFSET_BIN_M).astype(int), (walls.weight * walls.share)[facing]
+    )
     counts = np.append(counts, np.zeros(20))
-    steps = np.arange(-12, 13) * _BIN
+    steps = np.arange(-12, 13) * _OFFSET_BIN_M
     kernel = np.exp(-0.5 * (steps / (walls.reach / 3.0)) ** 2)
     density = np.convolve(counts, kernel, "same")
     peaks = np.flatnonzero((density[1:-1] > density[:-2]) & (density[1:-1] >= density[2:])) + 1
-    least = _LEAST_RUN / COLUMN * 0.3 * walls.courses
+    least = _MIN_RUN_M / COLUMN_M * 0.3 * walls.courses
     peaks = peaks[density[peaks] > least]
     kept: list[int] = []
     for peak in peaks[np.argsort(-density[peaks], kind="stable")]:
-        if all(abs(peak - other) * _BIN > walls.reach for other in kept):
+        if all(abs(peak - other) * _OFFSET_BIN_M > walls.reach for other in kept):
             kept.append(int(peak))
-    return [low + (peak + 0.5) * _BIN for peak in kept]
+    return [low + (peak + 0.5) * _OFFSET_BIN_M for peak in kept]
 
 
 def _odd_lines(walls: Walls, free: Mask) -> list[tuple[float, float]]:
     """Lines through what no other line explains, by MSAC, one after the other."""
     rng = np.random.default_rng(0)
     found: list[tuple[float, float]] = []
-    least = 2.0 * _LEAST_RUN / COLUMN * walls.courses
+    least = 2.0 * _MIN_RUN_M / COLUMN_M * walls.courses
     for _ in range(_ODD_LINES):
         rows = np.flatnonzero(free)
         if walls.weight[rows].sum() < least:
@@ -104,11 +114,11 @@ def _odd_lines(walls: Walls, free: Mask) -> list[tuple[float, float]]:
 def _repeats(walls: Walls, odd: Line, straight: list[Line]) -> bool:
     """Whether an odd line is the noise of one along a prevailing direction, slightly turned."""
     total = np.concatenate([[0.0], np.cumsum(odd.cover)]) / max(float(odd.cover.sum()), 1e-9)
-    a, b = odd.start + COLUMN * np.interp([0.1, 0.9], total, np.arange(len(total)))
+    a, b = odd.start + COLUMN_M * np.interp([0.1, 0.9], total, np.arange(len(total)))
     middle = odd.offset * odd.normal + (a + b) / 2.0 * odd.along
     half = (b - a) / 2.0
     for line in straight:
-        near = abs(line.normal @ odd.normal) > _PARALLEL
+        near = abs(line.normal @ odd.normal) > _SAME_LINE_COS
         if near and abs(middle @ line.normal - line.offset) < walls.thickness:
             place = middle @ line.along
             if line.covered(place - half, place + half) > 0.4 * odd.covered(a, b):
@@ -122,7 +132,7 @@ def _best_seed(walls: Walls, some: Rows, tries: Rows) -> int:
     seeds, axes = points[tries], normals[tries]
     across = points @ axes.T - (seeds * axes).sum(axis=1)
     along = points @ _quarter(axes).T - (seeds * _quarter(axes)).sum(axis=1)
-    near = (np.abs(along) < _ODD_REACH) & (np.abs(normals @ axes.T) > FACING)
+    near = (np.abs(along) < _ODD_REACH) & (np.abs(normals @ axes.T) > FACES_ACROSS_COS)
     support = np.where(near, np.clip(1.0 - (across / walls.reach) ** 2, 0.0, None), 0.0)
     return int(some[tries[int((walls.weight[some] @ support).argmax())]])
 
@@ -139,7 +149,7 @@ def _grown(walls: Walls, rows: Rows, seed: int) -> tuple[Array, float]:
     offset = float(walls.points[seed] @ normal)
     for _ in range(6):
         across = points @ normal - offset
-        near = close & (np.abs(normals @ normal) > FACING)
+        near = close & (np.abs(normals @ normal) > FACES_ACROSS_COS)
         bell = np.clip(1.0 - (across / walls.reach) ** 2, 0.0, None) ** 2
         kernel = np.where(near, weight * bell, 0.0)
         if kernel.sum() < 3.0:

@@ -10,22 +10,22 @@ from openrooms_usd.scan.points.surfels import VOXEL, Surfels
 
 Array = NDArray[np.float64]
 
-_LOWEST: Final = 1.9  # metres
+_MIN_CEILING_M: Final = 1.9  # metres
 # Normals nearer to the vertical are of level surfaces; up to the other, of slopes; as cosines.
-_LEVEL: Final = float(np.cos(np.deg2rad(8.0)))
-_SLOPED: Final = 0.35
-_BIN: Final = 0.02
-_LEAST_AREA: Final = 0.5  # square metres
+_LEVEL_COS: Final = float(np.cos(np.deg2rad(8.0)))
+_SLOPED_COS: Final = 0.35
+_HEIGHT_BIN_M: Final = 0.02
+_MIN_AREA_M2: Final = 0.5  # square metres
 # Walls do not go on for this much above the ceiling, metres.
-_ABOVE: Final = 0.12
+_WALL_ABOVE_CEILING_M: Final = 0.12
 # Slopes begin at this height; their pieces lie this near to them, metres, and face as they do, as
 # a cosine; each has this area, square metres. A shed roof has one, a gable roof two.
-_EAVES: Final = 1.0
-_NEAR: Final = 0.06
-_ALIKE: Final = 0.97
-_LEAST_SLOPE: Final = 1.5
-_SLOPES: Final = 2
-_STEEPEST: Final = 70.0
+_MIN_EAVES_M: Final = 1.0
+_ON_SLOPE_M: Final = 0.06
+_ON_SLOPE_COS: Final = 0.97
+_MIN_SLOPE_AREA_M2: Final = 1.5
+_MAX_SLOPES: Final = 2
+_MAX_SLOPE_DEG: Final = 70.0
 
 
 def ceiling_height(pieces: Surfels) -> float | None:
@@ -37,16 +37,18 @@ def ceiling_height(pieces: Surfels) -> float | None:
     Returns:
         Metres above the floor; None where no ceiling was seen, or where most of it slopes.
     """
-    high = pieces.take(pieces.points[:, 2] > _LOWEST)
+    high = pieces.take(pieces.points[:, 2] > _MIN_CEILING_M)
     steep = np.abs(high.normals[:, 2])
-    flat = high.points[steep > _LEVEL, 2]
-    least = _LEAST_AREA / VOXEL**2
+    flat = high.points[steep > _LEVEL_COS, 2]
+    least = _MIN_AREA_M2 / VOXEL**2
     if len(flat) < least:
         return None
     height, count = _peak(flat)
-    sloped = int(((steep < _LEVEL) & (steep > _SLOPED)).sum())
-    above = high.points[(steep < _SLOPED) & (high.points[:, 2] > height + _ABOVE)]
-    upright = high.points[steep < _SLOPED]
+    sloped = int(((steep < _LEVEL_COS) & (steep > _SLOPED_COS)).sum())
+    above = high.points[
+        (steep < _SLOPED_COS) & (high.points[:, 2] > height + _WALL_ABOVE_CEILING_M)
+    ]
+    upright = high.points[steep < _SLOPED_COS]
     if count < least or sloped > count or len(above) > 0.15 * len(upright):
         return None
     return height
@@ -62,15 +64,17 @@ def ceiling_slopes(pieces: Surfels) -> tuple[tuple[Array, Array], ...]:
         At most two, each with its unit normal (3,) into the room and a point (3,) of it.
     """
     steep = np.abs(pieces.normals[:, 2])
-    left = pieces.take((steep < _LEVEL) & (steep > _SLOPED) & (pieces.points[:, 2] > _EAVES))
+    left = pieces.take(
+        (steep < _LEVEL_COS) & (steep > _SLOPED_COS) & (pieces.points[:, 2] > _MIN_EAVES_M)
+    )
     found: list[tuple[Array, Array]] = []
-    while len(found) < _SLOPES:
-        plane = fit_plane(left.points, np.array([0.0, 0.0, 1.0]), _NEAR, _STEEPEST)
+    while len(found) < _MAX_SLOPES:
+        plane = fit_plane(left.points, np.array([0.0, 0.0, 1.0]), _ON_SLOPE_M, _MAX_SLOPE_DEG)
         if plane is None:
             break
-        on = np.abs(plane.heights(left.points)) < _NEAR
-        alike = on & (np.abs(left.normals @ plane.normal) > _ALIKE)
-        if alike.sum() * VOXEL**2 < _LEAST_SLOPE:
+        on = np.abs(plane.heights(left.points)) < _ON_SLOPE_M
+        alike = on & (np.abs(left.normals @ plane.normal) > _ON_SLOPE_COS)
+        if alike.sum() * VOXEL**2 < _MIN_SLOPE_AREA_M2:
             break
         found.append((-plane.normal, plane.point))
         left = left.take(~on)
@@ -79,8 +83,8 @@ def ceiling_slopes(pieces: Surfels) -> tuple[tuple[Array, Array], ...]:
 
 def _peak(heights: Array) -> tuple[float, int]:
     """The height where most pieces lie, within five centimetres, and their number."""
-    counts = np.bincount((heights / _BIN).astype(int))
+    counts = np.bincount((heights / _HEIGHT_BIN_M).astype(int))
     density = np.convolve(np.append(counts, np.zeros(5)), np.ones(5), "same")
-    peak = (int(density.argmax()) + 0.5) * _BIN
-    near = heights[np.abs(heights - peak) < 2.5 * _BIN]
+    peak = (int(density.argmax()) + 0.5) * _HEIGHT_BIN_M
+    near = heights[np.abs(heights - peak) < 2.5 * _HEIGHT_BIN_M]
     return float(np.median(near)), len(near)

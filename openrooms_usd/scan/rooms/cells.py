@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 # Capacities are whole numbers: tenths of a millimetre of wall.
-_UNIT: Final = 1e4
-_SEALED: Final = 10**8
+_CAPACITY_PER_M: Final = 1e4
+_SEALED_CAPACITY: Final = 10**8
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,9 +154,9 @@ def inside_by_cut(
 
     count = len(cells)
     source, sink = count, count + 1
-    toward = np.where(inner, _SEALED, np.rint(np.maximum(gain, 0.0) * _UNIT))
-    away = np.where(outer, _SEALED, np.rint(np.maximum(-gain, 0.0) * _UNIT))
-    cost = np.rint(cells.missing * _UNIT) + 1
+    toward = np.where(inner, _SEALED_CAPACITY, np.rint(np.maximum(gain, 0.0) * _CAPACITY_PER_M))
+    away = np.where(outer, _SEALED_CAPACITY, np.rint(np.maximum(-gain, 0.0) * _CAPACITY_PER_M))
+    cost = np.rint(cells.missing * _CAPACITY_PER_M) + 1
     a, b = cells.pairs.T
     nodes = np.arange(count)
     rows = np.concatenate([a, b, np.full(count, source), nodes])

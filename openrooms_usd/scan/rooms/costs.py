@@ -13,12 +13,12 @@ Array = NDArray[np.float64]
 
 
 # What a metre of wall that stands inside, away from the outline, costs, metres.
-_UNEXPLAINED: Final = 2.5
+_WALL_INSIDE_COST: Final = 2.5
 # Walls shorter than this are rather window reveals, or drift of the scan, and cost so much more,
 # metres.
-_SHORT: Final = ((0.2, 0.4), (0.08, 2.0))
+_SHORT_WALL_COSTS_M: Final = ((0.2, 0.4), (0.08, 2.0))
 # What it costs if everybody who scanned the room stood outside, metres.
-_LEFT_OUT: Final = 30.0
+_SENSORS_OUTSIDE_COST_M: Final = 30.0
 
 
 class Cost:
@@ -54,16 +54,23 @@ class Cost:
             line = self._line(outline.normals[i], float(outline.offsets[i]))
             a, b = corners[i] @ line.along, corners[(i + 1) % len(corners)] @ line.along
             missing += float(abs(b - a) - line.covered(a, b)) * float(dear[i])
-            missing += sum(cost for length, cost in _SHORT if abs(b - a) < length)
+            missing += sum(cost for length, cost in _SHORT_WALL_COSTS_M if abs(b - a) < length)
         polygon = shapely.Polygon(corners)
         shapely.prepare(polygon)
         held = self._worth[shapely.contains_xy(polygon, self._centres)].sum()
         if len(self._stood):
-            missing += _LEFT_OUT * float((~shapely.contains_xy(polygon, self._stood)).mean())
+            missing += _SENSORS_OUTSIDE_COST_M * float(
+                (~shapely.contains_xy(polygon, self._stood)).mean()
+            )
         inner = polygon.buffer(-self._walls.thickness, join_style="mitre")
         shapely.prepare(inner)
         left = self._standing[shapely.contains_xy(inner, self._tall)].sum()
-        return missing + self._simplicity * len(outline) + _UNEXPLAINED * float(left) - float(held)
+        return (
+            missing
+            + self._simplicity * len(outline)
+            + _WALL_INSIDE_COST * float(left)
+            - float(held)
+        )
 
     def _line(self, normal: Array, offset: float) -> Line:
         key = (*normal.tolist(), offset)

@@ -10,25 +10,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import VOXEL, Surfels
-from openrooms_usd.scan.rooms.directions import UPRIGHT, apart
+from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE, apart
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 # NYU40.
-_WALL: Final = 1
-_DOOR: Final = 8
+_WALL_LABEL: Final = 1
+_DOOR_LABEL: Final = 8
 # Lower than this, skirting boards and thresholds are called door as well, metres.
-_FOOT: Final = 0.1
+_SKIRTING_M: Final = 0.1
 # Within this distance the pieces of a leaf, or of a wall, give its direction, metres.
-_AROUND: Final = 0.35
-_FEWEST: Final = 8
+_DIRECTION_RADIUS_M: Final = 0.35
+_MIN_PIECES: Final = 8
 # Leaves that are open by less move no wall, degrees.
-_OPEN: Final = 4.0
+_MIN_OPEN_DEG: Final = 4.0
 # A wall goes on in the line of a closed door: so far, in this band, in so many columns.
-_ONWARD: Final = 1.5
-_BAND: Final = 0.08
-_SOME: Final = 6
+_WALL_ONWARD_M: Final = 1.5
+_WALL_BAND_M: Final = 0.08
+_MIN_COLUMNS: Final = 6
 
 
 def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
@@ -41,15 +41,15 @@ def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
     none = np.zeros(len(pieces), dtype=np.bool_)
     if pieces.label is None or not directions:
         return none
-    standing = (np.abs(pieces.normals[:, 2]) < UPRIGHT) & (pieces.points[:, 2] > _FOOT)
-    doors = np.flatnonzero(standing & (pieces.label == _DOOR))
-    walls = np.flatnonzero(standing & (pieces.label == _WALL))
+    standing = (np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE) & (pieces.points[:, 2] > _SKIRTING_M)
+    doors = np.flatnonzero(standing & (pieces.label == _DOOR_LABEL))
+    walls = np.flatnonzero(standing & (pieces.label == _WALL_LABEL))
     if not len(doors) or not len(walls):
         return none
     places, column = _columns(pieces.points[doors, :2])
     angle = _runs(places)
     off = np.min([apart(angle, direction) for direction in directions], axis=0)
-    rows = np.flatnonzero(off > _OPEN)
+    rows = np.flatnonzero(off > _MIN_OPEN_DEG)
     leaf = np.zeros(len(places), bool)
     if len(rows):
         leaf[rows] = ~_in_line(places[rows], angle[rows], _columns(pieces.points[walls, :2])[0])
@@ -69,7 +69,7 @@ def _runs(places: Array) -> Array:
     """(C,) the directions of the normals of what stands around places, degrees; NaN: of little."""
     from scipy.spatial import KDTree
 
-    near = KDTree(places).query_pairs(_AROUND, output_type="ndarray")
+    near = KDTree(places).query_pairs(_DIRECTION_RADIUS_M, output_type="ndarray")
     pairs = np.concatenate([near, near[:, ::-1], np.repeat(np.arange(len(places))[:, None], 2, 1)])
     x, y = places[pairs[:, 1]].T
     count, sx, sy, xx, xy, yy = (
@@ -79,7 +79,7 @@ def _runs(places: Array) -> Array:
     covariance = xy - sx * sy / count
     difference = (xx - sx * sx / count) - (yy - sy * sy / count)
     along = 0.5 * np.arctan2(2.0 * covariance, difference)
-    return np.where(count >= _FEWEST, np.rad2deg(along) + 90.0, np.nan)
+    return np.where(count >= _MIN_PIECES, np.rad2deg(along) + 90.0, np.nan)
 
 
 def _in_line(places: Array, angles: Array, walls: Array) -> Mask:
@@ -88,9 +88,9 @@ def _in_line(places: Array, angles: Array, walls: Array) -> Mask:
 
     found = np.zeros(len(places), bool)
     runs = _runs(walls)
-    for row, near in enumerate(KDTree(walls).query_ball_point(places, _ONWARD)):
+    for row, near in enumerate(KDTree(walls).query_ball_point(places, _WALL_ONWARD_M)):
         turn = np.deg2rad(angles[row])
         away = np.abs((walls[near] - places[row]) @ np.array([np.cos(turn), np.sin(turn)]))
-        alike = apart(runs[near], angles[row], 180.0) < _OPEN
-        found[row] = ((away < _BAND) & alike).sum() >= _SOME
+        alike = apart(runs[near], angles[row], 180.0) < _MIN_OPEN_DEG
+        found[row] = ((away < _WALL_BAND_M) & alike).sum() >= _MIN_COLUMNS
     return found

@@ -17,35 +17,35 @@ from openrooms_usd.scan.points.surfels import VOXEL, Surfels
 
 Array = NDArray[np.float64]
 
-FEWEST: Final = 200
+MIN_PIECES: Final = 200
 # Normals this near to the vertical, degrees, are of floors, tops and ceilings.
-FLAT: Final = 8.0
-UPRIGHT: Final = 15.0
+LEVEL_DEG: Final = 8.0
+UPRIGHT_DEG: Final = 15.0
 # What is farther than this from level or upright says nothing of gravity, degrees: so many times
 # the median, within limits.
-_SQUARE: Final = 2.0
-_SQUARES: Final = (3.0, 10.0)
-_ROUNDS: Final = 8
+_OUTLIER_MEDIANS: Final = 2.0
+_OUTLIER_LIMITS_DEG: Final = (3.0, 10.0)
+_REWEIGHTING_ROUNDS: Final = 8
 # The floor's plane counts fully up to this angle to gravity, not at all from twice this, degrees;
-_AGREES: Final = 0.1
+_FLOOR_AGREES_DEG: Final = 0.1
 # larger where gravity itself is less sure. Pieces share their points with those around them.
-_SIGMAS: Final = 2.0
-_SHARED: Final = 27.0
+_GRAVITY_SIGMAS: Final = 2.0
+_SHARED_PIECES: Final = 27.0
 # The floor is the lowest level with this part of the largest one's area,
-_LOWEST: Final = 0.15
+_MIN_FLOOR_SHARE: Final = 0.15
 # and with this area, square metres;
-_LEAST_AREA: Final = 0.15
+_MIN_FLOOR_M2: Final = 0.15
 # walls do not go on for this much below it, metres.
-_BELOW: Final = 0.35
+_WALLS_BELOW_M: Final = 0.35
 # Less than this part of the normals' spread is noise of a single wall.
-_ONE_WALL: Final = 0.05
-_BIN: Final = 0.02
-_SLAB: Final = 0.12
-_TOLERANCE: Final = 0.03
+_ONE_WALL_SHARE: Final = 0.05
+_HEIGHT_BIN_M: Final = 0.02
+_SLAB_M: Final = 0.12
+_LEVEL_TOLERANCE_M: Final = 0.03
 # NYU40: the floor, which mats and carpets lie on; that much of it tells where it is.
-_FLOOR: Final = 2
-_BARE: Final = 0.1
-_PIECE: Final = VOXEL**2
+_FLOOR_LABEL: Final = 2
+_BARE_FLOOR_SHARE: Final = 0.1
+_PIECE_M2: Final = VOXEL**2
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,22 +78,22 @@ def find_ground(pieces: Surfels, guess: Array, tilt: float) -> Ground:
     """
     up, sigma = _squared(pieces.normals, _gravity(pieces, guess, tilt))
     facing = np.abs(pieces.normals @ up)
-    flat = pieces.take(facing > np.cos(np.deg2rad(FLAT)))
-    foot = _foot(pieces.points[facing < np.sin(np.deg2rad(UPRIGHT))] @ up)
+    flat = pieces.take(facing > np.cos(np.deg2rad(LEVEL_DEG)))
+    foot = _foot(pieces.points[facing < np.sin(np.deg2rad(UPRIGHT_DEG))] @ up)
     height = _floor_level(flat.points @ up, flat.label)
-    if height is not None and height - foot < _BELOW:
-        slab = _bare(flat.take(np.abs(flat.points @ up - height) < _SLAB))
-        plane = fit_plane(slab, up, _TOLERANCE, max_tilt=3.0)
+    if height is not None and height - foot < _WALLS_BELOW_M:
+        slab = _bare(flat.take(np.abs(flat.points @ up - height) < _SLAB_M))
+        plane = fit_plane(slab, up, _LEVEL_TOLERANCE_M, max_tilt=3.0)
         if plane is not None:
-            return _between(slab, plane, up, max(_AGREES, _SIGMAS * sigma))
+            return _between(slab, plane, up, max(_FLOOR_AGREES_DEG, _GRAVITY_SIGMAS * sigma))
     middle = np.median(pieces.points, axis=0)
     return Ground(up, middle + (foot - middle @ up) * up, float("nan"), False, 1.0)
 
 
 def _bare(slab: Surfels) -> Array:
     """(P, 3) the pieces that are labelled floor, where there are enough; else all."""
-    named = np.zeros(len(slab), bool) if slab.label is None else slab.label == _FLOOR
-    return slab.points[named] if named.mean() > _BARE else slab.points
+    named = np.zeros(len(slab), bool) if slab.label is None else slab.label == _FLOOR_LABEL
+    return slab.points[named] if named.mean() > _BARE_FLOOR_SHARE else slab.points
 
 
 def _between(slab: Array, plane: Plane, up: Array, agrees: float) -> Ground:
@@ -116,7 +116,7 @@ def _gravity(pieces: Surfels, guess: Array, tilt: float) -> Array:
     near = toward @ guess > np.cos(np.deg2rad(tilt + 2.0))
     flat = toward[near]
     up = guess
-    if len(flat) > _LEAST_AREA / _PIECE:
+    if len(flat) > _MIN_FLOOR_M2 / _PIECE_M2:
         some = flat[:: max(1, len(flat) // 1500)]
         up = some[(some @ some.T > np.cos(np.deg2rad(3.0))).sum(axis=1).argmax()]
         for width in (6.0, 4.0, 3.0, 3.0):
@@ -125,7 +125,7 @@ def _gravity(pieces: Surfels, guess: Array, tilt: float) -> Array:
         return np.asarray(up)
     for width in (tilt, 8.0, 5.0, 5.0):
         walls = pieces.normals[np.abs(pieces.normals @ up) < np.sin(np.deg2rad(width))]
-        if len(walls) < FEWEST:
+        if len(walls) < MIN_PIECES:
             break
         up = _square_to(walls, guess)
     return up
@@ -134,7 +134,7 @@ def _gravity(pieces: Surfels, guess: Array, tilt: float) -> Array:
 def _square_to(walls: Array, guess: Array) -> Array:
     """(3,) the direction that is upright to walls' normals (N, 3); one wall leaves it half open."""
     values, axes = np.linalg.eigh(walls.T @ walls / len(walls))
-    free = axes[:, values < _ONE_WALL]
+    free = axes[:, values < _ONE_WALL_SHARE]
     up = free @ (free.T @ guess) if free.shape[1] > 1 else free[:, 0] * np.sign(free[:, 0] @ guess)
     return np.asarray(up / np.linalg.norm(up))
 
@@ -146,10 +146,10 @@ def _squared(normals: Array, up: Array) -> tuple[Array, float]:
     squared cosines of upright ones, is least for the first eigenvector of their difference.
     """
     off = np.rad2deg(np.arccos(np.minimum(np.abs(normals @ up), 1.0)))
-    usual = float(np.median(off[off < UPRIGHT])) if (off < UPRIGHT).any() else 0.0
-    width = np.sin(np.deg2rad(np.clip(_SQUARE * usual, *_SQUARES)))
+    usual = float(np.median(off[off < UPRIGHT_DEG])) if (off < UPRIGHT_DEG).any() else 0.0
+    width = np.sin(np.deg2rad(np.clip(_OUTLIER_MEDIANS * usual, *_OUTLIER_LIMITS_DEG)))
     kernel = np.zeros(len(normals))
-    for _ in range(_ROUNDS):
+    for _ in range(_REWEIGHTING_ROUNDS):
         cosine = normals @ up
         sine = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
         level, upright = (np.clip(1.0 - (v / width) ** 2, 0.0, None) ** 2 for v in (sine, cosine))
@@ -161,12 +161,12 @@ def _squared(normals: Array, up: Array) -> tuple[Array, float]:
         up = axis * np.sign(axis @ up)
     off = np.minimum(np.abs(normals @ up), np.linalg.norm(np.cross(normals, up), axis=1))
     mean = float((kernel * off**2).sum()) / max(float(kernel.sum()), 1e-9)
-    return up, float(np.rad2deg(np.sqrt(mean * _SHARED / max(float(kernel.sum()), 1.0))))
+    return up, float(np.rad2deg(np.sqrt(mean * _SHARED_PIECES / max(float(kernel.sum()), 1.0))))
 
 
 def _foot(heights: Array) -> float:
     """Where walls end below: the lowest height at which they are a tenth as dense as usual."""
-    if len(heights) < FEWEST:
+    if len(heights) < MIN_PIECES:
         return float("inf")
     low = np.quantile(heights, 0.001)
     counts = np.bincount(((heights - low).clip(0.0) / 0.05).astype(int))
@@ -179,13 +179,13 @@ def _floor_level(heights: Array, label: NDArray[np.int32] | None) -> float | Non
         return None
     weight = np.ones(len(heights))
     if label is not None:
-        weight[label == _FLOOR] = 4.0
-    low = heights.min() - 5 * _BIN
-    counts = np.bincount(((heights - low) / _BIN).astype(int), weight)
+        weight[label == _FLOOR_LABEL] = 4.0
+    low = heights.min() - 5 * _HEIGHT_BIN_M
+    counts = np.bincount(((heights - low) / _HEIGHT_BIN_M).astype(int), weight)
     area = np.convolve(np.append(counts, np.zeros(5)), np.ones(5), "same")
-    strong = area > max(_LOWEST * area.max(), _LEAST_AREA / _PIECE)
+    strong = area > max(_MIN_FLOOR_SHARE * area.max(), _MIN_FLOOR_M2 / _PIECE_M2)
     if not strong.any():
         return None
     first = int(np.flatnonzero(strong)[0])
     peak = first + int(area[first : first + 8].argmax())
-    return float(low + (peak + 0.5) * _BIN)
+    return float(low + (peak + 0.5) * _HEIGHT_BIN_M)

@@ -31,19 +31,19 @@ from openrooms_usd.scan.rooms.walls import Line, Walls, profile, upright
 Array = NDArray[np.float64]
 
 # What a square metre of the room that lies inside is worth, in metres of missing wall.
-_OWN: Final = 1.0
+_INSIDE_WORTH: Final = 1.0
 # A partial view has few walls to hold what it shows.
-_PARTIAL: Final = 6.0
+_PARTIAL_INSIDE_WORTH: Final = 6.0
 # Walls of which less was seen are guessed.
-_GUESSED: Final = 0.3
+_GUESSED_SHARE: Final = 0.3
 # Two walls that were seen this far, metres, in directions this far apart, as a cosine.
-_LEAST_WALL: Final = 0.4
-_OTHER_WAY: Final = 0.87
+_MIN_WALL_M: Final = 0.4
+_OTHER_DIRECTION_COS: Final = 0.87
 # A space beside a larger room is one of its own if this part of its own walls and of its floor
 # was seen; walls nearer to the other room, metres, are that one's.
-_OWN_WALLS: Final = 0.6
-_OWN_FLOOR: Final = 0.6
-_SHARED: Final = 0.03
+_OWN_WALLS_SHARE: Final = 0.6
+_OWN_FLOOR_SHARE: Final = 0.6
+_SHARED_WALL_M: Final = 0.03
 
 
 @dataclass(frozen=True)
@@ -139,15 +139,15 @@ def find_layout(
     cells = cut_plan(lines, spaces.low, spaces.high, level.directions)
     plan = Plan(
         walls, spaces, cells, level.directions, options.simplicity,
-        _PARTIAL if options.partial else _OWN, sensor_origins, held,
+        _PARTIAL_INSIDE_WORTH if options.partial else _INSIDE_WORTH, sensor_origins, held,
     )  # fmt: skip
     rooms: list[LayoutRoom] = []
     refused = 0.0
     for number in range(1, len(spaces.middles) + 1):
         outline = plan.outline(number)
         # What was seen of a wall tells its place better than what was seen before it.
-        unseen = shown_parts(outline, walls) < _GUESSED
-        unseen &= covered_lengths(outline, walls) < _LEAST_WALL
+        unseen = shown_parts(outline, walls) < _GUESSED_SHARE
+        unseen &= covered_lengths(outline, walls) < _MIN_WALL_M
         outline = moved_behind(outline, unseen, pieces)
         room = _described(outline, walls, pieces)
         if not _enough(room, options):
@@ -191,7 +191,7 @@ def _described(outline: Outline, walls: Walls, pieces: Surfels) -> LayoutRoom:
     return LayoutRoom(
         corners=corners,
         shown=shown,
-        guessed=tuple(int(i) for i in np.flatnonzero(shown < _GUESSED)),
+        guessed=tuple(int(i) for i in np.flatnonzero(shown < _GUESSED_SHARE)),
         ceiling=ceiling,
         coverage=float((shown * length).sum() / length.sum()),
         residual=float(np.sqrt((near**2).mean())) if len(near) else float("nan"),
@@ -205,9 +205,9 @@ def _enough(room: LayoutRoom, options: LayoutOptions) -> bool:
         return True
     run = np.roll(room.corners, -1, axis=0) - room.corners
     length = np.linalg.norm(run, axis=1)
-    clear = room.shown * length > _LEAST_WALL
+    clear = room.shown * length > _MIN_WALL_M
     ways = run[clear] / length[clear, None]
-    differ = len(ways) > 0 and bool((np.abs(ways @ ways.T) < _OTHER_WAY).any())
+    differ = len(ways) > 0 and bool((np.abs(ways @ ways.T) < _OTHER_DIRECTION_COS).any())
     return differ and room.coverage >= options.least_coverage
 
 
@@ -223,8 +223,8 @@ def _its_own(room: LayoutRoom, others: list[LayoutRoom], spaces: Spaces) -> bool
         return False
     ends = np.roll(room.corners, -1, axis=0)
     length = np.linalg.norm(ends - room.corners, axis=1)
-    shared = shapely.distance(rest, shapely.points((room.corners + ends) / 2.0)) < _SHARED
+    shared = shapely.distance(rest, shapely.points((room.corners + ends) / 2.0)) < _SHARED_WALL_M
     own = float((room.shown * length * ~shared).sum() / length.sum())
     inside = shapely.contains_xy(shape, spaces.centres())
     floor = float((spaces.rooms.ravel()[inside] > 0).mean())
-    return own > _OWN_WALLS and floor > _OWN_FLOOR
+    return own > _OWN_WALLS_SHARE and floor > _OWN_FLOOR_SHARE

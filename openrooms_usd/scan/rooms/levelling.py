@@ -16,15 +16,15 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
 from openrooms_usd.scan.rooms.ceilings import ceiling_height
 from openrooms_usd.scan.rooms.directions import wall_directions
-from openrooms_usd.scan.rooms.ground import FEWEST, FLAT, UPRIGHT, Ground, find_ground
+from openrooms_usd.scan.rooms.ground import LEVEL_DEG, MIN_PIECES, UPRIGHT_DEG, Ground, find_ground
 
 Array = NDArray[np.float64]
 
 # How far the given up direction may be off, degrees, and the same where none is given.
-_GIVEN_TILT: Final = 8.0
-_FREE_TILT: Final = 15.0
+_MAX_GIVEN_TILT_DEG: Final = 8.0
+_MAX_FREE_TILT_DEG: Final = 15.0
 # A floor that is farther from its plane was bent by drift, metres.
-_BENT: Final = 0.01
+_BENT_FLOOR_M: Final = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,15 +78,15 @@ def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
     Raises:
         InputError: There are too few points, or they show too little of a room.
     """
-    if len(cloud) < FEWEST:
+    if len(cloud) < MIN_PIECES:
         raise _too_little(f"the scan has {len(cloud)} points")
     middle = np.median(cloud.points, axis=0)
     guess = np.array([0.0, 0.0, 1.0]) if up is None else np.asarray(up, float)
     guess = guess / np.linalg.norm(guess)
     pieces = surfels(_shifted(cloud, middle))
-    if len(pieces) < FEWEST:
+    if len(pieces) < MIN_PIECES:
         raise _too_little("the scan shows hardly any surface")
-    ground = find_ground(pieces, guess, _FREE_TILT if up is None else _GIVEN_TILT)
+    ground = find_ground(pieces, guess, _MAX_FREE_TILT_DEG if up is None else _MAX_GIVEN_TILT_DEG)
     stood = _upright(ground.normal, ground.point)
     upright = pieces.moved(stood)
     directions = wall_directions(upright)
@@ -118,7 +118,7 @@ def _too_little(message: str) -> InputError:
 def _notes(ground: Ground) -> tuple[str, ...]:
     if not ground.seen:
         return ("the floor was not seen: it is put where the walls end",)
-    if ground.trust < 1.0 and ground.residual > _BENT:
+    if ground.trust < 1.0 and ground.residual > _BENT_FLOOR_M:
         bent = f"{100.0 * ground.residual:.0f} cm"
         return (f"the floor is bent by {bent}: it is put level at its mean height",)
     return ()
@@ -131,8 +131,8 @@ def _shifted(cloud: Cloud, middle: Array) -> Cloud:
 def _coverage(pieces: Surfels) -> float:
     """The part of 72 directions around the middle of the level surfaces that walls stand in."""
     slope = np.abs(pieces.normals[:, 2])
-    flat = pieces.points[slope > np.cos(np.deg2rad(FLAT)), :2]
-    walls = pieces.points[slope < np.sin(np.deg2rad(UPRIGHT)), :2]
+    flat = pieces.points[slope > np.cos(np.deg2rad(LEVEL_DEG)), :2]
+    walls = pieces.points[slope < np.sin(np.deg2rad(UPRIGHT_DEG)), :2]
     away = walls - np.median(flat if len(flat) else walls, axis=0)
     sectors = (np.arctan2(away[:, 1], away[:, 0]) / np.pi * 36.0).astype(int) % 72
     return float((np.bincount(sectors, minlength=72) > 5).mean())

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 # Neighbouring walls meet at an angle of more than this, degrees; else they are one.
-_STRAIGHT: Final = 6.0
+_SAME_WALL_DEG: Final = 6.0
 # Neighbours that meet at less than this may be one wall, degrees.
-_BENT: Final = 15.0
-_MOST_DROPPED: Final = 3
+_MAYBE_SAME_WALL_DEG: Final = 15.0
+_MAX_DROPPED_WALLS: Final = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,9 +125,9 @@ def _simpler(outline: Outline) -> Iterator[Outline]:
     corners = outline.corners()
     for i in range(count):
         j = (i + 1) % count
-        if outline.normals[i] @ outline.normals[j] > np.cos(np.deg2rad(_BENT)):
+        if outline.normals[i] @ outline.normals[j] > np.cos(np.deg2rad(_MAYBE_SAME_WALL_DEG)):
             yield outline.joined(i, j, corners[i], corners[(j + 1) % count])
-    for dropped in range(1, min(_MOST_DROPPED, count - 3) + 1):
+    for dropped in range(1, min(_MAX_DROPPED_WALLS, count - 3) + 1):
         for first in range(count):
             rows = [(first + i) % count for i in range(dropped)]
             yield from _meeting(outline, rows, (first - 1) % count, (first + dropped) % count)
@@ -135,7 +135,7 @@ def _simpler(outline: Outline) -> Iterator[Outline]:
 
 def _meeting(outline: Outline, rows: list[int], before: int, after: int) -> Iterator[Outline]:
     turn = outline.normals[before] @ outline.normals[after]
-    if abs(turn) < np.cos(np.deg2rad(_STRAIGHT)):
+    if abs(turn) < np.cos(np.deg2rad(_SAME_WALL_DEG)):
         yield outline.without(rows)
     elif turn > 0.0:
         yield outline.without([*rows, before])

@@ -16,11 +16,11 @@ from openrooms_usd.scan.rooms.spaces import Spaces
 
 Array = NDArray[np.float64]
 
-_DEEPEST: Final = 2.0
+_MAX_DEPTH_M: Final = 2.0
 # What stands free shows its far side or floor in more than this part of its place.
-_SHOWN: Final = 0.3
-_LEAST: Final = 0.1  # metres of wall
-_STRONG: Final = 0.25  # of a pixel's width
+_MAX_SHOWN_SHARE: Final = 0.3
+_MIN_WALL_M: Final = 0.1  # metres of wall
+_MIN_EVIDENCE_PIXELS: Final = 0.25  # of a pixel's width
 
 
 def with_piers(
@@ -52,12 +52,12 @@ def _standing_inside(outline: Outline, spaces: Spaces, away: float) -> list[Arra
     inner = shapely.Polygon(outline.corners()).buffer(-away, join_style="mitre")
     shapely.prepare(inner)
     inside = shapely.contains_xy(inner, spaces.centres()).reshape(spaces.standing.shape)
-    strong = inside & (spaces.standing > _STRONG * PIXEL)
+    strong = inside & (spaces.standing > _MIN_EVIDENCE_PIXELS * PIXEL)
     groups, count = ndimage.label(strong, np.ones((3, 3)))
     centres = spaces.centres()
     found = [groups.ravel() == number for number in range(1, count + 1)]
     weights = spaces.standing.ravel()
-    return [centres[rows] for rows in found if weights[rows].sum() > _LEAST]
+    return [centres[rows] for rows in found if weights[rows].sum() > _MIN_WALL_M]
 
 
 def _is_solid(outline: Outline, other: Outline, spaces: Spaces, away: float) -> bool:
@@ -66,7 +66,7 @@ def _is_solid(outline: Outline, other: Outline, spaces: Spaces, away: float) -> 
 
     whole, rest = (shapely.Polygon(shape.corners()) for shape in (outline, other))
     within = shapely.contains_xy(whole.difference(rest).buffer(-away), spaces.centres())
-    return not within.any() or float(spaces.shown.ravel()[within].mean()) < _SHOWN
+    return not within.any() or float(spaces.shown.ravel()[within].mean()) < _MAX_SHOWN_SHARE
 
 
 def _pier(outline: Outline, wall: int, places: Array) -> Outline | None:
@@ -78,7 +78,7 @@ def _pier(outline: Outline, wall: int, places: Array) -> Outline | None:
     depth = outline.offsets[wall] - places @ normal
     place = places @ along
     a, b, deep = place.min(), place.max(), float(depth.max())
-    if deep > _DEEPEST or a < start @ along - PIXEL or b > end @ along + PIXEL:
+    if deep > _MAX_DEPTH_M or a < start @ along - PIXEL or b > end @ along + PIXEL:
         return None
     normals = np.array([normal, along, normal, -along, normal])
     offset = outline.offsets[wall]

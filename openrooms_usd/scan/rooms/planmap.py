@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import Surfels
-from openrooms_usd.scan.rooms.directions import UPRIGHT
+from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -14,12 +14,12 @@ Mask = NDArray[np.bool_]
 PIXEL: Final = 0.05
 # So far above and below the sensors things block their view, metres, where they fill this part
 # of it.
-_LEVEL: Final = 0.25
-_FILLED: Final = 0.5
+_VIEW_HALF_HEIGHT_M: Final = 0.25
+_BLOCKING_SHARE: Final = 0.5
 _MOST_SENSORS: Final = 60
 _MOST_SIGHTS: Final = 20_000
-_RAYS: Final = 720
-_FAR_SIGHT: Final = 10.0
+_RAYS_PER_TURN: Final = 720
+_MAX_SIGHT_M: Final = 10.0
 
 
 def disc(radius: int) -> Mask:
@@ -41,11 +41,11 @@ def at_sensor_height(pieces: Surfels, origin: float, low: Array, shape: tuple[in
     """Where something stands at the height of the sensors: nobody looks through it."""
     from scipy import ndimage
 
-    upright = np.abs(pieces.normals[:, 2]) < UPRIGHT
-    facing = upright & (np.abs(pieces.points[:, 2] - origin) < _LEVEL)
+    upright = np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE
+    facing = upright & (np.abs(pieces.points[:, 2] - origin) < _VIEW_HALF_HEIGHT_M)
     filled = plan_map(pieces.points[facing, :2], low, shape)
     across = ndimage.uniform_filter(filled, 3) * 9.0 / 1.5
-    return np.asarray((filled > 0) & (across > _FILLED * 2.0 * _LEVEL / PIXEL))
+    return np.asarray((filled > 0) & (across > _BLOCKING_SHARE * 2.0 * _VIEW_HALF_HEIGHT_M / PIXEL))
 
 
 def overlooked(barrier: Mask, sensor_origins: Array) -> Mask:
@@ -53,9 +53,9 @@ def overlooked(barrier: Mask, sensor_origins: Array) -> Mask:
     from scipy import ndimage
 
     some = sensor_origins[:: max(1, len(sensor_origins) // _MOST_SENSORS)]
-    angles = np.linspace(0.0, 2.0 * np.pi, _RAYS, endpoint=False)
+    angles = np.linspace(0.0, 2.0 * np.pi, _RAYS_PER_TURN, endpoint=False)
     toward = np.column_stack([np.cos(angles), np.sin(angles)])
-    reach = np.arange(0.0, _FAR_SIGHT / PIXEL, 0.7)
+    reach = np.arange(0.0, _MAX_SIGHT_M / PIXEL, 0.7)
     solid = np.pad(ndimage.binary_dilation(barrier, disc(1)), 1)
     seen = np.zeros(solid.shape, bool)
     for origin in some:

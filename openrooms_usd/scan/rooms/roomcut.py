@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 
 # What a square metre of another room that lies inside is worth, in metres of missing wall; and of
 # what was not seen at all.
-_OTHER: Final = -1.0
-_UNSEEN: Final = -0.05
-_PASSES: Final = 2
+_OTHER_ROOM_WORTH: Final = -1.0
+_UNSEEN_WORTH: Final = -0.05
+_CUT_PASSES: Final = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class Plan:
         cuts = [self._cut(worth, middle) for worth in worths]
         guesses: list[Outline] = []
         for outline in cuts[: 1 if cuts[0].same(cuts[1]) else 2]:
-            for _ in range(_PASSES):
+            for _ in range(_CUT_PASSES):
                 plain = simplified(outline, cost)
                 outline = with_piers(plain, self.spaces, self.walls.thickness, cost)
                 outline = refitted(outline, self.walls, self.directions)
@@ -94,8 +94,8 @@ class Plan:
     def _worth(self, number: int, shown: NDArray[np.bool_]) -> Array:
         """(X * Y,) what each pixel is worth inside a room, if it was shown."""
         rooms = self.spaces.rooms.ravel()
-        empty = np.where(self.spaces.seen.ravel(), 0.0, _UNSEEN)
-        other = np.where(rooms == 0, empty, _OTHER)
+        empty = np.where(self.spaces.seen.ravel(), 0.0, _UNSEEN_WORTH)
+        other = np.where(rooms == 0, empty, _OTHER_ROOM_WORTH)
         return np.where(rooms == number, self.own * shown.ravel(), other) * PIXEL**2
 
     def _stood(self, number: int) -> Array:

@@ -21,18 +21,18 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 # Nothing narrower than twice this is a room, and rooms end where they are narrower, metres.
-_NARROW: Final = 0.5
+_ROOM_HALF_WIDTH_M: Final = 0.5
 # What lies behind a gap narrower than twice this is of no room, metres: nobody passes there.
-_SLIT: Final = 0.2
-_LEAST_AREA: Final = 1.0
+_GAP_HALF_WIDTH_M: Final = 0.2
+_MIN_AREA_M2: Final = 1.0
 # Columns and lamps are smaller, metres.
-_FREE: Final = 0.8
-_MARGIN: Final = 0.6
-_COURSE: Final = 0.1
-_TOP: Final = 0.5
+_FREESTANDING_M: Final = 0.8
+_MAP_MARGIN_M: Final = 0.6
+_COURSE_M: Final = 0.1
+_WALL_TOP_M: Final = 0.5
 # Above this height a wall is taller than doors.
-_DOORS: Final = 2.15
-_SMALL_HOLE: Final = 1.5
+_DOOR_HEIGHT_M: Final = 2.15
+_SMALL_HOLE_M2: Final = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +96,8 @@ def find_spaces(
     if held is not None:
         reach = np.concatenate([inner, held])
         inner = np.stack([reach.min(axis=0), reach.max(axis=0)])
-    low = np.floor((inner[0] - _MARGIN) / PIXEL) * PIXEL
-    shape = tuple(np.ceil((inner[1] + _MARGIN - low) / PIXEL).astype(int))
+    low = np.floor((inner[0] - _MAP_MARGIN_M) / PIXEL) * PIXEL
+    shape = tuple(np.ceil((inner[1] + _MAP_MARGIN_M - low) / PIXEL).astype(int))
     evidence = plan_map(plan, low, shape) > 0
     shown = ndimage.binary_closing(evidence, disc(3), border_value=0)
     if held is not None and len(held) == 1:
@@ -119,8 +119,8 @@ def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
     """Where something stands higher than doors are, or, if nothing was seen there, anything."""
     from scipy import ndimage
 
-    tall = walls.top > _DOORS + 0.15
-    base = max(walls.top - _TOP, _DOORS) if tall else 0.3 * walls.top
+    tall = walls.top > _DOOR_HEIGHT_M + 0.15
+    base = max(walls.top - _WALL_TOP_M, _DOOR_HEIGHT_M) if tall else 0.3 * walls.top
     high = walls.height > base
     filled = plan_map(walls.points[high], low, shape, walls.weight[high])
     across = ndimage.uniform_filter(filled, 3) * 9.0 / 1.5
@@ -138,7 +138,7 @@ def _holes(seen: Mask, barrier: Mask) -> Mask:
     shores = ndimage.grey_dilation(holes, footprint=disc(1))
     by_free = np.bincount(shores[seen & ~barrier], minlength=count + 1)
     by_wall = np.bincount(shores[barrier], minlength=count + 1)
-    filled = (size * PIXEL**2 < _SMALL_HOLE) | (by_free > by_wall)
+    filled = (size * PIXEL**2 < _SMALL_HOLE_M2) | (by_free > by_wall)
     filled[0] = False
     filled[rim] = False
     return np.asarray(filled[holes])
@@ -146,9 +146,9 @@ def _holes(seen: Mask, barrier: Mask) -> Mask:
 
 def _standing(walls: Walls, low: Array, shape: tuple[int, ...]) -> Array:
     """Metres of wall a pixel: what stands up to the top, nothing where that is lower than doors."""
-    if walls.top < _DOORS + 0.15:
+    if walls.top < _DOOR_HEIGHT_M + 0.15:
         return np.zeros(shape)
-    base = max(walls.top - _TOP, _DOORS)
+    base = max(walls.top - _WALL_TOP_M, _DOOR_HEIGHT_M)
     high = walls.height > base
     pieces = plan_map(walls.points[high], low, shape, walls.weight[high])
     return np.asarray(pieces * PIXEL**2 / (walls.top - base))
@@ -197,7 +197,7 @@ def _parting(barrier: Mask) -> Mask:
     groups, count = ndimage.label(barrier, np.ones((3, 3)))
     places = ndimage.find_objects(groups)
     extents = [max(rows.stop - rows.start for rows in place) for place in places]
-    large = np.array([False, *(extent * PIXEL > _FREE for extent in extents)])
+    large = np.array([False, *(extent * PIXEL > _FREESTANDING_M for extent in extents)])
     return np.asarray(large[groups]) if count else barrier
 
 
@@ -205,8 +205,8 @@ def _markers(width: Array) -> tuple[NDArray[np.integer[Any]], int]:
     """Pieces of plan, one for each space: the wide ones, and what only a slit joins to them."""
     from scipy import ndimage
 
-    markers, count = ndimage.label(width > _NARROW)
-    pieces, others = ndimage.label(width > _SLIT)
+    markers, count = ndimage.label(width > _ROOM_HALF_WIDTH_M)
+    pieces, others = ndimage.label(width > _GAP_HALF_WIDTH_M)
     lone = np.setdiff1d(np.arange(1, others + 1), pieces[markers > 0])
     for number, piece in enumerate(lone, count + 1):
         markers[pieces == piece] = number
@@ -223,8 +223,8 @@ def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Ar
     markers, count = _markers(width)
     flooded = _flooded(width, markers, count)
     area = np.bincount(flooded.ravel(), minlength=count + 1) * PIXEL**2
-    wide = ndimage.maximum(width, flooded, np.arange(count + 1)) > _NARROW
-    large = [n for n in range(1, count + 1) if area[n] > _LEAST_AREA and wide[n]]
+    wide = ndimage.maximum(width, flooded, np.arange(count + 1)) > _ROOM_HALF_WIDTH_M
+    large = [n for n in range(1, count + 1) if area[n] > _MIN_AREA_M2 and wide[n]]
     large.sort(key=lambda number: -area[number])
     depth = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
     rooms = np.zeros(free.shape, np.int32)

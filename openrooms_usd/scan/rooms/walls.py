@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import Surfels
-from openrooms_usd.scan.rooms.directions import UPRIGHT
+from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -15,20 +15,20 @@ Mask = NDArray[np.bool_]
 
 # Pieces of a wall lie near its line, by so many times the noise and within these limits, metres,
 # and face across it up to this angle, degrees.
-_NOISES: Final = 3.0
-_REACH: Final = (0.06, 0.1)
-_THICK: Final = 2.5  # times their reach
-FACING: Final = float(np.cos(np.deg2rad(20.0)))
-COLUMN: Final = 0.05
-_COURSE: Final = 0.1  # height of a bin
-_TOP: Final = 0.5  # metres below the highest that was seen, where furniture rarely reaches
-_FOOT: Final = 0.1
+_REACH_SIGMAS: Final = 3.0
+_REACH_LIMITS_M: Final = (0.06, 0.1)
+_SLAB_REACHES: Final = 2.5  # times their reach
+FACES_ACROSS_COS: Final = float(np.cos(np.deg2rad(20.0)))
+COLUMN_M: Final = 0.05
+_COURSE_M: Final = 0.1  # height of a bin
+_WALL_TOP_M: Final = 0.5  # metres below the highest that was seen, where furniture rarely reaches
+_WALL_FOOT_M: Final = 0.1
 # NYU40: what hangs on walls counts as wall, what is unknown counts less, furniture hardly.
-_ON_WALLS: Final = (1, 8, 11, 19, 30)
-_UNKNOWN: Final = (0, 9, 38, 40)
-_TRUST: Final = {"wall": 1.0, "unknown": 0.7, "furniture": 0.12}
+_ON_WALLS_LABELS: Final = (1, 8, 11, 19, 30)
+_UNKNOWN_LABELS: Final = (0, 9, 38, 40)
+_LABEL_WEIGHTS: Final = {"wall": 1.0, "unknown": 0.7, "furniture": 0.12}
 # Walls do not run along the fronts of furniture.
-_NO_WALL: Final = -0.4
+_FURNITURE_FRONT_WEIGHT: Final = -0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +56,12 @@ class Walls:
     @property
     def thickness(self) -> float:
         """Farther than this from a wall, nothing is its noise, metres."""
-        return _THICK * self.reach
+        return _SLAB_REACHES * self.reach
 
     @property
     def courses(self) -> int:
         """The number of height bins."""
-        return max(int(np.ceil(self.top / _COURSE)), 4)
+        return max(int(np.ceil(self.top / _COURSE_M)), 4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,25 +97,25 @@ class Line:
 
 
 def _between(values: Array, start: float, a: float | Array, b: float | Array) -> Array:
-    total = np.concatenate([[0.0], np.cumsum(values) * COLUMN])
-    ends = start + COLUMN * np.arange(len(total))
+    total = np.concatenate([[0.0], np.cumsum(values) * COLUMN_M])
+    ends = start + COLUMN_M * np.arange(len(total))
     return np.asarray(np.abs(np.interp(b, ends, total) - np.interp(a, ends, total)))
 
 
 def upright(pieces: Surfels) -> Walls:
     """The upright pieces of a level scan, and how far each counts as wall."""
-    standing = np.abs(pieces.normals[:, 2]) < UPRIGHT
-    walls = pieces.take(standing & (pieces.points[:, 2] > _FOOT))
+    standing = np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE
+    walls = pieces.take(standing & (pieces.points[:, 2] > _WALL_FOOT_M))
     normals = walls.normals[:, :2]
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     height = walls.points[:, 2]
     weight = _trust(walls.label, len(walls))
-    counts = np.bincount((height / _COURSE).astype(int), weight, 4)
+    counts = np.bincount((height / _COURSE_M).astype(int), weight, 4)
     dense = np.flatnonzero(counts >= 0.25 * np.quantile(counts, 0.75))
-    top = float((dense[-1] + 1) * _COURSE)
+    top = float((dense[-1] + 1) * _COURSE_M)
     kept = height < top
     noise = float(np.median(walls.rough)) if len(walls) else 0.0
-    reach = float(np.clip(_NOISES * noise, *_REACH))
+    reach = float(np.clip(_REACH_SIGMAS * noise, *_REACH_LIMITS_M))
     return Walls(
         points=walls.points[kept, :2],
         normals=normals[kept],
@@ -128,12 +128,14 @@ def upright(pieces: Surfels) -> Walls:
 
 
 def _trust(label: NDArray[np.int32] | None, count: int) -> Array:
-    if label is None or not np.isin(label, (*_ON_WALLS,)).any():
-        return np.full(count, _TRUST["wall"])
+    if label is None or not np.isin(label, (*_ON_WALLS_LABELS,)).any():
+        return np.full(count, _LABEL_WEIGHTS["wall"])
     return np.where(
-        np.isin(label, _ON_WALLS),
-        _TRUST["wall"],
-        np.where(np.isin(label, _UNKNOWN), _TRUST["unknown"], _TRUST["furniture"]),
+        np.isin(label, _ON_WALLS_LABELS),
+        _LABEL_WEIGHTS["wall"],
+        np.where(
+            np.isin(label, _UNKNOWN_LABELS), _LABEL_WEIGHTS["unknown"], _LABEL_WEIGHTS["furniture"]
+        ),
     )
 
 
@@ -154,7 +156,7 @@ def on_line(
         spread: How far away they may lie, in units of their reach.
     """
     near = np.abs(walls.points[rows] @ normal - offset) < spread * walls.reach
-    return np.asarray(near & (np.abs(walls.normals[rows] @ normal) > FACING))
+    return np.asarray(near & (np.abs(walls.normals[rows] @ normal) > FACES_ACROSS_COS))
 
 
 def line_fit(points: Array, weight: Array, toward: Array) -> tuple[Array, float]:
@@ -171,18 +173,18 @@ def profile(walls: Walls, normal: Array, offset: float) -> Line:
     on = on_line(walls, normal, offset)
     along = np.array([-normal[1], normal[0]])
     places = walls.points @ along
-    start = float(np.floor(places.min() / COLUMN) - 2) * COLUMN if len(places) else 0.0
-    count = int((places.max() - start) / COLUMN) + 3 if len(places) else 1
-    column = ((places[on] - start) / COLUMN).astype(int)
-    course = np.minimum((walls.height[on] / _COURSE).astype(int), walls.courses - 1)
-    furniture = walls.weight[on] <= _TRUST["furniture"]
-    weight = np.where(furniture, _NO_WALL, walls.weight[on])
+    start = float(np.floor(places.min() / COLUMN_M) - 2) * COLUMN_M if len(places) else 0.0
+    count = int((places.max() - start) / COLUMN_M) + 3 if len(places) else 1
+    column = ((places[on] - start) / COLUMN_M).astype(int)
+    course = np.minimum((walls.height[on] / _COURSE_M).astype(int), walls.courses - 1)
+    furniture = walls.weight[on] <= _LABEL_WEIGHTS["furniture"]
+    weight = np.where(furniture, _FURNITURE_FRONT_WEIGHT, walls.weight[on])
     filled = np.zeros((count, walls.courses))
-    np.add.at(filled, (column, course), weight * COLUMN / _COURSE)
-    filled = np.clip(filled * 1.5, _NO_WALL, 1.0)
-    foot = int(_FOOT / _COURSE)
+    np.add.at(filled, (column, course), weight * COLUMN_M / _COURSE_M)
+    filled = np.clip(filled * 1.5, _FURNITURE_FRONT_WEIGHT, 1.0)
+    foot = int(_WALL_FOOT_M / _COURSE_M)
     everywhere = filled[:, foot:].mean(axis=1)
-    above = filled[:, -int(_TOP / _COURSE) :].mean(axis=1)
+    above = filled[:, -int(_WALL_TOP_M / _COURSE_M) :].mean(axis=1)
     cover = np.minimum(1.0, 1.4 * (0.7 * above + 0.3 * everywhere))
     seen = np.minimum(1.0, 3.0 * np.maximum(everywhere, above))
     return Line(normal, offset, start, _closed(cover), _closed(seen))
