@@ -72,6 +72,9 @@ LICENCE_KEY: Final = "license"
 LICENCE: Final = "Apache-2.0"
 UNKNOWN_LICENCE: Final = "unknown"
 
+# The variant set that chooses what an object is made of.
+LOOK: Final = "look"
+
 # The part of a lamp that emits.
 LIGHT_BULB: Final = "light_bulb"
 

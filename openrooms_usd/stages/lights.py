@@ -28,6 +28,7 @@ from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages.base import StageContext, file_digest
 from openrooms_usd.stages.daylight import author_portals, author_sky
+from openrooms_usd.stages.glow import author_glow
 from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.photometry import luminance, nits_from_lumen, world_area
@@ -58,7 +59,7 @@ class LightsStage:
     """Writes ``/World/Lights``, and makes the lamps' bulbs emit."""
 
     name = "lights"
-    reads: tuple[str, ...] = ("layout", "alignment")
+    reads: tuple[str, ...] = ("layout", "alignment", "materials")
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The panorama, if there is one."""
@@ -168,14 +169,14 @@ def _check_names(context: StageContext, lamps: Mapping[str, Found]) -> None:
 
 def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
     """Let the bulbs emit; the lamp's flux is shared by their areas."""
-    root = lamp.root
+    root, place = lamp.root, lamp.root.GetPath()
     kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
     if kelvin > _HOTTEST:
         context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_HOTTEST:g} K")
     lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
     area = sum(world_area(bulb) for bulb in lamp.bulbs)
     if area <= 0.0:
-        raise StageError("the lamp's bulb has no area", place=root.GetPath())
+        raise StageError("the lamp's bulb has no area", place=place)
     paths = [bulb.GetPath() for bulb in lamp.bulbs]
     _open_instance(context.stage, root)
     for path in paths:
@@ -184,6 +185,7 @@ def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
             nits=nits_from_lumen(lumen, area) if wanted.on else 0.0,
             kelvin=kelvin,
         )
+    context.notes.extend(author_glow(context.stage, place, paths))
 
 
 def _open_instance(stage: Usd.Stage, root: Usd.Prim) -> None:

@@ -32,7 +32,7 @@ from openrooms_usd.usd.materials import bound_material, bound_subsets
 from openrooms_usd.usd.semantics import read_label
 
 LOOKS: Final = "looks"
-VARIANT_SET: Final = "look"
+VARIANT_SET: Final = names.LOOK
 DEFAULT: Final = "default"
 
 

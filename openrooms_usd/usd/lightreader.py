@@ -44,7 +44,7 @@ def read_lights(stage: Usd.Stage) -> list[Light]:
         The lights in the order of the stage; those of unknown kinds as `UnknownLight`.
     """
     prims = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
-    return [_read(prim) for prim in prims if _is_light(prim) and _is_seen(prim)]
+    return [read_light(prim) for prim in prims if _is_light(prim) and _is_seen(prim)]
 
 
 def _is_light(prim: Usd.Prim) -> bool:
@@ -64,7 +64,12 @@ def _is_seen(prim: Usd.Prim) -> bool:
     )
 
 
-def _read(prim: Usd.Prim) -> Light:
+def read_light(prim: Usd.Prim) -> Light:
+    """One light, whether it can be seen or not.
+
+    Args:
+        prim: A prim with ``UsdLux.LightAPI``.
+    """
     light = _Reader(prim)
     if prim.HasAPI(UsdLux.MeshLightAPI) and prim.IsA(UsdGeom.Mesh):
         return light.mesh()
@@ -233,6 +238,9 @@ _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
     "inputs:shaping:ies:file": (None, "the light does not follow its IES profile"),
 }
 
+# What is smaller in a rotation is rounding.
+_ROUNDING: Final = 1e-15
+
 _EVERYTHING: Final = {Sdf.Path.absoluteRootPath: Usd.Tokens.expandPrims}
 
 
@@ -241,6 +249,8 @@ def _rotation(frame: Matrix) -> Matrix:
     lengths = np.linalg.norm(frame[:3, :3], axis=0)
     rotation = np.eye(4)
     rotation[:3, :3] = frame[:3, :3] / np.where(lengths > 0, lengths, 1.0)
+    # The cosine of a quarter turn that is given in degrees is not quite 0.
+    rotation[np.abs(rotation) < _ROUNDING] = 0.0
     return rotation
 
 

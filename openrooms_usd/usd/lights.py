@@ -16,7 +16,7 @@ from openrooms_usd.usd.emitters import (
 )
 from openrooms_usd.usd.lightreader import read_lights
 from openrooms_usd.usd.photometry import luminance
-from openrooms_usd.usd.transforms import author_rotation
+from openrooms_usd.usd.transforms import author_upright
 
 __all__ = [
     "CylinderLight",
@@ -41,8 +41,11 @@ def define_dome(
     radiance: tuple[float, float, float] = (1.0, 1.0, 1.0),
     texture: str | None = None,
     rotation: float = 0.0,
-) -> UsdLux.DomeLight_1:
-    """Define the surroundings, with the pole along +Z.
+) -> UsdLux.DomeLight:
+    """Define the surroundings of a stage whose Z is up.
+
+    A ``DomeLight``, whose pole is +Y, turned upright by the operation that UsdLux has for it:
+    Blender 5 lays a ``DomeLight_1`` with its pole along +Z on its side.
 
     Args:
         stage: Where to define it; the edit target receives everything.
@@ -52,8 +55,7 @@ def define_dome(
             along -Y, a quarter from the left along +X.
         rotation: Degrees about the vertical, counter-clockwise from above.
     """
-    dome = UsdLux.DomeLight_1.Define(stage, path)
-    dome.CreatePoleAxisAttr(UsdLux.Tokens.Z)
+    dome = UsdLux.DomeLight.Define(stage, path)
     intensity = float(luminance(np.array(radiance)))
     dome.CreateIntensityAttr(intensity)
     if intensity > 0:
@@ -61,8 +63,7 @@ def define_dome(
     if texture is not None:
         dome.CreateTextureFileAttr(texture)
         dome.CreateTextureFormatAttr(UsdLux.Tokens.latlong)
-    if rotation:
-        author_rotation(dome.GetPrim(), rotation)
+    author_upright(dome.GetPrim(), rotation)
     return dome
 
 

@@ -18,6 +18,7 @@ __all__ = [
     "bound_material",
     "bound_subsets",
     "define_preview_surface",
+    "preview_shader",
     "read_preview_surface",
 ]
 
@@ -173,6 +174,11 @@ def read_preview_surface(
     f0 = _part_of_light(network, material, names.MATERIAL_F0)
     completed = replace(_completed(network, shader, values), transmission=transmission, f0=f0)
     return completed, tuple(network.losses)
+
+
+def preview_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
+    """The UsdPreviewSurface node of a material; None where another shader makes its surface."""
+    return _surface_shader(Network(), material)
 
 
 def _part_of_light(network: Network, material: UsdShade.Material, name: str) -> float | None:

@@ -41,7 +41,8 @@ def define_portal(stage: Usd.Stage, portal: Portal) -> UsdLux.PortalLight:
 
 def connect_portals(dome: Usd.Prim, portals: Iterable[Usd.Prim]) -> None:
     """Tell a dome light which portals it shines through."""
-    UsdLux.DomeLight_1(dome).CreatePortalsRel().SetTargets([prim.GetPath() for prim in portals])
+    relationship = dome.CreateRelationship(UsdLux.Tokens.portals, custom=False)
+    relationship.SetTargets([prim.GetPath() for prim in portals])
 
 
 def read_portals(stage: Usd.Stage) -> tuple[Portal, ...]:

@@ -14,9 +14,13 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd.usd.frames import gf_matrix
 
+# What `UsdLux.DomeLight.OrientToStageUpAxis` writes.
+_UPRIGHT: Final = "xformOp:rotateX:orientToStageUpAxis"
+
 _TYPES: Final = {
     "xformOp:translate": Sdf.ValueTypeNames.Double3,
     "xformOp:rotateZ": Sdf.ValueTypeNames.Double,
+    _UPRIGHT: Sdf.ValueTypeNames.Float,
     "xformOp:transform": Sdf.ValueTypeNames.Matrix4d,
 }
 
@@ -32,9 +36,9 @@ def author_placement(prim: Usd.Prim, position: Gf.Vec3d, degrees: float) -> None
     _author(prim, {"xformOp:translate": position, "xformOp:rotateZ": degrees})
 
 
-def author_rotation(prim: Usd.Prim, degrees: float) -> None:
-    """Turn a prim about its vertical, counter-clockwise from above."""
-    _author(prim, {"xformOp:rotateZ": degrees})
+def author_upright(prim: Usd.Prim, degrees: float) -> None:
+    """Turn a prim whose +Y is up to +Z, then about the vertical, counter-clockwise from above."""
+    _author(prim, {"xformOp:rotateZ": degrees, _UPRIGHT: 90.0})
 
 
 def author_matrix(prim: Usd.Prim, parent_from_prim: NDArray[np.float64]) -> None:

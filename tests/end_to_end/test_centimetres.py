@@ -56,12 +56,10 @@ def rewritten(scene: Path, target: Path) -> None:
                 attribute.Set(100.0 * value)
             elif name == "clippingRange":
                 attribute.Set(value * 100.0)
-            elif name == "poleAxis":
-                attribute.Set("Y")
         place = UsdGeom.Xformable(prim)
         if place and place.GetOrderedXformOps():
             # Cameras and lights keep their own axes, and their lengths are counted in LENGTHS.
-            own = prim.GetTypeName() in ("Camera", "PortalLight")
+            own = prim.GetTypeName() in ("Camera", "DomeLight", "PortalLight")
             before = Gf.Matrix4d().SetScale(0.01) if own else CENTIMETRES.GetInverse()
             matrix = before * place.GetLocalTransformation() * CENTIMETRES
             place.ClearXformOpOrder()

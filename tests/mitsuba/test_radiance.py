@@ -392,3 +392,23 @@ def test_a_metal_is_as_sharp_a_mirror_as_it_is_smooth(build, shoot, roughness, s
     image = shoot(made.stage, "radiance", samples=256, bounces=1).images["radiance"]
     ratio = image.pixels.mean() / 80.0
     assert ratio > seen if roughness < 0.5 else ratio < seen
+
+
+def test_the_glow_of_a_lamps_material_is_counted_once(build, shoot):
+    """What lights is the mesh light: no pixel of any channel hangs on ``emissiveColor``."""
+    views = []
+    for glow in ((0.0, 0.0, 0.0), (50.0, 40.0, 30.0), (9e4, 9e4, 9e4)):
+        made = build()
+        made.box("/Room", 4.0, inside=True, material=made.material("/Grey", base_color=(0.5,) * 3))
+        for name, nits in (("Lamp", 50.0), ("Off", 0.0)):
+            worn = made.material(f"/{name}Glow", base_color=(0.8,) * 3, ior=1.5, emissive=glow)
+            lamp = made.box(f"/{name}", 0.3, material=worn)
+            lamp.AddTranslateOp().Set((0.8, 0.9 if nits else 0.3, 0.3))
+            define_mesh_light(lamp.GetPrim(), nits=nits)
+        made.camera((-0.5, -0.5, 0.2), (1, 1, 0.1))
+        channels = ("radiance", "emission_mask", "base_color", "instance", "material")
+        views.append(shoot(made.stage, *channels, samples=4))
+    assert views[0].images["emission_mask"].pixels.mean() > 0.01
+    for view in views[1:]:
+        for name, image in views[0].images.items():
+            np.testing.assert_array_equal(view.images[name].pixels, image.pixels, name)

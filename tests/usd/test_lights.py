@@ -184,6 +184,24 @@ def test_our_dome_turns_counter_clockwise_and_keeps_its_nits(stage: Usd.Stage) -
     assert read_lights(stage)[1].radiance.tolist() == [0.0, 0.0, 0.0]
 
 
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 40.0, -130.0])
+def test_our_dome_shows_what_one_with_its_pole_along_z_does(
+    stage: Usd.Stage, degrees: float
+) -> None:
+    """To the last bit where there is no turn, so that no pixel of a picture moves."""
+    ours = define_dome(stage, "/Ours", rotation=degrees)
+    pole = UsdLux.DomeLight_1.Define(stage, "/Pole")
+    pole.CreatePoleAxisAttr("Z")
+    pole.AddRotateZOp(UsdGeom.XformOp.PrecisionDouble).Set(degrees)
+    one, other = (x.world_from_light for x in read_lights(stage))
+    np.testing.assert_allclose(one, other, atol=0.0 if degrees == 0.0 else 1e-15)
+    assert ours.GetPrim().GetTypeName() == "DomeLight"
+    # The operation is the one that UsdLux writes itself, which finds nothing left to do.
+    order = ours.GetXformOpOrderAttr().Get()
+    ours.OrientToStageUpAxis()
+    assert ours.GetXformOpOrderAttr().Get() == order
+
+
 def test_a_mesh_light_gives_its_lumen(stage: Usd.Stage) -> None:
     prim = cube(stage, "/Bulb", 0.1)
     area = world_area(prim)
