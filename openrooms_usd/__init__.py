@@ -7,7 +7,7 @@ The names below are loaded on first use, so that ``import openrooms_usd`` costs 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.compose import compose_room as compose_room

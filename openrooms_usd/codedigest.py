@@ -26,7 +26,7 @@ from importlib.util import find_spec
 from pathlib import PurePath
 from typing import Final
 
-from openrooms_usd import __version__
+from openrooms_usd.version import __version__
 
 # What is followed wherever it is imported: the core, its schemas and its converters.
 _OURS: Final = ("openrooms_usd", "orusd_")

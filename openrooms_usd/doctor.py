@@ -7,8 +7,9 @@ from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
 from typing import Any, Final
 
-from openrooms_usd import __version__, adapters
+from openrooms_usd import adapters
 from openrooms_usd.errors import OrusdError
+from openrooms_usd.version import __version__
 
 _DISTRIBUTION: Final = "openrooms-usd"
 

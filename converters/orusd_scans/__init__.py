@@ -1,8 +1,8 @@
 """Importers of scans: each turns foreign files into the neutral Capture.
 
-- `roomplan`, `scan2cad`, `scannet`, `sunrgbd`, `arkitscenes`: captures of known kinds;
+- `roomplan`, `scannet` (with Scan2CAD's models), `sunrgbd`, `arkitscenes`: known captures;
 - `boxes`: a list of boxes; `plainscan`: any cloud or mesh, whose rooms are found later;
-- `formats`: files of points, meshes, depth, text and tables, read with limits;
+- `formats`: files of points, meshes and depth; `records`: JSON and tables;
 - `floorplan`, `plan`, `frames`, `worldframe`, `packing`, `scanned`, `surfaces`, `synsets`: what
   several of them share.
 """

@@ -21,9 +21,6 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
-from orusd_scans.formats.fields import choice, identifiers, number, positive, text
-from orusd_scans.formats.jsonfile import Node, read_json
-from orusd_scans.formats.table import read_table
 from orusd_scans.frames import frames_of, in_world, read_frames
 from orusd_scans.plan import (
     LARGEST,
@@ -36,6 +33,9 @@ from orusd_scans.plan import (
     plan_of,
     read_plan,
 )
+from orusd_scans.records.fields import choice, identifiers, number, positive, text
+from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records.table import read_table
 from orusd_scans.worldframe import FARTHEST, Z_UP, WorldFrame, proper
 
 Array = NDArray[np.float64]

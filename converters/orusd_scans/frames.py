@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.capture import CapturedFrame
-from orusd_scans.formats.fields import identifiers, text
-from orusd_scans.formats.jsonfile import Node, read_json
+from orusd_scans.records.fields import identifiers, text
+from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.worldframe import WorldFrame, rigid
 
 Array = NDArray[np.float64]

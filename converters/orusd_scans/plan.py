@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from openrooms_usd.capture import CapturedOpening
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from orusd_scans.floorplan import heading
-from orusd_scans.formats.fields import choice, flag, identifiers, number, positive
-from orusd_scans.formats.jsonfile import Node, read_json
-from orusd_scans.formats.table import read_table
+from orusd_scans.records.fields import choice, flag, identifiers, number, positive
+from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records.table import read_table
 from orusd_scans.worldframe import FARTHEST, Z_UP, WorldFrame
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from typing import Final
 
 import click
 
-from openrooms_usd import __version__
 from openrooms_usd.errors import OrusdError
+from openrooms_usd.version import __version__
 
 # command: (module, attribute, one line of help). The help stands here, because listing the
 # commands must not import them.

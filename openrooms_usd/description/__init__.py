@@ -1,10 +1,9 @@
 """room.yaml: its models, how it is read, and its JSON Schema."""
 
 from openrooms_usd.description.alignment import named_objects
-from openrooms_usd.description.data import room_of
 from openrooms_usd.description.files import dump_room, load_room, parse_room
 from openrooms_usd.description.layout import named_openings
-from openrooms_usd.description.room import Room
+from openrooms_usd.description.room import Room, room_of
 
 __all__ = [
     "Room",

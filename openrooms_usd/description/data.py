@@ -4,46 +4,37 @@ import os
 from collections.abc import Mapping as AnyMapping
 from typing import Any, Final
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from openrooms_usd.description.diagnosis import diagnose
 from openrooms_usd.description.mistakes import Mistake, Place, Steps, refusal, shown
 from openrooms_usd.description.reading import MAX_DEPTH, Mapping, Sequence
-from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 
 _NAME: Final = "the room"
 
 
-def room_of(data: AnyMapping[str, Any]) -> Room:
-    """Make a room of plain data, as a ``room.yaml`` would hold it.
+def placed(data: AnyMapping[str, Any]) -> Mapping:
+    """Plain data with an order of its own, as a file's has lines.
 
     Tuples are lists, and arrays and numbers of numpy are lists and numbers.
 
-    Args:
-        data: The sections by their keys.
-
-    Returns:
-        The room, with every default filled in.
-
     Raises:
-        DescriptionError: It is no valid description; the message lists every mistake by its path
-            in the data.
+        DescriptionError: It is no mapping, nested too deep, or has a key that is no text.
     """
-    placed = _Placing().placed(data, ())
-    if not isinstance(placed, Mapping):
-        text = f"expected keys such as `layout`, found {shown(placed)}"
+    found = _Placing().placed(data, ())
+    if not isinstance(found, Mapping):
+        text = f"expected keys such as `layout`, found {shown(found)}"
         raise refusal(_NAME, [Mistake(_nowhere(0), (), text)])
-    try:
-        return Room.model_validate(placed)
-    except ValidationError as error:
-        raise refused(error, placed) from None
+    return found
 
 
-def refused(error: ValidationError, data: AnyMapping[str, Any]) -> DescriptionError:
+def refused(
+    error: ValidationError, data: AnyMapping[str, Any], model: type[BaseModel]
+) -> DescriptionError:
     """What to raise for what pydantic found in data that stands in no file."""
-    placed = data if isinstance(data, Mapping) else _Placing().placed(data, ())
-    return refusal(_NAME, diagnose(error, placed))
+    found = data if isinstance(data, Mapping) else placed(data)
+    return refusal(_NAME, diagnose(error, found, model))
 
 
 def _nowhere(number: int) -> Place:

@@ -13,7 +13,6 @@ from openrooms_usd.description import reading
 from openrooms_usd.description.mistakes import Mistake, Place, Steps, shown
 from openrooms_usd.description.model import MISTAKE
 from openrooms_usd.description.nearest import did_you_mean
-from openrooms_usd.description.room import Room
 from openrooms_usd.description.units import degrees, kilograms, metres
 
 # Nobody reads more names than these.
@@ -47,15 +46,18 @@ _UNIONS: Final = (Union, UnionType)
 _UNITS: Final[dict[Any, str]] = {metres: " m", degrees: " deg", kilograms: " kg"}
 
 
-def diagnose(error: ValidationError, data: reading.Mapping) -> Iterator[Mistake]:
+def diagnose(
+    error: ValidationError, data: reading.Mapping, model: type[BaseModel]
+) -> Iterator[Mistake]:
     """Say in words for people what pydantic found.
 
     Args:
         error: What it raised.
         data: What it was given.
+        model: What it should have made of it.
     """
     for row in error.errors(include_url=False):
-        spot = _follow(row["loc"])
+        spot = _follow(row["loc"], model)
         path, place, found = _look_up(data, _blamed(row["type"], spot.path), row["type"])
         too_short = row["type"] == "too_short" and isinstance(found, list)
         if too_short and len(found) >= row["ctx"]["min_length"]:
@@ -89,9 +91,9 @@ class _Spot:
     rivals: Mapping[str, type[BaseModel]] = field(default_factory=dict)
 
 
-def _follow(loc: Steps) -> _Spot:
+def _follow(loc: Steps, top: type[BaseModel]) -> _Spot:
     """Walk from the description's top along a path of pydantic's."""
-    spot = _Spot(Room, Room)
+    spot = _Spot(top, top)
     for step in loc:
         sources = _sources(spot.annotation)
         if step in sources:

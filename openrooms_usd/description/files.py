@@ -55,7 +55,7 @@ def parse_room(text: str | bytes, name: str = "room.yaml", *, folder: Path | Non
         room = Room.model_validate(data)
     except ValidationError as error:
         places = {mistake.place for mistake in mistakes}
-        further = (found for found in diagnose(error, data) if found.place not in places)
+        further = (found for found in diagnose(error, data, Room) if found.place not in places)
         raise refusal(name, [*mistakes, *further]) from None
     if mistakes:
         raise refusal(name, mistakes)

@@ -1,6 +1,6 @@
 """The whole description: a name, a room type, a seed, and one section a stage."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -90,7 +90,7 @@ class Room(CheckedModel):
             except ValidationError as error:
                 from openrooms_usd.description.data import refused
 
-                raise refused(error, sections) from None
+                raise refused(error, sections, type(self)) from None
 
         # So that pydantic checks data without calling this: what reads files says the lines.
         __init__.__pydantic_base_init__ = True
@@ -144,6 +144,28 @@ class Room(CheckedModel):
             for name in entries.keys() - set(names):
                 hint = did_you_mean(str(name), names)
                 yield Found((section, key, name), f"no object is named {name!r}{hint}")
+
+
+def room_of(data: Mapping[str, Any]) -> Room:
+    """Make a room of plain data, as a ``room.yaml`` would hold it.
+
+    Args:
+        data: The sections by their keys; also with tuples, and with numbers and arrays of numpy.
+
+    Returns:
+        The room, with every default filled in.
+
+    Raises:
+        DescriptionError: It is no valid description; the message lists every mistake by its path
+            in the data.
+    """
+    from openrooms_usd.description.data import placed, refused
+
+    sections = placed(data)
+    try:
+        return Room.model_validate(sections)
+    except ValidationError as error:
+        raise refused(error, sections, Room) from None
 
 
 def _source(section: Any) -> Any:

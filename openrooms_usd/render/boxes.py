@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-from openrooms_usd import __version__, names
+from openrooms_usd import names
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.coco import masks
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import tight_box
 from openrooms_usd.usd.frames import local_to_world, world_from_stage
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.version import __version__
 
 Array = NDArray[np.float64]
 Plain = dict[str, Any]

@@ -7,13 +7,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import __version__, names
+from openrooms_usd import names
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.render.manifest_schema import AGAIN
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import compressed, run_lengths, tight_box
 from openrooms_usd.usd.taxonomies import CLASSES, TAXONOMIES, UNLABELED
+from openrooms_usd.version import __version__
 
 Plain = dict[str, Any]
 

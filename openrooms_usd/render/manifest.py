@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import __version__, atomic, names
+from openrooms_usd import atomic, names
 from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.render.contract import Image, Legend, RenderRequest, RenderSession, View
 from openrooms_usd.render.exr import exr_channels
@@ -30,6 +30,7 @@ from openrooms_usd.render.folder import (
 )
 from openrooms_usd.render.lights import LightRecord, view_lights
 from openrooms_usd.render.previews import Preview
+from openrooms_usd.version import __version__
 
 FORMAT: Final = 1
 CONVENTIONS: Final = {

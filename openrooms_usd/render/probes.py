@@ -9,7 +9,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from openrooms_usd import __version__, adapters, atomic, names
+from openrooms_usd import adapters, atomic, names
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics
 from openrooms_usd.geometry.hemisphere import PANORAMA, cosine_weights, panorama_cells
@@ -18,6 +18,7 @@ from openrooms_usd.render import exr
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, Image
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview, write_png
+from openrooms_usd.version import __version__
 
 RESOLUTION: Final = (256, 128)
 FILE: Final = "probes.json"

@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import __version__, atomic, names
+from openrooms_usd import atomic, names
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.render import exr
 from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, is_relit_manifest
@@ -22,6 +22,7 @@ from openrooms_usd.render.lights import LightRecord
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview, write_png
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
+from openrooms_usd.version import __version__
 
 FILES: Final = {"radiance": "radiance.exr", "preview": "radiance.png"}
 # What UsdLux defines colour temperatures for.

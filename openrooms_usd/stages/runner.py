@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from pxr import Sdf, Tf, Usd, UsdMedia, Vt
 
-from openrooms_usd import __version__, names
+from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import StageError, writing
 from openrooms_usd.stages.base import Stage, StageContext
@@ -16,6 +16,7 @@ from openrooms_usd.stages.draft import Draft
 from openrooms_usd.usd import activation
 from openrooms_usd.usd import layers as usd_layers
 from openrooms_usd.usd.diagnostics import composition_errors, reason
+from openrooms_usd.version import __version__
 
 _CLASSES: Final = {
     "layout": "LayoutStage",

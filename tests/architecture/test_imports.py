@@ -3,6 +3,7 @@
 import ast
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -56,7 +57,7 @@ RANKS = (
         "unfinished",
         "unpickling",
     ),
-    ("errors", "names", "untrusted"),
+    ("errors", "names", "untrusted", "version"),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
@@ -103,10 +104,8 @@ def _imports(path: Path, body: list[ast.stmt], top: bool) -> Iterator[Import]:
                 yield Import(path, node.lineno, alias.name, top)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}:{node.lineno}: relative import"
-            module = node.module or ""
-            yield Import(path, node.lineno, module, top)
             for alias in node.names:
-                yield Import(path, node.lineno, f"{module}.{alias.name}", top)
+                yield Import(path, node.lineno, f"{node.module}.{alias.name}", top)
         else:
             inner = [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.stmt)]
             handlers = [h for h in ast.iter_child_nodes(node) if isinstance(h, ast.ExceptHandler)]
@@ -206,6 +205,72 @@ def test_heavy_packages_are_not_imported_at_start() -> None:
         if found.top and part(found) in INSTANT and found.module.split(".")[0] in HEAVY
     ]
     assert wrong == []
+
+
+def rings(arrows: dict[str, set[str]]) -> list[list[str]]:
+    """The groups of names that lead to each other along the arrows."""
+
+    def reached(start: str) -> set[str]:
+        found: set[str] = set()
+        waiting = list(arrows[start])
+        while waiting:
+            if (name := waiting.pop()) not in found:
+                found.add(name)
+                waiting += arrows.get(name, ())
+        return found
+
+    ways = {name: reached(name) for name in arrows}
+    in_ring = {name for name in arrows if name in ways[name]}
+    groups = {tuple(sorted(n for n in in_ring if n in ways[m] and m in ways[n])) for m in in_ring}
+    return sorted(map(list, groups))
+
+
+MODULES = {
+    ".".join((root, *path.relative_to(source).with_suffix("").parts)): path
+    for root, source in SOURCES.items()
+    for path in source.rglob("*.py")
+}
+
+
+def module_of(name: str) -> str | None:
+    """The module of ours that a name is, or that of the package that it stands for."""
+    return next((m for m in (name, f"{name}.__init__") if m in MODULES), None)
+
+
+@cache
+def arrows() -> dict[str, set[str]]:
+    """Which module imports which, inside functions and for type checkers too."""
+    named = {path: module for module, path in MODULES.items()}
+    found: dict[str, set[str]] = {module: set() for module in MODULES}
+    for one in ALL:
+        if target := module_of(one.module) or module_of(one.module.rpartition(".")[0]):
+            found[named[one.path]].add(target)
+    return found
+
+
+PACKAGES = sorted({m.removesuffix(".__init__") for m in MODULES if m.endswith(".__init__")})
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_circle_between_the_parts_of_a_package(package: str) -> None:
+    """Modules and chapters of one folder: none leads back to itself."""
+    below = f"{package}."
+
+    def part_of(module: str) -> str | None:
+        inner = module.removeprefix(below)
+        return inner.partition(".")[0] if inner != module else None
+
+    between: dict[str, set[str]] = {}
+    for module, targets in arrows().items():
+        if source := part_of(module):
+            parts = {other for t in targets if (other := part_of(t)) and other != source}
+            between.setdefault(source, set()).update(parts)
+    assert rings(between) == []
+
+
+def test_rings_are_found() -> None:
+    assert rings({"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": set()}) == [["a", "b", "c"]]
+    assert rings({"a": {"b"}, "b": set()}) == []
 
 
 def test_geometry_knows_no_usd_and_no_renderer() -> None:

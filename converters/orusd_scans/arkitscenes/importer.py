@@ -17,11 +17,11 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import fuse
 from orusd_scans.arkitscenes.path import captured_frames, depth_frames, read_path
-from orusd_scans.formats.fields import text
-from orusd_scans.formats.jsonfile import Node, read_json
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.packing import packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_eyes
+from orusd_scans.records.fields import text
+from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.scanned import Scanned
 from orusd_scans.worldframe import FARTHEST, WorldFrame
 

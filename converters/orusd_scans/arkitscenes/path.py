@@ -12,8 +12,8 @@ from openrooms_usd import untrusted
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.scan.points.fusion import DepthFrame
 from orusd_scans.formats.depthpicture import read_picture, read_sixteen_bits
-from orusd_scans.formats.jsonfile import Node
 from orusd_scans.frames import intrinsics
+from orusd_scans.records.jsonfile import Node
 from orusd_scans.scanned import broken
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from orusd_scans.formats.jsonfile import Node
+from orusd_scans.records.jsonfile import Node
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.capture import Confidence
-from orusd_scans.formats.fields import text
-from orusd_scans.formats.jsonfile import Node, read_json
+from orusd_scans.records.fields import text
+from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.roomplan.curves import Arc, read_curve
 
 Array = NDArray[np.float64]

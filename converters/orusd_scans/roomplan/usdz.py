@@ -18,8 +18,8 @@ from pxr import Sdf
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.diagnostics import reading
-from orusd_scans.formats.fields import text
-from orusd_scans.formats.jsonfile import Node
+from orusd_scans.records.fields import text
+from orusd_scans.records.jsonfile import Node
 from orusd_scans.roomplan.archive import layers
 from orusd_scans.roomplan.curves import fitted_arc
 from orusd_scans.roomplan.meshes import rim

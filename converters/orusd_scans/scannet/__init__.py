@@ -1,5 +1,6 @@
-"""ScanNet: a scene becomes a Capture.
+"""ScanNet: a scene becomes a Capture, also with the CADs that Scan2CAD aligned to it.
 
 - `frames`, `sens`: poses, intrinsics and depth; `labels`: classes and instances of vertices;
-- `importer`: all of it.
+- `annotations`: Scan2CAD's models in the frame of the scan;
+- `importer`, `scan2cad`: the two importers.
 """

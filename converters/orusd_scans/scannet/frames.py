@@ -17,8 +17,8 @@ from openrooms_usd import untrusted
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.errors import InputError
 from orusd_scans.formats.depthpicture import picture_size
-from orusd_scans.formats.jsonfile import Node
 from orusd_scans.frames import intrinsics, read_frames
+from orusd_scans.records.jsonfile import Node
 from orusd_scans.scannet.sens import Sens
 from orusd_scans.worldframe import rigid
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from orusd_scans.formats.jsonfile import Node
 from orusd_scans.frames import intrinsics
+from orusd_scans.records.jsonfile import Node
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
 from openrooms_usd.capture import CapturedBox
-from orusd_scans.formats.fields import number, text
-from orusd_scans.formats.jsonfile import Node, read_json
 from orusd_scans.frames import intrinsics
+from orusd_scans.records.fields import number, text
+from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.scanned import broken
 from orusd_scans.sunrgbd.files import facing
 from orusd_scans.worldframe import proper

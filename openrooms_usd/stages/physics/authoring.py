@@ -9,9 +9,9 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 from openrooms_usd.library.construction import losses
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.stages.looks import VARIANT_SET
-from openrooms_usd.stages.physics.objects import Thing
+from openrooms_usd.stages.physics.assets import RigidAsset
+from openrooms_usd.stages.physics.colliders import AssetColliders, LinkColliders
 from openrooms_usd.stages.physics.parts import Solid, Substance
-from openrooms_usd.stages.physics.shapes import Worked, WorkedLink
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.bodies import (
     Motion,
@@ -30,24 +30,28 @@ COLLIDERS: Final = "Colliders"
 _DECIMALS: Final = 3
 
 
-def author_thing(
-    stage: Usd.Stage, root: Sdf.Path, thing: Thing, made: Worked, owner: Sdf.Path | None = None
+def author_physics(
+    stage: Usd.Stage,
+    root: Sdf.Path,
+    asset: RigidAsset,
+    made: AssetColliders,
+    owner: Sdf.Path | None = None,
 ) -> None:
     """Write the physics of an object.
 
     Args:
         stage: Where; its edit target receives everything.
         root: The object's root there, which may be an over.
-        thing: What it is.
+        asset: What it is.
         made: What was worked out of it.
         owner: The prim above it that has its looks, where it has none of its own.
     """
     UsdGeom.Scope.Define(stage, root.AppendChild(SCOPE))
-    contacts = _Contacts(stage, root, thing, owner)
+    contacts = _Contacts(stage, root, asset, owner)
     for item in made:
         path = _below(root, item.link.path)
         prim = stage.OverridePrim(path)
-        moves = not thing.fixed or item.link.joint is not None
+        moves = not asset.fixed or item.link.joint is not None
         if moves:
             author_body(prim)
         if item.colliders:
@@ -55,9 +59,9 @@ def author_thing(
             for collider in item.colliders:
                 shape = define_collider(stage, scope.AppendChild(collider.name), collider.mesh)
                 contacts.bind(shape.GetPath(), collider.solid)
-        for look, mass in zip(thing.looks, item.masses, strict=moves):
-            author_mass(contacts.spec(path, look), mass, thing.scale)
-    _author_joints(stage, root, thing, made)
+        for look, mass in zip(asset.looks, item.masses, strict=moves):
+            author_mass(contacts.spec(path, look), mass, asset.scale)
+    _author_joints(stage, root, asset, made)
 
 
 def _below(root: Sdf.Path, relative: str) -> Sdf.Path:
@@ -70,7 +74,7 @@ class _Contacts:
 
     stage: Usd.Stage
     root: Sdf.Path
-    thing: Thing
+    asset: RigidAsset
     owner: Sdf.Path | None
     own: dict[MaterialPhysics, Sdf.Path] = field(default_factory=dict)
 
@@ -85,12 +89,12 @@ class _Contacts:
         return Sdf.CreatePrimInLayer(layer, path.ReplacePrefix(owner, inside))
 
     def bind(self, shape: Sdf.Path, solid: Solid) -> None:
-        for look, made in zip(self.thing.looks, solid.substances, strict=True):
+        for look, made in zip(self.asset.looks, solid.substances, strict=True):
             bind_physics(self.spec(shape, look), self._material(made))
 
     def _material(self, made: Substance) -> Sdf.Path:
         """The Material that the part shows, where it says all; else one of our own."""
-        if made.physics is not None and made.material and self.thing.friction is None:
+        if made.physics is not None and made.material and self.asset.friction is None:
             path = Sdf.Path(made.material)
             # A layer that is referenced cannot name what is outside of it.
             if not path.IsAbsolutePath() or self.owner is not None:
@@ -99,10 +103,10 @@ class _Contacts:
 
     def _known(self, made: Substance) -> MaterialPhysics:
         known = made.physics or _usual()
-        if self.thing.friction is None:
+        if self.asset.friction is None:
             return known
         ratio = known.dynamic_friction / known.static_friction if known.static_friction else 1.0
-        given = self.thing.friction
+        given = self.asset.friction
         return MaterialPhysics(given, given * ratio, known.restitution, known.density)
 
     def _own(self, name: str, known: MaterialPhysics) -> Sdf.Path:
@@ -123,7 +127,9 @@ def _usual() -> MaterialPhysics:
     return MaterialPhysics(static, dynamic, 0.0, 0.0, friction_spread=spread)
 
 
-def _author_joints(stage: Usd.Stage, root: Sdf.Path, thing: Thing, made: Worked) -> None:
+def _author_joints(
+    stage: Usd.Stage, root: Sdf.Path, asset: RigidAsset, made: AssetColliders
+) -> None:
     movers = [item for item in made if item.link.joint is not None]
     if not movers:
         return
@@ -132,11 +138,11 @@ def _author_joints(stage: Usd.Stage, root: Sdf.Path, thing: Thing, made: Worked)
     for item in movers:
         name = item.link.path.replace("/", "_").removeprefix("Geometry_")
         bodies = (base, _below(root, item.link.path))
-        define_joint(stage, scope.AppendChild(name), _motion(thing, item), bodies, thing.scale)
-    _keep_apart(stage, root, thing, made)
+        define_joint(stage, scope.AppendChild(name), _motion(asset, item), bodies, asset.scale)
+    _keep_apart(stage, root, asset, made)
 
 
-def _keep_apart(stage: Usd.Stage, root: Sdf.Path, thing: Thing, made: Worked) -> None:
+def _keep_apart(stage: Usd.Stage, root: Sdf.Path, asset: RigidAsset, made: AssetColliders) -> None:
     """Drawers pass each other, and the case: a joint to what is no body keeps nothing apart."""
     passed: list[Sdf.Path] = []
     for item in made:
@@ -145,20 +151,20 @@ def _keep_apart(stage: Usd.Stage, root: Sdf.Path, thing: Thing, made: Worked) ->
             if passed:
                 keep_apart(stage.GetPrimAtPath(path), passed)
             passed.append(path)
-        elif thing.fixed:
+        elif asset.fixed:
             passed += [
                 _holder(path, item).AppendPath(f"{COLLIDERS}/{c.name}") for c in item.colliders
             ]
 
 
-def _holder(path: Sdf.Path, item: WorkedLink) -> Sdf.Path:
+def _holder(path: Sdf.Path, item: LinkColliders) -> Sdf.Path:
     """Where the shapes of a link go."""
     return path if item.link.path != "." else path.AppendChild(SCOPE)
 
 
-def _motion(thing: Thing, item: WorkedLink) -> Motion:
+def _motion(asset: RigidAsset, item: LinkColliders) -> Motion:
     says = item.link.joint
     assert says is not None
     axis = np.array(says.axis) / np.linalg.norm(says.axis)
-    lost = losses(thing.category, says.kind)
+    lost = losses(asset.category, says.kind)
     return Motion(says.kind, axis, says.limits, item.link.built, lost.damping, lost.friction)

@@ -11,12 +11,10 @@
         Geometry/door_0_hinge over: likewise
 """
 
-import hashlib
-import json
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +28,9 @@ from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.furniture.joinery import Support
 from openrooms_usd.physics.collision_error import RESOLUTION
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.physics.parts import RigidLink, looks_of, read_links
-from openrooms_usd.stages.physics.shapes import Settings, Worked, worked_out
+from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset
+from openrooms_usd.stages.physics.colliders import AssetColliders, colliders_of
+from openrooms_usd.stages.physics.parts import looks_of, read_links
 from openrooms_usd.usd.bodies import frame_and_scale
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.semantics import read_label
@@ -49,55 +48,6 @@ _FOUND: Final[dict[str, Support]] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Thing:
-    """An object as physics has it; equal ones share all of it.
-
-    Attributes:
-        root: The root of one of those that are alike.
-        title: What its layer is called after.
-        category: What it is.
-        fixed: Whether it never moves.
-        mass: Its mass where somebody says it, kilograms.
-        friction: Likewise the static coefficient of all of it.
-        scale: (3,) of its root, as `usd.bodies.frame_and_scale` gives it.
-        looks: The names of its looks; one without a name where it has no choice.
-        links: What it consists of.
-        settings: How its collision shapes are made.
-    """
-
-    root: Sdf.Path
-    title: str
-    category: str
-    fixed: bool
-    mass: float | None
-    friction: float | None
-    scale: Array
-    looks: tuple[str, ...]
-    links: tuple[RigidLink, ...]
-    settings: Settings
-
-    def digest(self, code: str) -> str:
-        """8 hexadecimal digits of all that its layer depends on.
-
-        Args:
-            code: The digest of the code that writes the layer.
-        """
-        parts: list[Any] = [
-            code, self.category, self.fixed, self.mass, self.friction,
-            self.scale.tolist(), self.looks, vars(self.settings),
-        ]  # fmt: skip
-        content = hashlib.sha256()
-        for link in self.links:
-            parts.append([link.path, link.built.tolist(), repr(link.joint)])
-            for solid in link.solids:
-                parts.append([solid.path, solid.name, [repr(s) for s in solid.substances]])
-                content.update(np.ascontiguousarray(solid.mesh.points).tobytes())
-                content.update(np.ascontiguousarray(solid.mesh.triangles).tobytes())
-        content.update(json.dumps(parts, sort_keys=True).encode())
-        return content.hexdigest()[:8]
-
-
 @dataclass(frozen=True)
 class Objects:
     """Reads objects, each of those that are alike once.
@@ -110,16 +60,16 @@ class Objects:
 
     def read(
         self, stage: Usd.Stage, roots: Iterable[Usd.Prim]
-    ) -> list[tuple[Thing, list[Sdf.Path]]]:
-        """The things that are there, each with all its roots, in the order of the stage."""
+    ) -> list[tuple[RigidAsset, list[Sdf.Path]]]:
+        """The assets that are there, each with all its roots, in the order of the stage."""
         cache = UsdGeom.XformCache(TIME)
         groups: dict[tuple[object, ...], list[Usd.Prim]] = {}
         for root in roots:
             groups.setdefault(self._alike(root, cache), []).append(root)
         # Reading goes through the looks, which makes prims anew.
         members = [[root.GetPath() for root in group] for group in groups.values()]
-        things = [(self.thing(stage, paths[0]), paths) for paths in members]
-        return [(thing, paths) for thing, paths in things if _has_surface(thing)]
+        assets = [(self.asset(stage, paths[0]), paths) for paths in members]
+        return [(asset, paths) for asset, paths in assets if _has_surface(asset)]
 
     def _alike(self, root: Usd.Prim, cache: UsdGeom.XformCache) -> tuple[object, ...]:
         given = self.section.objects.get(root.GetName())
@@ -131,7 +81,7 @@ class Objects:
             _support(root),
         )
 
-    def thing(self, stage: Usd.Stage, path: Sdf.Path, owner: Sdf.Path | None = None) -> Thing:
+    def asset(self, stage: Usd.Stage, path: Sdf.Path, owner: Sdf.Path | None = None) -> RigidAsset:
         """What one object is for physics.
 
         Args:
@@ -144,7 +94,7 @@ class Objects:
         root = stage.GetPrimAtPath(path)
         given = self.section.objects.get(root.GetName(), PhysicsObject())
         category = read_label(root, names.CATEGORY) or ""
-        return Thing(
+        return RigidAsset(
             path, str(root.GetAssetInfo().get("name", "")) or root.GetName(), category,
             not movable(category, _support(root)) if given.body is None else given.body == "fixed",
             given.mass or _mass_by_hand(root),
@@ -152,7 +102,7 @@ class Objects:
             _scale(root, UsdGeom.XformCache(TIME)),
             looks_of(stage.GetPrimAtPath(chooser)),
             links,
-            Settings(
+            ColliderSettings(
                 given.shapes or self.section.shapes,
                 tolerance_of(category, self.section.tolerance),
             ),
@@ -196,34 +146,36 @@ def _support(root: Usd.Prim) -> Support | None:
     return _FOUND.get(str(found), usual)
 
 
-def _has_surface(thing: Thing) -> bool:
-    return any(link.solids for link in thing.links)
+def _has_surface(asset: RigidAsset) -> bool:
+    return any(link.solids for link in asset.links)
 
 
-def work_out(context: StageContext, things: Iterable[Thing]) -> Mapping[int, Worked]:
-    """Masses and collision shapes, by ``id`` of the thing; the workers change nothing.
+def search_colliders(
+    context: StageContext, assets: Iterable[RigidAsset]
+) -> Mapping[int, AssetColliders]:
+    """Masses and collision shapes, by ``id`` of the asset; the workers change nothing.
 
     What has none is left out, with a note.
     """
-    waiting = list(things)
+    waiting = list(assets)
     with ThreadPoolExecutor(max(1, context.workers)) as pool:
         found = list(pool.map(_tried, waiting))
     made = {}
-    for thing, worked in zip(waiting, found, strict=True):
-        if isinstance(worked, InputError):
-            context.notes.append(f"{thing.root.name} has no physics: {worked.message}")
+    for asset, searched in zip(waiting, found, strict=True):
+        if isinstance(searched, InputError):
+            context.notes.append(f"{asset.root.name} has no physics: {searched.message}")
             continue
-        made[id(thing)] = worked
-        error = max(link.error for link in worked)
-        wanted = thing.settings.tolerance
+        made[id(asset)] = searched
+        error = max(link.error for link in searched)
+        wanted = asset.settings.tolerance
         if error > wanted + RESOLUTION:
             told = f"its collision shapes lie within {1e3 * error:.0f} mm of it, not"
-            context.notes.append(f"{thing.root.name}: {told} {1e3 * wanted:g} mm")
+            context.notes.append(f"{asset.root.name}: {told} {1e3 * wanted:g} mm")
     return made
 
 
-def _tried(thing: Thing) -> Worked | InputError:
+def _tried(asset: RigidAsset) -> AssetColliders | InputError:
     try:
-        return worked_out(thing)
+        return colliders_of(asset)
     except InputError as error:
         return error

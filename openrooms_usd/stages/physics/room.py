@@ -16,10 +16,11 @@ from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.physics.panels import panel_pieces, slab_hull
 from openrooms_usd.stages.appearance import texels
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.physics.authoring import author_thing
-from openrooms_usd.stages.physics.objects import Objects, Thing, work_out
+from openrooms_usd.stages.physics.assets import RigidAsset
+from openrooms_usd.stages.physics.authoring import author_physics
+from openrooms_usd.stages.physics.colliders import Collider, LinkColliders, convex_shapes
+from openrooms_usd.stages.physics.objects import Objects, search_colliders
 from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
-from openrooms_usd.stages.physics.shapes import Collider, WorkedLink, convex_shapes
 from openrooms_usd.usd.materials import read_preview_surface
 from openrooms_usd.usd.semantics import read_label
 
@@ -35,22 +36,22 @@ def author_room(context: StageContext, objects: Objects) -> None:
         return
     openings = stage.GetPrimAtPath(names.OPENINGS)
     paths = [prim.GetPath() for prim in openings.GetChildren()] if openings else []
-    things = [_built_in(objects.thing(stage, path, room)) for path in paths]
-    things = [thing for thing in things if any(link.solids for link in thing.links)]
-    shell = _built_in(objects.thing(stage, room, room))
-    made = work_out(context, things)
+    assets = [_built_in(objects.asset(stage, path, room)) for path in paths]
+    assets = [asset for asset in assets if any(link.solids for link in asset.links)]
+    shell = _built_in(objects.asset(stage, room, room))
+    made = search_colliders(context, assets)
     _author_shell(context, shell)
-    for thing in things:
-        if id(thing) in made:
-            author_thing(stage, thing.root, thing, made[id(thing)], room)
+    for asset in assets:
+        if id(asset) in made:
+            author_physics(stage, asset.root, asset, made[id(asset)], room)
 
 
-def _built_in(thing: Thing) -> Thing:
+def _built_in(asset: RigidAsset) -> RigidAsset:
     """What is of the building stays, and stays open: one hull of a frame would fill it."""
-    return replace(thing, fixed=True, settings=replace(thing.settings, shapes="auto"))
+    return replace(asset, fixed=True, settings=replace(asset.settings, shapes="auto"))
 
 
-def _author_shell(context: StageContext, room: Thing) -> None:
+def _author_shell(context: StageContext, room: RigidAsset) -> None:
     inside = f"{names.OPENINGS.removeprefix(names.ROOM + '/')}/"
     solids = [
         _with_floor_friction(context, solid)
@@ -64,12 +65,12 @@ def _author_shell(context: StageContext, room: Thing) -> None:
         for solid in solids
         for number, shape in enumerate(_shapes(context, room, solid))
     ]
-    link = WorkedLink(RigidLink(".", tuple(solids)), tuple(colliders), ())
+    link = LinkColliders(RigidLink(".", tuple(solids)), tuple(colliders), ())
     shell = replace(room, links=(link.link,))
-    author_thing(context.stage, room.root, shell, (link,), room.root)
+    author_physics(context.stage, room.root, shell, (link,), room.root)
 
 
-def _shapes(context: StageContext, room: Thing, solid: Solid) -> list[TriangleMesh]:
+def _shapes(context: StageContext, room: RigidAsset, solid: Solid) -> list[TriangleMesh]:
     """The convex pieces of a surface of the shell."""
     prim = context.stage.GetPrimAtPath(Sdf.Path(names.ROOM).AppendPath(solid.path))
     category = read_label(prim, names.CATEGORY)

@@ -1,7 +1,7 @@
 """The physics stage: gravity, bodies, collision shapes and joints.
 
 The physics of an object is a layer of its own, which its root references above its asset and its
-look, so that repeats go on sharing a prototype; see `physics_objects`. That of the room's shell is
+look, so that repeats go on sharing a prototype; see `objects`. That of the room's shell is
 written where it is.
 """
 
@@ -18,10 +18,11 @@ from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.physics.authoring import author_thing
-from openrooms_usd.stages.physics.objects import Objects, Thing, work_out
+from openrooms_usd.stages.physics.assets import RigidAsset
+from openrooms_usd.stages.physics.authoring import author_physics
+from openrooms_usd.stages.physics.colliders import AssetColliders
+from openrooms_usd.stages.physics.objects import Objects, search_colliders
 from openrooms_usd.stages.physics.room import author_room
-from openrooms_usd.stages.physics.shapes import Worked
 from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.bodies import define_scene
 from openrooms_usd.usd.layers import apply_metadata, export, split_arrays
@@ -59,7 +60,7 @@ class PhysicsStage:
         objects = Objects(section)
         found = objects.read(context.stage, roots)
         author_room(context, objects)
-        _reference(context, found, _publish(context, [thing for thing, _ in found]))
+        _reference(context, found, _publish(context, [asset for asset, _ in found]))
 
 
 def _check_names(context: StageContext, section: Physics, known: Sequence[str]) -> None:
@@ -77,39 +78,39 @@ def _check_names(context: StageContext, section: Physics, known: Sequence[str]) 
         )
 
 
-def _publish(context: StageContext, things: Iterable[Thing]) -> dict[int, str]:
-    """Write the layer of each distinct thing, unless it is there already.
+def _publish(context: StageContext, assets: Iterable[RigidAsset]) -> dict[int, str]:
+    """Write the layer of each distinct asset, unless it is there already.
 
     Returns:
-        The anchored path of its layer, by ``id`` of the thing.
+        The anchored path of its layer, by ``id`` of the asset.
     """
     code = code_digest(__name__)
     wanted: dict[int, str] = {}
-    missing: dict[Path, Thing] = {}
-    for thing in things:
-        file = f"{BODIES}/{thing.title}_{thing.digest(code)}.usda"
-        wanted[id(thing)] = file
+    missing: dict[Path, RigidAsset] = {}
+    for asset in assets:
+        file = f"{BODIES}/{asset.title}_{asset.digest(code)}.usda"
+        wanted[id(asset)] = file
         target = context.keep(file)
         arrays = context.keep(f"{file.removesuffix('.usda')}.usdc")
         if not (target.is_file() and arrays.is_file()):
-            missing.setdefault(target, thing)
-    made = work_out(context, missing.values())
-    for target, thing in missing.items():
-        if id(thing) in made:
-            _write(target, thing, made[id(thing)])
+            missing.setdefault(target, asset)
+    made = search_colliders(context, missing.values())
+    for target, asset in missing.items():
+        if id(asset) in made:
+            _write(target, asset, made[id(asset)])
     there = {known: file for known, file in wanted.items() if (context.folder / file).is_file()}
     return {known: context.asset(file) for known, file in there.items()}
 
 
-def _write(target: Path, thing: Thing, made: Worked) -> None:
+def _write(target: Path, asset: RigidAsset, made: AssetColliders) -> None:
     """A light text layer, and its long arrays beside it."""
     layer = Sdf.Layer.CreateAnonymous(".usda")
     apply_metadata(layer)
     stage = Usd.Stage.Open(layer)
-    title = "".join(word.capitalize() for word in thing.category.split("_")) or "Object"
+    title = "".join(word.capitalize() for word in asset.category.split("_")) or "Object"
     root = stage.OverridePrim(f"/{title}")
     stage.SetDefaultPrim(root)
-    author_thing(stage, root.GetPath(), thing, made)
+    author_physics(stage, root.GetPath(), asset, made)
     # A stage would look for the sublayer as soon as it is named.
     del root, stage
     arrays = split_arrays(layer) or _empty()
@@ -127,16 +128,16 @@ def _empty() -> Sdf.Layer:
 
 def _reference(
     context: StageContext,
-    found: Iterable[tuple[Thing, Sequence[Sdf.Path]]],
+    found: Iterable[tuple[RigidAsset, Sequence[Sdf.Path]]],
     files: Mapping[int, str],
 ) -> None:
     """Let each root reference its physics, above all else: thousands in one change."""
     layer = context.stage.GetEditTarget().GetLayer()
-    paths = [(thing, path) for thing, members in found if id(thing) in files for path in members]
+    paths = [(asset, path) for asset, members in found if id(asset) in files for path in members]
     with Sdf.ChangeBlock():
-        for thing, path in paths:
+        for asset, path in paths:
             prim = Sdf.CreatePrimInLayer(layer, path)
-            prim.referenceList.Prepend(Sdf.Reference(files[id(thing)]))
-            if len(thing.links) > 1:
+            prim.referenceList.Prepend(Sdf.Reference(files[id(asset)]))
+            if len(asset.links) > 1:
                 # Bodies below an instance are none to the standard.
                 prim.instanceable = False

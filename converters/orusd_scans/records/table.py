@@ -7,7 +7,7 @@ from pathlib import Path
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from orusd_scans.formats.jsonfile import Node
+from orusd_scans.records.jsonfile import Node
 
 
 def read_table(path: Path, need: Sequence[str], texts: Sequence[str] = ()) -> list[Node]:

@@ -1,12 +1,10 @@
 """What is computed of an object for physics: collision shapes and masses, arrays in, arrays out."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.description.physics import Shapes
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.library.construction import mass_of_part
@@ -14,26 +12,11 @@ from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.decomposition import Shapes as FoundShapes
 from openrooms_usd.physics.mass import MassProperties, combined
+from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset
 from openrooms_usd.stages.physics.cache import cached_shapes
 from openrooms_usd.stages.physics.parts import RigidLink, Solid
 
-if TYPE_CHECKING:
-    from openrooms_usd.stages.physics.objects import Thing
-
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How collision shapes are made.
-
-    Attributes:
-        shapes: By which method.
-        tolerance: How far they may lie from what is seen, metres.
-    """
-
-    shapes: Shapes
-    tolerance: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +35,7 @@ class Collider:
 
 
 @dataclass(frozen=True, eq=False)
-class WorkedLink:
+class LinkColliders:
     """What was worked out of a link.
 
     Attributes:
@@ -68,23 +51,23 @@ class WorkedLink:
     error: float = 0.0
 
 
-Worked = tuple[WorkedLink, ...]
+AssetColliders = tuple[LinkColliders, ...]
 
 
-def worked_out(thing: "Thing") -> Worked:
+def colliders_of(asset: RigidAsset) -> AssetColliders:
     """Shapes and masses of all links of an object.
 
     Raises:
         InputError: Its surfaces enclose nothing and have no area.
     """
     try:
-        masses = _masses(thing)
+        masses = _masses(asset)
         return tuple(
-            _worked_link(thing, link, weights)
-            for link, weights in zip(thing.links, masses, strict=True)
+            _link_colliders(asset, link, weights)
+            for link, weights in zip(asset.links, masses, strict=True)
         )
     except InputError as error:
-        error.place = error.place or str(thing.root)
+        error.place = error.place or str(asset.root)
         raise
 
 
@@ -95,13 +78,15 @@ def scaled(mesh: TriangleMesh, scale: Array) -> TriangleMesh:
     return TriangleMesh(mesh.points * scale, triangles, mesh.faces)
 
 
-def _worked_link(thing: "Thing", link: RigidLink, masses: tuple[MassProperties, ...]) -> WorkedLink:
+def _link_colliders(
+    asset: RigidAsset, link: RigidLink, masses: tuple[MassProperties, ...]
+) -> LinkColliders:
     names = _stems(link)
     found = convex_shapes(
-        [scaled(solid.mesh, thing.scale) for solid in link.solids],
+        [scaled(solid.mesh, asset.scale) for solid in link.solids],
         names,
         [repr(solid.substances) for solid in link.solids],
-        thing.settings,
+        asset.settings,
     )
     by_name = dict(zip(names, link.solids, strict=True))
     colliders: list[Collider] = []
@@ -109,9 +94,9 @@ def _worked_link(thing: "Thing", link: RigidLink, masses: tuple[MassProperties, 
     for shape in found.shapes:
         stem = shape.parts[0]
         number = count[stem] = count.get(stem, -1) + 1
-        mesh = scaled(shape.mesh, 1.0 / thing.scale)
+        mesh = scaled(shape.mesh, 1.0 / asset.scale)
         colliders.append(Collider(f"{stem}_{number}", mesh, by_name[stem]))
-    return WorkedLink(link, tuple(colliders), masses, found.error)
+    return LinkColliders(link, tuple(colliders), masses, found.error)
 
 
 def _stems(link: RigidLink) -> list[str]:
@@ -122,7 +107,7 @@ def _stems(link: RigidLink) -> list[str]:
 
 
 def convex_shapes(
-    meshes: list[TriangleMesh], names: list[str], contacts: list[str], settings: Settings
+    meshes: list[TriangleMesh], names: list[str], contacts: list[str], settings: ColliderSettings
 ) -> FoundShapes:
     """The convex shapes of surfaces that move as one, metres.
 
@@ -139,30 +124,30 @@ def convex_shapes(
     return cached_shapes(parts, settings.shapes, settings.tolerance)
 
 
-def _masses(thing: "Thing") -> list[tuple[MassProperties, ...]]:
+def _masses(asset: RigidAsset) -> list[tuple[MassProperties, ...]]:
     """By link and look; where the whole mass is known, each link has its share."""
-    looks = range(len(thing.looks))
-    moving = [not thing.fixed or link.joint is not None for link in thing.links]
-    weighed = [moves or thing.mass is not None for moves in moving]
+    looks = range(len(asset.looks))
+    moving = [not asset.fixed or link.joint is not None for link in asset.links]
+    weighed = [moves or asset.mass is not None for moves in moving]
     table = [
-        [_link_mass(thing, link, look) for look in looks] if needed else []
-        for link, needed in zip(thing.links, weighed, strict=True)
+        [_link_mass(asset, link, look) for look in looks] if needed else []
+        for link, needed in zip(asset.links, weighed, strict=True)
     ]
-    if thing.mass is not None:
+    if asset.mass is not None:
         for look in looks:
             total = sum(row[look].mass for row in table)
             for row in table:
-                row[look] = row[look].weighing(row[look].mass * thing.mass / total)
+                row[look] = row[look].weighing(row[look].mass * asset.mass / total)
     return [tuple(row) if moves else () for row, moves in zip(table, moving, strict=True)]
 
 
-def _link_mass(thing: "Thing", link: RigidLink, look: int) -> MassProperties:
+def _link_mass(asset: RigidAsset, link: RigidLink, look: int) -> MassProperties:
     pieces = []
     for part in link.solids:
-        mesh = scaled(part.mesh, thing.scale)
+        mesh = scaled(part.mesh, asset.scale)
         made = part.substances[look].category
         substance = next((known for known in SUBSTANCES if known == made), None)
         pieces.append(
-            mass_of_part(thing.category, part.name, substance, mesh.points, mesh.triangles)
+            mass_of_part(asset.category, part.name, substance, mesh.points, mesh.triangles)
         )
     return combined(pieces)

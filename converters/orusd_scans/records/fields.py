@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from orusd_scans.formats.jsonfile import Node
+from orusd_scans.records.jsonfile import Node
 
 _LONGEST: Final = 200  # characters of an identifier or a label
 _REMEDY: Final = "mend this value"
