@@ -39,9 +39,6 @@ ROOMS = ("composed_demo", "composed_bodies", "demo", "generated")
 # tests.
 REAL = Path(os.environ.get("ORUSD_REAL") or Path(__file__).parents[2] / "shared" / "data")
 
-# Rules of usd-validation-nvidia that do not fit a room, each with the reason.
-LEFT_OUT: tuple[str, ...] = ()
-
 
 @pytest.hookimpl(tryfirst=True)  # before xdist reads the marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -141,12 +138,13 @@ def real() -> Callable[[str], Path]:
 
 @pytest.fixture(scope="session")
 def assert_valid() -> Callable[..., None]:
-    """Assert that a stage has no findings of ours, strict, and none of usd-validation-nvidia's.
+    """Assert that a stage has no findings of ours, strict, and none of `nvidia_issues`.
 
     A layer that is not the whole scene yet may name the rules that others will fulfil:
     ``assert_valid(path, without=("material",))``.
     """
     from openrooms_usd.validate import validate_stage
+    from tests.validators import nvidia_issues
 
     def check(path: Path, *, without: tuple[str, ...] = ()) -> None:
         findings = [
@@ -158,21 +156,6 @@ def assert_valid() -> Callable[..., None]:
         assert not problems, "\n".join(problems)
 
     return check
-
-
-def nvidia_issues(path: Path) -> list[str]:
-    """The errors and failures that usd-validation-nvidia finds in a stage."""
-    import usd_validation_nvidia as nvidia
-
-    engine = nvidia.ValidationEngine()
-    for name in LEFT_OUT:
-        engine.disable_rule(getattr(nvidia, name))
-    bad = (nvidia.IssueSeverity.ERROR, nvidia.IssueSeverity.FAILURE)
-    return sorted(
-        f"{issue.rule.__name__ if issue.rule else '-'} {issue.at}: {issue.message}"
-        for issue in engine.validate(str(path)).issues()
-        if issue.severity in bad
-    )
 
 
 @pytest.fixture(scope="session")

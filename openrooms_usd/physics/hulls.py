@@ -19,6 +19,9 @@ LEAST_THICKNESS: Final = 1e-3
 ENOUGH: Final = 1e-3
 # Corners closer than this share of the diagonal are one: Qhull would make slivers of them.
 WELD: Final = 1e-5
+# Triangles that are less high, as a share of the diagonal, have no area in float32. Where planes
+# cut, corners on one line make them.
+FLAT: Final = 1e-6
 # Corners that are added before the hull is made again, when one is made of few corners.
 BATCH: Final = 4
 
@@ -48,6 +51,8 @@ def convex_hull(
     corners, triangles = _closed(local[distinct] / size)
     if len(corners) > vertices:
         corners, triangles = _closed(_farthest(corners, vertices))
+    while (flat := _between(corners, triangles)).any():
+        corners, triangles = _closed(corners[~flat])
     return _ordered(corners * size + centre, triangles)
 
 
@@ -197,6 +202,20 @@ def _closed(points: Array) -> tuple[Array, Rows]:
             return points[used], triangles.reshape(-1, 3)
     box = bounding_box(TriangleMesh(points, np.empty((0, 3), np.int32), np.empty(0, np.int32)))
     return box.points, box.triangles.astype(np.int64)
+
+
+def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
+    """(N,) which corners lie on the line between the two others of a triangle, within `FLAT`."""
+    a, b, c = np.moveaxis(corners[triangles], 1, 0)
+    # Each edge has the place of the corner that it faces.
+    edges = np.linalg.norm(np.stack([c - b, a - c, b - a], axis=1), axis=2)
+    longest = edges.argmax(axis=1)
+    rows = np.arange(len(triangles))
+    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    flat = np.zeros(len(corners), dtype=bool)
+    thin = doubled <= FLAT * edges[rows, longest]
+    flat[triangles[rows, longest][thin]] = True
+    return flat
 
 
 def _outward(points: Array, triangles: Rows, inside: Array) -> Rows:

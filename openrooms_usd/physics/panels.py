@@ -123,7 +123,7 @@ def _prism(
     outline: Array, left: float, right: float, bottom: float, top: float
 ) -> TriangleMesh | None:
     """The outline between two uprights and two levels; None where nothing is left of it."""
-    kept = _cut(_cut(outline, left, 1.0), right, -1.0)
+    kept = _distinct(_cut(_cut(outline, left, 1.0), right, -1.0))
     return _solid(kept, bottom, top) if len(kept) >= 3 else None
 
 
@@ -141,6 +141,12 @@ def _solid(ring: Array, bottom: float, top: float) -> TriangleMesh:
 
 def _turned(mesh: TriangleMesh, frame: Array) -> TriangleMesh:
     return TriangleMesh(mesh.points @ frame.T, mesh.triangles, mesh.faces)
+
+
+def _distinct(ring: Array) -> Array:
+    """A ring without corners that coincide: a cut beside a corner makes another one there."""
+    gaps = np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
+    return np.asarray(ring[gaps > _NEAR])
 
 
 def _cut(ring: Array, at: float, side: float) -> Array:

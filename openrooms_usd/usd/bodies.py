@@ -12,10 +12,11 @@ from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from openrooms_usd import names
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.normals import face_vectors, unit
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.usd.meshes import define_mesh
@@ -23,6 +24,8 @@ from openrooms_usd.usd.meshes import define_mesh
 Array = NDArray[np.float64]
 
 PURPOSE: Final = "physics"
+# Normals of shapes: what is finer is noise, and makes equal arrays differ.
+_DIGITS: Final = 6
 _AXES: Final = (UsdPhysics.Tokens.x, UsdPhysics.Tokens.y, UsdPhysics.Tokens.z)
 
 
@@ -56,6 +59,15 @@ def author_body(prim: Usd.Prim) -> None:
     UsdPhysics.MassAPI.Apply(prim)
 
 
+def author_articulation(prim: Usd.Prim) -> None:
+    """Make a body that moves the root of what hangs on it by joints.
+
+    The standard wants a floating articulation's root on its root body. What is joined to something
+    that never moves has none: it holds on to the world, and a static root is an error.
+    """
+    UsdPhysics.ArticulationRootAPI.Apply(prim)
+
+
 def author_mass(spec: Sdf.PrimSpec, mass: MassProperties, scale: ArrayLike) -> None:
     """Say what a body weighs.
 
@@ -85,7 +97,13 @@ def define_collider(stage: Usd.Stage, path: Sdf.Path, mesh: TriangleMesh) -> Usd
         mesh: A closed, convex surface in the frame of its parent.
     """
     counts = np.full(len(mesh.triangles), 3, dtype=np.int32)
-    prim = define_mesh(stage, path, Mesh(mesh.points, counts, mesh.triangles.reshape(-1))).GetPrim()
+    faces = Mesh(mesh.points, counts, mesh.triangles.reshape(-1))
+    shape = define_mesh(stage, path, faces)
+    # Who looks at shapes sees their faces; one a face is a third of one a corner.
+    normals = np.round(unit(face_vectors(faces)), _DIGITS) + 0.0
+    shape.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
+    shape.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
+    prim = shape.GetPrim()
     UsdPhysics.CollisionAPI.Apply(prim)
     convex = UsdPhysics.Tokens.convexHull
     UsdPhysics.MeshCollisionAPI.Apply(prim).CreateApproximationAttr(convex)

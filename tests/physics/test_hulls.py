@@ -56,6 +56,20 @@ def test_flat_and_thin_sets_get_the_least_thickness(points: np.ndarray) -> None:
     assert widths.min() > 0.98 * LEAST_THICKNESS
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_corners_on_an_edge_make_no_triangle_without_area(seed: int) -> None:
+    """As cuts leave them: on the line but for noise, which is gone in float32."""
+    rng = np.random.default_rng(seed)
+    along = CUBE[rng.integers(8, size=30)]
+    along[np.arange(30), rng.integers(3, size=30)] = rng.random(30)
+    noisy = along + rng.normal(scale=1e-9, size=(30, 3))
+    hull = convex_hull(np.concatenate([CUBE, noisy]) @ turn(seed))
+    assert volume(hull) == pytest.approx(1.0, rel=1e-6)
+    assert trimesh.Trimesh(hull.points, hull.triangles, process=False).is_volume
+    a, b, c = np.moveaxis(hull.points.astype(np.float32)[hull.triangles], 1, 0)
+    assert np.linalg.norm(np.cross(b - a, c - a), axis=1).min() > 1e-6
+
+
 def test_few_corners_cost_what_spheres_of_few_corners_cost() -> None:
     points = sphere(2000)
     hull = convex_hull(points)

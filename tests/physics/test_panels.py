@@ -61,3 +61,16 @@ def test_a_floor_is_the_prism_over_the_hull_of_its_plan() -> None:
     a, b, c = np.moveaxis(hull.points[hull.triangles], 1, 0)
     volume = float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
     assert volume > 0.0
+
+
+def test_a_cut_beside_a_corner_makes_no_second_one() -> None:
+    """Float32 moves the corners of a slanting wall's hole off its outline, and its sides too."""
+    for number, wall in enumerate(walls_of(ROOM, np.arange(len(ROOM)), 0.24)):
+        solid = triangles(wall_solid(wall, HEIGHT, [Hole(0.333, 1.234, 0.0, 2.05)]))
+        stored = TriangleMesh(
+            solid.points.astype(np.float32).astype(np.float64), solid.triangles, solid.faces
+        )
+        for piece in panel_pieces(stored):
+            a, b, c = np.moveaxis(piece.points.astype(np.float32)[piece.triangles], 1, 0)
+            areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+            assert areas.min() > 1e-6, number

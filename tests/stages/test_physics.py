@@ -91,6 +91,27 @@ def test_what_moves_and_what_stays(stage: Usd.Stage) -> None:
     assert scene[1].gravityMagnitude == pytest.approx(9.81)
 
 
+def test_what_moves_with_joints_is_an_articulation_of_its_base(stage: Usd.Stage) -> None:
+    """And what hangs on something that stays, a door on its frame, is none: that is no body."""
+    found = {str(path): desc for path, desc in parsed(stage, Kind.Articulation)}
+    board = f"{names.FURNITURE}/board/Geometry"
+    assert list(found) == [f"{board}/Body"]
+    assert list(found[f"{board}/Body"].rootPrims) == [f"{board}/Body"]
+    joints = {str(path) for kind in (Kind.RevoluteJoint, Kind.PrismaticJoint)
+              for path, _ in parsed(stage, kind)}  # fmt: skip
+    members = {str(path) for path in found[f"{board}/Body"].articulatedJoints}
+    assert members == {path for path in joints if "/board/" in path} < joints
+    apart = {str(path) for path in found[f"{board}/Body"].articulatedBodies}
+    assert apart == {str(p) for p, _ in parsed(stage, Kind.RigidBody) if "/board/" in str(p)}
+
+
+def test_a_fixed_cabinet_has_joints_and_no_articulation(tmp_path: Path) -> None:
+    physics = {"shapes": "hull", "objects": {"board": {"body": "fixed"}}}
+    stage, _ = compose(tmp_path, physics=physics)
+    assert any("/board/" in str(path) for path, _ in parsed(stage, Kind.PrismaticJoint))
+    assert Kind.Articulation not in UsdPhysics.UsdPhysicsLoadStageFromPrimRange(stage, ["/"])
+
+
 def test_nothing_of_it_is_drawn(stage: Usd.Stage) -> None:
     shapes = [path for path, _ in parsed(stage, Kind.MeshShape)]
     assert len(shapes) > 30

@@ -15,6 +15,7 @@ from openrooms_usd.stages.physics.parts import Solid, Substance
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.bodies import (
     Motion,
+    author_articulation,
     author_body,
     author_mass,
     bind_physics,
@@ -135,6 +136,8 @@ def _author_joints(
         return
     scope = UsdGeom.Scope.Define(stage, root.AppendPath(f"{SCOPE}/Joints")).GetPath()
     base = _below(root, made[0].link.path)
+    if not thing.fixed:
+        author_articulation(stage.GetPrimAtPath(base))
     for item in movers:
         name = item.link.path.replace("/", "_").removeprefix("Geometry_")
         bodies = (base, _below(root, item.link.path))
