@@ -1,6 +1,7 @@
 """What tests of all areas share: is a stage valid, a room composed once, the time they may take."""
 
 import os
+from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 
@@ -42,8 +43,14 @@ REAL = Path(os.environ.get("ORUSD_REAL") or Path(__file__).parents[2] / "shared"
 
 @pytest.hookimpl(tryfirst=True)  # before xdist reads the marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests of one room go to one worker, the others file by file."""
+    """Tests of one room go to one worker, the others file by file; few of many cases are fast."""
+    cases: Counter[str] = Counter()
     for item in items:
+        if rare := item.get_closest_marker("one_in"):
+            test = item.nodeid.partition("[")[0]
+            if cases[test] % rare.args[0]:
+                item.add_marker(pytest.mark.slow)
+            cases[test] += 1
         if not any(item.iter_markers("xdist_group")):
             names = getattr(item, "fixturenames", ())
             rooms = (name for name in ROOMS if name in names)

@@ -74,6 +74,7 @@ def test_they_tile_without_a_seam_at_any_size(name: str) -> None:
             assert steps[0] <= usual + 1e-12, (axis, steps[0], usual)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", FAMILIES)
 def test_equal_orders_give_equal_maps_and_others_do_not(name: str) -> None:
     first, again, other = (made(name, seed, 48) for seed in (7, 7, 8))
@@ -101,6 +102,7 @@ def test_a_finer_grid_shows_the_same_piece(name: str) -> None:
         assert np.corrcoef(a.ravel(), b.ravel())[0, 1] > 0.9
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", FAMILIES)
 @pytest.mark.parametrize(("resolution", "size"), [(1, 1e-3), (33, 1e3)])
 def test_extreme_sizes_are_finite(name: str, resolution: int, size: float) -> None:

@@ -74,6 +74,7 @@ def test_it_tiles_without_a_seam(name: str, picture: str) -> None:
         assert seam <= inside.max() * 1.3 + 0.25, (axis, seam, inside.max())
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_finer_grid_shows_the_same_material(name: str) -> None:
     """What is drawn does not depend on the resolution: mean colour and roughness agree."""
@@ -83,6 +84,7 @@ def test_a_finer_grid_shows_the_same_material(name: str) -> None:
     assert coarse.roughness.mean() / 255.0 == pytest.approx(fine.roughness.mean() / 255, abs=0.05)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", NAMES)
 def test_the_smallest_resolution(name: str) -> None:
     material = make(name, 1, resolution=16, size=20.0 if "plank" in name else None)

@@ -170,6 +170,7 @@ def by_path(build: Any, lit: Any) -> Callable[..., Array]:
     return rendered
 
 
+@pytest.mark.slow
 def test_the_scalar_backend_sees_the_same_picture(
     build: Any, by_path: Callable[..., Array]
 ) -> None:
@@ -182,6 +183,7 @@ def test_the_scalar_backend_sees_the_same_picture(
             assert_alike(image, by_path((light.path,)), light.path)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("number", range(len(TARGETS)))
 def test_cells_times_cosine_are_irradiance(session: Any, number: int) -> None:
     """Within what light may be off that is uneven in a cell, which horizon cells dominate."""

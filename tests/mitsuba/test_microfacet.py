@@ -137,6 +137,7 @@ def test_light_may_go_either_way(prepare: Prepare, R: float) -> None:
     np.testing.assert_allclose(there, back, rtol=1e-4)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("R", ROUGHNESSES)
 @pytest.mark.parametrize("cosine", COSINES)
 @pytest.mark.parametrize("base, metallic", [(0.0, 0.0), (0.5, 0.0), (1.0, 0.5), (1.0, 1.0)])

@@ -128,6 +128,7 @@ def test_equal_seeds_give_equal_bits_and_others_do_not(build: Any, lit: Any, sun
     assert not np.array_equal(first, other)
 
 
+@pytest.mark.slow
 def test_bands_and_passes_agree_within_their_noise(
     build: Any, lit: Any, sun: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

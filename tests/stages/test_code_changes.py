@@ -257,6 +257,7 @@ def prims(stage: Usd.Stage) -> set[str]:
     return {str(prim.GetPath()) for prim in found}
 
 
+@pytest.mark.slow
 def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path) -> None:
     code = tmp_path / "code"
     ignored = shutil.ignore_patterns("__pycache__")
