@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.render.reading import RenderedView
 from orusd_openrooms import images, lights
 from orusd_openrooms.frame import Frame, Pixels
@@ -16,7 +17,7 @@ from orusd_openrooms.records import Light
 from orusd_openrooms.rgbe import write_rgbe
 from orusd_openrooms.unoccluded import approximate
 
-_LUMINANCE: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
+_LUMINANCE: Final = LUMINANCE.astype(np.float32)
 
 
 def write_lights(place: Place, number: int, frame: Frame) -> None:

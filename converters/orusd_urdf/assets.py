@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from openrooms_usd import atomic
+from openrooms_usd.colorimetry import linear_from_srgb, srgb_from_linear
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Visual
 from orusd_urdf import objfile
-from orusd_urdf.looks import PLAIN, Look, Loss, srgb_from_linear
+from orusd_urdf.looks import PLAIN, Look, Loss
 from orusd_urdf.naming import Names
 
 if TYPE_CHECKING:
@@ -114,8 +115,7 @@ def _linear(stored: np.ndarray, texture: "Texture") -> np.ndarray:
     """(H, W, 3) linear values of a picture as its texture takes them."""
     color = stored[..., :3] if stored.shape[2] >= 3 else np.repeat(stored[..., :1], 3, axis=2)
     if texture.color_space == "sRGB":
-        power = ((np.maximum(color, 0.0) + 0.055) / 1.055) ** 2.4
-        color = np.where(color <= 0.04045, color / 12.92, power)
+        color = linear_from_srgb(color)
     alpha = stored[..., -1:] if stored.shape[2] in (2, 4) else np.ones_like(stored[..., :1])
     rgba = np.concatenate([color, alpha], axis=2) * texture.scale + texture.bias
     if texture.channel == "rgb":

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.physics.world import Visual, World
 
 if TYPE_CHECKING:
@@ -117,13 +118,6 @@ def _number(value: object, otherwise: float) -> float:
 def _encoded(color: Color) -> Color:
     red, green, blue = srgb_from_linear(np.array(color)).tolist()
     return red, green, blue
-
-
-def srgb_from_linear(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Encode as sRGB (IEC 61966-2-1); what is brighter than a screen becomes white."""
-    clipped = np.clip(linear, 0.0, 1.0)
-    power = 1.055 * np.maximum(clipped, 0.0031308) ** (1.0 / 2.4) - 0.055
-    return np.asarray(np.where(clipped <= 0.0031308, 12.92 * clipped, power))
 
 
 def _reasons(surface: "PreviewSurface") -> list[str]:

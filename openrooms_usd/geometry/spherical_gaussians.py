@@ -23,6 +23,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
 from openrooms_usd.geometry.lobe_pursuit import CELLS, SHARPEST, Floats, pursue
 
@@ -39,7 +40,7 @@ _TURN: Final = 0.3
 _BOLDER: Final = np.float32(0.3)
 _SHYER: Final = np.float32(4.0)
 _POINTS: Final = 64
-_LUMINANCE: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
+_LUMINANCE: Final = LUMINANCE.astype(np.float32)
 
 _SIZES: Final = np.repeat(HEMISPHERE.solid_angles, HEMISPHERE.columns).astype(np.float32)
 # (4, cells): sharpness (axis . d - 1) and its slopes are sums of these.

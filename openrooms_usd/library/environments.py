@@ -16,9 +16,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sunlight import RGB_FROM_XYZ
-from openrooms_usd.usd.photometry import luminance
 
 Array = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.usd.photometry import luminance
+from openrooms_usd.colorimetry import luminance
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Colour for people: sRGB, exposure, a film-like curve, a colour map and a palette.
+"""Colour for people: exposure, a film-like curve, a colour map and a palette.
 
 Nothing here touches data: what is written to EXR files stays scene-linear and unexposed.
 """
@@ -8,10 +8,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import LUMINANCE, srgb_from_linear
+
 Array = NDArray[np.floating[Any]]
 Bytes = NDArray[np.uint8]
 
-LUMINANCE: Final = np.array([0.2126, 0.7152, 0.0722], np.float32)
+_LUMINANCE: Final = LUMINANCE.astype(np.float32)
 MIDDLE_GREY: Final = 0.18
 KEY: Final = 0.27  # a little above middle grey: rooms have light walls
 _BLOCK: Final = 8
@@ -35,12 +37,6 @@ _GAMMA: Final = 2.2  # of the display that the curve was drawn for
 _PLASTIC: Final = 1.22074408460575947536  # the root of x^4 = x + 1
 
 
-def srgb(linear: Array) -> Array:
-    """Encode linear values for an sRGB display (IEC 61966-2-1), clipped to [0, 1]."""
-    x = np.clip(linear, 0, 1)
-    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055)
-
-
 def quantize(values: Array) -> Bytes:
     """[0, 1] to the nearest of 256 steps; what is not finite becomes 0."""
     return (np.clip(np.nan_to_num(values, posinf=0, neginf=0), 0, 1) * 255 + 0.5).astype(np.uint8)
@@ -59,7 +55,7 @@ def fitted_exposure(radiance: Array) -> float:
     Returns:
         The factor; 1 for a picture without light.
     """
-    luminance = _block_means(radiance @ LUMINANCE)
+    luminance = _block_means(radiance @ _LUMINANCE)
     lit = luminance[np.isfinite(luminance) & (luminance > 0)]
     if not lit.size:
         return 1.0
@@ -83,7 +79,7 @@ def film(linear: Array) -> Array:
         linear: (..., 3); middle grey is 0.18 and stays 0.18.
 
     Returns:
-        The same shape; encode with `srgb` to look at it.
+        The same shape; encode as sRGB to look at it.
     """
     low, high = _STOPS
     inset = np.maximum(linear @ _INSET.T, 1e-10)
@@ -125,7 +121,7 @@ def ramp(x: Array) -> Array:
     """
     t = np.clip(np.asarray(x, np.float32), 0, 1)
     hue = np.radians(105 + 180 * t)
-    return srgb(_from_oklab(0.94 - 0.70 * t, 0.09 * np.cos(hue), 0.09 * np.sin(hue)))
+    return srgb_from_linear(_from_oklab(0.94 - 0.70 * t, 0.09 * np.cos(hue), 0.09 * np.sin(hue)))
 
 
 def _from_oklab(L: Array, a: Array, b: Array) -> Array:
@@ -163,6 +159,8 @@ def palette(ids: NDArray[np.integer[Any]]) -> Bytes:
     unique, where = np.unique(ids, return_inverse=True)
     u, v, w = (unique * _PLASTIC**-k % 1.0 for k in (1, 2, 3))
     hue, lightness, chroma = 2 * np.pi * u, 0.48 + 0.37 * v, 0.05 + 0.10 * w
-    colors = quantize(srgb(_from_oklab(lightness, chroma * np.cos(hue), chroma * np.sin(hue))))
+    colors = quantize(
+        srgb_from_linear(_from_oklab(lightness, chroma * np.cos(hue), chroma * np.sin(hue)))
+    )
     colors[unique == 0] = 0
     return np.asarray(colors[where.reshape(np.shape(ids))])

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
+from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.geometry.hemisphere import tiled, untiled
 from openrooms_usd.render import color
 from openrooms_usd.usd import imagefile
@@ -70,7 +71,9 @@ def _light(pixels: Pixels, exposure: float | None) -> Preview:
     factor = color.fitted_exposure(pixels) if exposure is None else exposure
     whose = "fitted" if exposure is None else "of the camera"
     graded = color.film(pixels * np.float32(factor))
-    return Preview(color.quantize(color.srgb(graded)), f"AgX, exposure {factor:.3g} ({whose})")
+    return Preview(
+        color.quantize(srgb_from_linear(graded)), f"AgX, exposure {factor:.3g} ({whose})"
+    )
 
 
 def _length(pixels: Pixels, exposure: float | None) -> Preview:
@@ -99,7 +102,7 @@ def _direction(pixels: Pixels, exposure: float | None) -> Preview:
 
 
 def _reflectance(pixels: Pixels, exposure: float | None) -> Preview:
-    return Preview(color.quantize(color.srgb(pixels)), "sRGB")
+    return Preview(color.quantize(srgb_from_linear(pixels)), "sRGB")
 
 
 def _ratio(pixels: Pixels, exposure: float | None) -> Preview:

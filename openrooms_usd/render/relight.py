@@ -118,7 +118,7 @@ def blackbody(kelvin: float) -> NDArray[np.float64]:
     """(3,) scene-linear Rec.709 of a black body, luminance 1, as UsdLux colours its lights."""
     from pxr import UsdLux
 
-    from openrooms_usd.usd.photometry import luminance
+    from openrooms_usd.colorimetry import luminance
 
     color = np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), dtype=np.float64)
     return np.asarray(color / luminance(color))

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 from openrooms_usd.usd.textures import read_texture
 
@@ -84,16 +85,10 @@ def _values(value: Texture | Color | float, *, evenly: bool = False) -> Field:
     stored = read_texture(value.file)
     stored = _evenly(stored) if evenly else stored
     pixels = stored[..., :3] if stored.shape[-1] >= 3 else np.repeat(stored[..., :1], 3, axis=-1)
-    decoded = _linear(pixels) if value.color_space == "sRGB" else pixels
+    decoded = linear_from_srgb(pixels) if value.color_space == "sRGB" else pixels
     shown: Field = np.clip(decoded * value.scale[:3] + value.bias[:3], 0.0, 1.0)
     # An alpha that drives something is rare enough to be read as blue.
     return shown if value.channel == "rgb" else shown[..., "rgb".find(value.channel)]
-
-
-def _linear(encoded: Field) -> Field:
-    """The inverse of the sRGB transfer function (IEC 61966-2-1)."""
-    high = ((np.maximum(encoded, 0.04045) + 0.055) / 1.055) ** 2.4
-    return np.where(encoded <= 0.04045, encoded / 12.92, high)
 
 
 def _color(values: Field) -> Color:

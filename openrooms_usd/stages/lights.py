@@ -14,6 +14,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.codedigest import code_digest
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.description.lights import (
     ConstantEnvironment,
     FileEnvironment,
@@ -31,7 +32,7 @@ from openrooms_usd.stages.daylight import author_portals, author_sky
 from openrooms_usd.stages.glow import author_glow
 from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
-from openrooms_usd.usd.photometry import luminance, nits_from_lumen, world_area
+from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 from openrooms_usd.usd.semantics import read_label
 
 # Of a lamp whose category the library does not know.

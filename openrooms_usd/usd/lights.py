@@ -3,6 +3,7 @@
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdLux
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.usd.emitters import (
     CylinderLight,
     DiskLight,
@@ -15,7 +16,6 @@ from openrooms_usd.usd.emitters import (
     UnknownLight,
 )
 from openrooms_usd.usd.lightreader import read_lights
-from openrooms_usd.usd.photometry import luminance
 from openrooms_usd.usd.transforms import author_upright
 
 __all__ = [

@@ -1,22 +1,14 @@
-"""Luminance, emitting area, and what lumen mean for a surface."""
+"""Emitting area, and what lumen mean for a surface."""
 
 import math
-from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.colorimetry import luminance as luminance
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd import frames
-
-# Rec.709 weights of luminance.
-_WEIGHTS: Final = np.array([0.2126, 0.7152, 0.0722])
-
-
-def luminance(radiance: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
-    """(...) luminance, nits, of (..., 3) scene-linear Rec.709 radiance in nits."""
-    return np.asarray(np.asarray(radiance, dtype=np.float64) @ _WEIGHTS)
 
 
 def nits_from_lumen(lumen: float, area: float) -> float:

@@ -57,15 +57,15 @@ RANKS = (
         "unfinished",
         "unpickling",
     ),
-    ("errors", "names", "untrusted", "version"),
+    ("colorimetry", "errors", "names", "untrusted", "version"),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "errors", "names", "atomic", "claims", "isolation", "ledger", "progress", "unpickling",
-    "untrusted",
+    "colorimetry", "errors", "names", "atomic", "claims", "isolation", "ledger", "progress",
+    "unpickling", "untrusted",
 }  # fmt: skip
 HEAVY = {
     "pxr",

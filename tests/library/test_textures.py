@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.errors import InputError
 from openrooms_usd.library import textures
-from openrooms_usd.library.textures.base.maps import Maps, encoded, normals, srgb_from_linear
+from openrooms_usd.library.textures.base.maps import Maps, encoded, normals
 from openrooms_usd.library.textures.base.noise import band_noise, smooth_noise
 
 SEVERAL = ("oak_planks", "herringbone_parquet", "roller_matt", "terrazzo", "denim", "rusted_iron")

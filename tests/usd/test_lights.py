@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.usd.emitters import (
     CylinderLight,
     DiskLight,
@@ -18,7 +19,7 @@ from openrooms_usd.usd.emitters import (
 )
 from openrooms_usd.usd.lights import define_dome, define_mesh_light, read_lights
 from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
-from openrooms_usd.usd.photometry import luminance, nits_from_lumen, world_area
+from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 
 WEIGHTS = (0.2126, 0.7152, 0.0722)
 

@@ -10,6 +10,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
+
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.library.ownmaterials.images import Images
 from openrooms_usd.usd.surfaces import Channel, Texture
 
@@ -194,13 +197,8 @@ def _value(socket: Any) -> Constant | None:
     if not all(map(math.isfinite, numbers)):
         raise ValueError(f"{socket.getNamePath()}: {socket.getValueString()} is not finite")
     if socket.getType() in _COLOR_TYPES and socket.getActiveColorSpace() == "srgb_texture":
-        numbers = (*map(_linear, numbers[:3]), *numbers[3:])
+        numbers = (*linear_from_srgb(np.array(numbers[:3])).tolist(), *numbers[3:])
     return numbers or None
-
-
-def _linear(encoded: float) -> float:
-    """Decode sRGB (IEC 61966-2-1)."""
-    return encoded / 12.92 if encoded <= 0.04045 else ((encoded + 0.055) / 1.055) ** 2.4
 
 
 def _picked(signal: Signal, channel: Channel) -> Signal:

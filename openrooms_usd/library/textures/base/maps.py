@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.library.textures.base.noise import Field
 
 Bytes = NDArray[np.uint8]
@@ -110,13 +111,6 @@ def normals(height: Field, texel: float) -> Field:
     slope_t = (np.roll(height, 1, axis=0) - np.roll(height, -1, axis=0)) / (2.0 * texel)
     length = np.sqrt(slope_s**2 + slope_t**2 + 1.0)
     return np.stack([-slope_s / length, -slope_t / length, 1.0 / length], axis=-1)
-
-
-def srgb_from_linear(linear: Field) -> Field:
-    """The sRGB transfer function (IEC 61966-2-1), 0..1 to 0..1."""
-    low = linear * 12.92
-    high = 1.055 * np.maximum(linear, 0.0031308) ** (1.0 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, low, high)
 
 
 def with_mean(field: Field, mean: float | NDArray[np.float64]) -> Field:
