@@ -159,8 +159,7 @@ def palette(ids: NDArray[np.integer[Any]]) -> Bytes:
     unique, where = np.unique(ids, return_inverse=True)
     u, v, w = (unique * _PLASTIC**-k % 1.0 for k in (1, 2, 3))
     hue, lightness, chroma = 2 * np.pi * u, 0.48 + 0.37 * v, 0.05 + 0.10 * w
-    colors = quantize(
-        srgb_from_linear(_from_oklab(lightness, chroma * np.cos(hue), chroma * np.sin(hue)))
-    )
+    linear = _from_oklab(lightness, chroma * np.cos(hue), chroma * np.sin(hue))
+    colors = quantize(srgb_from_linear(linear))
     colors[unique == 0] = 0
     return np.asarray(colors[where.reshape(np.shape(ids))])

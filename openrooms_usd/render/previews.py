@@ -70,10 +70,8 @@ def _marked(pixels: Bytes, bad: NDArray[np.bool_]) -> Bytes:
 def _light(pixels: Pixels, exposure: float | None) -> Preview:
     factor = color.fitted_exposure(pixels) if exposure is None else exposure
     whose = "fitted" if exposure is None else "of the camera"
-    graded = color.film(pixels * np.float32(factor))
-    return Preview(
-        color.quantize(srgb_from_linear(graded)), f"AgX, exposure {factor:.3g} ({whose})"
-    )
+    graded = srgb_from_linear(color.film(pixels * np.float32(factor)))
+    return Preview(color.quantize(graded), f"AgX, exposure {factor:.3g} ({whose})")
 
 
 def _length(pixels: Pixels, exposure: float | None) -> Preview:

@@ -1,4 +1,4 @@
-"""The transfer function against its standard, branch by branch, and luminance against its weights."""
+"""The transfer function against its standard, branch by branch; luminance by its weights."""
 
 import numpy as np
 import pytest
