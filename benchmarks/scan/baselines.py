@@ -5,6 +5,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 
@@ -37,8 +38,7 @@ def manhattan(cloud: Cloud) -> FoundRoom | None:
     floor, ceiling = _levels(cloud.points[flat, 2], normals[flat, 2])
     walls = np.abs(normals[:, 2]) < 0.3
     angle = _heading(normals[walls, :2])
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c, -s], [s, c]])
+    turn = in_plan(angle)
     plan, facing = cloud.points[:, :2] @ turn, normals[:, :2] @ turn
     lines = [_peaks(plan[walls, axis][np.abs(facing[walls, axis]) > 0.9]) for axis in (0, 1)]
     levels = np.abs(cloud.points[:, 2, None] - (floor, ceiling)).min(axis=1) < LEVEL
@@ -164,8 +164,7 @@ def ransac_planes(cloud: Cloud, planes: int = 12) -> FoundRoom | None:
     if len(levels) < 1 or len(sides) < 2:
         return None
     angle = np.arctan2(sides[0][0][1], sides[0][0][0])
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c, -s], [s, c]])
+    turn = in_plan(angle)
     plan = np.concatenate([np.median(points[:, :2] @ turn, axis=0)[None] for _, points in sides])
     low, high = plan.min(axis=0), plan.max(axis=0)
     ring = np.array([low, (high[0], low[1]), high, (low[0], high[1])]) @ turn.T

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from benchmarks.scan.rooms import SimulatedRoom
 from openrooms_usd.geometry.floorplan import inside, wall_distance
-from openrooms_usd.geometry.pinhole import pose, rotations
+from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.rotations import pose
 
 Array = NDArray[np.float64]
 

@@ -19,8 +19,8 @@ from benchmarks.scan.path import walk
 from benchmarks.scan.rooms import SimulatedRoom, read_room
 from benchmarks.scan.truth import Truth
 from openrooms_usd.draws import generator
-from openrooms_usd.geometry.pinhole import pose
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.fusion import DepthFrame
 

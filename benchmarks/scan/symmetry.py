@@ -5,6 +5,8 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.rotations import about_z
+
 Array = NDArray[np.float64]
 Symmetry = Literal["none", "2", "4", "inf"]
 
@@ -43,8 +45,7 @@ def symmetry_of(vertices: Array, faces: NDArray[np.int64]) -> Symmetry:
 
 def turned(points: Array, degrees: float) -> Array:
     """(N, 3) points after a turn about the vertical."""
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.asarray(points @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]))
+    return np.asarray(points @ about_z(-np.radians(degrees)))
 
 
 def surface_samples(

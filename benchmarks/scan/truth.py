@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.pinhole import pose
+from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 
 Array = NDArray[np.float64]

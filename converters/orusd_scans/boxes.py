@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.frames import frames_of, in_world, read_frames
 from orusd_scans.plan import (
     LARGEST,
@@ -238,8 +239,7 @@ def _turn(node: Node, up: Up) -> Array:
         return np.asarray(rotation)
     yaw = node.get("yaw")
     angle = np.radians(number(yaw, 1e6)) if yaw is not None else 0.0
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(Z_UP[up].T @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+    return np.asarray(Z_UP[up].T @ about_z(angle))
 
 
 def _frame(given: _List, plan: DrawnPlan | None, level: float, rows: Sequence[_Row]) -> WorldFrame:

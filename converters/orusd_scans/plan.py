@@ -9,7 +9,6 @@ or a CSV table of corners with the columns x and y. Corners are horizontal: x an
 with Z up, x and z in one with Y up. All numbers are in the frame and the unit of the capture.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import CapturedOpening
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
+from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.floorplan import heading
 from orusd_scans.records.fields import choice, flag, identifiers, number, positive
 from orusd_scans.records.jsonfile import Node, read_json
@@ -124,8 +124,7 @@ def frame_along(plan: DrawnPlan, level: float, up: Up) -> WorldFrame:
         up: The source's up axis.
     """
     angle = heading(plan.corners)
-    c, s = math.cos(angle), math.sin(angle)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turn = about_z(angle)
     # Relative to one corner, so that rotating far from the origin stays exact.
     turned = (plan.corners - plan.corners[0]) @ turn[:2, :2].T
     corner = np.array([*turned.min(axis=0), 0.0]) @ turn

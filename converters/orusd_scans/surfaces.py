@@ -6,6 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.vectors import UP, unit
 from openrooms_usd.scan.points.cloud import Cloud
 
 Array = NDArray[np.float64]
@@ -68,9 +69,7 @@ def _smooth(count: int, faces: Faces, cross: Array) -> NDArray[np.float32]:
     sums = np.column_stack([
         np.bincount(faces.reshape(-1), np.repeat(cross[:, axis], 3), count) for axis in range(3)
     ])  # fmt: skip
-    length = np.linalg.norm(sums, axis=1, keepdims=True)
-    unit = np.where(length > 0.0, sums / np.where(length > 0.0, length, 1.0), [0.0, 0.0, 1.0])
-    return unit.astype(np.float32)
+    return unit(sums, UP).astype(np.float32)
 
 
 def _joined(first: Cloud, second: Cloud) -> Cloud:

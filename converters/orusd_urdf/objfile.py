@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.geometry.vectors import unit
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -62,9 +63,8 @@ def _normals(mesh: TriangleMesh) -> Floats:
     if mesh.normals is not None:
         return mesh.normals
     a, b, c = np.moveaxis(mesh.points[mesh.triangles], 1, 0)
-    across = np.cross(b - a, c - a)
-    unit = across / np.linalg.norm(across, axis=1, keepdims=True)
-    return np.repeat(unit[:, None], 3, axis=1).astype(np.float32)
+    normals = unit(np.cross(b - a, c - a))
+    return np.repeat(normals[:, None], 3, axis=1).astype(np.float32)
 
 
 def _distinct(values: Floats, digits: int) -> tuple[Floats, NDArray[np.intp]]:

@@ -5,7 +5,7 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd.draws import generator
-from openrooms_usd.generate.items import Item, wrapped
+from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.rooms import (
     LIGHT,
     ON_WALLS,
@@ -70,10 +70,8 @@ def _row(name: str, item: Item, carrier: str, root: tuple[str, Item] | None) -> 
 
 def _within(root: Item, item: Item) -> tuple[float, float, float]:
     """Place and yaw of an item in the frame of another."""
-    turn = np.radians(-root.yaw)
-    c, s = float(np.cos(turn)), float(np.sin(turn))
-    dx, dy = item.x - root.x, item.y - root.y
-    return c * dx - s * dy, s * dx + c * dy, item.yaw - root.yaw
+    x, y = placed((0.0, 0.0, -root.yaw), item.x - root.x, item.y - root.y)
+    return x, y, item.yaw - root.yaw
 
 
 def _tidy(value: float) -> float:

@@ -52,15 +52,18 @@ class Item:
 
     def at(self, x: float, y: float) -> tuple[float, float]:
         """A place given in the item's own frame, in the frame of the group; metres."""
-        c, s = np.cos(np.radians(self.yaw)), np.sin(np.radians(self.yaw))
-        return self.x + float(c * x - s * y), self.y + float(s * x + c * y)
+        return placed((self.x, self.y, self.yaw), x, y)
 
     def posed(self, pose: Pose) -> "Item":
         """The item of a group that stands at a pose, in the room's frame."""
-        x, y, yaw = pose
-        c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
-        px, py = x + float(c * self.x - s * self.y), y + float(s * self.x + c * self.y)
-        return replace(self, x=px, y=py, yaw=wrapped(self.yaw + yaw))
+        x, y = placed(pose, self.x, self.y)
+        return replace(self, x=x, y=y, yaw=wrapped(self.yaw + pose[2]))
+
+
+def placed(pose: Pose, x: float, y: float) -> tuple[float, float]:
+    """A place given in the frame of what stands at a pose, in the frame of that pose; metres."""
+    c, s = np.cos(np.radians(pose[2])), np.sin(np.radians(pose[2]))
+    return pose[0] + float(c * x - s * y), pose[1] + float(s * x + c * y)
 
 
 def wrapped(degrees: float) -> float:

@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 
 from openrooms_usd.generate.boxes import NONE, Array, Pose, overlap, posed
 from openrooms_usd.generate.floor import Floor, floor_of
-from openrooms_usd.generate.items import HEADROOM, STEP, Group, Item, with_dependants, wrapped
+from openrooms_usd.generate.items import (
+    HEADROOM,
+    STEP,
+    Group,
+    Item,
+    placed,
+    with_dependants,
+    wrapped,
+)
 from openrooms_usd.generate.shell import Shell
 
 # Between furniture of different groups, metres.
@@ -136,9 +144,7 @@ class Arrangement:
 
 
 def _places(group: Group, pose: Pose) -> list[tuple[float, float]]:
-    x, y, yaw = pose
-    c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
-    return [(x + float(c * px - s * py), y + float(s * px + c * py)) for px, py in group.access]
+    return [placed(pose, x, y) for x, y in group.access]
 
 
 def _wall_poses(shell: Shell, group: Group, rng: np.random.Generator) -> tuple[Array, Array]:

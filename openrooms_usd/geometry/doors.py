@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.leaves import GAP, LEAF, PIVOT, STYLES, handle, swept
 from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.geometry.windows import EMBED, Span, bar
 
 Array = NDArray[np.float64]
@@ -178,13 +179,8 @@ def free_angle(made: Leaf, wanted: float, obstacles: Sequence[Array]) -> float:
     near = [solid for solid in solids if solid.distance(pivot) < reach]
     steps = [*np.arange(0.0, wanted), wanted]
     for before, angle in zip([0.0, *steps], steps, strict=False):
-        turned = _turned(made.swept, made.sense * angle) + made.hinge
+        turned = made.swept @ in_plan(-np.radians(made.sense * angle)) + made.hinge
         parts = [shapely.Polygon(ring) for ring in turned]
         if any(part.intersects(solid) for part in parts for solid in near):
             return float(before)
     return wanted
-
-
-def _turned(points: Array, degrees: float) -> Array:
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.asarray(points @ np.array([[c, s], [-s, c]]))

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.geometry.views import FIRST_LOOK, Views, clear, rate_views, sphere_directions
 
 Array = NDArray[np.float64]
@@ -66,8 +67,7 @@ def _around(eyes: Array) -> Views:
     yaw = np.tile(np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False), len(eyes))
     pitch = np.radians(_DOWN)
     forwards = np.stack([np.cos(yaw), np.sin(yaw), np.full(len(yaw), np.tan(pitch))], axis=1)
-    forwards /= np.linalg.norm(forwards, axis=1, keepdims=True)
-    return Views(np.repeat(eyes, 16, axis=0), forwards)
+    return Views(np.repeat(eyes, 16, axis=0), unit(forwards))
 
 
 def _outside(low: Array, high: Array, aspect: float) -> Views:

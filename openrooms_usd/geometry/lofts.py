@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.normals import face_vectors, unit, with_normals
+from openrooms_usd.geometry.normals import face_vectors, with_normals
 from openrooms_usd.geometry.uv import cube_projection
+from openrooms_usd.geometry.vectors import UP, unit
 
 
 def loft(rings: ArrayLike, *, crease: float = 40.0, closed: bool = False) -> Mesh:
@@ -66,7 +67,7 @@ def _capped(skin: Mesh, rows: int, count: int) -> Mesh:
 def _seen_from_above(mesh: Mesh) -> Mesh:
     """Texture flat faces by x and y, so that a grain runs on across a frame and its panel."""
     assert mesh.st is not None
-    flat = np.abs(unit(face_vectors(mesh))[:, 2]) > np.sqrt(0.5)
+    flat = np.abs(unit(face_vectors(mesh), UP)[:, 2]) > np.sqrt(0.5)
     corner = np.repeat(flat, mesh.counts)
     above = mesh.points[mesh.indices, :2].astype(np.float32)
     return replace(mesh, st=np.where(corner[:, None], above, mesh.st))

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.geometry.vectors import unit
+
 
 @dataclass(frozen=True)
 class Mesh:
@@ -70,10 +72,8 @@ class Mesh:
         linear, offset = M[:3, :3], M[:3, 3] if M.shape[1] == 4 else np.zeros(3)
         moved = replace(self, points=self.points @ linear.T + offset)
         if self.normals is not None:
-            normals = self.normals @ np.linalg.inv(linear)
-            lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-            unit = normals / np.where(lengths > 0, lengths, 1.0)
-            moved = replace(moved, normals=unit.astype(np.float32))
+            normals = unit(self.normals @ np.linalg.inv(linear))
+            moved = replace(moved, normals=normals.astype(np.float32))
         return moved.flipped() if np.linalg.det(linear) < 0 else moved
 
     def flipped(self) -> "Mesh":

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.vectors import UP, unit
 
 # Pairs of corners looked at together: bounds the memory on scanned meshes.
 _BLOCK = 4_000_000
@@ -27,13 +28,6 @@ def face_vectors(mesh: Mesh) -> NDArray[np.float64]:
     return np.asarray(0.5 * np.add.reduceat(cross, starts, axis=0), dtype=np.float64)
 
 
-def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The vectors at length one; those of length zero become +Z."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    up = np.broadcast_to([0.0, 0.0, 1.0], vectors.shape)
-    return np.where(length > 0.0, vectors / np.where(length > 0.0, length, 1.0), up)
-
-
 def with_normals(mesh: Mesh, crease: float = 40.0) -> Mesh:
     """Give a mesh smooth normals that stop at creases.
 
@@ -49,7 +43,7 @@ def with_normals(mesh: Mesh, crease: float = 40.0) -> Mesh:
         The mesh with (K, 3) normals.
     """
     vectors = face_vectors(mesh)
-    units = unit(vectors)
+    units = unit(vectors, UP)
     face = np.repeat(np.arange(len(mesh.counts)), mesh.counts)
     order = np.argsort(mesh.indices, kind="stable")  # corners, those of one point together
     valence = np.bincount(mesh.indices, minlength=len(mesh.points))
@@ -66,7 +60,7 @@ def with_normals(mesh: Mesh, crease: float = 40.0) -> Mesh:
         smooth = (facing > np.cos(np.radians(crease))) | (near == other)
         weighted = np.where(smooth[:, None], vectors[other], 0.0)
         normals[order[block]] = np.add.reduceat(weighted, starts, axis=0)
-    return replace(mesh, normals=unit(normals).astype(np.float32))
+    return replace(mesh, normals=unit(normals, UP).astype(np.float32))
 
 
 def _blocks(around: NDArray[np.int64]) -> list[slice]:

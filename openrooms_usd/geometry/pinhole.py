@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rotations import nearest_rotation as nearest_rotation
+from openrooms_usd.geometry.rotations import pose as pose
+from openrooms_usd.geometry.vectors import unit
 
 Array = NDArray[np.float64]
 
@@ -39,11 +42,11 @@ def rotations(forwards: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Array:
         forwards: (C, 3) viewing directions of any length.
         up: The world's up; where a camera looks along it, the picture's up is the world's +Y.
     """
-    ahead = _unit(np.asarray(forwards, dtype=np.float64).reshape(-1, 3))
+    ahead = unit(np.asarray(forwards, dtype=np.float64).reshape(-1, 3))
     right = np.cross(ahead, np.asarray(up, dtype=np.float64))
     vertical = np.linalg.norm(right, axis=1) < 1e-6
     right[vertical] = np.cross(ahead[vertical], (0.0, 1.0, 0.0))
-    right = _unit(right)
+    right = unit(right)
     return np.stack([right, np.cross(ahead, right), ahead], axis=-1)
 
 
@@ -60,28 +63,3 @@ def look_at(eye: ArrayLike, target: ArrayLike) -> Array:
             remedy="move one of them: the direction of view is from the eye to the target",
         )
     return pose(rotations(aim - origin)[0], origin)
-
-
-def pose(rotation: ArrayLike, origin: ArrayLike) -> Array:
-    """(4, 4) matrix of a (3, 3) rotation and an origin."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation
-    matrix[:3, 3] = origin
-    return matrix
-
-
-def is_rotation(matrix: ArrayLike, tolerance: float = 1e-3) -> bool:
-    """Whether a (3, 3) matrix is a proper rotation: orthonormal, not mirrored."""
-    R = np.asarray(matrix, dtype=np.float64)
-    orthonormal = np.abs(R.T @ R - np.eye(3)).max() <= tolerance
-    return bool(np.isfinite(R).all() and orthonormal and np.linalg.det(R) > 0)
-
-
-def nearest_rotation(matrix: ArrayLike) -> Array:
-    """The rotation nearest to a (3, 3) matrix (orthogonal Procrustes), its scale taken away."""
-    U, _, Vt = np.linalg.svd(np.asarray(matrix, dtype=np.float64))
-    return np.asarray(U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt)
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))

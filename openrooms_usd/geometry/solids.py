@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.geometry.curves import filleted, lengths, signed_area
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.normals import unit, with_normals
+from openrooms_usd.geometry.normals import with_normals
+from openrooms_usd.geometry.vectors import UP, unit
 
 Vector = Sequence[float] | NDArray[np.float64]
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -211,7 +212,7 @@ def _profile_normals(
     """The normal of each piece of a profile at its start and at its end."""
     along = np.diff(corners, axis=0)
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    units = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    units = unit(normal)
     ring = bool(np.array_equal(corners[0], corners[-1]))
     following, before = np.roll(normal, -1, axis=0), np.roll(normal, 1, axis=0)
     if not ring:
@@ -229,7 +230,7 @@ def _blend(
     """Mean with the neighbouring piece, weighted by length: long flats stay flat."""
     facing = np.einsum("ij,ij->i", units, neighbour) / np.linalg.norm(neighbour, axis=1)
     mean = np.where((facing > crease)[:, None], normal + neighbour, normal)
-    return np.asarray(mean / np.linalg.norm(mean, axis=1, keepdims=True))
+    return unit(mean)
 
 
 def _lathe_st(
@@ -258,7 +259,7 @@ def _from_sides(
         direction = np.empty((*i.shape, 3))
         direction[..., axis] = sign
         direction[..., u], direction[..., v] = np.tan(angles[u][i]), np.tan(angles[v][j])
-        direction = unit(direction)
+        direction = unit(direction, UP)
         center = np.empty_like(direction)
         center[..., axis] = sign * core[axis].max()
         center[..., u], center[..., v] = core[u][i], core[v][j]
@@ -289,6 +290,6 @@ def _welded(
         points=points.reshape(-1, 3)[first],
         counts=counts[counts >= 3].astype(np.int32),
         indices=corners[kept].astype(np.int32),
-        normals=unit(normals[kept]).astype(np.float32),
+        normals=unit(normals[kept], UP).astype(np.float32),
         st=st[kept].astype(np.float32),
     )

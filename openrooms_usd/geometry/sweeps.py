@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import lengths, signed_area
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.normals import unit, with_normals
+from openrooms_usd.geometry.normals import with_normals
+from openrooms_usd.geometry.vectors import UP, unit
 
 
 def extrude(polygon: ArrayLike, height: float, *, bevel: float = 0.0, base: float = 0.0) -> Mesh:
@@ -59,7 +60,7 @@ def _side_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """(N, 2) outward unit normal of the side from each corner to the next."""
     along = np.roll(corners, -1, axis=0) - corners
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+    return unit(normal)
 
 
 def _prism(
@@ -96,8 +97,7 @@ def _rounded_sides(
     weight = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1, keepdims=True)
     before = np.roll(side, 1, axis=0)
     smooth = (np.einsum("ij,ij->i", side, before) > np.cos(np.radians(40.0)))[:, None]
-    mean = side * weight + before * np.roll(weight, 1, axis=0)
-    mean = mean / np.linalg.norm(mean, axis=1, keepdims=True)
+    mean = unit(side * weight + before * np.roll(weight, 1, axis=0))
     start = np.where(smooth, mean, side)
     end = np.where(np.roll(smooth, -1, axis=0), np.roll(mean, -1, axis=0), side)
     return start, end
@@ -165,7 +165,7 @@ def tube(
 
 def _tube_offsets(axis: NDArray[np.float64], segments: int, closed: bool) -> NDArray[np.float64]:
     """(N, S, 3) unit circle slid along each piece of the path onto its mitre plane."""
-    pieces = unit(np.diff(np.concatenate([axis, axis[:1]]), axis=0))
+    pieces = unit(np.diff(np.concatenate([axis, axis[:1]]), axis=0), UP)
     if not closed:
         pieces[-1] = pieces[-2]
     before = np.roll(pieces, 1, axis=0)
@@ -177,7 +177,7 @@ def _tube_offsets(axis: NDArray[np.float64], segments: int, closed: bool) -> NDA
     circle = np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * np.cross(pieces[0], side)
     offsets = np.empty((len(axis), segments, 3))
     for i in range(len(axis)):
-        mitre = unit((before[i] + pieces[i])[None])[0]
+        mitre = unit((before[i] + pieces[i])[None], UP)[0]
         slide = (circle @ mitre) / (before[i] @ mitre)
         offsets[i] = circle - slide[:, None] * before[i]
         circle = offsets[i] - (offsets[i] @ pieces[i])[:, None] * pieces[i]
@@ -211,7 +211,7 @@ def sheet(grid: ArrayLike, thickness: float) -> Mesh:
     """
     front = np.asarray(grid, dtype=np.float64)
     across, along = np.gradient(front, axis=1), np.gradient(front, axis=0)
-    back = front - thickness * unit(np.cross(across, along))
+    back = front - thickness * unit(np.cross(across, along), UP)
     rows, columns = front.shape[:2]
     number = np.arange(rows * columns).reshape(rows, columns)
     s = _running(front, 1)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.normals import face_vectors, unit, with_normals
+from openrooms_usd.geometry.normals import face_vectors, with_normals
 from openrooms_usd.geometry.triangulation import triangulate
+from openrooms_usd.geometry.vectors import UP, unit
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface
@@ -127,7 +128,7 @@ def _with_sound_normals(mesh: Mesh) -> Mesh | None:
     length = np.linalg.norm(mesh.normals, axis=1)
     sound &= np.isfinite(length) & (length > 0.0)
     normals = np.where(sound[:, None], mesh.normals, computed)
-    return replace(mesh, normals=unit(normals.astype(np.float64)).astype(np.float32))
+    return replace(mesh, normals=unit(normals.astype(np.float64), UP).astype(np.float32))
 
 
 def _facing(mesh: Mesh, normals: NDArray[np.float32]) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
+from openrooms_usd.geometry.vectors import unit
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -164,8 +165,7 @@ def _turned(points: Array) -> list[Array]:
             ring = seen[ConvexHull(seen).vertices]
         except (QhullError, ValueError):
             continue
-        edges = np.roll(ring, -1, axis=0) - ring
-        along = edges / np.linalg.norm(edges, axis=1, keepdims=True)
+        along = unit(np.roll(ring, -1, axis=0) - ring)
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
         areas = np.ptp(ring @ along.T, axis=0) * np.ptp(ring @ across.T, axis=0)
         k = int(np.argmin(areas))

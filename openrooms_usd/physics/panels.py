@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.physics.hulls import volume
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def _frame(mesh: TriangleMesh) -> Array | None:
     doubled = doubled[np.abs(doubled[:, 2]) <= _NEAR * np.linalg.norm(doubled, axis=1)]
     if not len(doubled):
         return None
-    units = doubled / np.linalg.norm(doubled, axis=1, keepdims=True)
+    units = unit(doubled)
     same = np.linalg.norm(units[:, None] - units, axis=2) < _NEAR
     areas = same @ np.linalg.norm(doubled, axis=1)
     normal = units[int(np.round(areas, 9).argmax())]
@@ -64,8 +65,7 @@ def _face(local: Array, mesh: TriangleMesh) -> "Geometry":
     import shapely
 
     a, b, c = np.moveaxis(local[mesh.triangles], 1, 0)
-    normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit(np.cross(b - a, c - a))
     facing = normals[:, 1] > 1.0 - _NEAR
     rings = np.round(local[mesh.triangles[facing]][:, :, [0, 2]], 6)
     return shapely.union_all(shapely.polygons(rings), grid_size=_NEAR)

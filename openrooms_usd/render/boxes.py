@@ -11,6 +11,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.render.coco import masks
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import tight_box
@@ -179,8 +180,7 @@ def _tightest(points: Array) -> Array:
     quarter = 0.5 * np.pi
     angle = np.arctan2(y, x)
     angle -= quarter * np.round(angle / quarter)
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return about_z(angle)
 
 
 def _axes(matrix: Array) -> Array:

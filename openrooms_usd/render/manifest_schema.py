@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from openrooms_usd.description.mistakes import shown, written
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.pinhole import is_rotation
+from openrooms_usd.geometry.rotations import is_rotation
 from openrooms_usd.render.folder import MANIFEST, OPENINGS_FOLDER, load_manifest
 from openrooms_usd.render.lights import Gaussian, LightKind, LightRecord, LobeName
 from openrooms_usd.render.manifest import FORMAT

@@ -17,7 +17,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.compose import compose_room
-from openrooms_usd.geometry.pinhole import pose
+from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.environments import directions
 from openrooms_usd.library.pictures import write_exr

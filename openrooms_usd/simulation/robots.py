@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.rotations import about_z, pose
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.mass import MassProperties
@@ -85,7 +86,7 @@ def pusher(
     )
     eye, mount = _camera("robot", (0.0, 0.0, high + 0.5), light)
     base = Link("base", "", np.eye(4), None)
-    place = _translation((*position, 0.0))
+    place = pose(np.eye(3), (*position, 0.0))
     links = (base, carriage, robot, eye)
     return Body("pusher", "", place, links, (*rails, mount), True, "robot")
 
@@ -126,8 +127,7 @@ def rover(position: tuple[float, float], yaw: float = 0.0) -> Body:
         ),
     )
     eye, mount = _camera("base", (-0.01, 0.0, 0.56), 0.01)
-    place = _translation((*position, 0.0))
-    place[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+    place = pose(about_z(yaw), (*position, 0.0))
     wheels = [_wheel(LEFT, 0.5 * WHEEL_DISTANCE, r), _wheel(RIGHT, -0.5 * WHEEL_DISTANCE, r)]
     links = (base, *(link for link, _ in wheels), eye)
     return Body("rover", "", place, links, (*(joint for _, joint in wheels), mount), False, "robot")
@@ -152,14 +152,14 @@ def _wheel(name: str, y: float, radius: float) -> tuple[Link, Joint]:
     mass = _solid_cylinder(0.3, radius, _TYRE)
     shape = Shape("tyre", triangles(tyre), _RUBBER)
     upright = MassProperties(mass.mass, mass.centre, turn @ mass.inertia @ turn.T)
-    place = _translation((0.0, y, radius))
+    place = pose(np.eye(3), (0.0, y, radius))
     link = Link(name, "", place, upright, (shape,), (Visual("tyre", triangles(tyre), DARK),))
     return link, Joint(name, "hinge", "base", name, np.array([0.0, 1.0, 0.0]), (-inf, inf))
 
 
 def _camera(parent: str, where: tuple[float, float, float], mass: float) -> tuple[Link, Joint]:
     """A link without a shape, fixed to another one."""
-    link = Link(CAMERA, "", _translation(where), _solid_box(mass, (0.02, 0.02, 0.02)))
+    link = Link(CAMERA, "", pose(np.eye(3), where), _solid_box(mass, (0.02, 0.02, 0.02)))
     return link, Joint("mount", "fixed", parent, CAMERA, np.array([1.0, 0.0, 0.0]), (0.0, 0.0))
 
 
@@ -200,9 +200,3 @@ def _solid_cylinder(mass: float, radius: float, height: float) -> MassProperties
 
 def _at(mass: MassProperties, height: float, forward: float = 0.0) -> MassProperties:
     return replace(mass, centre=np.array([forward, 0.0, height]))
-
-
-def _translation(where: tuple[float, ...]) -> Array:
-    M = np.eye(4)
-    M[:3, 3] = where
-    return M

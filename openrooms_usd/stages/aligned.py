@@ -11,8 +11,8 @@ from pxr import Gf, Sdf, UsdGeom, Vt
 from openrooms_usd import names
 from openrooms_usd.capture import Capture, CapturedBox, CapturedModel
 from openrooms_usd.description.alignment import FileObject
-from openrooms_usd.geometry.pinhole import nearest_rotation
-from openrooms_usd.geometry.pinhole import pose as rigid
+from openrooms_usd.geometry.rotations import nearest_rotation
+from openrooms_usd.geometry.rotations import pose as rigid
 from openrooms_usd.library.furniture import Size
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captured import Captured

@@ -20,8 +20,9 @@ from openrooms_usd.description.cameras import (
 )
 from openrooms_usd.description.room import Room
 from openrooms_usd.geometry.framing import framing_view
-from openrooms_usd.geometry.pinhole import intrinsics, look_at, nearest_rotation, pose
+from openrooms_usd.geometry.pinhole import intrinsics, look_at
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.views import sample_views, select_views
 from openrooms_usd.stages.base import StageContext

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import names
-from openrooms_usd.geometry.pinhole import nearest_rotation, pose
+from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.stages.placement import WALL, Placement, Stand, parents_first
 from openrooms_usd.stages.poses import author_pose, composed_pose, matrix_of
 from openrooms_usd.stages.surroundings import Surroundings

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from openrooms_usd import names
 from openrooms_usd.capture import Confidence
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.assets import Asset
 from openrooms_usd.library.furniture import Size
 from openrooms_usd.stages.surroundings import Surroundings
@@ -272,9 +273,7 @@ class Supports:
             for item in everything
             if item.on == FLOOR and (item.z is None or item.pose is not None)
         ]
-        yaw = np.radians([item.yaw for item in standing])
-        c, s = np.cos(yaw), np.sin(yaw)
-        turns = np.stack([np.stack([c, s], axis=-1), np.stack([-s, c], axis=-1)], axis=1)
+        turns = in_plan(-np.radians([item.yaw for item in standing]))
         centers = np.array([(item.x, item.y) for item in standing]).reshape(-1, 2)
         halves = 0.5 * np.array([item.size[:2] for item in standing]).reshape(-1, 2)
         return centers, turns.reshape(-1, 2, 2), halves, standing

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.geometry.rotations import about_z, pose
 from openrooms_usd.usd.frames import TIME, matrix
 
 Array: TypeAlias = NDArray[np.float64]
@@ -21,9 +22,7 @@ _DIGITS: Final = 9
 
 def matrix_of(x: float, y: float, z: float, yaw: float) -> Array:
     """(4, 4) from the frame of an upright object as it is authored; degrees and metres."""
-    angle = np.radians(float(np.float32(yaw)))
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0, x], [s, c, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]])
+    return pose(about_z(np.radians(float(np.float32(yaw)))), (x, y, z))
 
 
 def author_upright(prim: Sdf.PrimSpec, x: float, y: float, z: float, yaw: float) -> None:
@@ -35,9 +34,9 @@ def author_upright(prim: Sdf.PrimSpec, x: float, y: float, z: float, yaw: float)
     _author(prim, (x, y, z), (0.0, 0.0, yaw))
 
 
-def author_pose(prim: Sdf.PrimSpec, pose: Array) -> None:
+def author_pose(prim: Sdf.PrimSpec, rigid: Array) -> None:
     """Place an object by a (4, 4) rigid motion."""
-    R = pose[:3, :3]
+    R = rigid[:3, :3]
     # R = Rz Ry Rx: about X first, as the name of the operation has it.
     angles = (
         np.arctan2(R[2, 1], R[2, 2]),
@@ -45,7 +44,7 @@ def author_pose(prim: Sdf.PrimSpec, pose: Array) -> None:
         np.arctan2(R[1, 0], R[0, 0]),
     )
     roll, pitch, yaw = (round(float(np.degrees(angle)), _DIGITS) + 0.0 for angle in angles)
-    x, y, z = (round(value, _DIGITS) + 0.0 for value in pose[:3, 3].tolist())
+    x, y, z = (round(value, _DIGITS) + 0.0 for value in rigid[:3, 3].tolist())
     _author(prim, (x, y, z), (roll, pitch, yaw))
 
 

@@ -11,8 +11,9 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.framing import FOV, framing_view
-from openrooms_usd.geometry.pinhole import intrinsics, nearest_rotation, pose
+from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.meshes import MeshReading, read_meshes, world_triangles
 from openrooms_usd.usd.transforms import author_matrix

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.geometry.rotations import in_plan
 
 Color = tuple[float, float, float]
 Channel = Literal["rgb", "r", "g", "b", "a"]
@@ -44,10 +45,8 @@ class UvTransform:
     @property
     def matrix(self) -> NDArray[np.float64]:
         """(3, 3) for columns (s, t, 1)."""
-        angle = math.radians(self.rotation)
-        c, s = math.cos(angle), math.sin(angle)
         matrix = np.eye(3)
-        matrix[:2, :2] = np.array([[c, -s], [s, c]]) @ np.diag(self.scale)
+        matrix[:2, :2] = in_plan(math.radians(self.rotation)) @ np.diag(self.scale)
         matrix[:2, 2] = self.translation
         return matrix
 

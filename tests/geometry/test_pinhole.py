@@ -6,12 +6,11 @@ import pytest
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import (
     intrinsics,
-    is_rotation,
     look_at,
-    nearest_rotation,
     pixel_directions,
     rotations,
 )
+from openrooms_usd.geometry.rotations import is_rotation
 
 
 def test_the_field_of_view_spans_the_picture() -> None:
@@ -47,15 +46,3 @@ def test_straight_up_and_down_are_views_too(z: float) -> None:
 def test_nowhere_to_look_is_refused() -> None:
     with pytest.raises(InputError, match="same point"):
         look_at((1, 2, 3), (1, 2, 3))
-
-
-def test_only_proper_rotations_pass() -> None:
-    R = rotations([[1.0, 2.0, -0.5]])[0]
-    assert is_rotation(R)
-    assert not is_rotation(1.01 * R)
-    assert not is_rotation(R @ np.diag([1, 1, -1]))
-    assert not is_rotation(np.full((3, 3), np.nan))
-    sheared = R + np.array([[0, 0.1, 0], [0, 0, 0], [0, 0, 0]])
-    assert not is_rotation(sheared)
-    np.testing.assert_allclose(nearest_rotation(3.0 * R), R, atol=1e-12)
-    assert is_rotation(nearest_rotation(sheared), 1e-12)

@@ -6,8 +6,8 @@ import shapely
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.pinhole import is_rotation
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.rotations import is_rotation
 from openrooms_usd.geometry.views import (
     CLEARANCE,
     PITCH,

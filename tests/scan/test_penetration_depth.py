@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.placement.bodies import Body, solid, yaw
+from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.scan.placement.chords import Lattice, chords
 from openrooms_usd.scan.placement.penetration import exits, gaps, near, penetration
 from tests.scan.placement_cases import MODELS, blocks, found, meets
@@ -12,8 +13,8 @@ AXES = np.eye(3)
 
 
 def body(*rows, turn: float = 0.0) -> Body:
-    triangles = solid(*blocks(*rows)) @ yaw(np.radians(turn)).T
-    return Body(triangles, yaw(np.radians(turn))[:2, :2].T)
+    triangles = solid(*blocks(*rows)) @ about_z(np.radians(turn)).T
+    return Body(triangles, about_z(np.radians(turn))[:2, :2].T)
 
 
 CUBE = (0, 1, 0, 1, 0, 1)

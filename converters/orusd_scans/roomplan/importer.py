@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedOpening
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.floorplan import begun, heading, tidied
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, placed, rectangle
@@ -110,8 +111,7 @@ def _frame(room: CapturedRoom, outline: Array | None) -> _Frame:
         return _Frame(Z_UP, np.mean(centers, axis=0) if centers else np.zeros(3))
     plan = (outline - outline[0]) @ Z_UP.T
     angle = heading(plan[:, :2])
-    c, s = np.cos(angle), np.sin(angle)
-    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ Z_UP
+    rotation = about_z(angle) @ Z_UP
     turned = (outline - outline[0]) @ rotation.T
     corner = np.array([*turned[:, :2].min(axis=0), np.median(turned[:, 2])])
     return _Frame(rotation, outline[0] + corner @ rotation)

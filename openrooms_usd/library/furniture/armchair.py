@@ -10,6 +10,7 @@ from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import extrude
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
     CategorySpec,
@@ -109,8 +110,7 @@ def _horseshoe(width: float, depth: float, shift: float) -> NDArray[np.float64]:
 def _wall(path: NDArray[np.float64], thick: float, low: float, top: NDArray[np.float64]) -> Mesh:
     """A rounded wall along a path in plan, its top at a height for each point."""
     along = np.gradient(path, axis=0)
-    side = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    side = unit(np.stack([along[:, 1], -along[:, 0]], axis=1))
     angle = np.linspace(0.0, np.pi, 9)
     across = 0.5 * thick * np.concatenate([[1.0], np.cos(angle), [-1.0]])
     rise = 0.5 * thick * (np.concatenate([[0.0], np.sin(angle), [0.0]]) - 1.0)

@@ -10,6 +10,7 @@ from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.library.furniture.joinery import (
     CategorySpec,
     Parts,
@@ -60,9 +61,7 @@ def basket_woven(size: Size, rng: np.random.Generator) -> Parts:
     outline = filleted(rectangle(width - 2 * rim, depth - 2 * rim), 0.045, closed=True, segments=4)
     around = _dense(outline, 0.022)
     side = np.roll(around, -1, axis=0) - np.roll(around, 1, axis=0)
-    normal = np.stack([side[:, 1], -side[:, 0]], axis=1) / np.linalg.norm(
-        side, axis=1, keepdims=True
-    )
+    normal = unit(np.stack([side[:, 1], -side[:, 0]], axis=1))
     slope = float(rng.uniform(0.86, 0.93))
     weave = []
     for k in range(rows):

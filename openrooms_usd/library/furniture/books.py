@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.rotations import about_y, pose
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.sweeps import extrude
 
@@ -46,25 +47,14 @@ class Book:
         return block.transformed(self.pose)
 
 
-def _at(x: float, y: float, z: float) -> NDArray[np.float64]:
-    pose = np.eye(4)
-    pose[:3, 3] = x, y, z
-    return pose
-
-
 def _leaning(x: float, y: float, z: float, tilt: float) -> NDArray[np.float64]:
     """Turned about the depth axis so that its top comes to the left."""
-    pose = _at(x, y, z)
-    c, s = np.cos(tilt), np.sin(tilt)
-    pose[:3, :3] = [[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]]
-    return pose
+    return pose(about_y(-tilt), (x, y, z))
 
 
 def _lying(x: float, y: float, z: float) -> NDArray[np.float64]:
     """On its side, the spine still to the front: height runs along X, thickness upwards."""
-    pose = _at(x, y, z)
-    pose[:3, :3] = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]
-    return pose
+    return pose([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]], (x, y, z))
 
 
 @dataclass
@@ -129,7 +119,7 @@ class Shelf:
                 return
             if x + size[0] > self.size[0]:
                 return
-            yield Book(size, binding, _at(left + x, y, base))
+            yield Book(size, binding, pose(np.eye(3), (left + x, y, base)))
             x += size[0] + 0.0006
             height = size[2]
 

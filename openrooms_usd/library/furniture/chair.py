@@ -10,6 +10,7 @@ from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.library.furniture.joinery import (
     CategorySpec,
     Parts,
@@ -166,8 +167,7 @@ def _shell_grid(
     ends = np.clip(np.minimum(t, 1.0 - t) / 0.16, 0.0, 1.0)
     half = 0.5 * width * (0.62 + 0.38 * np.sqrt(1.0 - (1.0 - ends) ** 2))
     half *= np.interp(t, [0.0, 0.35, 0.6, 1.0], [0.96, 1.0, 0.97, taper])
-    along = np.gradient(line, axis=0)
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    along = unit(np.gradient(line, axis=0))
     lift = np.interp(t, [0.0, 0.25, 0.5, 0.75, 1.0], [0.004, 0.02, 0.05, 0.055, 0.03])
     wrap = lift[:, None] * u**2
     y = line[:, :1] - along[:, 1:] * wrap

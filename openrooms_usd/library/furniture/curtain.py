@@ -7,6 +7,7 @@ import numpy as np
 from openrooms_usd.geometry.cloth import folded
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box, cylinder, sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.joinery import (
@@ -158,10 +159,7 @@ def venetian(size: Size, rng: np.random.Generator) -> Parts:
     tilt = np.radians(float(rng.uniform(-65.0, 65.0)))
     pitch = 0.84 * wide
     count = max(2, int((height - head - 0.05) / pitch))
-    c, s = np.cos(tilt), np.sin(tilt)
-    slat = box((width - 0.012, wide - 0.001, 0.0022)).transformed(
-        [[1, 0, 0], [0, c, -s], [0, s, c]]
-    )
+    slat = box((width - 0.012, wide - 0.001, 0.0022)).transformed(about_x(tilt))
     top = height - head - 0.5 * pitch
     levels = np.linspace(top, 0.05, count)
     places = np.linspace(0.15 - half, half - 0.15, max(2, round(width / 0.7)))

@@ -17,6 +17,7 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import frustum, rounded_box
 from openrooms_usd.geometry.sweeps import extrude
+from openrooms_usd.geometry.vectors import unit
 
 Size: TypeAlias = tuple[float, float, float]
 Parts: TypeAlias = dict[str, Mesh]
@@ -134,8 +135,7 @@ def strip(line: ArrayLike, thickness: float, end: float | None = None) -> NDArra
     """The outline of a band along a 2D polyline, tapering from ``thickness`` to ``end``."""
     axis = np.asarray(line, dtype=np.float64)
     along = np.gradient(axis, axis=0)
-    side = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    side = unit(np.stack([-along[:, 1], along[:, 0]], axis=1))
     half = 0.5 * np.linspace(thickness, thickness if end is None else end, len(axis))[:, None]
     return np.concatenate([axis + half * side, (axis - half * side)[::-1]])
 

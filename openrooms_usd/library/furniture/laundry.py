@@ -6,6 +6,7 @@ import numpy as np
 
 from openrooms_usd.geometry.lofts import superellipse
 from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.library.furniture.appliance import (
     SHEET,
@@ -114,10 +115,8 @@ def _drum(radius: float, depth: float) -> Mesh:
                 segments=40)  # fmt: skip
     ribs = []
     for angle in np.radians([90.0, 210.0, 330.0]):
-        c, s = float(np.cos(angle)), float(np.sin(angle))
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         rib = board((0.86 * r, -0.02, 0.04 - depth), (r - 0.5 * t, 0.02, -0.03), 0.012)
-        ribs.append(rib.transformed(turn))
+        ribs.append(rib.transformed(about_z(angle)))
     return joined([cup, *ribs])
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.geometry.solids import cushion, cylinder, lathe
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
 from openrooms_usd.library.furniture.joinery import (
@@ -45,8 +46,7 @@ def _castor(heading: float) -> Mesh:
         profiled(hood, 0.01, SIDE, 0.001).moved((0.0, 0.016, 0.0)),
         cylinder(0.007, 0.03, segments=10, base=(0.0, 0.0, r + 0.012)),
     ]
-    c, s = np.cos(heading), np.sin(heading)
-    return joined(parts).transformed([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return joined(parts).transformed(about_z(heading))
 
 
 def _base(size: Size, seat: float, rng: np.random.Generator) -> tuple[Parts, float]:

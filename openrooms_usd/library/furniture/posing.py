@@ -8,9 +8,11 @@ from numpy.typing import ArrayLike
 
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
+from openrooms_usd.geometry.rotations import about_point, about_x, about_y, about_z
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.joinery import Size
 
+_ABOUT: Final = {"x": about_x, "y": about_y, "z": about_z}
 _AXES: Final = {"x": 0, "y": 1, "z": 2}
 
 
@@ -21,14 +23,8 @@ def turned(
     pivot: ArrayLike = (0.0, 0.0, 0.0),
 ) -> Mesh:
     """The mesh turned about an axis through ``pivot`` (metres), counter-clockwise."""
-    i = _AXES[axis]
-    j, k = (i + 1) % 3, (i + 2) % 3
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    matrix = np.eye(4)
-    matrix[[j, j, k, k], [j, k, j, k]] = [c, -s, s, c]
-    about = np.asarray(pivot, dtype=np.float64)
-    matrix[:3, 3] = about - matrix[:3, :3] @ about
-    return mesh.transformed(matrix)
+    turn = _ABOUT[axis](np.radians(degrees))
+    return mesh.transformed(about_point(turn, np.asarray(pivot, dtype=np.float64)))
 
 
 def facing(mesh: Mesh, at: ArrayLike) -> Mesh:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.rotations import about_z, pose
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import extrude, tube
 from openrooms_usd.library.furniture.assembly import Assembly
@@ -67,8 +68,7 @@ def drum(size: Size, rng: np.random.Generator) -> Parts:
     for t in angle:
         x, y = share * 0.5 * width * np.cos(t), share * 0.5 * depth * np.sin(t)
         heading = np.arctan2(y / depth**2, x / width**2)
-        c, s = np.cos(heading), np.sin(heading)
-        staves.append(stave.transformed([[c, -s, 0, x], [s, c, 0, y], [0, 0, 1, 0], [0, 0, 0, 1]]))
+        staves.append(stave.transformed(pose(about_z(heading), (x, y, 0.0))))
     oval = superellipse(width, depth, segments=56)
     foot = superellipse(share * width + 0.03, share * depth + 0.03, segments=48)
     return {

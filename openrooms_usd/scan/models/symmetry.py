@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
 
 Array = NDArray[np.float64]
@@ -38,9 +39,7 @@ def symmetry_of(model: CadModel, upright: Array) -> Symmetry:
     )
 
     def same(angle: float) -> bool:
-        c, s = np.cos(angle), np.sin(angle)
-        turned = points @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        distance, _ = tree.query(turned, distance_upper_bound=limit)
+        distance, _ = tree.query(points @ about_z(-angle), distance_upper_bound=limit)
         return bool(np.isfinite(distance).mean() >= _MIN_SAME_SHARE)
 
     if all(same(angle) for angle in _ODD_TURNS_RAD):

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.rotations import about_point, pose
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.scan.placement.enclosure import Enclosure
@@ -50,14 +52,13 @@ class Arrangement:
     def shift(self, row: int, by: Array) -> None:
         """Move one object by (3,), metres."""
         self.bodies[row] = self.bodies[row].moved(by)
-        motion = np.eye(4)
-        motion[:3, 3] = by
+        motion = pose(np.eye(3), by)
         self.motions[row] = motion @ self.motions[row]
 
     def turn(self, row: int, rotation: Array) -> None:
         """Turn one object about its middle by (3, 3)."""
         body = self.bodies[row]
-        motion = about(rotation, 0.5 * (body.low + body.high))
+        motion = about_point(rotation, 0.5 * (body.low + body.high))
         self.bodies[row] = body.turned(rotation)
         self.motions[row] = motion @ self.motions[row]
 
@@ -100,7 +101,7 @@ def _body(found: FoundObject, model: CadModel) -> Body:
     points = (model.vertices * found.pose.scale) @ turn.T + found.pose.translation
     # The two axes of the CAD that lie most nearly level.
     level = np.delete(turn.T, int(np.argmax(np.abs(turn[2]))), axis=0)[:, :2]
-    return Body(solid(points, model.faces), level / np.linalg.norm(level, axis=1, keepdims=True))
+    return Body(solid(points, model.faces), unit(level))
 
 
 def _enclosure(room: FoundRoom) -> Enclosure:
@@ -111,14 +112,6 @@ def _enclosure(room: FoundRoom) -> Enclosure:
 def _nowhere() -> Enclosure:
     square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     return Enclosure(_OPEN_SPACE_M * square, 0.0, None)
-
-
-def about(rotation: Array, point: Array) -> Array:
-    """(4, 4) a rotation (3, 3) about a point (3,)."""
-    motion = np.eye(4)
-    motion[:3, :3] = rotation
-    motion[:3, 3] = point - rotation @ point
-    return motion
 
 
 def rotation_of(pose: Pose) -> Array:

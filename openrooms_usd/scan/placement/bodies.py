@@ -7,6 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.vectors import unit
+
 Array = NDArray[np.float64]
 
 # Open surfaces become sheets of twice this thickness, metres.
@@ -54,15 +56,8 @@ class Body:
     def turned(self, rotation: Array) -> "Body":
         """The body after a rotation (3, 3) about its middle."""
         middle = 0.5 * (self.low + self.high)
-        axes = self.axes @ rotation[:2, :2].T
-        axes = axes / np.linalg.norm(axes, axis=1, keepdims=True)
+        axes = unit(self.axes @ rotation[:2, :2].T)
         return Body((self.triangles - middle) @ rotation.T + middle, axes)
-
-
-def yaw(angle: float) -> Array:
-    """(3, 3) a turn about the vertical, radians, counter-clockwise from above."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def solid(vertices: Array, faces: NDArray[np.integer]) -> Array:

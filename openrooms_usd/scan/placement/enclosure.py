@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.polygons import turns
-from openrooms_usd.scan.placement.bodies import Body, yaw
+from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.scan.placement.bodies import Body
 
 Array = NDArray[np.float64]
 
@@ -56,8 +58,7 @@ class Enclosure:
     @cached_property
     def inward(self) -> Array:
         """(N, 2) unit normals of the walls, into the room."""
-        along = np.roll(self.corners, -1, axis=0) - self.corners
-        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        along = unit(np.roll(self.corners, -1, axis=0) - self.corners)
         return np.stack([-along[:, 1], along[:, 0]], axis=1)
 
     @cached_property
@@ -146,7 +147,7 @@ class Enclosure:
         along, best = self._along(middle)[:, 0], None
         for wall in np.flatnonzero((along > 0.0) & (along < self._lengths)).tolist():
             angle = _parallel(body.axes, self.inward[wall])
-            points = (body.outline - middle) @ yaw(angle)[:2, :2].T + middle
+            points = (body.outline - middle) @ about_z(angle)[:2, :2].T + middle
             gap = float(((points - self.corners[wall]) @ self.inward[wall]).min())
             if abs(gap) < reach and (best is None or abs(gap) < abs(best.gap)):
                 best = Facing(wall, gap, angle)

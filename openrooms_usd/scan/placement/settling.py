@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.scan.placement.arrangement import Arrangement
-from openrooms_usd.scan.placement.bodies import Body, yaw
+from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.enclosure import Enclosure
 from openrooms_usd.scan.placement.penetration import near
 from openrooms_usd.scan.placement.support import (
@@ -173,7 +174,7 @@ def lay_along_walls(state: Arrangement) -> None:
         ):
             round_ = state.objects[row].symmetry == "inf"
             if not round_:
-                state.turn(row, yaw(facing.angle))
+                state.turn(row, about_z(facing.angle))
         if hangs and abs(facing.gap) > _TOUCHING_M:
             _carry(state, row, -facing.gap * room.inward[facing.wall])
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.normals import estimate_normals, towards
 from openrooms_usd.scan.points.voxels import Samples, VoxelSums
@@ -190,7 +191,7 @@ def _samples(frame: DepthFrame, options: FusionOptions) -> Samples:
     return Samples(
         points=rays + origin,
         weights=depth_noise(z) ** -2,
-        views=-rays / np.linalg.norm(rays, axis=1, keepdims=True),
+        views=unit(-rays),
         label=seen(frame.label),
         instance=seen(frame.instance),
         colors=seen(frame.color),

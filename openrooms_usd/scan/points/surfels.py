@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
 
@@ -108,8 +109,7 @@ def _filled(pieces: Surfels, spread: Rows, voxel: float) -> Surfels:
     for size in range(2, _WIDEST_VOXELS + 1):
         some = pieces.take(wide == size)
         if len(some):
-            across = np.cross(some.normals, np.eye(3)[np.abs(some.normals).argmin(axis=1)])
-            across /= np.linalg.norm(across, axis=1, keepdims=True)
+            across = unit(np.cross(some.normals, np.eye(3)[np.abs(some.normals).argmin(axis=1)]))
             along = np.cross(some.normals, across)
             for u, v in np.stack(np.meshgrid(*[np.arange(size)] * 2), -1).reshape(-1, 2):
                 step = voxel * ((u - (size - 1) / 2.0) * across + (v - (size - 1) / 2.0) * along)

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.registration.priors import PoseHypothesis
@@ -40,16 +41,14 @@ def box_of(evidence: Evidence, support: float | None) -> Box:
     low_z = low_z if support is None else support
 
     def rectangle(angle: float) -> tuple[float, Array, Array]:
-        c, s = np.cos(angle), np.sin(angle)
-        level = points[:, :2] @ np.array([[c, -s], [s, c]])
+        level = points[:, :2] @ in_plan(angle)
         low, high = np.quantile(level, [0.01, 0.99], axis=0)
         return float(np.prod(np.maximum(high - low, 0.02))), low, high
 
     angles = np.deg2rad(np.arange(0.0, 90.0, 3.0))
     best = float(min(angles, key=lambda angle: rectangle(angle)[0]))
     _, low, high = rectangle(best)
-    c, s = np.cos(best), np.sin(best)
-    middle = np.array([[c, -s], [s, c]]) @ (0.5 * (low + high))
+    middle = in_plan(best) @ (0.5 * (low + high))
     return Box(
         np.array([*middle, 0.5 * (low_z + high_z)]),
         np.maximum([*(high - low), high_z - low_z], 0.01),

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.results import Pose
 
@@ -117,7 +119,7 @@ def template_of(model: CadModel, upright: Array, reference: Array) -> Template:
         upright=upright,
         reference=reference,
         points=(surface.points * reference) @ upright.T - base,
-        normals=normals / np.linalg.norm(normals, axis=1)[:, None],
+        normals=unit(normals),
         two_sided=surface.two_sided,
         spacing=surface.spacing * float(np.prod(reference) ** (1.0 / 3.0)),
         base=base,
@@ -135,8 +137,7 @@ def upright_of(rotation: Array) -> Array:
 
 def turn_of(parameters: Array) -> Array:
     """(3, 3) the turn about the vertical."""
-    c, s = np.cos(parameters[3]), np.sin(parameters[3])
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return about_z(parameters[3])
 
 
 def posed(points: Array, parameters: Array) -> Array:

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.rooms.directions import dearness
 from openrooms_usd.scan.rooms.walls import Line
 
@@ -121,7 +122,7 @@ def _normals(ends: Array) -> Array:
     """(E, 2) to the left of each piece."""
     onward = ends[:, 1] - ends[:, 0]
     across = np.column_stack([-onward[:, 1], onward[:, 0]])
-    return np.asarray(across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12))
+    return unit(across)
 
 
 def _covered(lines: list[Line], ends: Array, length: Array) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rotations import about_z, inverse, pose
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
 from openrooms_usd.scan.rooms.ceilings import ceiling_height
@@ -58,11 +59,7 @@ class Level:
     @property
     def scan_from_level(self) -> Array:
         """(4, 4) the way back."""
-        inverse = np.eye(4)
-        turn = self.level_from_scan[:3, :3].T
-        inverse[:3, :3] = turn
-        inverse[:3, 3] = -turn @ self.level_from_scan[:3, 3]
-        return inverse
+        return inverse(self.level_from_scan)
 
 
 def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
@@ -153,7 +150,4 @@ def _upright(normal: Array, point: Array) -> Array:
 
 def _turned(degrees: float) -> Array:
     """(4, 4) that brings a direction in the plan to the x axis by less than 45 degrees."""
-    angle = np.deg2rad(-((degrees + 45.0) % 90.0 - 45.0))
-    matrix = np.eye(4)
-    matrix[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    return matrix
+    return pose(about_z(np.deg2rad(-((degrees + 45.0) % 90.0 - 45.0))))

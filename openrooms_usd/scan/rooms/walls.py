@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
 
@@ -106,8 +107,7 @@ def upright(pieces: Surfels) -> Walls:
     """The upright pieces of a level scan, and how far each counts as wall."""
     standing = np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE
     walls = pieces.take(standing & (pieces.points[:, 2] > _WALL_FOOT_M))
-    normals = walls.normals[:, :2]
-    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = unit(walls.normals[:, :2])
     height = walls.points[:, 2]
     weight = _trust(walls.label, len(walls))
     counts = np.bincount((height / _COURSE_M).astype(int), weight, 4)

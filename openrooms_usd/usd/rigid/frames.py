@@ -80,11 +80,3 @@ class Frames:
             if 0.0 <= scene.gravityMagnitude < np.inf:
                 pull = round(scene.gravityMagnitude * self.metres, 6)
         return np.asarray(down * pull)
-
-
-def inverse(frame: Array) -> Array:
-    """The inverse of a (4, 4) rigid frame."""
-    back = np.eye(4)
-    back[:3, :3] = frame[:3, :3].T
-    back[:3, 3] = -frame[:3, :3].T @ frame[:3, 3]
-    return back

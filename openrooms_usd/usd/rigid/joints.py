@@ -10,8 +10,9 @@ from pxr import Gf, Sdf, UsdPhysics
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.physics.world import Joint, Motion
-from openrooms_usd.usd.rigid.frames import Frames, inverse
+from openrooms_usd.usd.rigid.frames import Frames
 from openrooms_usd.usd.rigid.shapes import ShapeReader
 
 Array = NDArray[np.float64]

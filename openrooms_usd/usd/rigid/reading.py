@@ -14,12 +14,13 @@ from pxr import Kind, Sdf, Usd, UsdPhysics
 
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
+from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Body, Shape, Visual, World
 from openrooms_usd.physics.world import Link as WorldLink
 from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.rigid.filters import read_filters
-from openrooms_usd.usd.rigid.frames import Frames, inverse
+from openrooms_usd.usd.rigid.frames import Frames
 from openrooms_usd.usd.rigid.items import distinct, shifted, unique, unique_names
 from openrooms_usd.usd.rigid.joints import (
     KINDS,

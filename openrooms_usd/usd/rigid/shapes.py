@@ -12,6 +12,7 @@ from pxr import Sdf, Usd, UsdPhysics
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.decomposition import collision_shapes
 from openrooms_usd.physics.hulls import MOST_VERTICES, convex_hull, half_spaces
@@ -230,9 +231,8 @@ def _baked(mesh: TriangleMesh, place: Array) -> TriangleMesh:
     order = slice(None, None, -1) if mirrored else slice(None)
     normals = mesh.normals
     if normals is not None:
-        turned = normals.astype(np.float64) @ np.linalg.inv(place[:3, :3])
-        lengths = np.linalg.norm(turned, axis=-1, keepdims=True)
-        normals = (turned / np.where(lengths > 0.0, lengths, 1.0)).astype(np.float32)[:, order]
+        turned = unit(normals.astype(np.float64) @ np.linalg.inv(place[:3, :3]))
+        normals = turned.astype(np.float32)[:, order]
     return TriangleMesh(
         mesh.points @ place[:3, :3].T + place[:3, 3],
         np.ascontiguousarray(mesh.triangles[:, order]),
