@@ -69,7 +69,7 @@ def _smooth(count: int, faces: Faces, cross: Array) -> NDArray[np.float32]:
     sums = np.column_stack([
         np.bincount(faces.reshape(-1), np.repeat(cross[:, axis], 3), count) for axis in range(3)
     ])  # fmt: skip
-    return unit(sums, UP).astype(np.float32)
+    return unit(sums.astype(np.float64), UP).astype(np.float32)
 
 
 def _joined(first: Cloud, second: Cloud) -> Cloud:
