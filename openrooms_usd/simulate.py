@@ -122,10 +122,6 @@ class Simulation(Protocol):
         """Hold a joint at a speed with at most this force or torque, until told otherwise."""
         ...
 
-    def apply_force(self, body: str, force: Array, point: Array) -> None:
-        """Pull at a point of the world, which lies on the body's base, during the next step."""
-        ...
-
     def contacts(self) -> tuple[Touch, ...]:
         """Where different bodies touch."""
         ...

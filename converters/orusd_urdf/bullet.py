@@ -202,12 +202,6 @@ class BulletSimulation:
             **self._how,
         )
 
-    def apply_force(self, body: str, force: Array, point: Array) -> None:
-        """Pull at a point of the world, which lies on the body's base, during the next step."""
-        number = self._bodies[body].number
-        how = self._p.WORLD_FRAME
-        self._p.applyExternalForce(number, BASE, force.tolist(), point.tolist(), how, **self._how)
-
     def contacts(self) -> tuple[Touch, ...]:
         """Where different bodies touch."""
         found = self._p.getContactPoints(**self._how)

@@ -175,7 +175,6 @@ class MujocoSimulation:
             self._m.mj_step1(self._model, self._data)
             self._rub()
             self._m.mj_step2(self._model, self._data)
-            self._data.xfrc_applied[:] = 0.0
         self._steps += count
         # What a step leaves of poses and contacts is of its beginning.
         self._forward()
@@ -249,12 +248,6 @@ class MujocoSimulation:
         name = f"{self._model.joint(self._bodies[body].joints[joint]).name}{_MOTOR}"
         self._model.tendon_frictionloss[self._model.tendon(name).id] = effort
         self._speeds[int(self._model.joint(name).dofadr[0])] = speed
-
-    def apply_force(self, body: str, force: Array, point: Array) -> None:
-        """Pull at a point of the world, which lies on the body's base, during the next step."""
-        base = self._bodies[body].base
-        arm = point - self._data.xipos[base]
-        self._data.xfrc_applied[base] += np.concatenate([force, np.cross(arm, force)])
 
     def contacts(self) -> tuple[Touch, ...]:
         """Where different bodies touch."""

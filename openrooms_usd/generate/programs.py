@@ -113,7 +113,6 @@ FILES = Want(_of(storing.row, "file_cabinet", 4), 0, 1)
 DESK = Want(_of(working.desk_place), 0, 1)
 READING = Want(sitting.reading_corner, 0, 1, chance=0.7)
 KITCHEN = Want(wet.kitchen_row, 1, 1)
-DINING = Want(sitting.dining, 0, 1)
 STACKS = Want(storing.boxes, 1, 6, each=4.0)
 RACKS = Want(_of(storing.row, "bookshelf", 4), 1, 3, each=6.0)
 COPIER = Want(_piece("cabinet", width=(0.6, 1.0), tops=("printer",), height=0.75, fewest=1,

@@ -27,7 +27,7 @@ def read_glb(path: Path) -> Reading:
     """
     content = untrusted.read_bytes(path, "model")
     header = glb_header(content, path)
-    pieces = _pieces(shown_meshes(path, content=content), path.stem)
+    pieces = _pieces(shown_meshes(path, content), path.stem)
     return Reading(pieces, _picture_notes(header), licence=_copyright(header))
 
 
@@ -40,7 +40,7 @@ def read_ply(path: Path) -> Reading:
     content = untrusted.read_bytes(path, "model")
     if not content.startswith(b"ply"):
         raise InputError("not a PLY file", place=path, remedy="export the mesh again")
-    return Reading(_pieces(shown_meshes(path, content=content), path.stem), up="Z")
+    return Reading(_pieces(shown_meshes(path, content), path.stem), up="Z")
 
 
 def _picture_notes(header: dict[str, Any]) -> list[str]:

@@ -36,11 +36,6 @@ class CollisionError:
     uncovered: float
     slack: float
 
-    @property
-    def hausdorff(self) -> float:
-        """The greater of both distances: that between the filled volumes, at their surfaces."""
-        return max(self.protrusion, self.uncovered)
-
 
 @dataclass(frozen=True)
 class Volumes:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, Protocol
+from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -82,6 +82,7 @@ class ProbeRequest:
     bounces: int = DEFAULT_BOUNCES
 
 
+@runtime_checkable
 class Prober(Protocol):
     """A session of a renderer that can make probes."""
 
@@ -164,7 +165,7 @@ def probe_stage(
             remedy="give --at x,y,z" if at_openings else "give --at x,y,z or --openings",
         )
     session = adapter.open(stage, variant=variant)
-    if not hasattr(session, "probe"):
+    if not isinstance(session, Prober):
         raise RenderError(f"the renderer {renderer} makes no probes", remedy="--renderer mitsuba")
     positions = tuple(place.position for place in places)
     request = ProbeRequest(positions, *resolution, samples, seed, bounces)

@@ -194,7 +194,7 @@ def _up(cad: Cad) -> Up | None:
     """A CAD's vertical; None where nobody says it: OBJ and PLY files stand either way."""
     if cad.file is None:
         return "Z"
-    return cad.up or ("Y" if cad.file.suffix.lower() in (".glb", ".gltf") else None)
+    return cad.up or ("Y" if cad.file.suffix.lower() == ".glb" else None)
 
 
 def _hint(thing: ScannedObject, level_from_scan: Array) -> Hint:

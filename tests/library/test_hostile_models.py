@@ -19,7 +19,7 @@ from openrooms_usd.library.assignment.annotations import read_annotation
 from openrooms_usd.library.meshfile import dependencies, read_model
 from openrooms_usd.library.ownmaterials import files_of, read_material
 from openrooms_usd.library.pictures import write_png
-from openrooms_usd.scan.models.folder import read_models
+from openrooms_usd.scan.models.meshscene import shown_meshes
 
 ENDINGS = (".obj", ".glb", ".ply", ".usd", ".usda", ".usdc", ".usdz")
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
@@ -148,33 +148,22 @@ def test_indices_beyond_the_points_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.glb").write_bytes(glb(header, changed))
     with pytest.raises(InputError, match="corner that is not there"):
         read_model(tmp_path / "a.glb")
-    with pytest.raises(InputError, match="corner that is not there"):
-        read_models(tmp_path)
 
 
-@pytest.mark.parametrize("uri", ["../b.bin", "/etc/passwd", "pipe", "x" * 300, "a\0", "none.bin"])
-def test_gltf_reads_nothing_outside_its_folder(tmp_path: Path, uri: str) -> None:
-    folder = tmp_path / "cads"
-    folder.mkdir()
-    files = trimesh.Scene(trimesh.creation.box()).export(file_type="gltf")
-    for name, data in files.items():
-        (folder / name).write_bytes(data)
-    assert len(read_models(folder)) == 1
-    os.mkfifo(folder / "pipe")
-    (tmp_path / "b.bin").write_bytes(b"x" * 4000)
-    header = json.loads(files["model.gltf"])
-    header["buffers"][0]["uri"] = uri
-    (folder / "model.gltf").write_text(json.dumps(header))
-    with pytest.raises(InputError):
-        read_models(folder)
+def test_a_glb_reads_no_file_beside_it(tmp_path: Path) -> None:
+    header, data = boxed()
+    (tmp_path / "b.bin").write_bytes(data)
+    header["buffers"][0]["uri"] = "b.bin"
+    (tmp_path / "a.glb").write_bytes(glb(header))
+    with pytest.raises(InputError, match="not a readable GLB file"):
+        read_model(tmp_path / "a.glb")
 
 
 def test_no_library_prints_its_own_traceback(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / "a.stl").write_bytes(b"solid a\n" + b"facet normal x y z\n" * 20)
     with pytest.raises(InputError):
-        read_models(tmp_path)
+        shown_meshes(tmp_path / "a.ply", b"ply\nformat ascii 1.0\nelement vertex 99999999999\n")
     logging.getLogger("trimesh").warning("by the way", exc_info=ValueError("secret"))
     assert "Traceback" not in capfd.readouterr().err
 

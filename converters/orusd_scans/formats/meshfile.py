@@ -23,7 +23,7 @@ def read_mesh(path: Path) -> Scanned:
     """
     with opened(path, "model") as stream:
         content = stream.read()
-    meshes = shown_meshes(path, content=content)
+    meshes = shown_meshes(path, content)
     if not meshes:
         raise broken(path, "it has no triangles")
     starts = np.cumsum([0, *(len(one.vertices) for one in meshes)])

@@ -7,20 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.models.cad import CadModel, Symmetry, Up
-from openrooms_usd.scan.models.meshscene import shown_meshes
+from openrooms_usd.scan.models.cad import Symmetry, Up
 
-Array = NDArray[np.float64]
 Known = TypeVar("Known")
 
 INDEX: Final = "index.json"
-_SUFFIXES: Final = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
-_EXPORT: Final = "export it again as OBJ, PLY or uncompressed GLB"
 # Spellings without case: ours, the group's, and Scan2CAD's.
 _SYMMETRIES: Final[dict[str, Symmetry]] = {
     **dict.fromkeys(("none", "1", "c1", "__sym_none"), "none"),
@@ -52,8 +45,13 @@ class CadFile:
     entry: Mapping[str, Any]
 
 
-def cad_files(folder: Path, suffixes: Collection[str] = _SUFFIXES) -> tuple[CadFile, ...]:
-    """The mesh files of a folder and of those below it, by id; see `read_models`.
+def cad_files(folder: Path, suffixes: Collection[str]) -> tuple[CadFile, ...]:
+    """The mesh files of a folder and of those below it, by id.
+
+    A CAD's id is the name of its file without suffix; where several have the same (as ShapeNet's
+    ``model_normalized``), it is the first folder above that tells them apart. ``index.json`` may
+    give, by id or path, a category, or ``{category, symmetry, up}``. Those that it does not name
+    have the category of their folder.
 
     Args:
         folder: The folder.
@@ -78,31 +76,6 @@ def _described(folder: Path, path: Path, name: str, entry: Mapping[str, Any]) ->
         name, path, str(entry.get("category", parent)),
         _chosen(_SYMMETRIES, entry, "symmetry", folder), _chosen(_UPS, entry, "up", folder), entry,
     )  # fmt: skip
-
-
-def read_models(folder: Path, ids: Collection[str] | None = None) -> tuple[CadModel, ...]:
-    """Read the CADs of a folder and those below it.
-
-    A CAD's id is the name of its file without suffix; where several have the same (as ShapeNet's
-    ``model_normalized``), it is the first folder above that tells them apart. ``index.json`` may
-    give, by id or path, a category, or ``{category, symmetry, up}``.
-
-    Args:
-        folder: The folder.
-        ids: Only these; None: all.
-
-    Returns:
-        The CADs by id. Those that the index does not name have the category of their folder.
-
-    Raises:
-        InputError: The folder or the index cannot be read, or a mesh is broken.
-    """
-    return tuple(_read(file) for file in cad_files(folder) if ids is None or file.id in ids)
-
-
-def files_of(folder: Path) -> dict[str, Path]:
-    """The file of each CAD of a folder, by id."""
-    return _named(folder, _SUFFIXES)
 
 
 def _named(folder: Path, suffixes: Collection[str]) -> dict[str, Path]:
@@ -168,11 +141,6 @@ def _keys(relative: Path, name: str) -> Iterator[str]:
     yield relative.name
 
 
-def _read(file: CadFile) -> CadModel:
-    vertices, faces = _mesh(file.path)
-    return CadModel(file.id, file.category, vertices, faces, file.symmetry, file.up)
-
-
 def _chosen(
     table: Mapping[str, Known], entry: Mapping[str, Any], key: str, folder: Path
 ) -> Known | None:
@@ -187,19 +155,3 @@ def _chosen(
             remedy=f"write one of: {', '.join(sorted({str(v) for v in table.values()}))}",
         )
     return found
-
-
-def _mesh(path: Path) -> tuple[Array, NDArray[np.int32]]:
-    """Vertices and triangles of all that a file shows, as one mesh."""
-    shown = shown_meshes(path, materials=False)
-    if not shown:
-        raise InputError("it has no faces", place=path, remedy=_EXPORT)
-    starts = np.cumsum([0, *(len(one.vertices) for one in shown)]).tolist()
-    vertices = np.concatenate([one.vertices for one in shown])
-    faces = [one.faces + start for one, start in zip(shown, starts, strict=False)]
-    if not np.isfinite(vertices).all():
-        raise InputError("it has corners that are not finite", place=path, remedy=_EXPORT)
-    if not vertices.any():
-        text = "all its corners lie in the origin; a compressed GLB needs DracoPy"
-        raise InputError(text, place=path, remedy=_EXPORT)
-    return vertices, np.concatenate(faces).astype(np.int32)

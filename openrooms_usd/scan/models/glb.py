@@ -1,4 +1,4 @@
-"""glTF of unknown origin: its description is checked and weighed before a library unpacks it.
+"""GLB (binary glTF) of unknown origin: checked and weighed before a library unpacks it.
 
 A short description can make a reader take any amount of memory: accessors without data, thousands
 of them over the same bytes, or thousands of nodes that show the same mesh. (The glTF 2.0
@@ -13,12 +13,12 @@ from typing import Any, Final
 
 from openrooms_usd.errors import InputError, MissingPackageError
 
-DRACO: Final = "KHR_draco_mesh_compression"
+_DRACO: Final = "KHR_draco_mesh_compression"
 _MAGIC: Final = b"glTF"
 _JSON: Final = 0x4E4F534A
 _HEAD: Final = struct.calcsize("<4sIIII")
 # What a file may require and is understood, or says nothing of shapes.
-_HARMLESS: Final = ("KHR_materials_", "KHR_lights_", "KHR_texture_transform", "KHR_xmp", DRACO)
+_HARMLESS: Final = ("KHR_materials_", "KHR_lights_", "KHR_texture_transform", "KHR_xmp", _DRACO)
 _BYTES: Final = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _NUMBERS: Final = {
     "SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16,
@@ -48,17 +48,12 @@ def glb_header(content: bytes, place: object) -> dict[str, Any]:
         raise _broken("it does not begin as GLB 2 does", place)
     if max(length, _HEAD + size) > len(content):
         raise _broken(f"it is truncated: {len(content)} of {length} bytes", place)
-    header = described(content[_HEAD : _HEAD + size], place)
-    weigh(header, len(content), place)
+    header = _described(content[_HEAD : _HEAD + size], place)
+    _weigh(header, len(content), place)
     return header
 
 
-def described(text: bytes, place: object) -> dict[str, Any]:
-    """The JSON of a glTF file.
-
-    Raises:
-        InputError: It is none, or is nested without end.
-    """
+def _described(text: bytes, place: object) -> dict[str, Any]:
     try:
         header = json.loads(text.decode("utf-8", errors="replace"))
     except (ValueError, RecursionError) as error:
@@ -68,18 +63,8 @@ def described(text: bytes, place: object) -> dict[str, Any]:
     return header
 
 
-def weigh(header: Mapping[str, Any], size: int, place: object) -> None:
-    """Refuse what cannot be read, or unpacks to many times what is there.
-
-    Args:
-        header: The JSON of a glTF file.
-        size: Bytes of the file and of its buffers.
-        place: The file, for messages.
-
-    Raises:
-        InputError: It claims absurd amounts, or needs what is not read.
-        MissingPackageError: It is compressed by Draco and the decoder is not installed.
-    """
+def _weigh(header: Mapping[str, Any], size: int, place: object) -> None:
+    """Refuse what cannot be read, or unpacks to many times the ``size`` of the file in bytes."""
     try:
         _check_extensions(header, place)
         _check_amounts(header, max(_MIN_ARRAY_BYTES, _MAX_COMPRESSION_GAIN * size))
@@ -97,7 +82,7 @@ def _check_extensions(header: Mapping[str, Any], place: object) -> None:
             place=place,
             remedy="export it without compressed pictures and meshes, or compressed by Draco",
         )
-    if DRACO in required + used and importlib.util.find_spec("DracoPy") is None:
+    if _DRACO in required + used and importlib.util.find_spec("DracoPy") is None:
         raise MissingPackageError(
             "its meshes are compressed by Draco, and the decoder DracoPy is not installed",
             place=place,
@@ -159,5 +144,5 @@ def _whole(value: Any) -> int:
 
 def _broken(reason: str, place: object) -> InputError:
     return InputError(
-        f"not a readable GLB or glTF file: {reason}", place=place, remedy="export the mesh again"
+        f"not a readable GLB file: {reason}", place=place, remedy="export the mesh again"
     )

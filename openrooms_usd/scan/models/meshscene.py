@@ -6,18 +6,15 @@ Here both become one sentence about the file.
 
 import io
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError, OrusdError
-from openrooms_usd.scan.models.glb import described, glb_header, weigh
+from openrooms_usd.scan.models.glb import glb_header
 
 # Without a handler, Python prints a library's warnings with their tracebacks.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
@@ -53,15 +50,12 @@ class ShownMesh:
         return np.asarray(self.mesh.faces, dtype=np.int32)
 
 
-def shown_meshes(
-    path: Path, *, content: bytes | None = None, materials: bool = True
-) -> list[ShownMesh]:
+def shown_meshes(path: Path, content: bytes) -> list[ShownMesh]:
     """The meshes with triangles that a file shows, by the ending of its name.
 
     Args:
-        path: An OBJ, PLY, GLB, glTF, STL or OFF file.
-        content: Its bytes, where they have been read.
-        materials: Whether materials are read; never from other files.
+        path: An OBJ, PLY, GLB, STL or OFF file; no other file is read with it.
+        content: Its bytes.
 
     Raises:
         InputError: It cannot be read, is too large, or a mesh in it is not sound.
@@ -70,14 +64,11 @@ def shown_meshes(
     import trimesh
 
     kind = path.suffix.lower().removeprefix(".")
-    content = untrusted.read_bytes(path, "model") if content is None else content
-    resolver = _check_gltf(kind, content, path)
-    options = {} if materials else {"skip_materials": True}
+    if kind == "glb":
+        glb_header(content, path)
     try:
         with np.errstate(all="ignore"):  # of this thread; what is not finite is found later
-            scene = trimesh.load_scene(
-                io.BytesIO(content), file_type=kind, process=False, resolver=resolver, **options
-            )
+            scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False)
             found = [ShownMesh(n, m, _pose(p)) for n, m, p in _shown(scene)]
     except OrusdError:
         raise
@@ -87,51 +78,6 @@ def shown_meshes(
         raise InputError(text, place=path, remedy=_REMEDY) from error
     _check_meshes(found, path)
     return found
-
-
-def _check_gltf(kind: str, content: bytes, path: Path) -> Any:
-    """See that what a glTF file says is sound, and return what may read the files beside it."""
-    if kind == "glb":
-        glb_header(content, path)
-    if kind != "gltf":
-        return None
-    header, files = described(content, path), dict[str, bytes]()
-
-    def read(name: str) -> bytes:
-        if name not in files:
-            beside = untrusted.inside(path.parent, unquote(name))
-            files[name] = untrusted.read_bytes(beside, "model")
-        return files[name]
-
-    buffers = header.get("buffers", [])
-    named = [one["uri"] for one in buffers if isinstance(one, dict) and "uri" in one]
-    beside = {name for name in named if isinstance(name, str) and not name.startswith("data:")}
-    weigh(header, len(content) + sum(len(read(name)) for name in beside), path)
-    return _resolver(read)
-
-
-def _resolver(read: Callable[[str], bytes]) -> Any:
-    from trimesh.resolvers import Resolver
-
-    class Beside(Resolver):  # type: ignore[misc]
-        """Files in the folder of the model, through the one door."""
-
-        def __init__(self) -> None:
-            pass
-
-        def get(self, key: str) -> bytes:
-            return read(key)
-
-        def keys(self) -> list[str]:
-            return []
-
-        def namespaced(self, namespace: str) -> Any:
-            raise ValueError("a file in a file")
-
-        def write(self, name: str, data: Any) -> None:
-            raise ValueError("nothing is written")
-
-    return Beside()
 
 
 def _shown(scene: Any) -> Any:
