@@ -136,7 +136,7 @@ def _author_joints(
         return
     scope = UsdGeom.Scope.Define(stage, root.AppendPath(f"{SCOPE}/Joints")).GetPath()
     base = _below(root, made[0].link.path)
-    if not thing.fixed:
+    if not asset.fixed:
         author_articulation(stage.GetPrimAtPath(base))
     for item in movers:
         name = item.link.path.replace("/", "_").removeprefix("Geometry_")
