@@ -51,6 +51,12 @@ UP_AXIS: Final = "Z"
 METERS_PER_UNIT: Final = 1.0
 KILOGRAMS_PER_UNIT: Final = 1.0
 
+# Floor to ceiling, metres: of a room of which nobody says it, whether it is described, captured or
+# generated; and of a scanned room whose ceiling nobody saw, as OpenRooms has it: its walls are
+# looked at for openings up to there, and must hold what is found.
+ROOM_HEIGHT: Final = 2.6
+SCANNED_HEIGHT: Final = 3.0
+
 # customLayerData key and AuthorshipAPI package of our provenance.
 NAMESPACE: Final = "openrooms"
 CREATOR: Final = "openrooms_usd"

@@ -16,7 +16,7 @@ from openrooms_usd.scan.openings.detection import find_openings
 from openrooms_usd.scan.placement.correcting import Placement, place
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import clean, thin
-from openrooms_usd.scan.reconstruction import USUAL_HEIGHT, VOXEL
+from openrooms_usd.scan.reconstruction import VOXEL
 from openrooms_usd.scan.registration.alignment import Alignment, Hint, align
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutRoom, find_layout
@@ -93,7 +93,7 @@ class Reconstruction:
 
 def _with_openings(room: LayoutRoom, cloud: Cloud) -> FoundRoom:
     corners = np.column_stack([room.corners, np.zeros(len(room.corners))])
-    holes = find_openings(cloud, room.corners, room.ceiling or USUAL_HEIGHT)
+    holes = find_openings(cloud, room.corners, room.ceiling)
     up = np.array([0.0, 0.0, 1.0])
     return FoundRoom(up, np.zeros(3), corners, tuple(room.guessed), room.ceiling, holes)
 

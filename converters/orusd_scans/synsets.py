@@ -1,58 +1,34 @@
-"""ShapeNet's synsets under the names of our own library, or under plain words."""
+"""ShapeNet's synsets under the names of our own categories, or under plain words."""
 
+from functools import cache
 from typing import Final
 
-# WordNet 3.0 offsets of noun synsets, as ShapeNetCore and Scan2CAD name their folders.
-CATEGORIES: Final = {
+from openrooms_usd.categories.record import given
+from openrooms_usd.categories.registry import records
+
+# What ShapeNetCore has besides our categories. WordNet 3.0 offsets of noun synsets, as ShapeNetCore
+# and Scan2CAD name their folders.
+_OTHERS: Final = {
     "02691156": "airplane",
-    "02747177": "trash_bin",
-    "02773838": "bag",
-    "02801938": "basket",
-    "02808440": "bathtub",
-    "02818832": "bed",
-    "02828884": "bench",
-    "02834778": "bicycle",
-    "02871439": "bookshelf",
-    "02876657": "bottle",
-    "02880940": "bowl",
-    "02933112": "cabinet",
     "02942699": "camera",
-    "02946921": "can",
-    "02954340": "cap",
     "02958343": "car",
-    "02992529": "telephone",
-    "03001627": "chair",
-    "03046257": "clock",
-    "03085013": "keyboard",
-    "03207941": "dishwasher",
-    "03211117": "monitor",
     "03261776": "earphone",
-    "03325088": "faucet",
-    "03337140": "file_cabinet",
-    "03467517": "guitar",
     "03513137": "helmet",
-    "03593526": "jar",
     "03624134": "knife",
-    "03636649": "table_lamp",
-    "03642806": "laptop",
-    "03691459": "speaker",
     "03710193": "mailbox",
     "03759954": "microphone",
-    "03761084": "microwave",
     "03797390": "mug",
-    "03928116": "piano",
-    "03938244": "pillow",
-    "03991062": "plant_pot",
-    "04004475": "printer",
     "04099429": "rocket",
     "04225987": "skateboard",
-    "04256520": "sofa",
-    "04330267": "stove",
-    "04379243": "table",
-    "04401088": "telephone",
     "04460130": "tower",
     "04468005": "train",
     "04530566": "watercraft",
-    "04554684": "washing_machine",
 }
 UNKNOWN: Final = "object"
+
+
+@cache
+def categories() -> dict[str, str]:
+    """A category or a plain word by its synset."""
+    ours = {synset: name for name, told in records() for synset in given(told.synsets, ())}
+    return {**_OTHERS, **ours}

@@ -17,6 +17,7 @@ def library() -> None:
 @json_option
 def list_(as_json: bool) -> None:
     """Print every category with its styles, usual size and support."""
+    from openrooms_usd.categories.record import given
     from openrooms_usd.library.furniture import CATEGORIES
 
     rows = {
@@ -27,8 +28,8 @@ def list_(as_json: bool) -> None:
             "least": list(spec.least),
             "most": list(spec.most),
             "support": spec.support,
-            "level": spec.level,
-            "lumen": spec.lumen,
+            "level": given(spec.level, 0.0),
+            "lumen": given(spec.lumen, 0.0),
         }
         for name, spec in sorted(CATEGORIES.items())
     }

@@ -21,6 +21,7 @@ from openrooms_usd.description.model import (
 from openrooms_usd.description.naming import repeated_names, unique_names
 from openrooms_usd.description.polygon import simple_polygon
 from openrooms_usd.description.units import Angle, Length, PositiveLength
+from openrooms_usd.names import ROOM_HEIGHT
 
 Point2 = Annotated[tuple[Length, Length], Field(description="x and y, metres")]
 
@@ -74,7 +75,7 @@ class PolygonLayout(CheckedModel):
         default=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)), min_length=3, max_length=10_000
     )
     """Inner corners in order, either way round; not repeated at the end."""
-    height: PositiveLength = Field(default=2.6, ge=0.5, le=100)
+    height: PositiveLength = Field(default=ROOM_HEIGHT, ge=0.5, le=100)
     """Floor to ceiling."""
     wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
     """Thickness of the walls, outwards from the polygon."""

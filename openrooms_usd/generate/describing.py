@@ -4,6 +4,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.categories.record import given
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.rooms import (
@@ -91,7 +92,7 @@ def lamps(room: Generated) -> dict[str, Section]:
         if item.category == "ceiling_lamp":
             ceiling.append(name)
         elif spec.emits:
-            lumen = round(spec.lumen * float(rng.uniform(*_SHARE)), -1)
+            lumen = round(given(spec.lumen, 0.0) * float(rng.uniform(*_SHARE)), -1)
             found[name] = {"lumen": lumen, "kelvin": warm}
     lux = float(rng.uniform(*program_of(room.room_type).lux))
     each = lux * room.shell.area / _ARRIVES / max(len(ceiling), 1)

@@ -9,9 +9,10 @@ import numpy as np
 from openrooms_usd.generate.boxes import Array, overlap, posed
 from openrooms_usd.generate.items import Group, Item, with_dependants
 from openrooms_usd.generate.shapes import Shape, Shapes
-from openrooms_usd.generate.sizes import ALIKE, drawn_size
+from openrooms_usd.generate.sizes import drawn_size
 from openrooms_usd.generate.standing import above_foot, level_top
 from openrooms_usd.library.furniture import Size, category, styles
+from openrooms_usd.names import ROOM_HEIGHT
 
 # An object rests on a top that is level to this, metres.
 _LEVEL: Final = 0.001
@@ -38,7 +39,7 @@ class Kit:
 
     rng: np.random.Generator
     shapes: Shapes
-    height: float = 2.6
+    height: float = ROOM_HEIGHT
     span: tuple[float, float] = (5.0, 4.0)
     modesty: float = 0.0
     _count: dict[str, int] = field(default_factory=dict)
@@ -92,7 +93,7 @@ class Kit:
         size = self.size(name, style=style)
         if style not in styles(name, size):
             style = self.style(name, size)
-        if name in ALIKE:
+        if category(name).alike:
             self._makes[name] = size, style
         return size, style
 

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.record import given
 from openrooms_usd.generate.boxes import overlap
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
@@ -48,7 +49,7 @@ def hang(
 def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
     spec = category(name)
     size = kit.size(name)
-    low = round(spec.level + float(kit.rng.uniform(-0.05, 0.1)), 2)
+    low = round(given(spec.level, 0.0) + float(kit.rng.uniform(-0.05, 0.1)), 2)
     if low + size[2] > room.shell.height - 0.1:
         return None
     style = kit.style(name, size)

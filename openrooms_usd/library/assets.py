@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 GEOMETRY: Final = "geometry.usdc"
 # The Xform below Geometry that holds the fixed parts of an object whose other parts move.
 BODY: Final = "Body"
-# Lists the modules of all categories, of which a piece of furniture needs one.
-_CATEGORIES: Final = ("openrooms_usd.library.furniture",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +95,7 @@ class Asset:
     @cached_property
     def name(self) -> str:
         """The category and 8 hexadecimal digits of what determines the content."""
-        code = code_digest(__name__, *self.code, leaves=_CATEGORIES)
+        code = code_digest(__name__, *self.code)
         text = json.dumps([code, self.category, *self.key])
         return f"{self.category}_{hashlib.sha256(text.encode()).hexdigest()[:8]}"
 

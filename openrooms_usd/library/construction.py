@@ -1,62 +1,28 @@
 """What parts weigh, what of a room can be moved, and what it takes to move a door or a drawer."""
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Final, Literal
 
 from numpy.typing import ArrayLike
 
+from openrooms_usd.categories.makes import ANY, BOARD, Construction, Row
+from openrooms_usd.categories.record import Losses, Support, given
+from openrooms_usd.categories.registry import record
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.assignment.kinds import kind_of, known_as
 from openrooms_usd.library.friction.references import density
-from openrooms_usd.library.furniture.joinery import Support
-from openrooms_usd.library.makes import ANY, BOARD, ROWS, Construction, Row
+from openrooms_usd.library.makes import GENERAL
 from openrooms_usd.physics.inertia import shell, solid
 from openrooms_usd.physics.mass import MassProperties
 
-# Built in, plumbed in, or part of the building, wherever it stands.
-FIXED: Final = frozenset({
-    "bathtub", "blinds", "ceiling", "ceiling_lamp", "column", "counter", "curtain", "dishwasher",
-    "door", "faucet", "fireplace", "floor", "kitchen_cabinet", "opening", "oven", "radiator",
-    "shower", "shower_curtain", "sink", "stairs", "stove", "toilet", "wall", "wall_lamp", "window",
-})  # fmt: skip
 # What hangs there is screwed on.
 _HUNG: Final = frozenset({"ceiling", "wall"})
-# What gives way where it is touched, and how far off its collision shapes may be, metres.
-_YIELDING: Final = {"plant_pot": 0.05, "curtain": 0.05}
-
-
-@dataclass(frozen=True)
-class Losses:
-    """What resists a joint's movement.
-
-    Attributes:
-        damping: N m s/rad of hinges, N s/m of rails.
-        friction: N m or N that it takes to move it at all.
-    """
-
-    damping: float
-    friction: float
-
-
 # Assumed, within what is known: at the handle nothing takes more than the 22 N (5 lbf) that
 # accessible doors, drawers and cupboards may (ADA Standards 2010, 309.4 and 404.2.9). A drawer with
 # 10 kg on rollers (rolling resistance 0.02 to 0.03) takes 2 to 3 N; lids of laptops stay where they
 # are put; lids of toilets fall slowly.
 _RAIL: Final = Losses(damping=10.0, friction=3.0)
 _HINGE: Final = Losses(damping=0.1, friction=0.1)
-_LOSSES: Final[dict[tuple[str, str], Losses]] = {
-    ("door", ANY): Losses(1.0, 1.0),
-    ("wardrobe", ANY): Losses(0.3, 0.2),
-    ("refrigerator", ANY): Losses(0.5, 1.0),
-    ("oven", ANY): Losses(1.0, 2.0),
-    ("stove", ANY): Losses(1.0, 2.0),
-    ("dishwasher", ANY): Losses(1.0, 2.0),
-    ("laptop", ANY): Losses(0.05, 0.8),
-    ("toilet", ANY): Losses(1.5, 0.1),
-    ("trash_bin", ANY): Losses(0.02, 0.01),
-    ("telephone", ANY): Losses(0.01, 0.02),
-}
 
 
 def construction_of(category: str, part: str, substance: Substance | None) -> Construction:
@@ -107,31 +73,28 @@ def movable(category: str, mounting: Support | None = None) -> bool:
         category: What it is; any word.
         mounting: What carries it; what hangs on a wall or a ceiling is fixed.
     """
-    return kind_of(category) not in FIXED and mounting not in _HUNG
+    known = record(kind_of(category))
+    return not (known and known.fixed) and mounting not in _HUNG
 
 
 def tolerance_of(category: str, usual: float) -> float:
     """How far the collision shapes of a category may be off, metres: leaves and drapes farther."""
-    return max(usual, _YIELDING.get(kind_of(category), 0.0))
+    known = record(kind_of(category))
+    return max(usual, given(known.yields, 0.0)) if known else usual
 
 
 def losses(category: str, kind: Literal["hinge", "rail"]) -> Losses:
     """What resists the hinges or the rails of a category, where nobody says more."""
-    return _RAIL if kind == "rail" else _LOSSES.get((kind_of(category), ANY), _HINGE)
+    known = record(kind_of(category))
+    return _RAIL if kind == "rail" else given(known.hinges, _HINGE) if known else _HINGE
 
 
 @cache
 def _row(category: str, part: str, substance: Substance | None) -> Row:
+    known = record(category)
+    rows = (*(given(known.makes, ()) if known else ()), *GENERAL)
     for name in (*known_as(part), ANY):
-        for row in ROWS:
-            if _fits(row, category, name, substance):
+        for row in rows:
+            if name in row.parts and (not row.substances or substance in row.substances):
                 return row
     raise AssertionError("the last row fits everything")
-
-
-def _fits(row: Row, category: str, part: str, substance: Substance | None) -> bool:
-    return (
-        part in row.parts
-        and (category in row.categories or ANY in row.categories)
-        and (not row.substances or substance in row.substances)
-    )

@@ -6,10 +6,13 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import given
+from openrooms_usd.categories.registry import record
+from openrooms_usd.categories.schemes import METAL, METALS
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.assignment.kinds import known_as
 from openrooms_usd.library.assignment.weights import Weights, families_for
-from openrooms_usd.library.schemes import ANY, METAL, METALS, SCHEMES
 from openrooms_usd.library.textures import Use
 
 Color = tuple[float, float, float]
@@ -319,11 +322,9 @@ def finishes_of(category: str, parts: Iterable[str], rng: np.random.Generator) -
         Keys of `FINISHES` by part.
     """
     names = sorted(set(parts))
-    fitting = [
-        scheme
-        for scheme in SCHEMES
-        if category in scheme.categories and (scheme.needs is None or scheme.needs in names)
-    ]
+    known = record(category)
+    schemes = given(known.schemes, ()) if known else ()
+    fitting = [scheme for scheme in schemes if scheme.needs is None or scheme.needs in names]
     weights = np.cumsum([scheme.weight for scheme in fitting] or [1.0])
     drawn = int(np.searchsorted(weights, rng.uniform(0.0, weights[-1]), side="right"))
     chosen = fitting[drawn].finishes if fitting else {}

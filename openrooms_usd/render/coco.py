@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.categories.record import UNLABELED
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.render.manifest_schema import AGAIN
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import compressed, run_lengths, tight_box
-from openrooms_usd.usd.taxonomies import CLASSES, TAXONOMIES, UNLABELED
+from openrooms_usd.usd.taxonomies import TAXONOMIES, classes
 from openrooms_usd.version import __version__
 
 Plain = dict[str, Any]
@@ -93,8 +94,8 @@ def _class_numbers(render: RenderedScene, taxonomy: str) -> dict[str, int]:
     """The number of every class; in our own taxonomy, words that are not ours come last."""
     if taxonomy in TAXONOMIES:
         return {c: n for n, c in enumerate(TAXONOMIES[taxonomy]) if c != UNLABELED}
-    others = sorted(set(render.legend("category").values()) - set(CLASSES))
-    return {c: n for n, c in enumerate([*CLASSES, *others], start=1)}
+    others = sorted(set(render.legend("category").values()) - set(classes()))
+    return {c: n for n, c in enumerate([*classes(), *others], start=1)}
 
 
 def _class(

@@ -26,8 +26,6 @@ Array = NDArray[np.float64]
 
 # Edge of the voxels that walls are found on, metres: finer than their noise.
 VOXEL: Final = 0.02
-# Where a scan shows no ceiling, as OpenRooms has it, metres.
-USUAL_HEIGHT: Final = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,8 +143,7 @@ def furniture_report(found: FoundFurniture, scan_from_level: Array) -> dict[str,
 
 
 def _room(room: LayoutRoom, cloud: Cloud, stands: Level) -> FoundRoom:
-    height = room.ceiling or USUAL_HEIGHT
-    openings = find_openings(cloud, room.corners, height)
+    openings = find_openings(cloud, room.corners, room.ceiling)
     return FoundRoom(
         normal=np.array([0.0, 0.0, 1.0]),
         point=np.zeros(3),

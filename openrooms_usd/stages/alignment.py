@@ -10,6 +10,7 @@ from typing import Final
 from pxr import Kind, Sdf
 
 from openrooms_usd import names
+from openrooms_usd.categories.record import given
 from openrooms_usd.description.alignment import (
     AlignedObject,
     CapturedAlignment,
@@ -156,8 +157,8 @@ def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -
         emits = any(part_of(part) == names.LIGHT_BULB for part in model.parts)
     else:
         spec = category(item.category)
-        usual = spec.styles[item.style].size if item.style in spec.styles else None
-        size = item.size or usual or spec.size
+        style = spec.styles.get(item.style or "")
+        size = item.size or (style and style.size) or spec.size
         asset = catalogue.furniture(item.category, size, item.style)
         emits = spec.emits
     x, y, *z = item.at
@@ -173,7 +174,7 @@ def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -
         on,
         emits,
         relative_to=item.relative_to,
-        level=spec.level if spec else 0.0,
+        level=given(spec.level, 0.0) if spec else 0.0,
     )
 
 

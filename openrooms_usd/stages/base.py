@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from openrooms_usd import adapters, names
+from openrooms_usd.categories import registry
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
@@ -159,7 +160,7 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
     section = getattr(room, stage.name)
     parts: dict[str, Any] = {
         "stage": stage.name,
-        "code": code_digest(type(stage).__module__, _RUNNER, *_importers(room)),
+        "code": code_digest(*code_of(stage), *_importers(room)),
         "section": section and section.model_dump(mode="json"),
         "room": [room.room, room.seed],
         "inputs": {
@@ -172,6 +173,14 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
         },
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def code_of(stage: Stage) -> tuple[str, ...]:
+    """The modules that a stage's layer hangs on, with all that they import.
+
+    Any stage may ask for the record of a category, and records are loaded by name.
+    """
+    return type(stage).__module__, _RUNNER, *registry.modules()
 
 
 def _importers(room: Room) -> Iterator[str]:

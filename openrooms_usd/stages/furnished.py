@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories.record import UNLABELED
 from openrooms_usd.description.alignment import FileObject, ScanAlignment, named_objects
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.naming import captured_names
@@ -28,7 +29,7 @@ from openrooms_usd.stages.placement import Measured, Placement, Source
 from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.stages.scanned import ScannedRoom, captured_hints, scanned_room
 from openrooms_usd.stages.substitutes import plain, substitute
-from openrooms_usd.usd.taxonomies import CLASSES, NYU40, UNLABELED, class_of
+from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
 
 Array = NDArray[np.float64]
 
@@ -131,7 +132,7 @@ class _Shelf:
             labels = {NYU40[n] for n in np.unique(cloud.label).tolist() if n < len(NYU40)}
             hinted |= {name for name in CATEGORIES if class_of(name, "nyu40") in labels}
         kinds = {substitute(str(word), {}, 0.0) for word in hinted}
-        return {kind for kind in kinds if kind in CATEGORIES and kind not in _SHELL}
+        return {kind for kind in kinds if kind and kind in CATEGORIES and kind not in _SHELL}
 
     def hints(self, objects: Iterable[ScannedObject] | None) -> list[Hint] | None:
         """What the description knows, in the level frame."""
@@ -186,7 +187,7 @@ class _Shelf:
 
 def _means(kind: str, name: str) -> bool:
     """Whether a category of a CAD is one of a class of NYU40."""
-    ours = kind if kind in CLASSES else substitute(kind, {}, 0.0) or kind
+    ours = kind if kind in classes() else substitute(kind, {}, 0.0) or kind
     return class_of(ours, "nyu40") == name
 
 

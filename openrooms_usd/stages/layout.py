@@ -30,8 +30,6 @@ from openrooms_usd.usd.meshes import define_mesh
 from openrooms_usd.usd.semantics import label, label_part
 from openrooms_usd.usd.transforms import author_placement
 
-# Floor to ceiling where a capture does not know, metres.
-_USUAL_HEIGHT = 2.6
 # Windows that begin lower than this have no sill board, metres.
 _BOARD_FROM = 0.3
 # How far a door's leaf turns where nothing stops it, degrees.
@@ -119,7 +117,7 @@ def captured_plan(layout: CapturedLayout, context: StageContext) -> Plan:
         raise InputError(f"the captured floor {reason}", place=place, remedy="scan the room again")
     height = layout.height or capture.height
     if height is None:
-        height = _USUAL_HEIGHT
+        height = names.ROOM_HEIGHT
         context.notes.append(f"the capture has no height: {height} m is taken")
     corners, numbers = counter_clockwise(capture.floor)
     walls = walls_of(corners, numbers, layout.wall_thickness)

@@ -13,6 +13,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.categories.record import given
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.description.lights import (
@@ -208,4 +209,4 @@ def _drawn_kelvin(context: StageContext, name: str) -> float:
 
 def _usual_lumen(root: Usd.Prim) -> float:
     spec = CATEGORIES.get(read_label(root, names.CATEGORY) or "")
-    return spec.lumen if spec is not None and spec.lumen > 0.0 else _LUMEN
+    return given(spec.lumen, _LUMEN) if spec else _LUMEN

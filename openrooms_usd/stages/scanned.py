@@ -12,7 +12,8 @@ from scipy.spatial.transform import Rotation
 from openrooms_usd.capture import Capture, CapturedFrame, CapturedOpening, Confidence, read_capture
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.reconstruction import USUAL_HEIGHT, FoundLayout, find_rooms
+from openrooms_usd.names import SCANNED_HEIGHT
+from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutOptions
@@ -122,12 +123,12 @@ def _as_capture(capture: Capture, found: FoundLayout, room: FoundRoom) -> Captur
     if len(found.rooms) > 1:
         notes.append(f"the scan shows {len(found.rooms)} rooms; the report has all of them")
     if room.ceiling is None:
-        notes.append(f"{USUAL_HEIGHT} m is taken for the room's height")
+        notes.append(f"{SCANNED_HEIGHT} m is taken for the room's height")
     return replace(
         capture,
         source_from_world=capture.source_from_world @ found.level.scan_from_level,
         floor=room.corners[:, :2],
-        height=room.ceiling or USUAL_HEIGHT,
+        height=room.ceiling or SCANNED_HEIGHT,
         openings=tuple(_opening(n, o) for n, o in enumerate(room.openings)),
         frames=tuple(_frame(frame, found.level.level_from_scan) for frame in capture.frames),
         cloud=found.cloud,

@@ -1,82 +1,29 @@
 """What the library builds for the words of captures: RoomPlan, ScanNet, Scan2CAD and plain ones.
 
-The words are the categories of Apple's RoomPlan, the classes of NYU40 and SUN RGB-D, the raw names
-of ScanNet and the names of ShapeNet's synsets, as those data sets spell them.
+The words stand in the records of the categories: those of Apple's RoomPlan, the classes of NYU40
+and SUN RGB-D, the raw names of ScanNet and the names of ShapeNet's synsets, as those data sets
+spell them.
 """
 
 import re
 from collections.abc import Mapping
+from functools import cache
 from typing import Final
+
+from openrooms_usd.categories.record import given
+from openrooms_usd.categories.registry import BUILT, records
 
 UNKNOWN: Final = "box"
 """The category that stands for what the library has nothing for."""
 
-# By category, all other words for it. The category's own name is understood, too.
-_WORDS: Final[dict[str, str]] = {
-    "armchair": "arm_chair recliner club_chair lounge_chair easy_chair",
-    "basket": "laundry_basket hamper laundry_hamper storage_basket",
-    "bathtub": "tub bath bathing_tub",
-    "bed": "bunk_bed double_bed single_bed mattress crib cot",
-    "bench": "piano_bench",
-    "bookshelf": "bookcase bookshelves book_shelf shelf shelves shelving rack",
-    "bottle": "water_bottle bottles",
-    "bowl": "bowls",
-    "box": "cardboard_box boxes crate",
-    "cabinet": "storage storage_cabinet cupboard sideboard credenza tv_stand tv_cabinet "
-    "entertainment_center shoe_cabinet locker",
-    "ceiling_lamp": "pendant_lamp chandelier ceiling_light hanging_lamp",
-    "chair": "dining_chair folding_chair chairs",
-    "clock": "wall_clock alarm_clock",
-    "coffee_table": "cocktail_table",
-    "counter": "kitchen_counter countertop kitchen_island bar_counter bar",
-    "curtain": "curtains shower_curtain blinds drapes drapery",
-    "desk": "writing_desk office_desk computer_desk workbench",
-    "dishwasher": "dish_washer",
-    "dresser": "chest_of_drawers commode drawers drawer bureau",
-    "door": "doors doorway",
-    "faucet": "tap spigot",
-    "file_cabinet": "filing_cabinet file_cabinets",
-    "fireplace": "",
-    "floor_lamp": "standing_lamp torchiere",
-    "jar": "vase pot",
-    "keyboard": "computer_keyboard keypad",
-    "kitchen_cabinet": "kitchen_cabinets kitchen_cupboard",
-    "laptop": "laptop_computer notebook",
-    "microwave": "microwave_oven",
-    "monitor": "computer_monitor screen computer_screen display",
-    "office_chair": "swivel_chair desk_chair task_chair",
-    "oven": "built_in_oven",
-    "picture": "painting poster pictures photo picture_frame",
-    "pillow": "cushion pillows",
-    "plant_pot": "plant plants flowerpot flower_pot potted_plant houseplant",
-    "printer": "copier photocopier",
-    "refrigerator": "fridge freezer refridgerator mini_fridge",
-    "rug": "carpet floor_mat bathmat bath_mat mat",
-    "side_table": "night_stand nightstand bedside_table end_table",
-    "sink": "washbasin wash_basin bathroom_sink kitchen_sink basin",
-    "sofa": "couch loveseat love_seat settee futon",
-    "speaker": "loudspeaker speakers subwoofer",
-    "stairs": "stairway staircase",
-    "stool": "bar_stool barstool footstool ottoman",
-    "stove": "cooker range kitchen_range cooktop",
-    "table": "dining_table conference_table kitchen_table round_table tables",
-    "table_lamp": "desk_lamp reading_lamp",
-    "telephone": "phone",
-    "television": "tv television_set flat_screen",
-    "toilet": "lavatory",
-    "trash_bin": "trash_can trashcan garbage_bin garbage_can bin recycling_bin waste_basket "
-    "wastebasket ashcan dustbin",
-    "wall_lamp": "sconce wall_light",
-    "wardrobe": "closet armoire wardrobe_closet wardrobe_cabinet",
-    "washing_machine": "washer washer_dryer washing_machines clothes_dryer dryer",
-    "window": "windows",
-    "whiteboard": "white_board blackboard",
-}
 
-SUBSTITUTES: Final[dict[str, str]] = {
-    word: category for category, words in _WORDS.items() for word in (category, *words.split())
-}
-"""The library's category by a captured word in plain form."""
+@cache
+def substitutes() -> dict[str, str]:
+    """The library's category by a captured word in plain form: its own name, and other words."""
+    built = {name: told for name, told in records() if name in BUILT}
+    words = {word: name for name, told in built.items() for word in given(told.words, "").split()}
+    return {**{name: name for name in built}, **words}
+
 
 # RoomPlan's attributes that say more than the category (CapturedRoom.Object.attributes).
 _CLOSER: Final[dict[tuple[str, str, str], str]] = {
@@ -118,4 +65,4 @@ def substitute(label: str, attributes: Mapping[str, str], above_floor: float) ->
             return "ceiling_lamp"
         return "floor_lamp" if above_floor < _STANDS else "table_lamp"
     closer = (_CLOSER.get((word, plain(key), plain(value))) for key, value in attributes.items())
-    return next((category for category in closer if category), None) or SUBSTITUTES.get(word)
+    return next((category for category in closer if category), None) or substitutes().get(word)

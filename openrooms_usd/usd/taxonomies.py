@@ -1,13 +1,18 @@
-"""What things are called in the class lists of others: one table from our categories to each.
+"""What things are called in the class lists of others.
 
-A class is known by its number, which is its position in the list; 0 is ``unlabeled`` in both.
+Which classes a category has stands in its record. NYU40: as ScanNet's table of labels
+(scannetv2-labels.combined.tsv) files the same word, so that numbers agree with its label images;
+our side tables are its end tables, our rugs its rugs. OpenRooms: its class of the same name, or of
+what it rendered such models as; else unlabeled. A class is known by its number, which is its
+position in the list; 0 is ``unlabeled`` in both.
 """
 
-from typing import Final, NamedTuple
+from functools import cache
+from typing import Final
 
 from openrooms_usd import names
-
-UNLABELED: Final = "unlabeled"
+from openrooms_usd.categories.record import UNLABELED, Classes
+from openrooms_usd.categories.registry import record, records
 
 # The class list of the released dataset; the position is the number in its label images.
 OPENROOMS45: Final = (
@@ -31,94 +36,18 @@ NYU40: Final = (
 )  # fmt: skip
 
 
-class Classes(NamedTuple):
-    """What one of our categories is in the lists of others."""
-
-    openrooms45: str
-    nyu40: str
-
-
-# NYU40: as ScanNet's table of labels (scannetv2-labels.combined.tsv) files the same word, so that
-# numbers agree with its label images; our side tables are its end tables, our rugs its rugs.
-# OpenRooms: its class of the same name, or of what it rendered such models as; else unlabeled.
-CLASSES: Final[dict[str, Classes]] = {
-    "armchair": Classes("chair", "chair"),
-    "bag": Classes("bag", "bag"),
-    "basket": Classes("basket", "otherprop"),
-    "bathtub": Classes("bathtub", "bathtub"),
-    "bed": Classes("bed", "bed"),
-    "bench": Classes("bench", "otherfurniture"),
-    "bicycle": Classes("bike", "otherprop"),
-    "bookshelf": Classes("bookshelf", "bookshelf"),
-    "bottle": Classes("bottle", "otherprop"),
-    "bowl": Classes("bowl", "otherprop"),
-    "box": Classes(UNLABELED, "box"),
-    "cabinet": Classes("cabinet", "cabinet"),
-    "can": Classes("can", "otherprop"),
-    "cap": Classes("cap", "otherprop"),
-    "ceiling": Classes("ceiling", "ceiling"),
-    "ceiling_lamp": Classes("lamp", "lamp"),
-    "chair": Classes("chair", "chair"),
-    "clock": Classes("clock", "otherprop"),
-    "coffee_table": Classes("table", "table"),
-    "counter": Classes("counter", "counter"),
-    "curtain": Classes("curtain", "curtain"),
-    "desk": Classes("desk", "desk"),
-    "dishwasher": Classes("dishwasher", "otherstructure"),
-    "door": Classes("door", "door"),
-    "dresser": Classes("cabinet", "dresser"),
-    "faucet": Classes("faucet", "otherprop"),
-    "file_cabinet": Classes("file_cabinet", "cabinet"),
-    "fireplace": Classes(UNLABELED, "otherstructure"),
-    "floor": Classes("floor", "floor"),
-    "floor_lamp": Classes("lamp", "lamp"),
-    "guitar": Classes("guitar", "otherprop"),
-    "jar": Classes("jar", "otherprop"),
-    "keyboard": Classes("computer_keyboard", "otherprop"),
-    "kitchen_cabinet": Classes("cabinet", "cabinet"),
-    "lamp": Classes("lamp", "lamp"),
-    "laptop": Classes("laptop", "otherprop"),
-    "microwave": Classes("microwave", "otherprop"),
-    "monitor": Classes("monitor", "otherprop"),
-    "office_chair": Classes("chair", "chair"),
-    "opening": Classes(UNLABELED, "otherstructure"),
-    "oven": Classes(UNLABELED, "otherstructure"),
-    "piano": Classes("piano", "otherfurniture"),
-    "picture": Classes(UNLABELED, "picture"),
-    "pillow": Classes("pillow", "pillow"),
-    "plant_pot": Classes("flowerpot", "otherprop"),
-    "pool_table": Classes("pool_table", "otherfurniture"),
-    "printer": Classes("printer", "otherprop"),
-    "refrigerator": Classes(UNLABELED, "refridgerator"),
-    "rug": Classes(UNLABELED, "otherprop"),
-    "shelf": Classes("bookshelf", "shelves"),
-    "side_table": Classes("table", "table"),
-    "sink": Classes(UNLABELED, "sink"),
-    "sofa": Classes("sofa", "sofa"),
-    "speaker": Classes("speaker", "otherprop"),
-    "stairs": Classes(UNLABELED, "otherstructure"),
-    "stool": Classes("chair", "otherprop"),
-    "storage": Classes("cabinet", "cabinet"),
-    "stove": Classes("stove", "otherstructure"),
-    "table": Classes("table", "table"),
-    "table_lamp": Classes("lamp", "lamp"),
-    "telephone": Classes("telephone", "otherprop"),
-    "television": Classes("monitor", "television"),
-    "toilet": Classes(UNLABELED, "toilet"),
-    "trash_bin": Classes("trash_bin", "otherfurniture"),
-    "wall": Classes("wall", "wall"),
-    "wall_lamp": Classes("lamp", "lamp"),
-    "wardrobe": Classes("cabinet", "otherfurniture"),
-    "washing_machine": Classes("washing_machine", "otherfurniture"),
-    "whiteboard": Classes("whiteboard", "whiteboard"),
-    "window": Classes("window", "window"),
-}
-
 TAXONOMIES: Final[dict[str, tuple[str, ...]]] = {
     names.OPENROOMS45: OPENROOMS45,
     names.NYU40: NYU40,
 }
 """The closed class lists, by the name of their taxonomy."""
+
+
+@cache
+def classes() -> dict[str, Classes]:
+    """What each of our categories is in those lists, by name; without what no list classifies."""
+    known = {name: told.classes for name, told in records()}
+    return {name: row for name, row in sorted(known.items()) if isinstance(row, Classes)}
 
 
 def class_of(category: str, taxonomy: str) -> str:
@@ -133,8 +62,10 @@ def class_of(category: str, taxonomy: str) -> str:
     Returns:
         A member of the taxonomy's list; ``unlabeled`` where it has no class for it.
     """
-    known = CLASSES.get(category)
-    name: str = getattr(known, taxonomy) if known else category
+    known = record(category)
+    name: str = category
+    if known is not None and isinstance(known.classes, Classes):
+        name = getattr(known.classes, taxonomy)
     return name if name in TAXONOMIES[taxonomy] else UNLABELED
 
 

@@ -44,6 +44,7 @@ RANKS = (
         "adapters",
         "atomic",
         "capture",
+        "categories",
         "channels",
         "claims",
         "codedigest",
@@ -63,6 +64,7 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
+    "categories",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
     "colorimetry", "errors", "names", "atomic", "claims", "isolation", "ledger", "progress",
     "unpickling", "untrusted",

@@ -7,10 +7,12 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import given
+from openrooms_usd.categories.registry import records
 from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.library.construction import (
-    FIXED,
     construction_of,
     density_of,
     losses,
@@ -20,36 +22,16 @@ from openrooms_usd.library.construction import (
 from openrooms_usd.library.finishes import FINISHES, finishes_of
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.library.furniture import CATEGORIES, make, part_of
-from openrooms_usd.library.makes import ANY, ROWS
+from openrooms_usd.library.makes import GENERAL
 from openrooms_usd.physics.mass import MassProperties, combined
 
 Array = NDArray[np.float64]
 
-# Kilograms of products of such sizes, lightest and heaviest, as their makers ship them; a style
-# after the slash where it is another kind of thing. Chairs are of wood or with thin cushions, a
-# wing chair has a beech frame; a bed is with its mattress (30 to 40 kg) and bedding, shelves are
-# with their books (a metre of books has 20 to 25 kg); storage of 16 mm boards has 10 to 13 kg for
-# each square metre of front; a cabinet of files is of sheet steel; an oven has 25 to 40 kg for each
-# cavity; a slate bed alone is 200 kg; a pot is with soil.
-RANGES = {
-    "armchair": (7, 35), "basket": (0.4, 3), "bathtub": (20, 60), "bed": (55, 150),
-    "bench": (4, 35), "bookshelf": (40, 140), "bottle": (0.15, 0.9), "bowl": (0.3, 3),
-    "box": (1, 10), "cabinet": (20, 60), "ceiling_lamp": (0.7, 8), "chair": (2.3, 10),
-    "clock": (0.3, 3.5), "coffee_table": (9, 50), "curtain": (1.2, 12), "desk": (14, 75),
-    "dishwasher": (30, 55), "dresser": (35, 95), "faucet": (0.5, 3), "file_cabinet": (15, 60),
-    "floor_lamp": (2.5, 9), "floor_lamp/arc": (12, 35), "jar": (0.2, 2), "keyboard": (0.2, 1.2),
-    "kitchen_cabinet": (12, 35), "laptop": (1, 3.5), "microwave": (9, 25), "monitor": (3, 8),
-    "monitor/tube": (12, 32), "office_chair": (8, 22), "oven": (22, 45), "oven/double": (40, 75),
-    "picture": (0.8, 5), "pillow": (0.3, 1.5), "plant_pot": (0.5, 60), "pool_table": (280, 450),
-    "printer": (4, 18), "printer/copier": (35, 90), "refrigerator": (50, 130),
-    "refrigerator/single": (20, 60), "rug": (3, 12), "side_table": (1.5, 16), "sofa": (30, 90),
-    "speaker": (3, 10), "speaker/tower": (12, 35), "speaker/bar": (1.2, 5),
-    "speaker/wrapped": (0.3, 5), "stool": (2, 9), "stove": (40, 100), "table": (11, 50),
-    "table_lamp": (1, 6), "telephone": (0.15, 1.5), "television": (8, 25),
-    "television/tube": (25, 60), "toilet": (25, 50), "trash_bin": (0.2, 6), "wall_lamp": (0.3, 3),
-    "wardrobe": (70, 190), "washing_machine": (55, 90), "washing_machine/stacked": (80, 140),
-    "whiteboard": (8, 35),
-}  # fmt: skip
+
+def weighs(category: str, style: str = ANY) -> tuple[float, float] | None:
+    """What such products weigh, as the record says; None for what nobody weighs."""
+    said = given(CATEGORIES[category].weighs, {})
+    return said.get(style, said.get(ANY))
 
 
 @cache
@@ -76,10 +58,10 @@ def built(category: str, style: str, seed: int) -> MassProperties:
     return combined([weighed(category, style, name, finishes[part_of(name)]) for name in parts])
 
 
-@pytest.mark.parametrize("category", sorted({name.split("/")[0] for name in RANGES}))
+@pytest.mark.parametrize("category", sorted(name for name in CATEGORIES if weighs(name)))
 def test_things_weigh_what_such_things_weigh(category):
     for style in CATEGORIES[category].styles:
-        low, high = RANGES.get(f"{category}/{style}", RANGES[category])
+        low, high = weighs(category, style)
         for seed in range(2):
             mass = built(category, style, seed).mass
             assert low <= mass <= high, f"{category}/{style}: {mass:.2f} kg"
@@ -102,14 +84,14 @@ def test_lamps_do_not_fall_by_themselves():
 
 def test_a_model_that_names_no_parts_weighs_as_much_as_the_thing():
     for category, substance, size, (low, high) in [
-        ("refrigerator", "metal", (0.7, 0.7, 1.8), RANGES["refrigerator"]),
-        ("washing_machine", "metal", (0.6, 0.6, 0.86), RANGES["washing_machine"]),
-        ("microwave", "paint", (0.5, 0.4, 0.29), RANGES["microwave"]),
-        ("wardrobe", "wood", (1.5, 0.6, 2.1), RANGES["wardrobe"]),
-        ("wardrobe", None, (1.5, 0.6, 2.1), RANGES["wardrobe"]),
-        ("file_cabinet", "metal", (0.46, 0.6, 1.3), RANGES["file_cabinet"]),
-        ("chair", "fabric", (0.45, 0.45, 0.45), RANGES["chair"]),
-        ("office_chair", "leather", (0.5, 0.5, 0.4), RANGES["office_chair"]),
+        ("refrigerator", "metal", (0.7, 0.7, 1.8), weighs("refrigerator")),
+        ("washing_machine", "metal", (0.6, 0.6, 0.86), weighs("washing_machine")),
+        ("microwave", "paint", (0.5, 0.4, 0.29), weighs("microwave")),
+        ("wardrobe", "wood", (1.5, 0.6, 2.1), weighs("wardrobe")),
+        ("wardrobe", None, (1.5, 0.6, 2.1), weighs("wardrobe")),
+        ("file_cabinet", "metal", (0.46, 0.6, 1.3), weighs("file_cabinet")),
+        ("chair", "fabric", (0.45, 0.45, 0.45), weighs("chair")),
+        ("office_chair", "leather", (0.5, 0.5, 0.4), weighs("office_chair")),
         ("anything", "wood", (0.5, 0.5, 0.5), (5, 20)),
         ("anything", "metal", (0.3, 0.3, 0.3), (3, 10)),
     ]:
@@ -148,24 +130,27 @@ def test_a_leg_of_wood_is_solid_and_one_of_steel_is_a_tube():
     assert steel.mass == pytest.approx(7850 * 0.0015 * np.pi * 0.0385 * 0.7, rel=0.03)
 
 
-def test_the_table_is_written_in_our_spelling_and_every_row_can_be_reached():
-    for row in ROWS:
-        for name in (*row.categories, *row.parts):
-            assert name == ANY or name == kind_of(name), name
-        assert row.reason in {"board", "foam", "sheet", "china", "weight", "common"}
-        found = {
-            id(construction_of(category, part, substance))
-            for category in row.categories
-            for part in row.parts
-            for substance in (*SUBSTANCES, None)
-            if not row.substances or substance in row.substances
-        }
-        assert id(row.construction) in found, row
+def test_the_rows_are_written_in_our_spelling_and_every_one_can_be_reached():
+    tables = {name: given(told.makes, ()) for name, told in records()} | {"anything": GENERAL}
+    for category, rows in tables.items():
+        assert category == kind_of(category), category
+        for row in rows:
+            for name in row.parts:
+                assert name == ANY or name == kind_of(name), name
+            assert row.reason in {"board", "foam", "sheet", "china", "weight", "common"}
+            found = {
+                id(construction_of(category, part, substance))
+                for part in row.parts
+                for substance in (*SUBSTANCES, None)
+                if not row.substances or substance in row.substances
+            }
+            assert id(row.construction) in found, (category, row)
 
 
 def test_what_is_built_in_stays_where_it_is():
-    assert not {name for name in FIXED if movable(name)}
-    assert FIXED & set(CATEGORIES) == {
+    fixed = {name for name, told in records() if told.fixed}
+    assert not {name for name in fixed if movable(name)}
+    assert fixed & set(CATEGORIES) == {
         "bathtub", "ceiling_lamp", "counter", "curtain", "dishwasher", "door", "faucet",
         "fireplace", "kitchen_cabinet", "oven", "sink", "stairs", "stove", "toilet", "wall_lamp",
         "window",

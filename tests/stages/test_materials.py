@@ -9,6 +9,8 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
 from openrooms_usd import names
+from openrooms_usd.categories.record import given
+from openrooms_usd.categories.registry import records
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library.finishes import (
@@ -17,9 +19,9 @@ from openrooms_usd.library.finishes import (
     GENERIC,
     METALS,
     PARTS,
-    SCHEMES,
     finishes_of,
 )
+from openrooms_usd.library.furniture import category
 from openrooms_usd.library.textures import FAMILIES, substance_of
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.alignment import AlignmentStage
@@ -347,15 +349,16 @@ def test_every_finish_can_be_made_and_every_rule_names_one() -> None:
     known = {*FINISHES, "metal"}
     assert set(METALS) <= set(FINISHES)
     assert set(PARTS.values()) <= known
-    for scheme in SCHEMES:
-        assert set(scheme.finishes.values()) <= known and ANY in scheme.finishes
+    for _, told in records():
+        for scheme in given(told.schemes, ()):
+            assert set(scheme.finishes.values()) <= known and ANY in scheme.finishes
 
 
 def test_schemes_are_drawn_by_their_weights() -> None:
     rng = np.random.Generator(np.random.PCG64(0))
     drawn = [finishes_of("chair", ["seat", "leg"], rng)["seat"] for _ in range(500)]
     share = drawn.count("wood") / 500
-    fitting = [s for s in SCHEMES if "chair" in s.categories and s.needs is None]
+    fitting = [s for s in category("chair").schemes if s.needs is None]
     expected = sum(s.weight for s in fitting if s.finishes[ANY] == "wood")
     assert share == pytest.approx(expected / sum(s.weight for s in fitting), abs=0.07)
     assert finishes_of("thing", ["knob"], rng) == {"knob": "lacquer"}

@@ -19,7 +19,7 @@ from openrooms_usd.capture import CapturedModel
 from openrooms_usd.errors import InputError
 from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import Node, read_json
-from orusd_scans.synsets import CATEGORIES, UNKNOWN
+from orusd_scans.synsets import UNKNOWN, categories
 from orusd_scans.worldframe import FARTHEST, WorldFrame
 
 Array = NDArray[np.float64]
@@ -86,7 +86,7 @@ class AlignedCad:
         file = folder / MESH.format(catid=self.catid, id=self.cad) if folder else None
         return CapturedModel(
             id=self.id,
-            label=CATEGORIES.get(self.catid, UNKNOWN),
+            label=categories().get(self.catid, UNKNOWN),
             file=file if file is not None and file.is_file() else None,
             world_from_model=frame.matrix(self.scan_from_model),
             half=self.half,

@@ -1,63 +1,15 @@
 """Parametric furniture: semantic parts as meshes, from a category, a size, a style and a seed."""
 
+from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.registry import BUILT, module_of, record
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.furniture import (
-    armchair,
-    basket,
-    bathtub,
-    bed,
-    bench,
-    bookshelf,
-    box,
-    cabinet,
-    ceiling_lamp,
-    chair,
-    clock,
-    computing,
-    cooker,
-    curtain,
-    desk,
-    door,
-    dresser,
-    faucet,
-    file_cabinet,
-    fireplace,
-    floor_lamp,
-    kitchen,
-    laundry,
-    microwave,
-    office_chair,
-    pillow,
-    plant,
-    pool_table,
-    printer,
-    refrigerator,
-    rug,
-    screen,
-    sink,
-    small_table,
-    sofa,
-    speaker,
-    stairs,
-    stool,
-    table,
-    table_lamp,
-    telephone,
-    toilet,
-    trash_bin,
-    vessel,
-    wall_board,
-    wall_lamp,
-    wardrobe,
-    window,
-)
+from openrooms_usd.library.furniture.built import BuiltCategory
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Furniture,
     Joint,
     Parts,
@@ -70,7 +22,7 @@ __all__ = [
     "CATEGORIES",
     "MAX_SIDE",
     "MIN_SIDE",
-    "CategorySpec",
+    "BuiltCategory",
     "Furniture",
     "Joint",
     "Parts",
@@ -87,81 +39,34 @@ MIN_SIDE: Final = 0.005
 MAX_SIDE: Final = 20.0
 
 
-_MODULES: Final = (
-    armchair,
-    basket,
-    bathtub,
-    bed,
-    bench,
-    bookshelf,
-    box,
-    cabinet,
-    ceiling_lamp,
-    chair,
-    clock,
-    computing,
-    cooker,
-    curtain,
-    desk,
-    door,
-    dresser,
-    faucet,
-    file_cabinet,
-    fireplace,
-    floor_lamp,
-    kitchen,
-    laundry,
-    microwave,
-    office_chair,
-    pillow,
-    plant,
-    pool_table,
-    printer,
-    refrigerator,
-    rug,
-    screen,
-    sink,
-    small_table,
-    sofa,
-    speaker,
-    stairs,
-    stool,
-    table,
-    table_lamp,
-    telephone,
-    toilet,
-    trash_bin,
-    vessel,
-    wall_board,
-    wall_lamp,
-    wardrobe,
-    window,
-)
+class _Library(Mapping[str, BuiltCategory]):
+    """The records of all categories, loaded when they are asked for."""
 
-CATEGORIES: Final[dict[str, CategorySpec]] = {
-    name: spec for module in _MODULES for name, spec in module.SPECS.items()
-}
+    def __getitem__(self, name: str) -> BuiltCategory:
+        found = record(name) if name in BUILT else None
+        if not isinstance(found, BuiltCategory):
+            raise KeyError(name)
+        return found
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(BUILT)
+
+    def __len__(self) -> int:
+        return len(BUILT)
 
 
-def category(name: str) -> CategorySpec:
+CATEGORIES: Final[Mapping[str, BuiltCategory]] = _Library()
+
+
+def category(name: str) -> BuiltCategory:
     """Look up a category.
 
     Raises:
         InputError: The library cannot make it.
     """
-    if name not in CATEGORIES:
-        raise _unknown("category", name, tuple(CATEGORIES))
+    if name not in BUILT:
+        raise _unknown("category", name, BUILT)
     return CATEGORIES[name]
-
-
-def module_of(name: str) -> str:
-    """The full name of the module that builds a category.
-
-    Raises:
-        InputError: The library cannot make it.
-    """
-    spec = category(name)
-    return next(module.__name__ for module in _MODULES if module.SPECS.get(name) is spec)
 
 
 def styles(name: str, size: Size | None = None) -> tuple[str, ...]:

@@ -5,15 +5,25 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import HIDE, METAL, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import extrude
 from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -167,9 +177,33 @@ STYLES: Final = {
     "bentwood": Style(bentwood, lambda size: size[2] > 0.8, (0.68, 0.8, 0.98)),
 }
 
-SPECS: Final = {
-    "armchair": CategorySpec(
-        (0.85, 0.86, 0.82), (0.55, 0.55, 0.55), (1.35, 1.25, 1.3),
-        STYLES, "a padded seat for one, with arms",
+
+CATEGORY: Final = BuiltCategory(
+    description="a padded seat for one, with arms",
+    size=(0.85, 0.86, 0.82),
+    least=(0.55, 0.55, 0.55),
+    most=(1.35, 1.25, 1.3),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (7, 35)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="arm_chair recliner club_chair lounge_chair easy_chair",
+    classes=Classes("chair", "chair"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "upholstery", "leg": "wood"}, weight=2.0),
+        Scheme({ANY: "upholstery", "leg": METAL}),
+        Scheme({ANY: "hide", **HIDE, "leg": "wood"}, needs="seat_cushion", weight=0.7),
+        Scheme({ANY: "wood"}, needs="rail", weight=100.0),
     ),
-}  # fmt: skip
+    makes=makes.SEAT,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

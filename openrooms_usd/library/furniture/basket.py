@@ -6,13 +6,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    WIDE,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -148,9 +158,31 @@ STYLES: Final = {
     "crate": Style(basket_crate),
 }
 
-SPECS: Final = {
-    "basket": CategorySpec(
-        (0.42, 0.3, 0.24), (0.16, 0.14, 0.1), (1.0, 0.8, 0.9),
-        STYLES, "a basket to put things in",
+
+CATEGORY: Final = BuiltCategory(
+    description="a basket to put things in",
+    size=(0.42, 0.3, 0.24),
+    least=(0.16, 0.14, 0.1),
+    most=(1.0, 0.8, 0.9),
+    styles=STYLES,
+    spread=WIDE,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("surface",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.4, 3)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="laundry_basket hamper laundry_hamper storage_basket",
+    classes=Classes("basket", "otherprop"),
+    synsets=("02801938",),
+    schemes=(
+        Scheme({ANY: "rope", "handle": "rope"}),
+        Scheme({ANY: "wood"}, needs="base", weight=100.0),
     ),
-}  # fmt: skip
+    makes=(makes.row(ANY, makes.filled(250), "weight", "fabric"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

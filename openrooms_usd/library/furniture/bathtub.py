@@ -5,13 +5,24 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.library.furniture.appliance import square
 from openrooms_usd.library.furniture.assembly import Assembly
 from openrooms_usd.library.furniture.basin import SEGMENTS, drain, inside
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, corners
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, corners
 
 # The drain lies at this share of the length from the middle, towards the right end.
 OUTLET: Final = 0.26
@@ -106,15 +117,34 @@ def clawfoot(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-SPECS: Final = {
-    "bathtub": CategorySpec(
-        (1.7, 0.75, 0.58), (0.9, 0.5, 0.35), (2.3, 1.3, 0.9),
-        {
-            "built_in": Style(built_in),
-            "freestanding": Style(freestanding, lambda size: size[0] > 1.3, (1.7, 0.8, 0.64)),
-            "clawfoot": Style(clawfoot, lambda size: size[0] > 1.3 and size[2] > 0.5,
-                              (1.68, 0.78, 0.74)),
-        },
-        "a bathtub",
-    ),
-}  # fmt: skip
+CATEGORY: Final = BuiltCategory(
+    description="a bathtub",
+    size=(1.7, 0.75, 0.58),
+    least=(0.9, 0.5, 0.35),
+    most=(2.3, 1.3, 0.9),
+    styles={
+        "built_in": Style(built_in),
+        "freestanding": Style(freestanding, lambda size: size[0] > 1.3, (1.7, 0.8, 0.64)),
+        "clawfoot": Style(
+            clawfoot, lambda size: size[0] > 1.3 and size[2] > 0.5, (1.68, 0.78, 0.74)
+        ),
+    },
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (20, 60)},
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="tub bath bathing_tub",
+    classes=Classes("bathtub", "bathtub"),
+    synsets=("02808440",),
+    schemes=(Scheme({ANY: "sanitary", "leg": METAL}),),
+    # Acrylic.
+    makes=(makes.row(f"container {ANY}", makes.walls(5, 1200), "common", "specular_stone"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,13 +4,23 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion, rounded_box
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly
 from openrooms_usd.library.furniture.bedding import bedding
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Furniture,
     Size,
     Style,
@@ -254,9 +264,39 @@ STYLES: Final = {
     "bunk": Style(bunk, lambda size: not _low(size) and size[0] < 1.5, (1.03, 2.04, 1.65)),
 }
 
-SPECS: Final = {
-    "bed": CategorySpec(
-        (1.6, 2.05, 1.0), (0.7, 1.3, 0.4), (2.4, 2.5, 2.4),
-        STYLES, "a bed with its head at the back",
+
+CATEGORY: Final = BuiltCategory(
+    description="a bed with its head at the back",
+    size=(1.6, 2.05, 1.0),
+    least=(0.7, 1.3, 0.4),
+    most=(2.4, 2.5, 2.4),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (55, 150)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="bunk_bed double_bed single_bed mattress crib cot",
+    classes=Classes("bed", "bed"),
+    synsets=("02818832",),
+    schemes=(
+        Scheme({ANY: "wood"}, weight=3.0),
+        Scheme({ANY: "white"}),
+        Scheme(
+            {ANY: "upholstery", "leg": "wood", "base": "black"}, needs="headboard_pad", weight=100.0
+        ),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("frame headboard footboard", makes.walls(12), "board", "wood", "paint"),
+        makes.row("base", makes.walls(5), "common"),
+        makes.row("blanket sheet", makes.filled(45), "foam"),
+        *makes.SEAT,
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

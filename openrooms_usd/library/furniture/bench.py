@@ -4,12 +4,22 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import CHAIRS, METAL, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Furniture,
     Parts,
     Size,
@@ -145,9 +155,31 @@ STYLES: Final = {
     "chest": Style(chest, lambda size: size[2] < 0.6 and size[1] > 0.32),
 }
 
-SPECS: Final = {
-    "bench": CategorySpec(
-        (1.2, 0.38, 0.46), (0.5, 0.22, 0.3), (3.0, 0.7, 0.75),
-        STYLES, "a long seat without a back",
+
+CATEGORY: Final = BuiltCategory(
+    description="a long seat without a back",
+    size=(1.2, 0.38, 0.46),
+    least=(0.5, 0.22, 0.3),
+    most=(3.0, 0.7, 0.75),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (4, 35)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="piano_bench",
+    classes=Classes("bench", "otherfurniture"),
+    synsets=("02828884",),
+    schemes=(
+        *CHAIRS,
+        Scheme({ANY: "wood", "leg": METAL}),
     ),
-}  # fmt: skip
+    makes=makes.SEAT,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

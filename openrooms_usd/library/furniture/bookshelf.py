@@ -5,12 +5,23 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly
 from openrooms_usd.library.furniture.books import Book, Shelf, bound
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    MADE_TO_MEASURE,
+    NO_APPLIANCE,
+    NO_LAMP,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.carcass import BACK, Carcass, plinth_height
 from openrooms_usd.library.furniture.fronts import BOARD, HANDLE, SEAT, Cell, doors, drawn_look
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, board
 
 
 def _stock(
@@ -114,9 +125,28 @@ STYLES: Final = {
                         (0.9, 0.4, 2.0)),
 }  # fmt: skip
 
-SPECS: Final = {
-    "bookshelf": CategorySpec(
-        (0.8, 0.3, 1.9), (0.25, 0.16, 0.35), (4.0, 0.7, 3.2),
-        STYLES, "shelves with books",
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="shelves with books",
+    size=(0.8, 0.3, 1.9),
+    least=(0.25, 0.16, 0.35),
+    most=(4.0, 0.7, 3.2),
+    styles=STYLES,
+    spread=MADE_TO_MEASURE,
+    round=False,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (40, 140)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="bookcase bookshelves book_shelf shelf shelves shelving rack",
+    classes=Classes("bookshelf", "bookshelf"),
+    synsets=("02871439",),
+    schemes=STORAGE,
+    makes=makes.STORAGE,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

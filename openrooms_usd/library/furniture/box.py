@@ -4,7 +4,24 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style, board
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import (
+    BY_PARTS,
+    NO_SYNSET,
+    PLAIN_HINGES,
+    RIGID,
+    UNLABELED,
+    Classes,
+)
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    WIDE,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board
 
 
 def plain(size: Size, rng: np.random.Generator) -> Parts:
@@ -15,9 +32,28 @@ def plain(size: Size, rng: np.random.Generator) -> Parts:
     return {"body": board(low, high, edge)}
 
 
-SPECS: Final = {
-    "box": CategorySpec(
-        (0.4, 0.3, 0.3), (0.02, 0.02, 0.02), (20.0, 20.0, 20.0),
-        {"plain": Style(plain)}, "a plain box",
-    ),
-}  # fmt: skip
+CATEGORY: Final = BuiltCategory(
+    description="a plain box",
+    size=(0.4, 0.3, 0.3),
+    least=(0.02, 0.02, 0.02),
+    most=(20.0, 20.0, 20.0),
+    styles={"plain": Style(plain)},
+    spread=WIDE,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("surface",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (1, 10)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="cardboard_box boxes crate",
+    classes=Classes(UNLABELED, "box"),
+    synsets=NO_SYNSET,
+    schemes=BY_PARTS,
+    # A carton with light things in it.
+    makes=(makes.row(ANY, makes.filled(100), "weight"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

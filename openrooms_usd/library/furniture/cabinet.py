@@ -5,6 +5,17 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import STORAGE
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    MADE_TO_MEASURE,
+    NO_APPLIANCE,
+    NO_LAMP,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.carcass import Carcass, closed, plinth_height
 from openrooms_usd.library.furniture.fronts import (
     BOARD,
@@ -16,7 +27,7 @@ from openrooms_usd.library.furniture.fronts import (
     drawn_look,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style
 
 # Drawer boxes end this far before the back of the carcass, metres.
 BEHIND: Final = 0.03
@@ -114,9 +125,29 @@ STYLES: Final = {
     "sideboard": Style(sideboard, lambda size: size[0] > 0.8 and size[2] < 1.1, (1.5, 0.42, 0.75)),
 }
 
-SPECS: Final = {
-    "cabinet": CategorySpec(
-        (0.9, 0.42, 0.9), (0.25, 0.2, 0.25), (6.0, 1.2, 3.2),
-        STYLES, "doors, drawers or open shelves",
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="doors, drawers or open shelves",
+    size=(0.9, 0.42, 0.9),
+    least=(0.25, 0.2, 0.25),
+    most=(6.0, 1.2, 3.2),
+    styles=STYLES,
+    spread=MADE_TO_MEASURE,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (20, 60)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="storage storage_cabinet cupboard sideboard credenza tv_stand tv_cabinet "
+    "entertainment_center shoe_cabinet locker",
+    classes=Classes("cabinet", "cabinet"),
+    synsets=("02933112",),
+    schemes=STORAGE,
+    makes=makes.STORAGE,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

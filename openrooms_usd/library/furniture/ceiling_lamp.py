@@ -4,11 +4,16 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import LAMPS, SOCKETED, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style, board
+from openrooms_usd.library.furniture.built import HANGS_NOT, NO_APPLIANCE, BuiltCategory
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board
 from openrooms_usd.library.furniture.lamp_parts import (
     bulb,
     carrier,
@@ -197,9 +202,33 @@ STYLES: Final = {
     "spots": Style(spots, lambda size: not _short(size), (1.0, 0.14, 0.2)),
 }  # fmt: skip
 
-SPECS: Final = {
-    "ceiling_lamp": CategorySpec(
-        (0.45, 0.45, 0.35), (0.1, 0.1, 0.05), (2.4, 1.6, 2.5),
-        STYLES, "a lamp at the ceiling", "ceiling", emits=True, lumen=3000.0,
+
+CATEGORY: Final = BuiltCategory(
+    description="a lamp at the ceiling",
+    size=(0.45, 0.45, 0.35),
+    least=(0.1, 0.1, 0.05),
+    most=(2.4, 1.6, 2.5),
+    styles=STYLES,
+    spread=(0.25, 0.25, 0.1),
+    round=True,
+    alike=False,
+    support="ceiling",
+    also=(),
+    level=HANGS_NOT,
+    lumen=3000.0,
+    weighs={ANY: (0.7, 8)},
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="pendant_lamp chandelier ceiling_light hanging_lamp",
+    classes=Classes("lamp", "lamp"),
+    synsets=NO_SYNSET,
+    schemes=(
+        *LAMPS,
+        Scheme({ANY: "white"}, weight=2.0),
+        Scheme({ANY: "brass", "candle": "white"}, needs="candle", weight=100.0),
+        *SOCKETED,
     ),
-}  # fmt: skip
+    makes=makes.LAMP,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -6,13 +6,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import CHAIRS
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
 from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -275,9 +285,28 @@ STYLES: Final = {
     "armchair": Style(_armchair, lambda size: not _slim(size)),
 }
 
-SPECS: Final = {
-    "chair": CategorySpec(
-        (0.46, 0.53, 0.84), (0.34, 0.36, 0.55), (1.1, 1.1, 1.4),
-        STYLES, "a seat for one, with a back",
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="a seat for one, with a back",
+    size=(0.46, 0.53, 0.84),
+    least=(0.34, 0.36, 0.55),
+    most=(1.1, 1.1, 1.4),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (2.3, 10)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="dining_chair folding_chair chairs",
+    classes=Classes("chair", "chair"),
+    synsets=("03001627",),
+    schemes=CHAIRS,
+    makes=makes.SEAT,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,12 +4,16 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, cylinder, lathe
 from openrooms_usd.geometry.sweeps import extrude
+from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, USUAL, BuiltCategory
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -165,9 +169,49 @@ STYLES: Final = {
     "mantel": Style(mantel, lambda size: not _flat(size), (0.24, 0.12, 0.28)),
 }
 
-SPECS: Final = {
-    "clock": CategorySpec(
-        (0.3, 0.05, 0.3), (0.12, 0.025, 0.12), (1.0, 0.35, 1.0),
-        STYLES, "a clock, for a wall or a shelf", "wall", 1.9,
+
+CATEGORY: Final = BuiltCategory(
+    description="a clock, for a wall or a shelf",
+    size=(0.3, 0.05, 0.3),
+    least=(0.12, 0.025, 0.12),
+    most=(1.0, 0.35, 1.0),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="wall",
+    also=(),
+    level=1.9,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.3, 3.5)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="wall_clock alarm_clock",
+    classes=Classes("clock", "otherprop"),
+    synsets=("03046257",),
+    schemes=(
+        Scheme({ANY: "black", "frame": "wood"}),
+        Scheme({ANY: "black", "face": "enamel"}, needs="face", weight=20.0),
+        Scheme({ANY: "black", "frame": METAL, "face": "enamel"}, needs="face", weight=20.0),
+        Scheme(
+            {
+                ANY: "black",
+                "frame": "wood",
+                "base": "wood",
+                "foot": "brass",
+                "face": "enamel",
+                "bezel": "brass",
+            },
+            needs="bezel",
+            weight=500.0,
+        ),
+        Scheme(
+            {ANY: "black", "ray": "brass", "frame": "brass", "face": "enamel"},
+            needs="ray",
+            weight=500.0,
+        ),
     ),
-}  # fmt: skip
+    makes=(makes.row(ANY, makes.filled(500), "weight"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

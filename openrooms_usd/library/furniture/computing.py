@@ -10,12 +10,10 @@ from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Furniture,
     Joint,
     Parts,
     Size,
-    Style,
     board,
     numbered,
     profiled,
@@ -240,27 +238,3 @@ def keyboard_split(size: Size, rng: np.random.Generator) -> Parts:
            for x in np.linspace(-inner, inner, 9).tolist()]  # fmt: skip
     cable = tube(bow, 0.0016, segments=6)
     return {**numbered("frame", parts["frame"]), **numbered("key", parts["key"]), "cable": cable}
-
-
-LAPTOP_STYLES: Final = {
-    "slim": Style(laptop_slim),
-    "classic": Style(laptop_classic, size=(0.36, 0.34, 0.25)),
-    "tablet": Style(laptop_tablet, size=(0.29, 0.3, 0.2)),
-}
-KEYBOARD_STYLES: Final = {
-    "full": Style(keyboard_full, lambda size: size[0] > 0.36),
-    "slim": Style(keyboard_slim, lambda size: size[0] <= 0.36, (0.3, 0.12, 0.022)),
-    "split": Style(keyboard_split, lambda size: size[0] > 0.36,
-                   (0.46, 0.17, 0.03)),
-}  # fmt: skip
-
-SPECS: Final = {
-    "laptop": CategorySpec(
-        (0.33, 0.3, 0.22), (0.2, 0.16, 0.12), (0.5, 0.5, 0.4),
-        LAPTOP_STYLES, "an open laptop; its lid turns", "surface",
-    ),
-    "keyboard": CategorySpec(
-        (0.44, 0.14, 0.03), (0.2, 0.08, 0.02), (0.6, 0.26, 0.07),
-        KEYBOARD_STYLES, "the keyboard of a computer", "surface",
-    ),
-}  # fmt: skip

@@ -18,7 +18,7 @@ from openrooms_usd.library.furniture.fronts import (
     hang_door,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import Furniture, Size, board
 
 DOOR: Final = 0.035
 HOB: Final = 0.035
@@ -204,26 +204,3 @@ def double(size: Size, rng: np.random.Generator) -> Furniture:
 def swinging(size: Size, rng: np.random.Generator) -> Furniture:
     """One cavity, the door hangs on its left side."""
     return _built_in(size, 1, side=True)
-
-
-SPECS: Final = {
-    "stove": CategorySpec(
-        (0.6, 0.64, 0.92), (0.4, 0.4, 0.6), (1.6, 0.9, 1.4),
-        {
-            "gas": Style(gas, lambda size: size[2] < 1.05),
-            "glass": Style(glass, lambda size: size[2] < 1.05),
-            "guarded": Style(guarded, lambda size: size[2] > 0.98, (0.76, 0.68, 1.12)),
-            "wide": Style(wide, lambda size: size[0] > 0.85, (1.1, 0.66, 0.94)),
-        },
-        "a hob over an oven",
-    ),
-    "oven": CategorySpec(
-        (0.6, 0.6, 0.6), (0.35, 0.35, 0.35), (1.2, 0.9, 1.6),
-        {
-            "single": Style(single, lambda size: size[2] < 0.95),
-            "double": Style(double, lambda size: size[2] >= 0.8, (0.6, 0.6, 1.1)),
-            "swinging": Style(swinging, lambda size: size[2] < 0.95),
-        },
-        "an oven to be built in",
-    ),
-}  # fmt: skip

@@ -4,14 +4,18 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, Classes
+from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.geometry.cloth import folded
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box, cylinder, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, USUAL, BuiltCategory
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -189,9 +193,46 @@ STYLES: Final = {
     "venetian": Style(venetian, _thin),
 }
 
-SPECS: Final = {
-    "curtain": CategorySpec(
-        (2.0, 0.16, 2.3), (0.4, 0.05, 0.4), (8.0, 0.4, 5.0),
-        STYLES, "a curtain or a blind before a window", "wall", 0.05,
+
+CATEGORY: Final = BuiltCategory(
+    description="a curtain or a blind before a window",
+    size=(2.0, 0.16, 2.3),
+    least=(0.4, 0.05, 0.4),
+    most=(8.0, 0.4, 5.0),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="wall",
+    also=(),
+    level=0.05,
+    lumen=NO_LAMP,
+    weighs={ANY: (1.2, 12)},
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="curtains shower_curtain blinds drapes drapery",
+    classes=Classes("curtain", "curtain"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme(
+            {
+                ANY: "drape",
+                "sheer": "sheer",
+                "rod": METAL,
+                "ring": METAL,
+                "finial": METAL,
+                "slat": "white",
+                "weight": "white",
+                "rail": "white",
+                "chain": "white",
+            }
+        ),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("sheer", makes.filled(60), "common"),
+        makes.row(f"curtain cord {ANY}", makes.filled(80), "common", "fabric"),
+        makes.row("slat", makes.filled(400), "common"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=0.05,
+)

@@ -4,10 +4,21 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import extrude, tube
 from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.fronts import (
     BOARD,
     HANDLE,
@@ -20,7 +31,6 @@ from openrooms_usd.library.furniture.fronts import (
     rows,
 )
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Furniture,
     Parts,
     Size,
@@ -234,9 +244,31 @@ STYLES: Final = {
     "framed": Style(framed, lambda size: size[0] > 0.7 and _sitting(size), (1.2, 0.6, 0.75)),
 }
 
-SPECS: Final = {
-    "desk": CategorySpec(
-        (1.4, 0.7, 0.74), (0.6, 0.4, 0.5), (2.8, 1.3, 1.35),
-        STYLES, "a table to work at",
+
+CATEGORY: Final = BuiltCategory(
+    description="a table to work at",
+    size=(1.4, 0.7, 0.74),
+    least=(0.6, 0.4, 0.5),
+    most=(2.8, 1.3, 1.35),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (14, 75)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="writing_desk office_desk computer_desk workbench",
+    classes=Classes("desk", "desk"),
+    synsets=NO_SYNSET,
+    schemes=TABLES,
+    makes=(
+        *makes.STORAGE,
+        *makes.TABLE,
     ),
-}  # fmt: skip
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -5,10 +5,22 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry import leaves
 from openrooms_usd.geometry.doors import door
 from openrooms_usd.library.furniture.assembly import Assembly
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NEVER_WEIGHED,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style
 
 # What stands around the opening: casings beside and above it, handles before and casings behind it.
 _BESIDE, _ABOVE, _BEFORE, _BEHIND = 0.12, 0.06, 0.063, 0.015
@@ -38,9 +50,35 @@ def build(size: Size, rng: np.random.Generator, style: str) -> Furniture:
 
 STYLES: Final = {name: Style(partial(build, style=name)) for name in leaves.STYLES}
 
-SPECS: Final = {
-    "door": CategorySpec(
-        (1.0, 0.19, 2.1), (0.5, 0.17, 1.2), (3.0, 0.6, 3.2),
-        STYLES, "a door with its frame",
+
+CATEGORY: Final = BuiltCategory(
+    description="a door with its frame",
+    size=(1.0, 0.19, 2.1),
+    least=(0.5, 0.17, 1.2),
+    most=(3.0, 0.6, 3.2),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs=NEVER_WEIGHED,
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="doors doorway",
+    classes=Classes("door", "door"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "white"}, weight=2.0),
+        Scheme({ANY: "white", "panel": "wood", "door": "wood"}),
     ),
-}  # fmt: skip
+    # A leaf is a honeycomb between two boards.
+    makes=(
+        makes.row("frame", makes.solid(), "common"),
+        makes.row(f"door leaf panel {ANY}", makes.filled(350), "weight", "wood", "paint"),
+    ),
+    hinges=Losses(1.0, 1.0),
+    yields=RIGID,
+)

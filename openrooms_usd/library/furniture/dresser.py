@@ -4,8 +4,19 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.geometry.lofts import ring, rounded_rectangle
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.carcass import Carcass, closed, plinth_height
 from openrooms_usd.library.furniture.fronts import (
     BOARD,
@@ -17,7 +28,7 @@ from openrooms_usd.library.furniture.fronts import (
     leaf,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, board
 
 BEHIND: Final = 0.03
 
@@ -105,9 +116,28 @@ STYLES: Final = {
     "mirrored": Style(mirrored, lambda size: size[2] > 1.2 and size[0] > 0.7, (1.1, 0.48, 1.65)),
 }
 
-SPECS: Final = {
-    "dresser": CategorySpec(
-        (1.1, 0.48, 0.85), (0.35, 0.3, 0.45), (2.6, 0.8, 2.2),
-        STYLES, "a chest of drawers for a bedroom",
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="a chest of drawers for a bedroom",
+    size=(1.1, 0.48, 0.85),
+    least=(0.35, 0.3, 0.45),
+    most=(2.6, 0.8, 2.2),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (35, 95)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="chest_of_drawers commode drawers drawer bureau",
+    classes=Classes("cabinet", "dresser"),
+    synsets=NO_SYNSET,
+    schemes=STORAGE,
+    makes=makes.STORAGE,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

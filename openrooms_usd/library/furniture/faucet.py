@@ -4,12 +4,23 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import DARK_TAP, METAL, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    STANDARD,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style
 
 Point = tuple[float, float, float]
 _UP: Final = (0.0, 0.0, 1.0)
@@ -112,17 +123,43 @@ def _alone(kind: str, size: Size) -> Furniture:
     return made.furniture()
 
 
-SPECS: Final = {
-    "faucet": CategorySpec(
-        (0.09, 0.2, 0.3), (0.03, 0.08, 0.08), (0.4, 0.4, 0.6),
-        {
-            "arc": Style(lambda size, rng: _alone("arc", size),
-                         lambda size: 0.06 <= size[0] < 0.16 and size[2] > 0.14),
-            "mixer": Style(lambda size, rng: _alone("mixer", size),
-                           lambda size: size[0] < 0.08, (0.05, 0.15, 0.17)),
-            "bridge": Style(lambda size, rng: _alone("bridge", size),
-                            lambda size: size[0] >= 0.14, (0.24, 0.2, 0.26)),
-        },
-        "a tap for a sink", "surface",
+CATEGORY: Final = BuiltCategory(
+    description="a tap for a sink",
+    size=(0.09, 0.2, 0.3),
+    least=(0.03, 0.08, 0.08),
+    most=(0.4, 0.4, 0.6),
+    styles={
+        "arc": Style(
+            lambda size, rng: _alone("arc", size),
+            lambda size: 0.06 <= size[0] < 0.16 and size[2] > 0.14,
+        ),
+        "mixer": Style(
+            lambda size, rng: _alone("mixer", size), lambda size: size[0] < 0.08, (0.05, 0.15, 0.17)
+        ),
+        "bridge": Style(
+            lambda size, rng: _alone("bridge", size),
+            lambda size: size[0] >= 0.14,
+            (0.24, 0.2, 0.26),
+        ),
+    },
+    spread=STANDARD,
+    round=False,
+    alike=False,
+    support="surface",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.5, 3)},
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="tap spigot",
+    classes=Classes("faucet", "otherprop"),
+    synsets=("03325088",),
+    schemes=(
+        Scheme({ANY: "chrome", "switch": "chrome"}, weight=2.0),
+        Scheme({ANY: METAL, **DARK_TAP}),
     ),
-}  # fmt: skip
+    makes=(makes.row(ANY, makes.walls(3, makes.BRASS), "common"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,7 +4,18 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.solids import cylinder
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.carcass import Carcass
 from openrooms_usd.library.furniture.fronts import (
     HANDLE,
@@ -16,7 +27,6 @@ from openrooms_usd.library.furniture.fronts import (
 )
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Furniture,
     Size,
     Style,
@@ -103,9 +113,38 @@ STYLES: Final = {
     "pedestal": Style(pedestal, lambda size: size[0] < 0.6 and size[2] <= 0.75, (0.42, 0.56, 0.58)),
 }
 
-SPECS: Final = {
-    "file_cabinet": CategorySpec(
-        (0.46, 0.6, 1.3), (0.3, 0.3, 0.4), (2.4, 0.9, 2.0),
-        STYLES, "steel drawers for files",
+
+CATEGORY: Final = BuiltCategory(
+    description="steel drawers for files",
+    size=(0.46, 0.6, 1.3),
+    least=(0.3, 0.3, 0.4),
+    most=(2.4, 0.9, 2.0),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (15, 60)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="filing_cabinet file_cabinets",
+    classes=Classes("file_cabinet", "cabinet"),
+    synsets=("03337140",),
+    schemes=(
+        Scheme({ANY: "grey", "handle": "chrome"}, weight=2.0),
+        Scheme({ANY: "white", "handle": "chrome", "wheel": "dark_plastic"}),
+        Scheme({ANY: "black", "handle": "black"}),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row(
+            "frame base door drawer_front drawer_box shelf", makes.walls(0.45, makes.STEEL), "sheet"
+        ),
+        makes.row("handle", makes.walls(1.5), "sheet", "metal", "paint"),
+        makes.row(ANY, makes.filled(115), "weight"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

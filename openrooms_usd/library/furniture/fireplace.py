@@ -4,13 +4,31 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import (
+    NO_ROWS,
+    NO_SYNSET,
+    NO_WORDS,
+    PLAIN_HINGES,
+    RIGID,
+    UNLABELED,
+    Classes,
+)
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude, tube
 from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NEVER_WEIGHED,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Furniture,
     Parts,
     Size,
@@ -183,9 +201,32 @@ STYLES: Final = {
     "stove": Style(stove, lambda size: size[0] < 0.9 and size[2] > 1.0, (0.6, 0.62, 1.7)),
 }
 
-SPECS: Final = {
-    "fireplace": CategorySpec(
-        (1.3, 0.4, 1.1), (0.45, 0.25, 0.6), (3.5, 1.2, 4.0),
-        STYLES, "a place for a fire",
+
+CATEGORY: Final = BuiltCategory(
+    description="a place for a fire",
+    size=(1.3, 0.4, 1.1),
+    least=(0.45, 0.25, 0.6),
+    most=(3.5, 1.2, 4.0),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs=NEVER_WEIGHED,
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words=NO_WORDS,
+    classes=Classes(UNLABELED, "otherstructure"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "white", "hearth": "masonry"}, weight=2.0),
+        Scheme({ANY: "masonry"}),
+        Scheme({ANY: "black", "hearth": "masonry"}, needs="pipe", weight=100.0),
     ),
-}  # fmt: skip
+    makes=NO_ROWS,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,12 +4,16 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import HANGS_NOT, NO_APPLIANCE, USUAL, BuiltCategory
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -136,9 +140,34 @@ STYLES: Final = {
     "arc": Style(arc, lambda size: size[0] >= 0.8, (1.3, 0.36, 1.9)),
 }  # fmt: skip
 
-SPECS: Final = {
-    "floor_lamp": CategorySpec(
-        (0.42, 0.42, 1.55), (0.16, 0.16, 0.8), (1.8, 0.9, 2.4),
-        STYLES, "a lamp that stands on the floor", emits=True, lumen=1500.0,
+
+CATEGORY: Final = BuiltCategory(
+    description="a lamp that stands on the floor",
+    size=(0.42, 0.42, 1.55),
+    least=(0.16, 0.16, 0.8),
+    most=(1.8, 0.9, 2.4),
+    styles=STYLES,
+    spread=USUAL,
+    round=True,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=1500.0,
+    weighs={ANY: (2.5, 9), "arc": (12, 35)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="standing_lamp torchiere",
+    classes=Classes("lamp", "lamp"),
+    synsets=NO_SYNSET,
+    schemes=(
+        *LAMPS,
+        *SOCKETED,
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("base", makes.filled(4000), "weight"),
+        *makes.LAMP,
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

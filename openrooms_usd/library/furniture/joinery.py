@@ -75,36 +75,6 @@ class Style:
     size: Size | None = None
 
 
-Support = Literal["floor", "ceiling", "surface", "wall"]
-
-
-@dataclass(frozen=True)
-class CategorySpec:
-    """What the library knows of a category.
-
-    Attributes:
-        size: Its usual width, depth and height, metres.
-        least: Below these sides it is not built but shrunk, metres.
-        most: Above these sides it is not built but stretched, metres.
-        styles: The ways to build it.
-        description: One sentence for people.
-        support: What carries it: the floor, the ceiling, a wall, or the top of another object.
-        level: Height of its base above the floor where it hangs on a wall, metres.
-        emits: Whether its part ``light_bulb`` is a lamp.
-        lumen: The luminous flux of such a lamp by default; 0 for what does not emit.
-    """
-
-    size: Size
-    least: Size
-    most: Size
-    styles: dict[str, Style]
-    description: str
-    support: Support = "floor"
-    level: float = 0.0
-    emits: bool = False
-    lumen: float = 0.0
-
-
 # Drawn in (a, b) and extruded along c: where these axes point in the object frame.
 SIDE: Final = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # a: Y, b: Z, c: X
 FRONT: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # a: X, b: Z, c: -Y

@@ -20,7 +20,7 @@ from openrooms_usd.library.furniture.fronts import (
     leaf,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import Furniture, Size, board
 
 TOE: Final = 0.1
 WORKTOP: Final = 0.038
@@ -166,28 +166,3 @@ def wall_open(size: Size, rng: np.random.Generator) -> Furniture:
     for bay in unit.bays(max(1, round(size[0] / 0.8))):
         unit.shelves(bay, float(rng.uniform(0.26, 0.34)))
     return unit.made.furniture()
-
-
-COUNTERS: Final = {
-    "doors": Style(counter_doors),
-    "drawers": Style(counter_drawers),
-    "open": Style(counter_open, lambda size: size[0] > 0.8),
-    "island": Style(island, lambda size: size[1] > 0.78, (1.8, 0.95, 0.91)),
-}
-WALL_UNITS: Final = {
-    "doors": Style(wall_doors),
-    "glass": Style(wall_glass, lambda size: size[2] > 0.4),
-    "flaps": Style(wall_flaps, lambda size: size[0] > 0.5),
-    "open": Style(wall_open),
-}
-
-SPECS: Final = {
-    "counter": CategorySpec(
-        (1.2, 0.62, 0.91), (0.25, 0.35, 0.6), (6.0, 1.5, 1.2),
-        COUNTERS, "a kitchen unit with a worktop",
-    ),
-    "kitchen_cabinet": CategorySpec(
-        (0.8, 0.37, 0.7), (0.25, 0.2, 0.25), (4.0, 0.8, 1.3),
-        WALL_UNITS, "a kitchen cabinet on the wall", "wall", 1.45,
-    ),
-}  # fmt: skip

@@ -30,10 +30,8 @@ from openrooms_usd.library.furniture.fronts import (
 )
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
-    CategorySpec,
     Furniture,
     Size,
-    Style,
     board,
 )
 
@@ -220,22 +218,3 @@ def _lid(made: Assembly, size: tuple[float, float], middle: float, low: float) -
     names += made.add("handle", board((-0.06, middle - y - 0.012, low + 0.003),
                                       (0.06, middle - y + 0.01, high - 0.003), 0.003))  # fmt: skip
     made.hinge("lid", names, (0.0, middle + y, high), "top", 85.0)
-
-
-SPECS: Final = {
-    "dishwasher": CategorySpec(
-        (0.6, 0.62, 0.86), (0.4, 0.4, 0.45), (0.9, 0.8, 1.1),
-        {"console": Style(console), "integrated": Style(integrated),
-         "drawers": Style(two_drawers)},
-        "a dishwasher",
-    ),
-    "washing_machine": CategorySpec(
-        (0.6, 0.6, 0.86), (0.4, 0.4, 0.55), (0.9, 0.9, 2.1),
-        {
-            "front_loader": Style(front_loader, lambda size: size[2] < 1.3),
-            "top_loader": Style(top_loader, lambda size: size[2] < 1.3, (0.66, 0.66, 1.05)),
-            "stacked": Style(stacked, lambda size: size[2] >= 1.3, (0.6, 0.62, 1.72)),
-        },
-        "a washing machine",
-    ),
-}  # fmt: skip

@@ -4,11 +4,16 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.library.furniture.appliance import SHEET, body, display, knob, liner
 from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.built import HANGS_NOT, NO_LAMP, STANDARD, BuiltCategory
 from openrooms_usd.library.furniture.fronts import HANDLE, SEAT, Cell, Look, hang_door
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, board
 
 DOOR: Final = 0.025
 FOOT: Final = 0.012
@@ -108,11 +113,50 @@ def dropping(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-SPECS: Final = {
-    "microwave": CategorySpec(
-        (0.5, 0.4, 0.29), (0.3, 0.24, 0.18), (0.8, 0.65, 0.6),
-        {"keypad": Style(keypad), "dials": Style(dials),
-         "dropping": Style(dropping, lambda size: size[0] > 0.4, (0.6, 0.42, 0.39))},
-        "a microwave oven", "surface",
+CATEGORY: Final = BuiltCategory(
+    description="a microwave oven",
+    size=(0.5, 0.4, 0.29),
+    least=(0.3, 0.24, 0.18),
+    most=(0.8, 0.65, 0.6),
+    styles={
+        "keypad": Style(keypad),
+        "dials": Style(dials),
+        "dropping": Style(dropping, lambda size: size[0] > 0.4, (0.6, 0.42, 0.39)),
+    },
+    spread=STANDARD,
+    round=False,
+    alike=False,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (9, 25)},
+    worktop=0.4,
+    fixed=False,
+    words="microwave_oven",
+    classes=Classes("microwave", "otherprop"),
+    synsets=("03761084",),
+    schemes=(
+        Scheme(
+            {
+                ANY: "steel",
+                "container": "enamel",
+                "frame": "black",
+                "tray": "plastic",
+                "panel": "screen",
+                "handle": "steel",
+                "base": "black",
+            }
+        ),
+        Scheme({ANY: "enamel", "tray": "plastic", "handle": "enamel"}),
+        Scheme({ANY: "black", "container": "enamel", "handle": "steel"}),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("panel", makes.filled(4000), "weight"),
+        makes.row("tray", makes.solid(2500), "common"),
+        *makes.MACHINE,
+        makes.row(ANY, makes.filled(220), "weight"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -5,14 +5,24 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.geometry.solids import cushion, cylinder, lathe
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -258,9 +268,41 @@ STYLES: Final = {
     "clerk": Style(clerk, lambda size: size[2] < 1.05, (0.6, 0.6, 0.92)),
 }
 
-SPECS: Final = {
-    "office_chair": CategorySpec(
-        (0.66, 0.66, 1.05), (0.45, 0.45, 0.7), (0.9, 0.95, 1.5),
-        STYLES, "a swivel chair on castors",
+
+CATEGORY: Final = BuiltCategory(
+    description="a swivel chair on castors",
+    size=(0.66, 0.66, 1.05),
+    least=(0.45, 0.45, 0.7),
+    most=(0.9, 0.95, 1.5),
+    styles=STYLES,
+    spread=USUAL,
+    round=True,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (8, 22)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="swivel_chair desk_chair task_chair",
+    classes=Classes("chair", "chair"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "black"}, weight=2.0),
+        Scheme({ANY: "black", "leg": "steel", "arm_support": "steel"}),
+        Scheme({ANY: "white", "back": "black", "arm": "black"}),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("seat_cushion seat", makes.filled(150), "weight"),
+        makes.row("back_cushion", makes.filled(60), "foam"),
+        makes.row("leg", makes.walls(4, makes.ALUMINIUM), "common"),
+        makes.row("mechanism", makes.walls(4, makes.STEEL), "weight"),
+        makes.row("column back_support", makes.walls(3, makes.STEEL), "common"),
+        makes.row("arm_support", makes.walls(2.5, makes.STEEL), "common"),
+        makes.row("back back_frame arm", makes.walls(3, 1100), "common"),
+        makes.row(ANY, makes.filled(110), "weight"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

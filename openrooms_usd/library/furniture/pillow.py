@@ -4,11 +4,21 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_ROWS, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.cloth import pillow as filled
 from openrooms_usd.geometry.solids import lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style
 
 # Lying shapes turned up, so that what was above looks to the front.
 _UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -114,9 +124,28 @@ STYLES: Final = {
     "round": Style(round_, lambda size: not _rolled(size) and size[0] < 0.6, (0.42, 0.15, 0.42)),
 }
 
-SPECS: Final = {
-    "pillow": CategorySpec(
-        (0.45, 0.16, 0.4), (0.15, 0.06, 0.06), (1.2, 0.9, 0.7),
-        STYLES, "a cushion to lean on", "surface",
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="a cushion to lean on",
+    size=(0.45, 0.16, 0.4),
+    least=(0.15, 0.06, 0.06),
+    most=(1.2, 0.9, 0.7),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.3, 1.5)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="cushion pillows",
+    classes=Classes("pillow", "pillow"),
+    synsets=("03938244",),
+    schemes=(Scheme({ANY: "linen"}),),
+    makes=NO_ROWS,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -7,13 +7,23 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, NO_WORDS, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import extrude, tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -199,9 +209,59 @@ def steel(size: Size, rng: np.random.Generator) -> Parts:
 
 STYLES: Final = {"classic": Style(classic), "pedestal": Style(pedestal), "steel": Style(steel)}
 
-SPECS: Final = {
-    "pool_table": CategorySpec(
-        (2.54, 1.42, 0.82), (1.4, 0.9, 0.6), (3.7, 2.1, 1.0),
-        STYLES, "a pool table with its balls",
+
+CATEGORY: Final = BuiltCategory(
+    description="a pool table with its balls",
+    size=(2.54, 1.42, 0.82),
+    least=(1.4, 0.9, 0.6),
+    most=(3.7, 2.1, 1.0),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (280, 450)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words=NO_WORDS,
+    classes=Classes("pool_table", "otherfurniture"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme(
+            {
+                ANY: "wood",
+                "tabletop": "felt",
+                "cushion": "felt",
+                "pocket": "black",
+                "pocket_rim": "black",
+                "ball": "billiard",
+                "cue_ball": "sanitary",
+                "foot": "steel",
+            },
+            weight=2.0,
+        ),
+        Scheme(
+            {
+                ANY: "black",
+                "tabletop": "felt",
+                "cushion": "felt",
+                "cue": "wood",
+                "ball": "billiard",
+                "cue_ball": "sanitary",
+                "foot": "steel",
+            }
+        ),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("tabletop", makes.solid(2700), "common"),  # slate under the felt
+        makes.row("frame leg base", makes.walls(20), "board", "wood", "paint"),
+        makes.row("cushion", makes.solid(1000), "common"),
+        makes.row("ball cue_ball", makes.solid(1750), "common"),
+        makes.row(ANY, makes.filled(600), "weight", "wood", "paint", "fabric"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

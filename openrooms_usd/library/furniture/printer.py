@@ -4,12 +4,22 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, cylinder
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Furniture,
     Joint,
     Size,
@@ -268,9 +278,53 @@ STYLES: Final = {
     "copier": Style(copier, lambda size: size[2] > 0.8, (0.62, 0.66, 1.15)),
 }
 
-SPECS: Final = {
-    "printer": CategorySpec(
-        (0.45, 0.4, 0.24), (0.32, 0.28, 0.19), (1.2, 0.9, 1.4),
-        STYLES, "a printer; a copier where it is tall", "surface",
+
+CATEGORY: Final = BuiltCategory(
+    description="a printer; a copier where it is tall",
+    size=(0.45, 0.4, 0.24),
+    least=(0.32, 0.28, 0.19),
+    most=(1.2, 0.9, 1.4),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=True,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (4, 18), "copier": (35, 90)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="copier photocopier",
+    classes=Classes("printer", "otherprop"),
+    synsets=("04004475",),
+    schemes=(
+        Scheme(
+            {
+                ANY: "pale_plastic",
+                "panel": "black_plastic",
+                "button": "pale_plastic",
+                "handle": "black_plastic",
+                "frame": "dark_plastic",
+                "tray": "dark_plastic",
+                "base": "black_plastic",
+                "paper": "white_paper",
+            },
+            weight=2.0,
+        ),
+        Scheme(
+            {
+                ANY: "dark_plastic",
+                "button": "pale_plastic",
+                "handle": "pale_plastic",
+                "paper": "white_paper",
+            }
+        ),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("paper", makes.solid(750), "common"),
+        makes.row(ANY, makes.filled(330), "weight"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,9 +4,20 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, UNLABELED, Classes, Losses
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.library.furniture.appliance import SHEET, body, display, liner
 from openrooms_usd.library.furniture.assembly import Assembly, Side
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.fronts import (
     HANDLE,
     SEAT,
@@ -17,7 +28,7 @@ from openrooms_usd.library.furniture.fronts import (
     hang_door,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, board
 
 WALL: Final = 0.035
 FOOT: Final = 0.03
@@ -151,18 +162,48 @@ def french(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-SPECS: Final = {
-    "refrigerator": CategorySpec(
-        (0.7, 0.7, 1.8), (0.4, 0.4, 0.45), (1.3, 1.0, 2.3),
-        {
-            "two_doors": Style(two_doors, lambda size: size[2] > 1.2 and size[0] < 0.85),
-            "single": Style(single, lambda size: size[0] < 0.8 or size[2] <= 1.2,
-                            (0.56, 0.58, 0.86)),
-            "side_by_side": Style(side_by_side, lambda size: size[0] > 0.78 and size[2] > 1.4,
-                                  (0.91, 0.74, 1.78)),
-            "french": Style(french, lambda size: size[0] > 0.68 and size[2] > 1.4,
-                            (0.91, 0.76, 1.78)),
-        },
-        "a refrigerator, most with a freezer",
+_COLD: Final = {"container": "plastic", "shelf": "plastic", "drawer_box": "plastic",
+                "tray": "plastic", "base": "black"}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="a refrigerator, most with a freezer",
+    size=(0.7, 0.7, 1.8),
+    least=(0.4, 0.4, 0.45),
+    most=(1.3, 1.0, 2.3),
+    styles={
+        "two_doors": Style(two_doors, lambda size: size[2] > 1.2 and size[0] < 0.85),
+        "single": Style(single, lambda size: size[0] < 0.8 or size[2] <= 1.2, (0.56, 0.58, 0.86)),
+        "side_by_side": Style(
+            side_by_side, lambda size: size[0] > 0.78 and size[2] > 1.4, (0.91, 0.74, 1.78)
+        ),
+        "french": Style(french, lambda size: size[0] > 0.68 and size[2] > 1.4, (0.91, 0.76, 1.78)),
+    },
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (50, 130), "single": (20, 60)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="fridge freezer refridgerator mini_fridge",
+    classes=Classes(UNLABELED, "refridgerator"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "enamel", **_COLD, "handle": "steel"}),
+        Scheme({ANY: "steel", **_COLD, "frame": "grey", "handle": "steel"}),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("frame", makes.walls(0.3, makes.STEEL), "sheet"),
+        makes.row("container", makes.filled(70), "weight"),
+        makes.row("door drawer_front", makes.filled(130), "weight"),
+        makes.row("shelf tray drawer_box", makes.walls(2.5), "common", "plastic"),
+        makes.row("base", makes.filled(1200), "weight"),
+        *makes.MACHINE,
+        makes.row(ANY, makes.filled(80), "weight"),
+    ),
+    hinges=Losses(0.5, 1.0),
+    yields=RIGID,
+)

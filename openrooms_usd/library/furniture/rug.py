@@ -5,13 +5,23 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, superellipse
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.sweeps import extrude
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    WIDE,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -132,9 +142,32 @@ STYLES: Final = {
     "runner": Style(striped, lambda size: max(size[:2]) > 2.2 * min(size[:2]), (2.4, 0.8, 0.012)),
 }
 
-SPECS: Final = {
-    "rug": CategorySpec(
-        (2.0, 1.4, 0.012), (0.3, 0.3, 0.005), (8.0, 8.0, 0.05),
-        STYLES, "a carpet that lies on the floor",
+
+CATEGORY: Final = BuiltCategory(
+    description="a carpet that lies on the floor",
+    size=(2.0, 1.4, 0.012),
+    least=(0.3, 0.3, 0.005),
+    most=(8.0, 8.0, 0.05),
+    styles=STYLES,
+    spread=WIDE,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (3, 12)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="carpet floor_mat bathmat bath_mat mat",
+    classes=Classes(UNLABELED, "otherprop"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme(
+            {ANY: "carpet", "border": "carpet_border", "trim": "carpet_border", "fringe": "linen"}
+        ),
     ),
-}  # fmt: skip
+    makes=(makes.row(ANY, makes.filled(220), "common"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -9,10 +9,8 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
-    Style,
     board,
     numbered,
 )
@@ -190,30 +188,6 @@ def television_tube(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-def _deep(size: Size) -> bool:
+def deep(size: Size) -> bool:
+    """Whether a size, metres, is that of a screen with a tube."""
     return size[1] > 0.45 * size[0] and size[1] > 0.28
-
-
-MONITOR_STYLES: Final = {
-    "flat": Style(monitor_flat, lambda size: not _deep(size)),
-    "curved": Style(monitor_curved, lambda size: size[0] > 0.5 and not _deep(size),
-                    (0.81, 0.24, 0.46)),
-    "tube": Style(monitor_tube, _deep, (0.42, 0.42, 0.42)),
-}  # fmt: skip
-TELEVISION_STYLES: Final = {
-    "feet": Style(television_feet, lambda size: size[1] > 0.14 and not _deep(size)),
-    "pedestal": Style(television_pedestal, lambda size: size[1] > 0.14 and not _deep(size)),
-    "mounted": Style(television_mounted, lambda size: size[1] <= 0.14, (1.1, 0.07, 0.63)),
-    "tube": Style(television_tube, _deep, (0.6, 0.48, 0.64)),
-}
-
-SPECS: Final = {
-    "monitor": CategorySpec(
-        (0.56, 0.2, 0.42), (0.25, 0.1, 0.22), (1.3, 0.6, 0.9),
-        MONITOR_STYLES, "the screen of a computer", "surface",
-    ),
-    "television": CategorySpec(
-        (1.1, 0.24, 0.7), (0.3, 0.06, 0.22), (2.4, 0.8, 1.5),
-        TELEVISION_STYLES, "a television, on a stand or for a wall", "surface",
-    ),
-}  # fmt: skip

@@ -4,6 +4,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
+from openrooms_usd.categories.schemes import DARK_TAP, METAL, TAP, Scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube
@@ -11,6 +15,14 @@ from openrooms_usd.library.furniture import faucet
 from openrooms_usd.library.furniture.appliance import pierced, square
 from openrooms_usd.library.furniture.assembly import Assembly
 from openrooms_usd.library.furniture.basin import SEGMENTS, bowl, drain, sunk
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NEVER_WEIGHED,
+    NO_APPLIANCE,
+    NO_LAMP,
+    STANDARD,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.carcass import Carcass
 from openrooms_usd.library.furniture.fronts import (
     BOARD,
@@ -24,7 +36,6 @@ from openrooms_usd.library.furniture.fronts import (
     rows,
 )
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Furniture,
     Size,
     Style,
@@ -161,19 +172,60 @@ def alone(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-SPECS: Final = {
-    "sink": CategorySpec(
-        (0.6, 0.48, 1.0), (0.3, 0.28, 0.16), (2.0, 0.8, 1.4),
-        {
-            "pedestal": Style(pedestal, lambda size: size[0] < 0.8 and size[2] > 0.6),
-            "vanity": Style(vanity, lambda size: size[0] > 0.5 and size[2] > 0.6,
-                            (0.8, 0.5, 1.02)),
-            "vessel": Style(vessel, lambda size: size[0] > 0.5 and size[2] > 0.6,
-                            (0.9, 0.5, 1.0)),
-            "kitchen": Style(kitchen, lambda size: size[0] > 0.55 and size[1] > 0.52
-                             and size[2] > 0.7, (1.0, 0.64, 1.2)),
-            "alone": Style(alone, lambda size: size[2] <= 0.6, (0.55, 0.45, 0.28)),
-        },
-        "a washbasin or a kitchen sink with its faucet",
+CATEGORY: Final = BuiltCategory(
+    description="a washbasin or a kitchen sink with its faucet",
+    size=(0.6, 0.48, 1.0),
+    least=(0.3, 0.28, 0.16),
+    most=(2.0, 0.8, 1.4),
+    styles={
+        "pedestal": Style(pedestal, lambda size: size[0] < 0.8 and size[2] > 0.6),
+        "vanity": Style(vanity, lambda size: size[0] > 0.5 and size[2] > 0.6, (0.8, 0.5, 1.02)),
+        "vessel": Style(vessel, lambda size: size[0] > 0.5 and size[2] > 0.6, (0.9, 0.5, 1.0)),
+        "kitchen": Style(
+            kitchen,
+            lambda size: size[0] > 0.55 and size[1] > 0.52 and size[2] > 0.7,
+            (1.0, 0.64, 1.2),
+        ),
+        "alone": Style(alone, lambda size: size[2] <= 0.6, (0.55, 0.45, 0.28)),
+    },
+    spread=STANDARD,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs=NEVER_WEIGHED,
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="washbasin wash_basin bathroom_sink kitchen_sink basin",
+    classes=Classes(UNLABELED, "sink"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "sanitary", **TAP}),
+        Scheme({ANY: "wood", **TAP, "basin": "sanitary"}, needs="frame", weight=100.0),
+        Scheme({ANY: "white", **DARK_TAP, "basin": "sanitary"}, needs="frame", weight=100.0),
+        Scheme(
+            {ANY: "wood", **DARK_TAP, "leg": METAL, "basin": "sanitary"},
+            needs="countertop",
+            weight=100.0,
+        ),
+        Scheme(
+            {ANY: "white", **TAP, "bowl": "steel", "countertop": "stone", "base": "black"},
+            needs="bowl",
+            weight=50000.0,
+        ),
+        Scheme(
+            {ANY: "white", **TAP, "bowl": "steel", "countertop": "wood", "base": "black"},
+            needs="bowl",
+            weight=10000.0,
+        ),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row(ANY, makes.walls(10, makes.CHINA), "china", "specular_stone"),
+        makes.row("bowl", makes.walls(0.5, makes.STEEL), "sheet"),
+        makes.row("body spout switch", makes.walls(3, makes.BRASS), "common"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -1,7 +1,5 @@
 """Low tables before sofas, and small ones beside seats and beds."""
 
-from typing import Final
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,18 +12,15 @@ from openrooms_usd.geometry.sweeps import extrude, tube
 from openrooms_usd.library.furniture.assembly import Assembly
 from openrooms_usd.library.furniture.fronts import BOARD, HANDLE, SEAT, columns, drawer, drawn_look
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Furniture,
     Parts,
     Size,
-    Style,
     board,
     corners,
     numbered,
     round_leg,
     splayed,
 )
-from openrooms_usd.library.furniture.table import shelf, tulip_side
 
 
 def _slab(outline: NDArray[np.float64], thick: float, high: float, bevel: float = 0.004) -> Mesh:
@@ -215,33 +210,6 @@ def block(size: Size, rng: np.random.Generator) -> Parts:
     }  # fmt: skip
 
 
-def _compact(size: Size) -> bool:
+def compact(size: Size) -> bool:
+    """Whether a table of a size, metres, is about as deep as it is wide."""
     return max(size[:2]) < 1.35 * min(size[:2])
-
-
-COFFEE: Final = {
-    "shelf": Style(shelf),
-    "hairpin": Style(hairpin),
-    "drum": Style(drum, _compact, (0.8, 0.8, 0.4)),
-    "sled": Style(sled),
-    "chest": Style(chest, lambda size: size[0] > 0.7 and size[2] > 0.3),
-}
-
-SIDE_TABLES: Final = {
-    "disc": Style(tulip_side, lambda size: max(size[:2]) < 1.03 * min(size[:2])),
-    "tripod": Style(tripod, _compact),
-    "nightstand": Style(nightstand, lambda size: size[2] > 0.4, (0.46, 0.4, 0.55)),
-    "bracket": Style(bracket, lambda size: size[2] > 0.45, (0.45, 0.34, 0.58)),
-    "block": Style(block, _compact, (0.36, 0.36, 0.45)),
-}
-
-SPECS: Final = {
-    "coffee_table": CategorySpec(
-        (1.1, 0.6, 0.42), (0.4, 0.4, 0.25), (2.0, 1.6, 0.6),
-        COFFEE, "a low table before seats",
-    ),
-    "side_table": CategorySpec(
-        (0.45, 0.45, 0.52), (0.22, 0.22, 0.3), (0.9, 0.9, 0.85),
-        SIDE_TABLES, "a small table beside a seat or a bed",
-    ),
-}  # fmt: skip

@@ -4,12 +4,22 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import HIDE, METAL, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, rounded_box
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -232,9 +242,34 @@ STYLES: Final = {
     "chaise": Style(chaise, lambda size: not _straight(size)),
 }
 
-SPECS: Final = {
-    "sofa": CategorySpec(
-        (2.0, 0.92, 0.82), (0.6, 0.6, 0.55), (4.5, 2.6, 1.3),
-        STYLES, "a padded seat for several",
+
+CATEGORY: Final = BuiltCategory(
+    description="a padded seat for several",
+    size=(2.0, 0.92, 0.82),
+    least=(0.6, 0.6, 0.55),
+    most=(4.5, 2.6, 1.3),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (30, 90)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="couch loveseat love_seat settee futon",
+    classes=Classes("sofa", "sofa"),
+    synsets=("04256520",),
+    schemes=(
+        Scheme({ANY: "upholstery", "leg": "wood"}, weight=2.0),
+        Scheme({ANY: "upholstery", "leg": METAL}),
+        Scheme({ANY: "hide", **HIDE, "leg": "wood"}, weight=0.7),
+        Scheme({ANY: "hide", **HIDE, "leg": METAL}, weight=0.5),
+        Scheme({ANY: "wood"}, needs="rail", weight=100.0),
     ),
-}  # fmt: skip
+    makes=makes.SEAT,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,12 +4,22 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import extrude
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -189,9 +199,44 @@ STYLES: Final = {
     "wrapped": Style(wrapped, lambda size: size[2] < 0.3 and size[0] < 0.3, (0.11, 0.11, 0.16)),
 }
 
-SPECS: Final = {
-    "speaker": CategorySpec(
-        (0.2, 0.26, 0.34), (0.06, 0.05, 0.04), (1.6, 0.6, 1.6),
-        STYLES, "a loudspeaker", "surface",
+
+CATEGORY: Final = BuiltCategory(
+    description="a loudspeaker",
+    size=(0.2, 0.26, 0.34),
+    least=(0.06, 0.05, 0.04),
+    most=(1.6, 0.6, 1.6),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=True,
+    support="surface",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (3, 10), "tower": (12, 35), "bar": (1.2, 5), "wrapped": (0.3, 5)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="loudspeaker speakers subwoofer",
+    classes=Classes("speaker", "otherprop"),
+    synsets=("03691459",),
+    schemes=(
+        Scheme({ANY: "black", "badge": "steel", "foot": "steel"}),
+        Scheme(
+            {
+                ANY: "wood",
+                "rim": "black_plastic",
+                "badge": "steel",
+                "base": "black",
+                "foot": "steel",
+            }
+        ),
+        Scheme({ANY: "black_plastic", "grille": "upholstery"}, needs="grille", weight=100.0),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("grille", makes.filled(350), "weight"),
+        makes.row(ANY, makes.filled(350), "weight"),
+        makes.row("driver", makes.filled(4000), "weight"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,11 +4,28 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import (
+    NO_ROWS,
+    NO_SYNSET,
+    PLAIN_HINGES,
+    RIGID,
+    UNLABELED,
+    Classes,
+)
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NEVER_WEIGHED,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -116,9 +133,32 @@ STYLES: Final = {
     "railed": Style(railed, lambda size: size[2] > 2.0, (1.0, 2.6, 3.1)),
 }
 
-SPECS: Final = {
-    "stairs": CategorySpec(
-        (1.0, 2.5, 2.2), (0.3, 0.3, 0.2), (4.0, 8.0, 5.0),
-        STYLES, "stairs up to the back",
+
+CATEGORY: Final = BuiltCategory(
+    description="stairs up to the back",
+    size=(1.0, 2.5, 2.2),
+    least=(0.3, 0.3, 0.2),
+    most=(4.0, 8.0, 5.0),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs=NEVER_WEIGHED,
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="stairway staircase",
+    classes=Classes(UNLABELED, "otherstructure"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "wood"}, weight=3.0),
+        Scheme({ANY: "white", "step": "wood", "handrail": "wood"}, weight=2.0),
+        Scheme({ANY: "black", "step": "wood"}),
     ),
-}  # fmt: skip
+    makes=NO_ROWS,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

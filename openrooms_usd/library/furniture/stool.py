@@ -4,11 +4,21 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import CHAIRS, METAL, Scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -158,9 +168,36 @@ STYLES: Final = {
     "square": Style(square),
 }
 
-SPECS: Final = {
-    "stool": CategorySpec(
-        (0.38, 0.38, 0.46), (0.22, 0.22, 0.2), (0.9, 0.9, 0.95),
-        STYLES, "a seat for one without a back",
+
+CATEGORY: Final = BuiltCategory(
+    description="a seat for one without a back",
+    size=(0.38, 0.38, 0.46),
+    least=(0.22, 0.22, 0.2),
+    most=(0.9, 0.9, 0.95),
+    styles=STYLES,
+    spread=USUAL,
+    round=True,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (2, 9)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="bar_stool barstool footstool ottoman",
+    classes=Classes("chair", "otherprop"),
+    synsets=NO_SYNSET,
+    schemes=(
+        *CHAIRS,
+        Scheme({ANY: METAL}, needs="column", weight=100.0),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("seat_cushion", makes.filled(100), "foam"),
+        makes.row("cushion", makes.filled(90), "weight"),
+        makes.row("base", makes.walls(2.5, makes.STEEL), "common", "metal", "paint"),
+        *makes.SEAT,
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

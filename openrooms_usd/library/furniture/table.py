@@ -4,14 +4,24 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import extrude
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    MADE_TO_MEASURE,
+    NO_APPLIANCE,
+    NO_LAMP,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
     SIDE,
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -175,9 +185,28 @@ STYLES: Final = {
     "disc": Style(tulip_side, lambda size: _small(size) and _nearly_square(size)),
 }
 
-SPECS: Final = {
-    "table": CategorySpec(
-        (1.4, 0.8, 0.74), (0.3, 0.3, 0.3), (5.0, 2.5, 1.2),
-        STYLES, "a top on legs, dining or low",
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="a top on legs, dining or low",
+    size=(1.4, 0.8, 0.74),
+    least=(0.3, 0.3, 0.3),
+    most=(5.0, 2.5, 1.2),
+    styles=STYLES,
+    spread=MADE_TO_MEASURE,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (11, 50)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="dining_table conference_table kitchen_table round_table tables",
+    classes=Classes("table", "table"),
+    synsets=("04379243",),
+    schemes=TABLES,
+    makes=makes.TABLE,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

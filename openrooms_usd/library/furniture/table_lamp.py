@@ -4,10 +4,15 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style
+from openrooms_usd.library.furniture.built import HANGS_NOT, NO_APPLIANCE, USUAL, BuiltCategory
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style
 from openrooms_usd.library.furniture.lamp_parts import bulb, carrier, holder, radius_of, shade
 from openrooms_usd.library.furniture.posing import turned
 
@@ -127,9 +132,34 @@ STYLES: Final = {
     "task": Style(task, lambda size: size[1] >= 1.3 * size[0], (0.2, 0.46, 0.5)),
 }
 
-SPECS: Final = {
-    "table_lamp": CategorySpec(
-        (0.3, 0.3, 0.48), (0.12, 0.12, 0.2), (0.6, 0.9, 0.9),
-        STYLES, "a lamp that stands on a table", "surface", emits=True, lumen=600.0,
+
+CATEGORY: Final = BuiltCategory(
+    description="a lamp that stands on a table",
+    size=(0.3, 0.3, 0.48),
+    least=(0.12, 0.12, 0.2),
+    most=(0.6, 0.9, 0.9),
+    styles=STYLES,
+    spread=USUAL,
+    round=True,
+    alike=True,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=600.0,
+    weighs={ANY: (1, 6)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="desk_lamp reading_lamp",
+    classes=Classes("lamp", "lamp"),
+    synsets=("03636649",),
+    schemes=(
+        *LAMPS,
+        *SOCKETED,
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("base", makes.walls(3, makes.STEEL), "weight", "metal", "paint"),
+        *makes.LAMP,
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

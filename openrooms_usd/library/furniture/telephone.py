@@ -4,13 +4,23 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import RIGID, Classes, Losses
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    STANDARD,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Parts,
     Size,
     Style,
@@ -162,9 +172,32 @@ STYLES: Final = {
     "cordless": Style(cordless, lambda size: size[2] >= 0.8 * size[0], (0.08, 0.1, 0.19)),
 }
 
-SPECS: Final = {
-    "telephone": CategorySpec(
-        (0.2, 0.2, 0.1), (0.05, 0.06, 0.05), (0.4, 0.4, 0.35),
-        STYLES, "a telephone", "surface",
+
+CATEGORY: Final = BuiltCategory(
+    description="a telephone",
+    size=(0.2, 0.2, 0.1),
+    least=(0.05, 0.06, 0.05),
+    most=(0.4, 0.4, 0.35),
+    styles=STYLES,
+    spread=STANDARD,
+    round=False,
+    alike=True,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.15, 1.5)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="phone",
+    classes=Classes("telephone", "otherprop"),
+    synsets=("02992529", "04401088"),
+    schemes=(
+        Scheme({ANY: "dark_plastic", "button": "pale_plastic"}, weight=2.0),
+        Scheme({ANY: "pale_plastic"}),
+        Scheme({ANY: "black_plastic", "dial": "steel"}, needs="dial", weight=100.0),
     ),
-}  # fmt: skip
+    makes=(makes.row(ANY, makes.filled(400), "weight"),),
+    hinges=Losses(0.01, 0.02),
+    yields=RIGID,
+)

@@ -5,12 +5,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, UNLABELED, Classes, Losses
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe, rounded_box
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    STANDARD,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style
 
 SEGMENTS: Final = 48
 SEAT: Final = 0.018
@@ -158,15 +169,36 @@ def wall_hung(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-SPECS: Final = {
-    "toilet": CategorySpec(
-        (0.38, 0.68, 0.8), (0.3, 0.45, 0.55), (0.7, 0.95, 1.4),
-        {
-            "close_coupled": Style(close_coupled, lambda size: size[2] < 1.0),
-            "one_piece": Style(one_piece, lambda size: size[2] < 0.9 and size[0] < 0.39,
-                               (0.37, 0.7, 0.7)),
-            "wall_hung": Style(wall_hung, lambda size: size[2] > 0.9, (0.5, 0.7, 1.12)),
-        },
-        "a toilet",
+CATEGORY: Final = BuiltCategory(
+    description="a toilet",
+    size=(0.38, 0.68, 0.8),
+    least=(0.3, 0.45, 0.55),
+    most=(0.7, 0.95, 1.4),
+    styles={
+        "close_coupled": Style(close_coupled, lambda size: size[2] < 1.0),
+        "one_piece": Style(
+            one_piece, lambda size: size[2] < 0.9 and size[0] < 0.39, (0.37, 0.7, 0.7)
+        ),
+        "wall_hung": Style(wall_hung, lambda size: size[2] > 0.9, (0.5, 0.7, 1.12)),
+    },
+    spread=STANDARD,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("wall",),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (25, 50)},
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="lavatory",
+    classes=Classes(UNLABELED, "toilet"),
+    synsets=NO_SYNSET,
+    schemes=(Scheme({ANY: "sanitary", "button": "chrome", "panel": "white"}),),
+    makes=(
+        makes.row("seat lid", makes.filled(900), "weight"),
+        makes.row(ANY, makes.walls(10, makes.CHINA), "china", "specular_stone"),
     ),
-}  # fmt: skip
+    hinges=Losses(1.5, 0.1),
+    yields=RIGID,
+)

@@ -5,12 +5,22 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import RIGID, Classes, Losses
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.joinery import (
     SIDE,
-    CategorySpec,
     Furniture,
     Joint,
     Parts,
@@ -175,9 +185,45 @@ STYLES: Final = {
     "swing": Style(bin_swing, lambda size: size[2] > 0.4, (0.32, 0.26, 0.62)),
 }
 
-SPECS: Final = {
-    "trash_bin": CategorySpec(
-        (0.28, 0.28, 0.32), (0.14, 0.14, 0.16), (0.8, 0.8, 1.2),
-        STYLES, "a bin for waste",
+
+CATEGORY: Final = BuiltCategory(
+    description="a bin for waste",
+    size=(0.28, 0.28, 0.32),
+    least=(0.14, 0.14, 0.16),
+    most=(0.8, 0.8, 1.2),
+    styles=STYLES,
+    spread=USUAL,
+    round=True,
+    alike=True,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.2, 6)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="trash_can trashcan garbage_bin garbage_can bin recycling_bin waste_basket "
+    "wastebasket ashcan dustbin",
+    classes=Classes("trash_bin", "otherfurniture"),
+    synsets=("02747177",),
+    schemes=(
+        Scheme({ANY: "steel", "bag": "black_plastic", "base": "black_plastic"}),
+        Scheme({ANY: "tinted_plastic", "bag": "pale_plastic", "lid": "pale_plastic"}, weight=2.0),
+        Scheme(
+            {
+                ANY: "steel",
+                "container": "black_plastic",
+                "base": "black_plastic",
+                "hinge": "black_plastic",
+            },
+            needs="pedal",
+            weight=100.0,
+        ),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row("bag", makes.walls(0.05, 950), "common"),
+        makes.row(ANY, makes.walls(0.4, makes.STEEL), "sheet", "metal", "paint"),
+    ),
+    hinges=Losses(0.02, 0.01),
+    yields=RIGID,
+)

@@ -1,7 +1,6 @@
 """Jars, bottles and bowls, turned on a lathe; all are hollow."""
 
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import cube_projection
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.joinery import Parts, Size, numbered
 from openrooms_usd.library.furniture.posing import turned
 
 Line = Sequence[tuple[float, float]]
@@ -274,36 +273,3 @@ def _lofted(rings: list[NDArray[np.float64]]) -> Mesh:
         indices=np.concatenate([quads.ravel(), caps]).astype(np.int32),
     )
     return with_normals(cube_projection(mesh), crease=50.0)
-
-
-JAR_STYLES: Final = {
-    "ginger": Style(jar_ginger, size=(0.17, 0.17, 0.24)),
-    "preserving": Style(jar_preserving, size=(0.09, 0.09, 0.15)),
-    "canister": Style(jar_canister),
-}
-BOTTLE_STYLES: Final = {
-    "wine": Style(bottle_wine),
-    "sport": Style(bottle_sport, size=(0.073, 0.073, 0.26)),
-    "pump": Style(bottle_pump, size=(0.075, 0.075, 0.19)),
-}
-BOWL_STYLES: Final = {
-    "round": Style(bowl_round),
-    "footed": Style(bowl_footed, size=(0.26, 0.26, 0.14)),
-    "fruit": Style(bowl_fruit, size=(0.3, 0.3, 0.17)),
-    "dish": Style(bowl_oval, size=(0.3, 0.2, 0.07)),
-}
-
-SPECS: Final = {
-    "jar": CategorySpec(
-        (0.11, 0.11, 0.17), (0.04, 0.04, 0.05), (0.5, 0.5, 0.7),
-        JAR_STYLES, "a jar with a lid", "surface",
-    ),
-    "bottle": CategorySpec(
-        (0.08, 0.08, 0.3), (0.03, 0.03, 0.08), (0.2, 0.2, 0.6),
-        BOTTLE_STYLES, "a bottle", "surface",
-    ),
-    "bowl": CategorySpec(
-        (0.24, 0.24, 0.09), (0.08, 0.08, 0.03), (0.6, 0.6, 0.35),
-        BOWL_STYLES, "a bowl", "surface",
-    ),
-}  # fmt: skip

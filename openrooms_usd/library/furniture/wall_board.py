@@ -1,7 +1,5 @@
 """Pictures and whiteboards: flat things on a wall; one board stands on wheels."""
 
-from typing import Final
-
 import numpy as np
 
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -9,12 +7,10 @@ from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
-    CategorySpec,
     Furniture,
     Joint,
     Parts,
     Size,
-    Style,
     board,
     numbered,
     profiled,
@@ -251,26 +247,3 @@ def mobile(size: Size, rng: np.random.Generator) -> Furniture:
             ),
         ),
     )
-
-
-PICTURE_STYLES: Final = {
-    "framed": Style(framed, lambda size: size[0] < 2.2 * size[2]),
-    "canvas": Style(canvas, lambda size: size[0] < 2.2 * size[2], (0.8, 0.03, 0.6)),
-    "triptych": Style(triptych, lambda size: size[0] > 1.4 * size[2], (1.2, 0.03, 0.6)),
-}
-WHITEBOARD_STYLES: Final = {
-    "wall": Style(wall, lambda size: size[1] < 0.3),
-    "glass": Style(glass, lambda size: size[1] < 0.3),
-    "mobile": Style(mobile, lambda size: size[1] >= 0.3, (1.6, 0.6, 1.85)),
-}
-
-SPECS: Final = {
-    "picture": CategorySpec(
-        (0.5, 0.025, 0.7), (0.12, 0.012, 0.12), (3.0, 0.1, 2.2),
-        PICTURE_STYLES, "a picture on a wall", "wall", 1.25,
-    ),
-    "whiteboard": CategorySpec(
-        (1.8, 0.08, 1.2), (0.4, 0.05, 0.3), (4.0, 1.0, 2.2),
-        WHITEBOARD_STYLES, "a board to write on; it stands where it is deep", "wall", 0.9,
-    ),
-}  # fmt: skip

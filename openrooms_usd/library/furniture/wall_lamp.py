@@ -4,11 +4,16 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, sphere
 from openrooms_usd.geometry.sweeps import sheet, tube
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style, board
+from openrooms_usd.library.furniture.built import NO_APPLIANCE, USUAL, BuiltCategory
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board
 from openrooms_usd.library.furniture.lamp_parts import bulb, carrier, holder, shade
 from openrooms_usd.library.furniture.posing import facing
 
@@ -95,9 +100,31 @@ STYLES: Final = {
     "swing": Style(swing, lambda size: size[1] > 0.2, (0.24, 0.36, 0.32)),
 }
 
-SPECS: Final = {
-    "wall_lamp": CategorySpec(
-        (0.2, 0.14, 0.26), (0.1, 0.08, 0.14), (0.6, 0.7, 0.8),
-        STYLES, "a lamp on a wall", "wall", 1.6, emits=True, lumen=600.0,
+
+CATEGORY: Final = BuiltCategory(
+    description="a lamp on a wall",
+    size=(0.2, 0.14, 0.26),
+    least=(0.1, 0.08, 0.14),
+    most=(0.6, 0.7, 0.8),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=True,
+    support="wall",
+    also=(),
+    level=1.6,
+    lumen=600.0,
+    weighs={ANY: (0.3, 3)},
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="sconce wall_light",
+    classes=Classes("lamp", "lamp"),
+    synsets=NO_SYNSET,
+    schemes=(
+        *LAMPS,
+        *SOCKETED,
     ),
-}  # fmt: skip
+    makes=makes.LAMP,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -4,8 +4,19 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
+from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    MADE_TO_MEASURE,
+    NO_APPLIANCE,
+    NO_LAMP,
+    BuiltCategory,
+)
 from openrooms_usd.library.furniture.carcass import SETBACK, Carcass, closed
 from openrooms_usd.library.furniture.fronts import (
     BOARD,
@@ -18,7 +29,7 @@ from openrooms_usd.library.furniture.fronts import (
     leaf,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, board
 
 PLINTH: Final = 0.07
 # Of the panels that slide, metres.
@@ -128,9 +139,28 @@ STYLES: Final = {
     "open": Style(open_frame, lambda size: size[0] > 0.7),
 }
 
-SPECS: Final = {
-    "wardrobe": CategorySpec(
-        (1.5, 0.6, 2.1), (0.4, 0.35, 0.9), (5.0, 1.0, 3.0),
-        STYLES, "a tall cabinet for clothes",
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="a tall cabinet for clothes",
+    size=(1.5, 0.6, 2.1),
+    least=(0.4, 0.35, 0.9),
+    most=(5.0, 1.0, 3.0),
+    styles=STYLES,
+    spread=MADE_TO_MEASURE,
+    round=False,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (70, 190)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="closet armoire wardrobe_closet wardrobe_cabinet",
+    classes=Classes("cabinet", "otherfurniture"),
+    synsets=NO_SYNSET,
+    schemes=STORAGE,
+    makes=makes.STORAGE,
+    hinges=Losses(0.3, 0.2),
+    yields=RIGID,
+)

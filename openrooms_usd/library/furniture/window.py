@@ -5,9 +5,19 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_ROWS, NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry import windows
 from openrooms_usd.library.furniture.assembly import Assembly
-from openrooms_usd.library.furniture.joinery import CategorySpec, Furniture, Joint, Size, Style
+from openrooms_usd.library.furniture.built import (
+    NEVER_WEIGHED,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Furniture, Joint, Size, Style
 
 # The sill board stands out on both sides and into the room.
 _BESIDE, _BEFORE = 0.08, 0.04
@@ -35,9 +45,28 @@ def build(size: Size, rng: np.random.Generator, style: str) -> Furniture:
 
 STYLES: Final = {name: Style(partial(build, style=name)) for name in windows.STYLES}
 
-SPECS: Final = {
-    "window": CategorySpec(
-        (1.2, 0.14, 1.3), (0.4, 0.12, 0.4), (4.0, 0.6, 3.0),
-        STYLES, "a window with its frame", "wall", 0.9,
-    ),
-}  # fmt: skip
+
+CATEGORY: Final = BuiltCategory(
+    description="a window with its frame",
+    size=(1.2, 0.14, 1.3),
+    least=(0.4, 0.12, 0.4),
+    most=(4.0, 0.6, 3.0),
+    styles=STYLES,
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="wall",
+    also=("floor",),
+    level=0.9,
+    lumen=NO_LAMP,
+    weighs=NEVER_WEIGHED,
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="windows",
+    classes=Classes("window", "window"),
+    synsets=NO_SYNSET,
+    schemes=(Scheme({ANY: "white"}),),
+    makes=NO_ROWS,
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.names import SCANNED_HEIGHT
 from openrooms_usd.scan.openings.curtains import (
     behind_curtain,
     curtain_weights,
@@ -47,8 +48,6 @@ Array = NDArray[np.float64]
 MARGIN: Final = 0.05
 # Between openings, metres.
 APART: Final = 0.02
-# Walls of rooms without a ceiling are looked at up to this height, metres.
-_MAX_WALL_HEIGHT_M: Final = 3.0
 # Points so far from a room block no view in it, metres.
 _VIEW_MARGIN_M: Final = 1.0
 # Least and greatest width and height, metres.
@@ -101,8 +100,8 @@ def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[F
     sight = sight_of(_around(cloud.points, corners), cloud.sensor_origins)
     labelled = cloud.label is not None and bool(np.isin(cloud.label, (DOOR, WINDOW)).any())
     found: list[FoundOpening] = []
-    mirrored = echoes(cloud.points, sight, height or _MAX_WALL_HEIGHT_M)
-    for grid in wall_grids(cloud, corners, height or _MAX_WALL_HEIGHT_M, OPENING_LABELS, sight):
+    mirrored = echoes(cloud.points, sight, height or SCANNED_HEIGHT)
+    for grid in wall_grids(cloud, corners, height or SCANNED_HEIGHT, OPENING_LABELS, sight):
         found += _in_wall(grid, labelled, mirrored)
     return tuple(found)
 

@@ -1,12 +1,14 @@
 """What carries each object: the floor, another object, a wall or the ceiling."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories.record import Without
+from openrooms_usd.categories.registry import record
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
 from openrooms_usd.scan.placement.enclosure import Enclosure
@@ -17,29 +19,6 @@ FLOOR: Final = "floor"
 WALL: Final = "wall"
 CEILING: Final = "ceiling"
 OBJECT: Final = "object"
-
-_HUNG: Final = (
-    "blinds", "clock", "curtain", "kitchen_cabinet", "mirror", "picture", "radiator", "wall_lamp",
-    "wall_shelf", "whiteboard",
-)  # fmt: skip
-_STANDING: Final = (
-    "armchair", "bathtub", "bed", "bench", "bookshelf", "chair", "coffee_table", "counter", "desk",
-    "dishwasher", "dresser", "file_cabinet", "floor_lamp", "office_chair", "plant_pot",
-    "pool_table", "refrigerator", "side_table", "sofa", "stairs", "stool", "stove", "table",
-    "trash_bin", "wardrobe", "washing_machine",
-)  # fmt: skip
-_UPON: Final = (
-    "basket", "books", "bottle", "bowl", "box", "jar", "keyboard", "laptop", "microwave", "pillow",
-    "printer", "table_lamp", "telephone",
-)  # fmt: skip
-USUAL: Final[Mapping[str, str]] = {
-    **dict.fromkeys(_HUNG, WALL),
-    **dict.fromkeys(_STANDING, FLOOR),
-    **dict.fromkeys(_UPON, OBJECT),
-    **dict.fromkeys(("ceiling_fan", "ceiling_lamp", "chandelier", "pendant_lamp"), CEILING),
-}
-"""What carries the objects of some categories, wherever they were measured. What stands, on
-the floor or on an object, may stand on the other too, but hangs nowhere."""
 
 # How far below its support an object may have been measured, and how far above it, metres.
 MAX_SUNK_M: Final = 0.08
@@ -179,6 +158,20 @@ def is_rug(body: Body, floor: float) -> bool:
     )
 
 
+def usual_support(category: str) -> str | None:
+    """What carries the objects of a category, wherever they were measured; None: that must be seen.
+
+    What stands, on the floor or on an object, may stand on the other too, but hangs nowhere.
+    """
+    known = record(category)
+    if known is None or isinstance(known.support, Without):
+        return None
+    carriers = {known.support, *known.also}
+    if carriers <= {"floor", "surface"}:
+        return FLOOR if carriers == {"floor"} else OBJECT
+    return known.support if len(carriers) == 1 else None
+
+
 def support_of(
     number: int, category: str, bodies: Sequence[Body], below: Sequence[int], room: Enclosure
 ) -> Support:
@@ -191,7 +184,7 @@ def support_of(
         below: Rows of the objects that may carry it.
         room: The room that it stands in.
     """
-    usual, body = USUAL.get(category), bodies[number]
+    usual, body = usual_support(category), bodies[number]
     if usual == CEILING or (usual == WALL and room.facing(body) is not None):
         return Support(usual)
     fall = min(max(_TALL_FALL_M, _TALL_FALL_SHARE * float(body.high[2] - body.low[2])), MAX_FAR_M)

@@ -12,6 +12,7 @@ from typing import Final
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.categories import registry
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.physics import Physics
@@ -84,7 +85,7 @@ def _publish(context: StageContext, assets: Iterable[RigidAsset]) -> dict[int, s
     Returns:
         The anchored path of its layer, by ``id`` of the asset.
     """
-    code = code_digest(__name__)
+    code = code_digest(__name__, *registry.modules())
     wanted: dict[int, str] = {}
     missing: dict[Path, RigidAsset] = {}
     for asset in assets:

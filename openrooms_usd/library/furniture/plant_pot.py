@@ -6,11 +6,22 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, Classes
+from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import sheet, tube
-from openrooms_usd.library.furniture.joinery import CategorySpec, Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    WIDE,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
 from openrooms_usd.library.furniture.posing import turned
 
 Array = NDArray[np.float64]
@@ -218,9 +229,35 @@ STYLES: Final = {
     "cactus": Style(cactus, lambda size: size[2] < 0.7, (0.15, 0.15, 0.28)),
 }
 
-SPECS: Final = {
-    "plant_pot": CategorySpec(
-        (0.5, 0.5, 0.9), (0.08, 0.08, 0.12), (1.6, 1.6, 2.6),
-        STYLES, "a plant in a pot",
+
+CATEGORY: Final = BuiltCategory(
+    description="a plant in a pot",
+    size=(0.5, 0.5, 0.9),
+    least=(0.08, 0.08, 0.12),
+    most=(1.6, 1.6, 2.6),
+    styles=STYLES,
+    spread=WIDE,
+    round=True,
+    alike=False,
+    support="floor",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.5, 60)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="plant plants flowerpot flower_pot potted_plant houseplant",
+    classes=Classes("flowerpot", "otherprop"),
+    synsets=("03991062",),
+    schemes=(
+        Scheme({ANY: "glaze", "stone": "pebble"}, weight=2.0),
+        Scheme({ANY: "terracotta", "stone": "pebble"}),
     ),
-}  # fmt: skip
+    makes=(
+        makes.row(f"pot {ANY}", makes.filled(900), "weight"),
+        makes.row("soil", makes.solid(1200), "common"),
+        makes.row("plant leaf stem", makes.solid(800), "common"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=0.05,
+)

@@ -1,0 +1,121 @@
+"""How the parts of things are made: solid, hollow with walls of some thickness, or filled.
+
+What is seen of a part is its surface. A table leg is wood all through, a toilet is a hollow of
+china, and a sofa's arm is air, foam and laths under cloth. Densities of fillings are those of the
+whole body, what is inside it and round it included. Where the library models both sides of one
+sheet of metal, each side has half of its thickness.
+
+Sources, by the keys that rows give as their reason:
+
+- ``board``: particleboard of 600 to 680 kg/m3 in boards of 16 to 19 mm (EN 312), of which painted
+  furniture is mostly made; MDF has 700 to 800 (EN 622-5).
+- ``foam``: polyurethane foam has 22 to 45 kg/m3 in cushions and mattresses (makers' guides), with
+  cover and interlining 35 to 60; pocket springs make a mattress 50 to 90.
+- ``sheet``: household and office steel is drawn from sheets of 0.5 to 0.9 mm, tubes of 1 to 2 mm.
+- ``china``: vitreous china has 2,300 to 2,400 kg/m3 and walls of 8 to 12 mm.
+- ``weight``: the density is chosen so that the whole weighs what such products weigh, as the record
+  of the category says (``weighs``): motors, transformers, batteries and weights are not modelled.
+- ``common``: what such parts usually measure.
+"""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from openrooms_usd.description.substances import Substance
+
+STEEL: Final = 7850.0
+BRASS: Final = 8500.0
+ALUMINIUM: Final = 2700.0
+CHINA: Final = 2400.0
+BOARD: Final = 650.0
+
+# The thickness of an open surface where a solid or filled body was expected, metres.
+_PANEL: Final = 0.01
+_PAD: Final = 0.05
+
+ANY: Final = "*"
+
+
+@dataclass(frozen=True)
+class Construction:
+    """How a part is made.
+
+    Attributes:
+        kind: ``solid`` of its material, a ``shell`` with nothing inside, or ``filled`` with more or
+            less of other things.
+        density: kg/m3; None for that of its own material.
+        wall: Metres: of a shell the thickness of its wall, of others that of a surface which
+            encloses nothing.
+    """
+
+    kind: Literal["solid", "shell", "filled"]
+    density: float | None = None
+    wall: float = _PANEL
+
+
+@dataclass(frozen=True)
+class Row:
+    """How parts of some kinds are made.
+
+    Attributes:
+        parts: Their kinds; `ANY` for all others, as those of models that name none.
+        construction: How they are made.
+        reason: A key of the module's sources.
+        substances: Only where they show one of these; empty for all.
+    """
+
+    parts: tuple[str, ...]
+    construction: Construction
+    reason: str
+    substances: tuple[Substance, ...] = ()
+
+
+def solid(density: float | None = None) -> Construction:
+    """A body of its material all through, or of some kg/m3."""
+    return Construction("solid", density)
+
+
+def walls(millimetres: float, density: float | None = None) -> Construction:
+    """A hollow with walls of its material, or of some kg/m3."""
+    return Construction("shell", density, millimetres / 1000.0)
+
+
+def filled(density: float) -> Construction:
+    """A body with more or less of other things in it, kg/m3."""
+    return Construction("filled", density, _PAD)
+
+
+def row(parts: str, made: Construction, reason: str, *substances: Substance) -> Row:
+    """How parts are made whose kinds are apart by blanks."""
+    return Row(tuple(parts.split()), made, reason, substances)
+
+
+# What several categories share.
+SEAT: Final = (row(f"frame back arm headboard {ANY}", filled(90), "weight", "fabric", "leather"),)
+STORAGE: Final = (row("base", filled(150), "common", "wood", "paint"),)
+TABLE: Final = (
+    row("door drawer_front drawer_box", walls(0.45), "sheet", "metal"),
+    row("frame base", walls(0.8), "sheet", "metal"),
+)
+COOKER: Final = (
+    row("base", filled(150), "weight"),
+    row("container", filled(160), "weight"),
+    row("door", filled(600), "weight"),
+    row("burner grate", solid(7200), "common"),
+)
+MACHINE: Final = (
+    row("glass screen", walls(5, 2500), "common"),
+    row("rack handle knob button", walls(1.5), "sheet", "metal", "plastic"),
+    row(
+        "container cooktop door drawer_box drawer_front drum frame lid panel top",
+        walls(0.4, STEEL),
+        "sheet",
+    ),
+)
+COOKER_REST: Final = (row(ANY, filled(150), "weight"),)
+LAMP: Final = (
+    row("leg", walls(1.5, STEEL), "sheet", "metal", "paint"),
+    row("light_bulb", walls(1.5, 2500), "common"),
+    row("lamp_shade", filled(600), "common"),
+    row(ANY, walls(1, STEEL), "sheet", "metal", "paint"),
+)

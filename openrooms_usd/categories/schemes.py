@@ -1,0 +1,64 @@
+"""Which finish each part of a category usually has, and what several categories share."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from openrooms_usd.categories.makes import ANY
+
+# Schemes say "metal"; one of these is drawn for the whole object.
+METAL: Final = "metal"
+METALS: Final = ("steel", "brass", "black")
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """Which finish the parts of a category have.
+
+    Attributes:
+        finishes: By part; `ANY` for all others that are not in `PARTS`.
+        needs: A part that the object must have, by which its build is recognised.
+        weight: How often it is chosen among those that fit.
+    """
+
+    finishes: Mapping[str, str] = field(default_factory=dict)
+    needs: str | None = None
+    weight: float = 1.0
+
+
+# Parts that several categories finish alike.
+HIDE: Final = {"seat_cushion": "hide", "back_cushion": "hide", "cushion": "hide"}
+TAP: Final = {"body": "chrome", "switch": "chrome"}
+DARK_TAP: Final = {"body": METAL, "switch": METAL, "spout": METAL, "drain": METAL}
+_HOT: Final = {"container": "cavity", "base": "black", "rack": "chrome", "handle": "steel"}
+
+CHAIRS: Final = (
+    Scheme({ANY: "wood"}, weight=3.0),
+    Scheme({ANY: "lacquer", "leg": "wood", "frame": "wood"}),
+    Scheme({ANY: "lacquer"}),
+    Scheme({ANY: "upholstery", "leg": "wood"}, needs="arm", weight=100.0),
+)
+TABLES: Final = (
+    Scheme({ANY: "wood"}, weight=3.0),
+    Scheme({ANY: METAL, "tabletop": "wood", "shelf": "wood"}),
+    Scheme({ANY: "white", "tabletop": "wood", "shelf": "wood"}),
+)
+STORAGE: Final = (
+    Scheme({ANY: "wood"}, weight=2.0),
+    Scheme({ANY: "white", "leg": "wood", "base": "white"}),
+    Scheme({ANY: "wood", "door": "lacquer", "drawer_front": "lacquer"}, needs="handle"),
+)
+LAMPS: Final = (
+    Scheme({ANY: METAL}, weight=2.0),
+    Scheme({ANY: METAL, "base": "ceramic"}),
+)
+SOCKETED: Final = (Scheme({ANY: METAL, "lamp_shade": "lacquer"}, needs="socket", weight=100.0),)
+COOKERS: Final = (
+    Scheme({ANY: "steel", **_HOT, "frame": "black"}, weight=2.0),
+    Scheme({ANY: "enamel", **_HOT, "knob": "enamel"}, weight=2.0),
+    Scheme({ANY: "screen", **_HOT, "frame": "black", "knob": "steel"}),
+)
+SCREENS: Final = (
+    Scheme({ANY: "black_plastic"}, weight=3.0),
+    Scheme({ANY: "black_plastic", "stand": "aluminium", "base": "aluminium", "foot": "aluminium"}),
+)
