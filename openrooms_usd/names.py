@@ -67,6 +67,9 @@ OPENROOMS45: Final = "openrooms45"  # the 45 classes of the released dataset
 NYU40: Final = "nyu40"  # the 40 classes of NYU Depth V2
 PART: Final = "part"  # semantic parts, named as PartNet does
 
+# The categories that the room itself is made of.
+SHELL: Final = frozenset({"ceiling", "door", "floor", "opening", "wall", "window"})
+
 # Name of the texture coordinates, in metres.
 ST: Final = "st"
 # Name of the second set, in 0..1 and without overlaps, for what is baked.

@@ -25,7 +25,6 @@ CHANNELS: Final[dict[str, str | None]] = {
     names.OPENROOMS45: "semantic",
     names.NYU40: "semantic_nyu40",
 }
-_SHELL: Final = frozenset({"ceiling", "door", "floor", "opening", "wall", "window"})
 
 
 def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
@@ -65,7 +64,7 @@ def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
         },
         "images": images,
         "categories": [
-            {"id": n, "name": c, "supercategory": "structure" if c in _SHELL else "object"}
+            {"id": n, "name": c, "supercategory": "structure" if c in names.SHELL else "object"}
             for c, n in numbers.items()
         ],
         "annotations": annotations,

@@ -18,6 +18,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.library.cads import Cad, folder_cads, furniture_cads, merged
 from openrooms_usd.library.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
+from openrooms_usd.names import SHELL
 from openrooms_usd.scan.models.cad import CadModel, Up
 from openrooms_usd.scan.placement.correcting import correction, moved_by
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
@@ -35,8 +36,6 @@ Array = NDArray[np.float64]
 
 # Objects that placement moved by more than this are counted aloud, metres.
 _FAR: Final = 0.01
-# Classes that the room itself is made of.
-_SHELL: Final = ("wall", "floor", "ceiling", "window", "door")
 
 
 def furnish(
@@ -120,7 +119,7 @@ class _Shelf:
         return {
             number: tuple(sorted(kind for kind in known if _means(kind, name)))
             for number, name in enumerate(NYU40)
-            if name not in (UNLABELED, *_SHELL)
+            if name not in (UNLABELED, *SHELL)
         }
 
     def _wanted(self) -> set[str]:
@@ -132,7 +131,7 @@ class _Shelf:
             labels = {NYU40[n] for n in np.unique(cloud.label).tolist() if n < len(NYU40)}
             hinted |= {name for name in CATEGORIES if class_of(name, "nyu40") in labels}
         kinds = {substitute(str(word), {}, 0.0) for word in hinted}
-        return {kind for kind in kinds if kind and kind in CATEGORIES and kind not in _SHELL}
+        return {kind for kind in kinds if kind and kind in CATEGORIES and kind not in SHELL}
 
     def hints(self, objects: Iterable[ScannedObject] | None) -> list[Hint] | None:
         """What the description knows, in the level frame."""

@@ -87,11 +87,13 @@ def test_no_table_of_categories_stands_beside_the_records() -> None:
     allowed = {
         NAME,
         "openrooms_usd/categories/others.py",
+        # The shell of rooms, which several stages leave alone.
+        "openrooms_usd/names.py",
         # The class lists of others, in their own words and numbers.
         "openrooms_usd/usd/taxonomies.py",
-        "converters/orusd_scans/sunrgbd_files.py",
+        "converters/orusd_scans/sunrgbd/files.py",
         # RoomPlan's words for the shell.
-        "converters/orusd_scans/roomplan_usdz.py",
+        "converters/orusd_scans/roomplan/usdz.py",
     }
     found = [
         place

@@ -74,7 +74,7 @@ def fingerprints(room: Room, folder: Path) -> dict[str, str]:
         ("openrooms_usd/stages/runner.py", ALL),
         ("openrooms_usd/usd/layers.py", ALL),
         ("openrooms_usd/draws.py", ALL),
-        ("openrooms_usd/geometry/windows.py", {"layout", "alignment", "lights", "physics"}),
+        ("openrooms_usd/geometry/windows.py", ALL),
         ("openrooms_usd/library/textures/rough_stone/brick.py", {"materials", "physics"}),
         ("openrooms_usd/library/textures/base/noise.py", {"materials", "physics"}),
         ("openrooms_usd/library/friction/table.npy", {"materials", "physics"}),
