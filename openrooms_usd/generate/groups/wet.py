@@ -1,8 +1,11 @@
 """Cooking and washing: appliances in rows, and what belongs into a bathroom."""
 
+from functools import cache
+
+from openrooms_usd.categories.record import given
 from openrooms_usd.generate.items import Group, Item, zone, zones
 from openrooms_usd.generate.kit import Kit
-from openrooms_usd.library.furniture import Size, category, styles
+from openrooms_usd.library.furniture import CATEGORIES, Size, category, styles
 
 _SEAM = 0.004
 _ON_COUNTERS = ("bottle", "jar", "bowl", "jar", "bottle")
@@ -35,13 +38,29 @@ def kitchen_row(
         x += size[0] + _SEAM
     on: list[Item] = []
     for counter in (item for item in items if item.category == "counter"):
-        if not top and kit.chance(0.4):
+        if not top and (appliance := _appliance(kit)):
             at = round(kit.rng.uniform(-0.1, 0.1) * counter.size[0], 2)
-            oven = kit.placed_on(counter, "microwave", at, 0.08, beside=[*items, *on, *above])
-            on += [oven] if oven else []
+            made = kit.placed_on(counter, appliance, at, 0.08, beside=[*items, *on, *above])
+            on += [made] if made else []
         on += kit.scattered(counter, top or _ON_COUNTERS, kit.whole(0, 3), [*items, *on, *above])
     before = zone(0.5 * x, -depth - 0.5, x, 0.9)
     return Group(title, (*items, *above, *on), zones([before]), ((0.5 * x, -depth - 0.5),))
+
+
+@cache
+def _appliances() -> dict[str, float]:
+    """What stands on worktops, and on which share of them."""
+    return {name: given(told.worktop, 0.0) for name, told in CATEGORIES.items()}
+
+
+def _appliance(kit: Kit) -> str | None:
+    """The appliance of one counter, if it has any."""
+    drawn = float(kit.rng.random())
+    for name, share in _appliances().items():
+        if drawn < share:
+            return name
+        drawn -= share
+    return None
 
 
 def _modules(kit: Kit) -> tuple[str, ...]:
