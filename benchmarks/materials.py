@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 
 from benchmarks.report import publish, table
 from benchmarks.textures import RESOLUTION, textures
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.surfaces import ior_of
 
 Array = NDArray[np.float64]
@@ -276,7 +277,7 @@ def start(materials: int, size: int, boxes: int) -> None:
         renderer = adapters.load(adapters.RENDERERS, "mitsuba")
         renderer.diagnose()
         began = time.perf_counter()
-        session = renderer.open(stage)
+        session = open_with(renderer, stage)
         opened = time.perf_counter()
         session.render(RenderRequest("/Camera", ("radiance",), 320, 240, samples=1))
         print(json.dumps([opened - began, time.perf_counter() - opened]))

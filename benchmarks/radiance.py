@@ -32,6 +32,7 @@ from openrooms_usd import adapters
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest, View, render_stage
 from openrooms_usd.render.denoise import GUIDES, load_denoiser
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.layers import open_stage
 
 VARIANTS: Final = ("cuda", "llvm", "scalar")
@@ -106,7 +107,9 @@ def usable(stage: Path) -> tuple[str, ...]:
 
 def _opens(stage: Path, variant: str) -> bool:
     try:
-        adapters.load(adapters.RENDERERS, "mitsuba").open(open_stage(stage), variant=variant)
+        open_with(
+            adapters.load(adapters.RENDERERS, "mitsuba"), open_stage(stage), {"variant": variant}
+        )
     except RenderError:
         return False
     return True
@@ -174,8 +177,8 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
     """Render every number of samples on one backend, and once the whole way through the driver."""
     stage, folder = Path(job["stage"]), Path(job["folder"])
     width, height = job["resolution"]
-    session = adapters.load(adapters.RENDERERS, "mitsuba").open(
-        open_stage(stage), variant=job["variant"]
+    session = open_with(
+        adapters.load(adapters.RENDERERS, "mitsuba"), open_stage(stage), {"variant": job["variant"]}
     )
     camera = job["camera"] or next(iter(session.cameras), None)
     pictures = []
@@ -205,12 +208,12 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
         cameras=[camera] if camera else [],
         resolution=(width, height),
         samples=64,
-        variant=job["variant"],
+        options={"variant": job["variant"]},
     ).timing
     (view,) = timing["views"].values()
     return {
         "variant": job["variant"],
-        "backend": session.backend,
+        "backend": session.session.backend,
         "pictures": pictures[1:],
         "share": (timing["translation"] + view["output"]) / view["render"],
         "translation_s": timing["translation"],

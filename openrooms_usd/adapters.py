@@ -1,6 +1,7 @@
 """Finds importers, renderers, exporters and datasets by entry point, ours and anybody's alike."""
 
 import difflib
+from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Final
 
@@ -58,6 +59,30 @@ def load(group: str, name: str) -> Any:
             remedy=f"pip install {error.name or 'the missing package'}",
         ) from error
     return factory()
+
+
+def check_options(
+    group: str, name: str, declared: Mapping[str, str], given: Mapping[str, str]
+) -> None:
+    """Refuse options that an adapter does not declare.
+
+    Args:
+        group: Its group.
+        name: The name under which it is registered.
+        declared: What may be asked of it, for people, by name.
+        given: What is asked.
+
+    Raises:
+        InputError: It has no such option.
+    """
+    for option in given:
+        if option not in declared:
+            known = ", ".join(sorted(declared)) or "none"
+            raise InputError(
+                f"the {_kind(group)} {name!r} has no option {option!r}",
+                place="options",
+                remedy=f"it has: {known}",
+            )
 
 
 def _kind(group: str) -> str:

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import adapters
-from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.untrusted import check_path
 
@@ -222,14 +221,7 @@ def checked_options(
     Raises:
         InputError: It knows no such option.
     """
-    for name in options:
-        if name not in importer.options:
-            known = ", ".join(sorted(importer.options)) or "none"
-            raise InputError(
-                f"the importer {kind!r} has no option {name!r}",
-                place="options",
-                remedy=f"it has: {known}",
-            )
+    adapters.check_options(adapters.IMPORTERS, kind, importer.options, options)
     paths = option_paths(importer)
     folder = base or Path()
     for name in paths & options.keys():

@@ -27,6 +27,21 @@ class Report:
         """Say what became of a prim."""
         self.rows.append((str(prim), outcome, reason))
 
+    def lose(self, reasons: Mapping[str, str]) -> None:
+        """Say what was lost of prims later on; those with an empty reason stay as they are.
+
+        Args:
+            reasons: By prim path; the prim has a row already.
+        """
+        left = dict(reasons)
+        for number in reversed(range(len(self.rows))):
+            prim, outcome, reason = self.rows[number]
+            # Of several rows of a prim the last one: the others tell of its parts.
+            if later := left.pop(prim, ""):
+                # What was skipped is not there to lose anything.
+                found: Outcome = "skipped" if outcome == "skipped" else "approximated"
+                self.rows[number] = prim, found, "; ".join(filter(None, (reason, later)))
+
     def count(self, outcome: Outcome) -> int:
         """How many rows have this outcome."""
         return sum(1 for _, found, _ in self.rows if found == outcome)

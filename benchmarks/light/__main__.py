@@ -41,6 +41,7 @@ from benchmarks.report import publish, table
 from openrooms_usd.channels import CHANNELS, each
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.estimates import relative_error
+from openrooms_usd.render.opened import open_with
 
 # References begin here; far from the seeds that are compared with them.
 _REFERENCE: Final = 1_000_000
@@ -123,7 +124,7 @@ def channels(quick: bool, folder: Path) -> Section:
 
     size, samples, many = ((24, 18), 4, 16) if quick else ((64, 48), 32, 512)
     stage = ROOMS["plain"].build(folder) if quick else generated("bedroom", 1, folder)
-    session = adapters.load(adapters.RENDERERS, "mitsuba").open(stage)
+    session = open_with(adapters.load(adapters.RENDERERS, "mitsuba"), stage)
     lit = [name for name, c in CHANNELS.items() if c.kind == "light" and _rendered(name)]
     rows = []
     for name in first(lit, quick, 3):
@@ -200,10 +201,10 @@ def _hemispheres(room: Room, grid: tuple[int, int]) -> Any:
     from dataclasses import replace
 
     from orusd_mitsuba.hemispheres import HemisphereFilm, coarse
-    from orusd_mitsuba.rays import RayTracer
+    from orusd_mitsuba.rays import MitsubaTracer
 
     seen = replace(room.camera, K=coarse(room.camera, room.size, grid))
-    tracer = RayTracer(room.scene, room.built)
+    tracer = MitsubaTracer(room.scene, room.built)
     return HemisphereFilm(room.scene, room.built, room.filing, tracer, seen, grid, 8)
 
 

@@ -93,9 +93,10 @@ class Room:
 
         mi.set_variant(variants.choose("auto").variant)
         mi.set_log_level(mi.LogLevel.Error)
+        from openrooms_usd.render.scene.sources import sources_of
+        from openrooms_usd.render.scene.translate import translate
         from orusd_mitsuba.build import Builder
-        from orusd_mitsuba.sources import Filing, sources_of
-        from orusd_mitsuba.translate import translate
+        from orusd_mitsuba.sources import Filing
 
         self.stage, self.size, self._bounces = stage, (width, height), bounces
         self.scene = translate(stage)

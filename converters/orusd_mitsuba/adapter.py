@@ -4,41 +4,45 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from openrooms_usd.channels import RENDERED
+from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.convert import Report
-from openrooms_usd.render.contract import Bsdf
+from openrooms_usd.render.contract import NO_OPTIONS
 from orusd_mitsuba import variants
 
 if TYPE_CHECKING:
     from pxr import Usd
 
+    from openrooms_usd.render.scene.arrays import Scene
     from orusd_mitsuba.session import MitsubaSession
 
 
 class MitsubaRenderer:
-    """Renders USD stages with Mitsuba 3: on an NVIDIA GPU, on the CPU by LLVM, or plainly."""
+    """Renders scenes with Mitsuba 3: on an NVIDIA GPU, on the CPU by LLVM, or plainly."""
 
-    channels: Final = RENDERED
+    channels: Final = tuple(name for name in RENDERED if CHANNELS[name].kind == "light")
 
-    def open(
-        self, stage: "Usd.Stage", *, variant: str = "auto", bsdf: Bsdf = "auto"
-    ) -> "MitsubaSession":
-        """Translate a stage, once.
+    options: Final[Mapping[str, str]] = {
+        "variant": "what computes: auto (the fastest that works here), cuda, llvm or scalar",
+        "bsdf": "how surfaces reflect: auto (as each material says; in scalar, which runs "
+        "OpenRooms' model some hundred times slower, preview), openrooms or preview",
+    }
+
+    def open(self, scene: "Scene", options: Mapping[str, str] = NO_OPTIONS) -> "MitsubaSession":
+        """Build a scene, once.
 
         Args:
-            stage: The composed stage.
-            variant: ``auto`` (the fastest that works here), ``cuda``, ``llvm`` or ``scalar``.
-            bsdf: How surfaces reflect. In ``scalar``, which runs OpenRooms' model some hundred
-                times slower, ``auto`` takes all as UsdPreviewSurface.
+            scene: The translated stage.
+            options: See `options`.
 
         Raises:
+            InputError: No reflectance model has that name.
             RenderError: The backend is not available.
             MissingPackageError: Mitsuba is not installed.
         """
-        chosen = variants.choose(variant)
+        chosen = variants.choose(options.get("variant", "auto"))
         from orusd_mitsuba.session import MitsubaSession
 
-        return MitsubaSession(stage, chosen, bsdf)
+        return MitsubaSession(scene, chosen, options.get("bsdf", "auto"))
 
     def diagnose(self) -> dict[str, str]:
         """What works on this machine, in words, by backend."""

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.hemisphere import Cells
-from orusd_mitsuba.pictures import Array
+from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.sources import Filing
 from orusd_mitsuba.transport import Ledger, power_heuristic, trace
 

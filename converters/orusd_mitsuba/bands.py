@@ -8,9 +8,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.build import load_sensor
-from orusd_mitsuba.pictures import Array
 from orusd_mitsuba.sensors import describe_sensor
 
 # Floats that one pass may file, 4 bytes each, and paths that may be in flight.

@@ -5,6 +5,9 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
+from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.render.scene.pictures import Array, Picture
+from openrooms_usd.render.scene.surfaces import Surface
 from orusd_mitsuba import material_table, openrooms_bsdf, portals
 from orusd_mitsuba.descriptions import (
     Description,
@@ -15,9 +18,6 @@ from orusd_mitsuba.descriptions import (
 )
 from orusd_mitsuba.light_choice import LightWeights, brightest_beam, light_weights
 from orusd_mitsuba.material_table import MaterialTable
-from orusd_mitsuba.pictures import Array, Picture
-from orusd_mitsuba.scene import Environment, Patch, Scene
-from orusd_mitsuba.surfaces import Surface
 
 
 class Builder:

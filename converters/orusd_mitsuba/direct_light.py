@@ -16,17 +16,18 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.sources import Source
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bands import Band, BandedFilm
 from orusd_mitsuba.closed_form import factor
 from orusd_mitsuba.control_variate import TALLIED
 from orusd_mitsuba.lamp_faces import LampFaces
-from orusd_mitsuba.pictures import Array
 from orusd_mitsuba.receiver import Receiver, receive, unblocked
 from orusd_mitsuba.rectangles import Rectangles
-from orusd_mitsuba.scene import Scene
 from orusd_mitsuba.sky_light import Sky
-from orusd_mitsuba.sources import Filing, Source
+from orusd_mitsuba.sources import Filing
 from orusd_mitsuba.tallies import Tallies
 
 White = Callable[[Any], Any]

@@ -14,16 +14,17 @@ from openrooms_usd import atomic
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
+from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
+from openrooms_usd.render.scene.models import with_model
+from openrooms_usd.render.scene.pictures import Picture
+from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd import imagefile
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
 from orusd_mitsuba.descriptions import Description, describe_area, describe_bsdf, describe_sun
 from orusd_mitsuba.light_choice import light_weights
-from orusd_mitsuba.pictures import Picture
 from orusd_mitsuba.ply import ply_bytes
-from orusd_mitsuba.resolution import stage_resolution
-from orusd_mitsuba.scene import Environment, Patch, Scene
-from orusd_mitsuba.sensors import clipping_loss, describe_sensor
-from orusd_mitsuba.translate import translate
+from orusd_mitsuba.sensors import describe_sensor
 from orusd_mitsuba.xml_text import scene_text
 
 # Nearer to the origin than this, single precision still resolves a twentieth of a millimetre.
@@ -51,7 +52,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
         raise InputError(f"the Mitsuba exporter has no option {known}", remedy="leave it away")
     file = destination if destination.suffix == ".xml" else destination / "scene.xml"
     # What loads the file knows Mitsuba's own plugins alone.
-    scene = translate(stage, "preview")
+    scene = with_model(translate(stage), "preview")
     with atomic.filling(file.parent) as folder:
         _write_scene(stage, scene, folder / file.name)
     return scene.report

@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, surface_frames, tiled
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.first_hits import Hits, first_hits
+from openrooms_usd.render.scene.ground_truth import GroundTruth
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.arriving import Arriving, Points
-from orusd_mitsuba.first_hits import Hits, first_hits
-from orusd_mitsuba.ground_truth import GroundTruth
-from orusd_mitsuba.pictures import Array
-from orusd_mitsuba.rays import RayTracer
-from orusd_mitsuba.scene import Scene
 from orusd_mitsuba.sources import Filing
 
 PLANES: Final = ("environment_direct", "environment")

@@ -10,9 +10,9 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.render.scene.pictures import Array, Picture
 from openrooms_usd.usd.photometry import luminance
-from orusd_mitsuba.pictures import Array, Picture
-from orusd_mitsuba.scene import Environment, Patch, Scene
 
 # The part of the samples that is spread evenly over all lights.
 _EVEN: Final = 0.25

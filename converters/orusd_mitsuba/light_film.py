@@ -6,9 +6,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bands import Band, BandedFilm
-from orusd_mitsuba.pictures import Array
 from orusd_mitsuba.sources import Filing
 from orusd_mitsuba.spread import FirstNumbers
 from orusd_mitsuba.transport import KINDS, Ledger, trace

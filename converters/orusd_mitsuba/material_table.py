@@ -16,10 +16,10 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.scene.pictures import Picture, Value
+from openrooms_usd.render.scene.surfaces import Surface
 from orusd_mitsuba.descriptions import transmitted
 from orusd_mitsuba.openrooms_bsdf import Matter
-from orusd_mitsuba.pictures import Picture, Value
-from orusd_mitsuba.surfaces import Surface
 
 _PICTURED: Final = ("base_color", "roughness", "metallic", "normal")
 _WRAPS: Final = ("repeat", "mirror", "clamp")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from orusd_mitsuba.pictures import Array
-from orusd_mitsuba.scene import Triangles
+from openrooms_usd.render.scene.arrays import Triangles
+from openrooms_usd.render.scene.pictures import Array
 
 _HEADER = """ply
 format binary_little_endian 1.0

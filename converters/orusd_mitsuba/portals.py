@@ -14,9 +14,9 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 
+from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.portals import Portal
 from orusd_mitsuba.light_choice import Beam
-from orusd_mitsuba.pictures import Array
 
 # How many of the samples go through the portals.
 _SHARE: Final = 0.9

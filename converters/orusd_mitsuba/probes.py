@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from openrooms_usd.geometry.hemisphere import PANORAMA, Cells
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.probes import ProbeRequest
+from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.arriving import Arriving, Points
-from orusd_mitsuba.pictures import Array
 from orusd_mitsuba.sampling import Sampler
 from orusd_mitsuba.sources import Filing
 

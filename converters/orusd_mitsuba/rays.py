@@ -1,4 +1,4 @@
-"""Which triangle a ray meets first."""
+"""Which triangle a ray meets first, by Mitsuba's own ray tracer."""
 
 from typing import Any, Final
 
@@ -7,21 +7,19 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.pinhole import pixel_directions
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.rays import RayTracer, Rows
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.build import load_sensor
-from orusd_mitsuba.pictures import Array
-from orusd_mitsuba.scene import Scene
 from orusd_mitsuba.sensors import describe_sensor
-
-Rows = NDArray[np.int64]
 
 # Rays in flight at once: some 100 bytes each.
 _BATCH: Final = 1 << 22
 
 
-class RayTracer:
-    """Finds triangles of a `Scene` by the ray tracer of the active variant.
+class MitsubaTracer(RayTracer):
+    """Finds triangles of a `Scene` by the ray tracer of the active variant, now and later.
 
     Args:
         scene: The arrays.
@@ -31,32 +29,20 @@ class RayTracer:
     def __init__(self, scene: Scene, built: Any) -> None:
         self._scene = scene
         self._built = built
+        self._variant = str(mi.variant())
 
     def pixels(self, camera: PinholeCamera, width: int, height: int) -> Rows:
-        """The triangle in the centre of each pixel.
-
-        Returns:
-            (height, width) rows of ``scene.triangles``; -1 where there is nothing.
-        """
+        """See `openrooms_usd.render.scene.rays.RayTracer.pixels`."""
+        mi.set_variant(self._variant)
         if not len(self._scene.triangles):
             return np.full((height, width), -1)
         if not _is_vectorized():
             return self._by_film(camera, width, height)
-        R, eye = camera.world_from_camera[:3, :3], camera.world_from_camera[:3, 3]
-        directions = (pixel_directions(camera.K, width, height) @ R.T).reshape(-1, 3)
-        origins = np.broadcast_to(eye, directions.shape)
-        return self.rays(origins, directions).reshape(height, width)
+        return super().pixels(camera, width, height)
 
     def rays(self, origins: Array, directions: Array) -> Rows:
-        """The first triangle along each ray; best for few rays where nothing is vectorized.
-
-        Args:
-            origins: (R, 3) world, metres.
-            directions: (R, 3) of any length.
-
-        Returns:
-            (R,) rows of ``scene.triangles``; -1 where there is nothing.
-        """
+        """See `RayTracer.rays`; best for few rays where nothing is vectorized."""
+        mi.set_variant(self._variant)
         local = (origins - self._scene.origin).astype(np.float32)
         ahead = directions.astype(np.float32)
         if not _is_vectorized():

@@ -7,8 +7,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from orusd_mitsuba.pictures import Array
-from orusd_mitsuba.sources import Source
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.sources import Source
 
 # A ray that runs along a rectangle does not cross it.
 _GRAZING: Final = 1e-6

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render import RenderRequest, estimates
-from orusd_mitsuba.pictures import Array
+from openrooms_usd.render.scene.pictures import Array
 
 # When an error is asked for: samples to begin with, and where to give up.
 _FIRST: Final = 16

@@ -4,35 +4,16 @@ import math
 from typing import Final
 
 import numpy as np
-from pxr import Usd, UsdGeom
 
+from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
-from openrooms_usd.usd.frames import TIME
 from orusd_mitsuba.descriptions import Description
-from orusd_mitsuba.pictures import Array
 
 # OpenCV axes (right, down, forward) in Mitsuba's camera axes (left, up, forward), and back.
 _FLIP: Final = np.diag([-1.0, -1.0, 1.0, 1.0])
 # Nothing is cut away in front of a camera: clipping planes belong to rasterizers.
 _NEAR: Final = 1e-3
 _FAR: Final = 1e6
-# Where a camera's own near plane begins to matter, metres: nearer things are hardly ever there.
-_CLOSE: Final = np.float32(0.1)
-
-
-def clipping_loss(prim: Usd.Prim) -> str:
-    """What is lost because a camera's clipping range is left out; empty where that is nothing.
-
-    Args:
-        prim: A ``UsdGeom.Camera``.
-    """
-    clipping = UsdGeom.Camera(prim).GetClippingRangeAttr()
-    if not clipping.HasAuthoredValue():
-        return ""
-    near = clipping.Get(TIME)[0] * UsdGeom.GetStageMetersPerUnit(prim.GetStage())
-    if np.float32(near) <= _CLOSE:
-        return ""
-    return f"clipping is left out: what is nearer than {near:.3g} m is seen too"
 
 
 def describe_sensor(

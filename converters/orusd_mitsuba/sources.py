@@ -7,50 +7,16 @@ is nearest to the sky. What comes in past all of them, through an open ceiling f
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final, Literal
+from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.sources import GRAZING, Source
 from openrooms_usd.usd.portals import Portal
-from orusd_mitsuba.pictures import Array
-from orusd_mitsuba.scene import Scene
-
-ELSEWHERE: Final = "elsewhere"
-# A ray that runs along a rectangle does not cross it.
-_GRAZING: Final = 1e-6
-
-
-@dataclass(frozen=True)
-class Source:
-    """A light that ground truth is given for.
-
-    Attributes:
-        path: The prim of the lamp's object or of the portal; empty for `ELSEWHERE`.
-        kind: A lamp emits by itself, an opening lets the surroundings in.
-        patches: Numbers of the emitting patches of a lamp.
-        portal: The rectangle of an opening.
-    """
-
-    path: str
-    kind: Literal["lamp", "opening", "elsewhere"]
-    patches: tuple[int, ...] = ()
-    portal: Portal | None = None
-
-
-def sources_of(scene: Scene) -> tuple[Source, ...]:
-    """The lights of a scene: lamps by object, openings by portal, and the rest."""
-    lamps: dict[str, list[int]] = {}
-    for number, patch in enumerate(scene.patches):
-        if patch.radiance is not None:
-            piece = scene.pieces[int(patch.triangles.pieces[0])]
-            lamps.setdefault(scene.legend.instance[piece.instance], []).append(number)
-    found = [Source(path, "lamp", tuple(patches)) for path, patches in lamps.items()]
-    found += [Source(portal.path, "opening", portal=portal) for portal in scene.portals]
-    return (*found, Source("", ELSEWHERE))
 
 
 class Filing:
@@ -143,7 +109,7 @@ class Rectangle:
     def meet(self, origin: Any, direction: Any) -> tuple[Any, Any]:
         """Where a ray meets the plane, and whether it leaves through the rectangle there."""
         cosine = dr.dot(direction, self._outwards)
-        outwards = cosine > _GRAZING
+        outwards = cosine > GRAZING
         t = dr.dot(self._center - origin, self._outwards) / dr.select(outwards, cosine, 1.0)
         at = origin + direction * t - self._center
         right, up = self._half

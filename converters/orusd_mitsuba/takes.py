@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba import hemispheres
 from orusd_mitsuba.control_variate import TALLIED, finish
-from orusd_mitsuba.pictures import Array
 from orusd_mitsuba.sampling import Halves, Pick, Sampler
 from orusd_mitsuba.transport import KINDS
 

@@ -11,10 +11,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.surfaces import Surface
 from orusd_mitsuba.build import Builder
-from orusd_mitsuba.scene import Scene
 from orusd_mitsuba.sources import registered
-from orusd_mitsuba.surfaces import Surface
 
 
 def whitened(surface: Surface) -> Surface:

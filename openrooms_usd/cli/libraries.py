@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.renderer import renderer_options
 
 
 @click.group()
@@ -57,8 +58,7 @@ def list_(as_json: bool) -> None:
 @click.option(
     "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
 )
-@click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
-@click.option("--renderer", default="mitsuba", show_default=True)
+@renderer_options(variant="The backend: auto, cuda, llvm or scalar.")
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (needs the extra 'denoise').")
 @json_option
 def sheet(
@@ -68,8 +68,8 @@ def sheet(
     seed: int,
     size: int,
     spp: int,
-    variant: str,
     renderer: str,
+    options: dict[str, str],
     denoise: bool,
     as_json: bool,
 ) -> None:
@@ -81,7 +81,7 @@ def sheet(
     shown = exhibits(categories, every_style=every_style)
     with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
         draw_sheet(
-            out, shown, seed=seed, size=size, samples=spp, renderer=renderer, variant=variant,
+            out, shown, seed=seed, size=size, samples=spp, renderer=renderer, options=options,
             denoise=denoise, progress=progress,
         )  # fmt: skip
     if as_json:

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.renderer import renderer_options
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 
 Position = tuple[float, float, float]
@@ -91,8 +92,7 @@ def relight(
               help="Paths for each pixel.")  # fmt: skip
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
-@click.option("--variant", default="auto", show_default=True, help="cuda or llvm.")
-@click.option("--renderer", default="mitsuba", show_default=True)
+@renderer_options(variant="The backend: auto, cuda or llvm.")
 @json_option
 def probe(
     stage: Path,
@@ -103,8 +103,8 @@ def probe(
     spp: int,
     seed: int,
     bounces: int,
-    variant: str,
     renderer: str,
+    options: dict[str, str],
     as_json: bool,
 ) -> None:
     """Make light probes in a USD stage, for real-time engines.
@@ -118,7 +118,7 @@ def probe(
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
         found = probe_stage(
             stage, out, at=at, at_openings=openings, resolution=resolution, samples=spp, seed=seed,
-            bounces=bounces, renderer=renderer, variant=variant, progress=progress,
+            bounces=bounces, renderer=renderer, options=options, progress=progress,
         )  # fmt: skip
     if as_json:
         print_json(found)

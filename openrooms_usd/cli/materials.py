@@ -7,6 +7,7 @@ from typing import get_args
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.renderer import renderer_options
 from openrooms_usd.description.substances import Substance
 
 _SUBSTANCES = click.Choice(get_args(Substance))
@@ -62,8 +63,7 @@ def list_(as_json: bool) -> None:
     "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
 )
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (extra denoise).")
-@click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
-@click.option("--renderer", default="mitsuba", show_default=True)
+@renderer_options(variant="The backend: auto, cuda, llvm or scalar.")
 @json_option
 def sheet(
     out: Path,
@@ -72,8 +72,8 @@ def sheet(
     size: int,
     spp: int,
     denoise: bool,
-    variant: str,
     renderer: str,
+    options: dict[str, str],
     as_json: bool,
 ) -> None:
     """Draw every family on a lit ball and on a floor."""
@@ -84,7 +84,7 @@ def sheet(
     with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
         files = draw_material_sheets(
             out, substances, number=number, size=size, samples=spp, renderer=renderer,
-            variant=variant, denoise=denoise, progress=progress,
+            options=options, denoise=denoise, progress=progress,
         )  # fmt: skip
     if as_json:
         print_json({"files": [str(file) for file in files]})

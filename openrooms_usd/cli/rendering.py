@@ -3,12 +3,13 @@
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES, Bsdf
+from openrooms_usd.cli.renderer import renderer_options
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES
 
 if TYPE_CHECKING:
     from openrooms_usd.render import RenderSummary
@@ -46,14 +47,9 @@ def _resolution(
 @click.option("--time", "seconds", type=float, help="Stop each view after these seconds.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
-@click.option("--variant", default="auto", show_default=True, help="cuda, llvm or scalar.")
-@click.option("--renderer", default="mitsuba", show_default=True)
-@click.option(
-    "--bsdf",
-    type=click.Choice(get_args(Bsdf)),
-    default="auto",
-    show_default=True,
-    help="auto: OpenRooms' model where a material carries it, else UsdPreviewSurface.",
+@renderer_options(
+    variant="The backend: auto, cuda, llvm or scalar.",
+    bsdf="How surfaces reflect: auto, openrooms or preview.",
 )
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @click.option(
@@ -74,9 +70,8 @@ def render(
     seconds: float | None,
     seed: int,
     bounces: int,
-    variant: str,
     renderer: str,
-    bsdf: Bsdf,
+    options: dict[str, str],
     denoise: bool,
     root: Path | None,
     as_json: bool,
@@ -110,8 +105,7 @@ def render(
             seed=seed,
             bounces=bounces,
             renderer=renderer,
-            variant=variant,
-            bsdf=bsdf,
+            options=options,
             denoise=denoise,
             progress=progress,
         )

@@ -8,13 +8,13 @@ render and ``run`` what it has written; the other modules are the files: ``exr``
 
 from openrooms_usd.render.contract import (
     Image,
-    Legend,
     Renderer,
     RenderRequest,
     RenderSession,
     View,
 )
 from openrooms_usd.render.driver import RenderSummary, render_stage
+from openrooms_usd.render.scene.legend import Legend
 
 __all__ = [
     "Image",

@@ -1,27 +1,28 @@
-"""The contract between the driver and whatever renders: a request goes in, arrays come out."""
+"""The contract between the core and whatever renders: a scene goes in, images come out."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final, Literal, Protocol
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.convert import Report
 from openrooms_usd.render.estimates import Halves
-from openrooms_usd.render.lights import LightRecord
 
 if TYPE_CHECKING:
-    from pxr import Usd
+    from openrooms_usd.render.scene.arrays import Scene
+    from openrooms_usd.render.scene.rays import RayTracer
+    from openrooms_usd.usd.cameras import PinholeCamera
 
 DEFAULT_BOUNCES: Final = 7
 DEFAULT_SAMPLES: Final = 64
-DEFAULT_RESOLUTION: Final = (640, 480)
 DEFAULT_GRID: Final = (160, 120)
 
-Bsdf = Literal["auto", "openrooms", "preview"]
-"""How surfaces reflect: as each material says, all by OpenRooms' microfacet model, or all as
-UsdPreviewSurface."""
+NO_OPTIONS: Final[Mapping[str, str]] = MappingProxyType({})
+
+ViewProgress = Callable[[float], None]
+"""Called with the finished fraction of a view, from 0 to 1."""
 
 
 @dataclass(frozen=True)
@@ -102,29 +103,8 @@ class View:
     images: Mapping[str, Image]
 
 
-@dataclass(frozen=True)
-class Legend:
-    """What the numbers in the label channels mean.
-
-    Attributes:
-        semantic: Number to OpenRooms-45 class name.
-        semantic_nyu40: Number to NYU-40 class name.
-        instance: Number to prim path.
-        part: Number to prim path.
-        material: Number to prim path.
-        category: Number of an instance to our category name.
-    """
-
-    semantic: Mapping[int, str] = field(default_factory=dict)
-    semantic_nyu40: Mapping[int, str] = field(default_factory=dict)
-    instance: Mapping[int, str] = field(default_factory=dict)
-    part: Mapping[int, str] = field(default_factory=dict)
-    material: Mapping[int, str] = field(default_factory=dict)
-    category: Mapping[int, str] = field(default_factory=dict)
-
-
 class RenderSession(Protocol):
-    """A stage that was opened once by a renderer."""
+    """A scene that a renderer has opened once."""
 
     backend: str
     """What computes, for the record: such as ``mitsuba 3.9.1 llvm_ad_rgb``."""
@@ -132,31 +112,33 @@ class RenderSession(Protocol):
     advice: str
     """What would make it faster on this machine, for people; empty when nothing would."""
 
-    bsdf: Bsdf
-    """How surfaces reflect, which may be less than was asked for: the report says so."""
+    settings: Mapping[str, str]
+    """What was chosen for its options, for the manifest, as far as the picture depends on it."""
 
-    cameras: tuple[str, ...]
-    """Prim paths of the stage's cameras, sorted."""
+    conventions: Mapping[str, str]
+    """What its numbers mean where the table of channels does not say, for the manifest."""
 
-    resolution: tuple[int, int]
-    """Width and height that the stage's render settings ask for, or `DEFAULT_RESOLUTION`."""
-
-    legend: Legend
-
-    lights: tuple[LightRecord, ...]
-    """The lights that channels of the scope ``light`` are given for, by their numbers."""
-
-    report: Report
-    """What became of every prim; rendering may add what became of a camera's picture."""
+    tracer: "RayTracer | None"
+    """Finds the triangles of the exact channels; None leaves it to the core's ray caster."""
 
     def render(
-        self, request: RenderRequest, progress: Callable[[float], None] = lambda fraction: None
-    ) -> View:
+        self,
+        camera: "PinholeCamera",
+        request: RenderRequest,
+        progress: ViewProgress = lambda fraction: None,
+    ) -> Mapping[str, Image]:
         """Render one camera.
 
+        What is worth saying of the picture goes into the scene's report.
+
         Args:
-            request: What to render.
+            camera: What sees the scene, for the request's size.
+            request: What to render; its channels are among those that the renderer names.
             progress: Called with the finished fraction, from 0 to 1.
+
+        Returns:
+            An image for each channel; of a channel of every light one for each light, named by
+            `openrooms_usd.channels.numbered`.
 
         Raises:
             RenderError: The renderer cannot do it.
@@ -165,22 +147,28 @@ class RenderSession(Protocol):
 
 
 class Renderer(Protocol):
-    """Renders USD stages; registered as an entry point ``openrooms_usd.renderers``."""
+    """Renders scenes; registered as an entry point ``openrooms_usd.renderers``.
+
+    It gives light. Geometry, materials and labels are made by the core for every renderer, by one
+    exact ray through each pixel's centre (`openrooms_usd.render.opened.EXACT`).
+    """
 
     channels: tuple[str, ...]
-    """The names of the channels that it can give."""
+    """The names of the channels that its sessions give."""
 
-    def open(
-        self, stage: "Usd.Stage", *, variant: str = "auto", bsdf: Bsdf = "auto"
-    ) -> RenderSession:
-        """Translate a stage, once.
+    options: Mapping[str, str]
+    """What may be asked of it: for people, by name."""
+
+    def open(self, scene: "Scene", options: Mapping[str, str] = NO_OPTIONS) -> RenderSession:
+        """Make what renders a scene, once.
 
         Args:
-            stage: The composed stage. Any stage: ours, or one that follows none of our names.
-            variant: ``auto``, or a backend of this renderer.
-            bsdf: How surfaces reflect.
+            scene: A translated stage: triangles, surfaces, lights, in world metres.
+            options: Values by the names that `options` declares.
 
         Raises:
+            InputError: An option has no such value.
             RenderError: The backend is not available.
+            MissingPackageError: The renderer needs a package that is not installed.
         """
         ...

@@ -10,10 +10,17 @@ from openrooms_usd import adapters, claims, ledger
 from openrooms_usd.channels import each
 from openrooms_usd.convert import add_missing
 from openrooms_usd.progress import Progress, part, silent
-from openrooms_usd.render import folder, manifest, shading
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, Bsdf, Renderer, View
+from openrooms_usd.render import folder, manifest
+from openrooms_usd.render.contract import (
+    DEFAULT_BOUNCES,
+    DEFAULT_GRID,
+    NO_OPTIONS,
+    Renderer,
+    View,
+)
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
-from openrooms_usd.render.friction import FRICTION, FrictionMap, derivable, read_materials
+from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
+from openrooms_usd.render.given import available, rendered
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 from openrooms_usd.render.shading import Shading
@@ -57,8 +64,7 @@ def render_stage(
     seed: int = 0,
     bounces: int = DEFAULT_BOUNCES,
     renderer: str = "mitsuba",
-    variant: str = "auto",
-    bsdf: Bsdf = "auto",
+    options: Mapping[str, str] = NO_OPTIONS,
     denoise: bool = False,
     progress: Progress = silent,
 ) -> RenderSummary:
@@ -85,9 +91,7 @@ def render_stage(
         seed: Fixes every random number.
         bounces: At most this many scatterings on the way from a light to the camera.
         renderer: A registered renderer.
-        variant: ``auto``, or a backend of the renderer.
-        bsdf: How surfaces reflect: as each material says (``auto``), all by OpenRooms' model, or
-            all as UsdPreviewSurface.
+        options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to write the denoised radiance beside the raw one.
         progress: Called with the view's name and the finished fraction of the whole run.
 
@@ -95,19 +99,22 @@ def render_stage(
         What was written.
 
     Raises:
-        InputError: The stage is unreadable, a name is unknown or a number is absurd.
+        InputError: The stage is unreadable, a name is unknown, a number is absurd, or nobody gives
+            a channel with this renderer.
         MissingPackageError: The denoiser is asked for and not installed.
         OutputError: The folder cannot be written.
         RenderError: The renderer cannot do it.
     """
+    from openrooms_usd.render.opened import open_with
     from openrooms_usd.usd.cameras import photograph
     from openrooms_usd.usd.diagnostics import reading
     from openrooms_usd.usd.layers import open_stage
 
     # 1. Refuse what cannot work before anything slow begins.
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
+    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
     request = plan(
-        choose_channels(channels, _available(adapter.channels)),
+        choose_channels(channels, available(adapter.channels)),
         resolution,
         samples=samples,
         error=error,
@@ -116,7 +123,7 @@ def render_stage(
         bounces=bounces,
         grid=grid,
     )
-    denoiser = load_denoiser(adapter.channels) if denoise else None
+    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
     asked = written = request.channels
     if denoiser:
         request = replace(request, channels=denoiser.needs(asked))
@@ -136,33 +143,33 @@ def render_stage(
         stage = open_stage(path)
         began = time.perf_counter()
         with reading(path):
-            session = adapter.open(stage, variant=variant, bsdf=bsdf)
-            add_missing(session.report, stage)
+            opened = open_with(adapter, stage, options)
+            add_missing(opened.report, stage)
         translation = time.perf_counter() - began
-        request = sized(request, resolution or session.resolution)
-        views = choose_cameras(cameras, session.cameras)
+        request = sized(request, resolution or opened.resolution)
+        views = choose_cameras(cameras, opened.cameras)
         folder.check_replaceable(out, views)
         listed = replace(request, channels=written)
-        lights = len(session.lights)
+        lights = len(opened.lights)
         folder.check_space(out, raw_bytes(listed, lights))
 
         # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
-        entry = manifest.run_entry(path, renderer, session, listed)
+        entry = manifest.run_entry(path, renderer, opened, listed)
         if denoiser:
             entry["denoiser"] = denoiser.entry()
         friction = None
         if FRICTION in asked:
-            friction = FrictionMap(read_materials(stage, session.legend.material))
+            friction = FrictionMap(read_materials(stage, opened.legend.material))
             entry["friction"] = friction.entry()
-        run = Run(out, entry, session.report, kept, session.lights)
+        run = Run(out, entry, opened.report, kept, opened.lights)
         run.timing |= {
-            "machine": manifest.machine_entry(session.backend),
+            "machine": manifest.machine_entry(opened.session.backend),
             "translation": translation,
         }
         for index, (name, camera) in enumerate(views.items()):
             share = part(progress, name, index, len(views))
             began = time.perf_counter()
-            view = session.render(replace(request, camera=camera), share)
+            view = opened.render(replace(request, camera=camera), share)
             took = time.perf_counter() - began
             if Shading.makes(asked):
                 view = Shading.complete(view, each(before_shading, lights))
@@ -174,12 +181,7 @@ def render_stage(
                 view = _without_halves(view)
             shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
             run.add(name, view, listed, took, shown)
-    return RenderSummary(out, run.manifest, run.timing, session.advice, tuple(run.stay))
-
-
-def _available(given: tuple[str, ...]) -> tuple[str, ...]:
-    """What a renderer gives, and what can be made of it."""
-    return (*given, *derivable(given), *shading.derivable(given))
+    return RenderSummary(out, run.manifest, run.timing, opened.session.advice, tuple(run.stay))
 
 
 def _without_halves(view: View) -> View:

@@ -1,16 +1,14 @@
-"""What is known of a light that ground truth is given for, in the world and in a camera."""
+"""The lights of a scene as one camera has them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.rle import tight_box
+from openrooms_usd.render.scene.lights import LightRecord, plain
 
-LightKind = Literal["lamp", "opening", "elsewhere"]
-LobeName = Literal["sun", "sky", "ground"]
 Array = NDArray[np.float64]
 
 # Nearer to the camera's plane nothing is projected, metres.
@@ -22,70 +20,6 @@ _CORNERS: Final = np.array(
     [[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]
 )
 _EDGES: Final = np.array([[i, i | bit] for i in range(8) for bit in (1, 2, 4) if not i & bit])
-
-
-@dataclass(frozen=True, eq=False)
-class Gaussian:
-    """A spherical Gaussian, ``amplitude exp(sharpness (axis . d - 1))``, part of a fit.
-
-    Attributes:
-        name: What it stands for: ``sun``, ``sky`` or ``ground``.
-        amplitude: (3,) nits along its axis.
-        axis: (3,) unit vector in the world.
-        sharpness: From 0, which is even.
-    """
-
-    name: str
-    amplitude: Array
-    axis: Array
-    sharpness: float
-
-
-@dataclass(frozen=True, eq=False)
-class LightRecord:
-    """A light, by the number under which channels are filed.
-
-    Attributes:
-        number: From 0.
-        name: For people and options; unique.
-        path: Its prim: a lamp's object or a portal; empty for ``elsewhere``.
-        kind: A lamp emits by itself, an opening lets the surroundings in, ``elsewhere`` is what
-            comes in past all openings.
-        on: Whether it gives any light.
-        world_from_box: (4, 4) a rigid motion: the middle and the axes of its box, metres. Of a lamp
-            its emitting faces' box along the object's axes; of an opening x runs along its width, y
-            along its height, z outwards.
-        size: (3,) of the box along its axes, metres; an opening's third is 0.
-        radiance: (3,) mean over the emitting faces, nits; of an opening the mean of the
-            surroundings over the directions that come in, by their cosine.
-        lumen: Luminous flux that it sends into the room if nothing stands in its way.
-        kelvin: Colour temperature that the stage gives; None where it gives none.
-        instance: The lamp's object in the channel ``instance``; 0 for openings.
-        gaussians: A fit of the surroundings as an opening sees them: sun, sky, ground.
-        fit_error: RMS of that fit over the RMS of the surroundings, on the outward hemisphere.
-        environment: (height, 2 height, 3) float32, what an opening's centre sees of the
-            surroundings, nits, as the texture of a dome whose pole is the world's Z.
-    """
-
-    number: int
-    name: str
-    path: str
-    kind: LightKind
-    on: bool
-    world_from_box: Array
-    size: Array
-    radiance: Array
-    lumen: float
-    kelvin: float | None = None
-    instance: int = 0
-    gaussians: tuple[Gaussian, ...] = ()
-    fit_error: float | None = None
-    environment: NDArray[np.float32] | None = None
-
-    def as_dict(self) -> dict[str, Any]:
-        """The record as plain data, without its picture."""
-        names = (field.name for field in fields(self) if field.name != "environment")
-        return {name: _plain(getattr(self, name)) for name in names}
 
 
 def view_lights(
@@ -125,8 +59,8 @@ def _in_view(
     entry: dict[str, Any] = {"number": record.number}
     if record.kind != "elsewhere":
         pose = camera_from_world @ record.world_from_box
-        entry["camera_from_box"] = _plain(pose)
-        entry["opengl_from_box"] = _plain(_OPENGL @ pose)
+        entry["camera_from_box"] = plain(pose)
+        entry["opengl_from_box"] = plain(_OPENGL @ pose)
         corners = (_CORNERS * record.size) @ pose[:3, :3].T + pose[:3, 3]
         entry["box2d_projected"] = _projected(corners[_EDGES], K, size)
     if record.number in masks:
@@ -149,13 +83,3 @@ def _projected(edges: Array, K: Array, size: tuple[int, int]) -> list[float]:
     inside = bool((places.max(axis=0) > 0.0).all() and (places.min(axis=0) < size).all())
     box: list[float] = np.round([*low, *high], 3).tolist()
     return box if inside else []
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, tuple):
-        return [_plain(item) for item in value]
-    if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: _plain(getattr(value, field.name)) for field in fields(value)}
-    return value

@@ -10,14 +10,14 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, names
 from openrooms_usd.channels import CHANNELS, definition, numbered
-from openrooms_usd.render.contract import Image, Legend, RenderRequest, RenderSession, View
+from openrooms_usd.render.contract import Image, RenderRequest, View
 from openrooms_usd.render.exr import exr_channels
 from openrooms_usd.render.folder import (
     CHANNELS_FILE,
@@ -28,9 +28,14 @@ from openrooms_usd.render.folder import (
     opening_file,
     preview_file,
 )
-from openrooms_usd.render.lights import LightRecord, view_lights
+from openrooms_usd.render.lights import view_lights
 from openrooms_usd.render.previews import Preview
+from openrooms_usd.render.scene.legend import Legend
+from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.version import __version__
+
+if TYPE_CHECKING:
+    from openrooms_usd.render.opened import OpenedStage
 
 FORMAT: Final = 1
 CONVENTIONS: Final = {
@@ -46,36 +51,35 @@ CONVENTIONS: Final = {
     "there is no estimate",
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
-    "bsdf": "how surfaces reflect: auto, as each material says; openrooms, all by the microfacet "
-    "model of OpenRooms; preview, all as UsdPreviewSurface",
     "bounces": "at most this many scatterings on the way from a light to the camera",
 }
 
 Plain = dict[str, Any]
 
 
-def run_entry(stage: Path, renderer: str, session: RenderSession, request: RenderRequest) -> Plain:
+def run_entry(stage: Path, renderer: str, opened: "OpenedStage", request: RenderRequest) -> Plain:
     """What all views of a run share.
 
     Args:
         stage: The rendered file; only its name is kept.
         renderer: The name under which the renderer is registered.
-        session: The opened stage.
+        opened: The opened stage.
         request: What every view was asked for.
     """
+    session = opened.session
     asked = {"samples": request.samples, "error": request.error, "seconds": request.seconds}
     return {
         "format": FORMAT,
         "generator": f"{names.CREATOR} {__version__}",
         "stage": stage.name,
-        "renderer": {"name": renderer, "backend": session.backend, "bsdf": session.bsdf},
+        "renderer": {"name": renderer, "backend": session.backend, **session.settings},
         "seed": request.seed,
         "bounces": request.bounces,
         "stop": {name: value for name, value in asked.items() if value is not None},
-        "conventions": CONVENTIONS,
+        "conventions": {**CONVENTIONS, **session.conventions},
         "channels": {name: _definition(name) for name in request.channels},
-        "lights": [_light(light, request) for light in session.lights],
-        "legend": {part.name: dict(getattr(session.legend, part.name)) for part in fields(Legend)},
+        "lights": [_light(light, request) for light in opened.lights],
+        "legend": {part.name: dict(getattr(opened.legend, part.name)) for part in fields(Legend)},
     }
 
 

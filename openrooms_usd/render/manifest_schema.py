@@ -15,8 +15,8 @@ from openrooms_usd.description.mistakes import shown, written
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import is_rotation
 from openrooms_usd.render.folder import MANIFEST, OPENINGS_FOLDER, load_manifest
-from openrooms_usd.render.lights import Gaussian, LightKind, LightRecord, LobeName
 from openrooms_usd.render.manifest import FORMAT
+from openrooms_usd.render.scene.lights import Gaussian, LightKind, LightRecord, LobeName
 from openrooms_usd.untrusted import is_plain_name
 
 AGAIN: Final = "render again"

@@ -8,17 +8,14 @@ from typing import Final
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.contract import DEFAULT_GRID, DEFAULT_SAMPLES, RenderRequest
+from openrooms_usd.render.denoise import DENOISED
+from openrooms_usd.render.given import remedy_for
 
 ALL: Final = "all"  # stands for all channels that can be had
 USUAL: Final = "usual"  # stands for those that need not be asked for
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
 _MOST_PIXELS: Final = 2**27
-# How to come by the channels that no renderer gives.
-_MADE_FROM: Final = {
-    "denoised": "add --denoise instead",
-    "friction": "use a renderer that gives base_color, roughness, material and valid",
-}
 _LIMITS: Final[dict[str, tuple[float, float]]] = {
     "width": (1, 2**15),
     "height": (1, 2**15),
@@ -128,17 +125,17 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
             raise InputError(
                 f"no channel is named {name!r}", place="channels", remedy=_nearest(name, CHANNELS)
             )
-        if CHANNELS[name].kind == "derived" and name not in given:
+        if name == DENOISED:
             raise InputError(
                 f"the channel {name!r} is made from others",
                 place="channels",
-                remedy=_MADE_FROM.get(name, "use a renderer that gives these"),
+                remedy="add --denoise instead",
             )
         if name not in given:
             raise InputError(
                 f"this renderer does not give the channel {name!r}",
                 place="channels",
-                remedy=f"it gives: {', '.join(given)}",
+                remedy=f"{remedy_for(name)}; this one gives: {', '.join(given)}",
             )
     if not asked:
         raise InputError("no channel is asked for", place="channels", remedy="orusd channels")

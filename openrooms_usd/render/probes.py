@@ -1,6 +1,6 @@
 """Light probes: all light that arrives at a point, as a panorama and as spherical harmonics."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,7 +15,7 @@ from openrooms_usd.geometry import spherical_harmonics
 from openrooms_usd.geometry.hemisphere import PANORAMA, cosine_weights, panorama_cells
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render import exr
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, Image
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, NO_OPTIONS, Image
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview, write_png
 from openrooms_usd.version import __version__
@@ -122,7 +122,7 @@ def probe_stage(
     seed: int = 0,
     bounces: int = DEFAULT_BOUNCES,
     renderer: str = "mitsuba",
-    variant: str = "auto",
+    options: Mapping[str, str] = NO_OPTIONS,
     progress: Progress = silent,
 ) -> dict[str, Any]:
     """Make light probes in a USD stage.
@@ -140,7 +140,7 @@ def probe_stage(
         seed: Of random numbers.
         bounces: At most this many scatterings between a light and a probe.
         renderer: A registered renderer.
-        variant: ``auto``, or a backend of the renderer.
+        options: What is asked of the renderer, by the names that it declares.
         progress: Called with what is done and the finished fraction.
 
     Returns:
@@ -151,10 +151,12 @@ def probe_stage(
         OutputError: The folder cannot be written.
         RenderError: The renderer makes no probes.
     """
+    from openrooms_usd.render.opened import open_with
     from openrooms_usd.usd.layers import open_stage
 
     _check(at, resolution, samples, bounces)
     adapter = adapters.load(adapters.RENDERERS, renderer)
+    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
     stage = open_stage(path)
     places = [Place(f"probe_{number}", point) for number, point in enumerate(at)]
     places += openings(stage) if at_openings else []
@@ -164,7 +166,7 @@ def probe_stage(
             place=path,
             remedy="give --at x,y,z" if at_openings else "give --at x,y,z or --openings",
         )
-    session = adapter.open(stage, variant=variant)
+    session = open_with(adapter, stage, options).session
     if not isinstance(session, Prober):
         raise RenderError(f"the renderer {renderer} makes no probes", remedy="--renderer mitsuba")
     positions = tuple(place.position for place in places)

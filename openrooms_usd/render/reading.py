@@ -15,7 +15,6 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.render.exr import Pixels, read_channels, read_picture
 from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE
-from openrooms_usd.render.lights import LightRecord
 from openrooms_usd.render.manifest_schema import (
     AGAIN,
     MOST_LABELS,
@@ -23,6 +22,7 @@ from openrooms_usd.render.manifest_schema import (
     ViewEntry,
     read_manifest,
 )
+from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.unpickling.arrays import read_array
 
 _NUMBERED: Final = re.compile(r"(.+)_([0-9]{1,9})")

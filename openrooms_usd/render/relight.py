@@ -18,10 +18,10 @@ from openrooms_usd import atomic, names
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.render import exr
 from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, is_relit_manifest
-from openrooms_usd.render.lights import LightRecord
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview, write_png
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
+from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.version import __version__
 
 FILES: Final = {"radiance": "radiance.exr", "preview": "radiance.png"}

@@ -19,8 +19,8 @@ from openrooms_usd.ledger import Ledger
 from openrooms_usd.render import exr, folder, manifest, sheet
 from openrooms_usd.render.contract import RenderRequest, View
 from openrooms_usd.render.fits import write_fits
-from openrooms_usd.render.lights import LightRecord
 from openrooms_usd.render.previews import Preview, preview, write_png
+from openrooms_usd.render.scene.lights import LightRecord
 
 # The channel whose hemispheres are also fitted.
 FITTED: Final = "environment"

@@ -1,7 +1,7 @@
 """The library of materials as pictures: a sheet for each substance."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -9,9 +9,10 @@ from openrooms_usd import adapters
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.contract import Renderer
+from openrooms_usd.render.contract import NO_OPTIONS, Renderer
 from openrooms_usd.render.denoise import load_denoiser
 from openrooms_usd.render.folder import check_writable
+from openrooms_usd.render.given import rendered
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.showroom.photograph import photograph
 from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE
@@ -30,7 +31,7 @@ def draw_material_sheets(
     size: int = DEFAULT_SIZE,
     samples: int = DEFAULT_SAMPLES,
     renderer: str = "mitsuba",
-    variant: str = "auto",
+    options: Mapping[str, str] = NO_OPTIONS,
     denoise: bool = False,
     progress: Progress = silent,
 ) -> list[Path]:
@@ -45,7 +46,7 @@ def draw_material_sheets(
         size: Pixels along each side of a picture.
         samples: Samples a pixel.
         renderer: A registered renderer.
-        variant: ``auto``, or a backend of the renderer.
+        options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to denoise the pictures.
         progress: Called with each finished family's name and the finished fraction.
 
@@ -57,10 +58,12 @@ def draw_material_sheets(
         OutputError: A file cannot be written.
         RenderError: The renderer cannot do it.
     """
+    from openrooms_usd.render.opened import open_with
     from openrooms_usd.showroom.balls import Sample, ball_camera, build_balls
 
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
-    denoiser = load_denoiser(adapter.channels) if denoise else None
+    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
+    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
     check_writable(folder)
     chosen = list(dict.fromkeys(substances)) or list(FAMILIES)
     total, done, files = sum(len(FAMILIES[kind]) for kind in chosen), 0, []
@@ -69,9 +72,9 @@ def draw_material_sheets(
         tiles: list[Tile] = []
         with tempfile.TemporaryDirectory(prefix="orusd-") as scratch:
             shown = [Sample(name, number) for name in FAMILIES[kind]]
-            session = adapter.open(build_balls(shown, texels, Path(scratch)), variant=variant)
+            opened = open_with(adapter, build_balls(shown, texels, Path(scratch)), options)
             for sample in shown:
-                picture = photograph(session, ball_camera(sample), size, samples, 0, denoiser)
+                picture = photograph(opened, ball_camera(sample), size, samples, 0, denoiser)
                 tiles.append((_caption(sample.name), picture))
                 done += 1
                 progress(sample.name, done / total)

@@ -1,21 +1,29 @@
 """One picture of one camera, as sheets show it."""
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from openrooms_usd.render.contract import RenderRequest
 from openrooms_usd.render.denoise import DENOISED, SOURCE, Denoiser
 from openrooms_usd.render.previews import Bytes, preview
 
+if TYPE_CHECKING:
+    from openrooms_usd.render.opened import OpenedStage
+
 _BOUNCES: Final = 4
 
 
 def photograph(
-    session: Any, camera: str, size: int, samples: int, seed: int, denoiser: Denoiser | None
+    opened: "OpenedStage",
+    camera: str,
+    size: int,
+    samples: int,
+    seed: int,
+    denoiser: Denoiser | None,
 ) -> Bytes:
     """(size, size, 3) the exposed picture of a camera.
 
     Args:
-        session: What a renderer opened.
+        opened: What a renderer opened.
         camera: The camera's prim path.
         size: Pixels along each side.
         samples: Samples a pixel.
@@ -29,7 +37,7 @@ def photograph(
     request = RenderRequest(
         camera, channels, size, size, samples=samples, seed=seed, bounces=_BOUNCES
     )
-    view = session.render(request)
+    view = opened.render(request)
     if denoiser:
         view = denoiser.complete(view, channels)
     shown = view.images[DENOISED if denoiser else SOURCE].pixels

@@ -1,15 +1,16 @@
 """The catalogue as one picture."""
 
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 from openrooms_usd import adapters
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.contract import Renderer
+from openrooms_usd.render.contract import NO_OPTIONS, Renderer
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.folder import check_writable
+from openrooms_usd.render.given import rendered
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.showroom.exhibits import Exhibit
 from openrooms_usd.showroom.photograph import photograph
@@ -29,7 +30,7 @@ def draw_sheet(
     size: int = DEFAULT_SIZE,
     samples: int = DEFAULT_SAMPLES,
     renderer: str = "mitsuba",
-    variant: str = "auto",
+    options: Mapping[str, str] = NO_OPTIONS,
     denoise: bool = False,
     progress: Progress = silent,
 ) -> None:
@@ -44,7 +45,7 @@ def draw_sheet(
         size: Pixels along each side of a picture.
         samples: Samples a pixel.
         renderer: A registered renderer.
-        variant: ``auto``, or a backend of the renderer.
+        options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to denoise the pictures.
         progress: Called with each finished exhibit's name and the finished fraction.
 
@@ -54,13 +55,14 @@ def draw_sheet(
         RenderError: The renderer cannot do it.
     """
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
-    denoiser = load_denoiser(adapter.channels) if denoise else None
+    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
+    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
     check_writable(path.parent)
     tiles: dict[str, Tile] = {}
     # Lamps have a studio of their own: each light that is not seen costs samples of those that are.
     for lamps in (False, True):
         hall = [item for item in exhibits if item.emits == lamps]
-        for item, tile in _hall(adapter, hall, seed, size, samples, variant, denoiser):
+        for item, tile in _hall(adapter, hall, seed, size, samples, options, denoiser):
             tiles[item.name] = tile
             progress(item.name, len(tiles) / len(exhibits))
     ordered = [tiles[item.name] for item in exhibits]
@@ -75,20 +77,21 @@ def _hall(
     seed: int,
     size: int,
     samples: int,
-    variant: str,
+    options: Mapping[str, str],
     denoiser: Denoiser | None,
 ) -> Iterator[tuple[Exhibit, Tile]]:
     """Captions and pictures of some exhibits that stand in one studio."""
+    from openrooms_usd.render.opened import open_with
     from openrooms_usd.showroom.studio import build, camera_of, triangles_of
 
     if not exhibits:
         return
     with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
         stage = build(exhibits, seed, Path(folder))
-        session = adapter.open(stage, variant=variant)
+        opened = open_with(adapter, stage, options)
         for item in exhibits:
             more = samples * (_LAMP_SAMPLES if item.emits else 1)
-            picture = photograph(session, camera_of(item), size, more, seed, denoiser)
+            picture = photograph(opened, camera_of(item), size, more, seed, denoiser)
             yield item, (_caption(item, triangles_of(stage, item)), picture)
 
 

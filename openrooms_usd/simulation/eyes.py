@@ -16,6 +16,8 @@ from openrooms_usd.physics.world import Body, World
 from openrooms_usd.render.contract import Renderer, RenderRequest, View
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
+from openrooms_usd.render.given import rendered
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import CAMERA, COLORS
 from openrooms_usd.simulation.settledlayer import choose_look
@@ -71,7 +73,7 @@ class Eyes:
         self._resolution = resolution
         self._samples = samples
         self._world = world
-        self._denoiser = _denoiser(self._renderer.channels)
+        self._denoiser = _denoiser(rendered(self._renderer.channels))
         self._poses = Sdf.Layer.CreateAnonymous(".usda")
         self._robots = Sdf.Layer.CreateAnonymous(".usda")
         layers.apply_metadata(self._robots)
@@ -106,8 +108,8 @@ class Eyes:
         """
         wanted = tuple(channels)
         self._pose(simulation, cameras, fov_degrees)
-        session = self._renderer.open(self._stage)
-        self.legend: Mapping[int, str] = session.legend.semantic
+        opened = open_with(self._renderer, self._stage)
+        self.legend: Mapping[int, str] = opened.legend.semantic
         width, height = self._resolution
         needed = FrictionMap.needs(wanted) if FRICTION in wanted else wanted
         denoiser = self._denoiser if RGB in wanted else None
@@ -116,11 +118,11 @@ class Eyes:
         found = {}
         for name in cameras:
             request = RenderRequest(_eye(name), needed, width, height, samples=self._samples)
-            view = session.render(request)
+            view = opened.render(request)
             if denoiser is not None:
                 view = denoiser.complete(view, needed)
             if FRICTION in wanted:
-                view = _with_friction(view, self._stage, session.legend.material)
+                view = _with_friction(view, self._stage, opened.legend.material)
             found[name] = view
         return found
 

@@ -66,7 +66,9 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def shots(scene: Path, fastest: str) -> Path:
     out = scene.with_name("shots")
-    render_stage(scene, out, channels=CHANNELS, resolution=(WIDTH, HEIGHT), variant=fastest)
+    render_stage(
+        scene, out, channels=CHANNELS, resolution=(WIDTH, HEIGHT), options={"variant": fastest}
+    )
     return out
 
 

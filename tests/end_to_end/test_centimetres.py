@@ -95,7 +95,12 @@ def compare(convert, scene: Path, tmp_path: Path, show, fastest, cameras=()) -> 
         for opened in (Usd.Stage.Open(str(scene)), stage)
     ]
     assert tops[1].GetMin()[1] == pytest.approx(100.0 * tops[0].GetMin()[2])
-    how = {"variant": fastest, "resolution": (48, 36), "samples": 8, "cameras": cameras}
+    how = {
+        "options": {"variant": fastest},
+        "resolution": (48, 36),
+        "samples": 8,
+        "cameras": cameras,
+    }
     a, b = show(scene, "metres", **how), show(other, "centimetres", **how)
     assert a.views == b.views
     for view in a.views:

@@ -55,7 +55,12 @@ def glowing(scene: Path, target: Path) -> None:
 def test_a_glowing_room_shows_no_furniture(kind, seed, tmp_path: Path, show, fastest) -> None:
     scene = closed_room(kind, seed, tmp_path)
     glowing(scene, scene.with_name("glowing.usda"))
-    how = {"samples": 16, "bounces": BOUNCES, "variant": fastest, "channels": ["radiance", "depth"]}
+    how = {
+        "samples": 16,
+        "bounces": BOUNCES,
+        "options": {"variant": fastest},
+        "channels": ["radiance", "depth"],
+    }
     shown = show(scene.with_name("glowing.usda"), **how)
     expected = np.array(EMISSION) * (1 - ALBEDO ** (BOUNCES + 1)) / (1 - ALBEDO)
     for view in shown.views:

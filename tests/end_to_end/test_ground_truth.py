@@ -18,7 +18,7 @@ def shown(room: Path, show_once, fastest: str):
     channels = [*exact, *labels, "base_color", "roughness", "metallic"]
     size = (WIDTH, HEIGHT)
     name = room.parent.name
-    return show_once(room, name, channels=channels, resolution=size, variant=fastest)
+    return show_once(room, name, channels=channels, resolution=size, options={"variant": fastest})
 
 
 @pytest.fixture(scope="module")

@@ -71,7 +71,7 @@ def test_one_layer_defines_a_prim_and_the_others_only_say_more(demo: Path) -> No
 
 def test_edits_reach_the_pictures_and_survive(room: Path, show, paint, fastest: str) -> None:
     scene, edits = room / "out" / "scene.usda", room / "out" / "layers" / "edits.usda"
-    how = {"variant": fastest, "resolution": (24, 18), "samples": 1,
+    how = {"options": {"variant": fastest}, "resolution": (24, 18), "samples": 1,
            "channels": ["instance", "material", "base_color", "roughness", "metallic"]}  # fmt: skip
     before = show(scene, "before", **how)
     stage = Usd.Stage.Open(str(scene))

@@ -62,7 +62,7 @@ def test_light_that_was_taken_apart_adds_up(
     for channels, samples in ((CHANNELS, 16), (STRAIGHT, 512)):
         out = tmp_path / str(samples)
         how: dict[str, Any] = {"channels": channels, "samples": samples, "cameras": ["view_0"]}
-        render_stage(scene, out, resolution=SIZE, variant=fastest, **how)
+        render_stage(scene, out, resolution=SIZE, options={"variant": fastest}, **how)
         views.append(read_render(out).views["view_0"])
     assert_adds_up(views[0])
     # By passes of their own; noise leaves less than a percent of the mean.

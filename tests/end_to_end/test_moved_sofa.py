@@ -46,7 +46,7 @@ def test_the_next_pictures_show_it(tmp_path: Path, show: Any, fastest: str, pinn
     (tmp_path / "room.yaml").write_text(ROOM)
     scene = compose_room(tmp_path / "room.yaml", tmp_path / "out").scene
     chosen = cameras(scene)
-    how = {"variant": fastest, "samples": 128, "channels": CHANNELS,
+    how = {"options": {"variant": fastest}, "samples": 128, "channels": CHANNELS,
            "cameras": ["above"], "resolution": (96, 72)}  # fmt: skip
     before = None if pinned else show(scene, "before", **how)
     stage = Usd.Stage.Open(str(scene))

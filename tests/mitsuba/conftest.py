@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.render import RenderRequest, View
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.materials import define_preview_surface
 from openrooms_usd.usd.surfaces import PreviewSurface
@@ -138,7 +139,7 @@ def variant(request: pytest.FixtureRequest) -> str:
 
 @pytest.fixture
 def open_stage(variant: str) -> Open:
-    return lambda stage: MitsubaRenderer().open(stage, variant=variant)
+    return lambda stage: open_with(MitsubaRenderer(), stage, {"variant": variant})
 
 
 @pytest.fixture
@@ -178,9 +179,10 @@ class Lit:
         import mitsuba as mi
 
         mi.set_variant(variants.choose("auto").variant)
+        from openrooms_usd.render.scene.sources import sources_of
+        from openrooms_usd.render.scene.translate import translate
         from orusd_mitsuba.build import Builder
-        from orusd_mitsuba.sources import Filing, sources_of
-        from orusd_mitsuba.translate import translate
+        from orusd_mitsuba.sources import Filing
         from orusd_mitsuba.white import white_first
 
         self.stage = stage

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from pxr import UsdGeom
 
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import MitsubaRenderer
 
@@ -18,7 +19,7 @@ SEEDS = 8
 
 def view_of(stage: Any, *names: str, seeds: int = SEEDS, **how: Any) -> dict[str, Array]:
     """(seeds, height, width, C) by name; what is seen is the same for all."""
-    session = MitsubaRenderer().open(stage)
+    session = open_with(MitsubaRenderer(), stage)
     how = {"camera": "/Camera", "width": SIZE[0], "height": SIZE[1], "samples": 16} | how
     views = [
         session.render(RenderRequest(channels=names, seed=seed, **how)) for seed in range(seeds)

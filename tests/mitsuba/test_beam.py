@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from openrooms_usd.render.scene.arrays import Environment
 from openrooms_usd.usd.portals import Portal
 from orusd_mitsuba import variants
 from orusd_mitsuba.light_choice import Beam, brightest_beam
-from orusd_mitsuba.scene import Environment
 
 # A window in the plane y = 1, half a metre about the axis, that looks along +Y.
 WINDOW = np.array([[-1.0, 0, 0, 0], [0, 0, 1, 1], [0, 1, 0, 0], [0, 0, 0, 1]])

@@ -9,8 +9,8 @@ import numpy as np
 import OpenImageIO
 import pytest
 
+from openrooms_usd.render.scene.pictures import Picture, load, mended
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
-from orusd_mitsuba.pictures import Picture, load, mended
 
 QUAD = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 UNIT, NORMAL, ANY = (0.0, 1.0), (-1.0, 1.0), (0.0, math.inf)

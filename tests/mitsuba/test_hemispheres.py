@@ -14,9 +14,9 @@ NITS = 1000.0
 
 def film_of(lit: Any, grid: tuple[int, int] = (4, 3), depth: int = 8, **how: Any) -> Any:
     from orusd_mitsuba.hemispheres import HemisphereFilm
-    from orusd_mitsuba.rays import RayTracer
+    from orusd_mitsuba.rays import MitsubaTracer
 
-    tracer = RayTracer(lit.scene, lit.built)
+    tracer = MitsubaTracer(lit.scene, lit.built)
     camera = lit.camera(*grid)
     return HemisphereFilm(lit.scene, lit.built, lit.filing, tracer, camera, grid, depth, **how)
 

@@ -9,6 +9,7 @@ from pxr import UsdLux
 
 from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 from orusd_mitsuba import MitsubaRenderer
@@ -103,7 +104,7 @@ def test_a_grazing_view_of_a_floor_with_a_lamp_that_stands_on_it(build: Any, lit
     wall = np.array([(-0.6, 4, 0), (0.6, 4, 0), (0.6, 4, 1), (-0.6, 4, 1)])
     lamp(made, wall[::-1] if np.cross(*(wall[1:3] - wall[0]))[1] > 0 else wall)
     made.camera((0, 0, 0.02), (0, 1, 0.018), fov=8)
-    session = MitsubaRenderer().open(made.stage)
+    session = open_with(MitsubaRenderer(), made.stage)
     names = ("direct_i", "irradiance_direct", "position")
     view = session.render(RenderRequest("/Camera", names, *SIZE, samples=256))
     fine = (np.arange(16) + 0.5) / 16

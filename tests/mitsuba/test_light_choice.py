@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pxr import Gf, UsdLux
 
+from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.portals import Portal, define_portal
 from orusd_mitsuba.light_choice import light_weights
-from orusd_mitsuba.translate import translate
 
 
 def lamps(build: Any, *, nits: tuple[float, float], sky: float, inlet: float) -> Any:

@@ -10,7 +10,7 @@ from pxr import Usd
 
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render import RenderRequest, render_stage
+from openrooms_usd.render import RenderRequest, opened, render_stage
 from openrooms_usd.render.exr import read_channels
 from orusd_mitsuba import arriving, direct_light, light_film
 from orusd_mitsuba import session as mitsuba_session
@@ -46,10 +46,16 @@ def test_the_scalar_backend_says_before_it_starts_what_it_cannot(
 ) -> None:
     began: list[str] = []
     monkeypatch.setattr(mitsuba_session, "run_take", lambda *args: began.append("light"))
-    monkeypatch.setattr(mitsuba_session, "first_hits", lambda *args: began.append("rays"))
+    monkeypatch.setattr(opened, "first_hits", lambda *args: began.append("rays"))
     with pytest.raises(RenderError, match="scalar_rgb cannot give") as caught:
-        render_stage(file, tmp_path / "out", channels=["depth", name], variant="scalar",
-                     resolution=(8, 6), samples=1)  # fmt: skip
+        render_stage(
+            file,
+            tmp_path / "out",
+            channels=["depth", name],
+            options={"variant": "scalar"},
+            resolution=(8, 6),
+            samples=1,
+        )
     assert "--variant llvm" in str(caught.value)
     assert not began
     assert not list(tmp_path.rglob("*.exr")) and not list(tmp_path.rglob("manifest.json"))

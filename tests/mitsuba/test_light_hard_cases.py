@@ -83,13 +83,13 @@ def test_neither_size_nor_place_nor_winding_changes_what_is_seen(
 
 def test_a_point_is_as_bright_as_the_lamp_of_its_flux(case: Any, plain: Passes) -> None:
     """Lambert's point source: I cos cos / d^2, at the floor and the walls that it sees."""
-    from orusd_mitsuba.first_hits import first_hits
-    from orusd_mitsuba.ground_truth import GroundTruth
-    from orusd_mitsuba.rays import RayTracer
+    from openrooms_usd.render.scene.first_hits import first_hits
+    from openrooms_usd.render.scene.ground_truth import GroundTruth
+    from orusd_mitsuba.rays import MitsubaTracer
 
     room, film = case("point lamp")
     camera = room.camera(*SIZE, path=EYE)
-    hits = first_hits(room.scene, RayTracer(room.scene, room.built), camera, *SIZE)
+    hits = first_hits(room.scene, MitsubaTracer(room.scene, room.built), camera, *SIZE)
     truth = GroundTruth(room.scene, camera, hits)
     place, normal, color = (
         truth.channel(name).astype(np.float64) for name in ("position", "normal", "base_color")
@@ -132,11 +132,11 @@ def test_the_wall_around_a_window_gets_nothing_from_it_at_once(case: Any) -> Non
     # Whole pixels of the wall: none of their neighbours sees the sky or another wall.
     assert planes[1][~sky_seen].max() > 0.0, "what it shines on is lit"
     portal = room.scene.portals[0].world_from_portal
-    from orusd_mitsuba.first_hits import first_hits
-    from orusd_mitsuba.rays import RayTracer
+    from openrooms_usd.render.scene.first_hits import first_hits
+    from orusd_mitsuba.rays import MitsubaTracer
 
     camera = room.camera(*SIZE, path=EYE)
-    hits = first_hits(room.scene, RayTracer(room.scene, room.built), camera, *SIZE)
+    hits = first_hits(room.scene, MitsubaTracer(room.scene, room.built), camera, *SIZE)
     near = np.zeros(SIZE[0] * SIZE[1], dtype=bool)
     near[hits.pixels] = np.abs((hits.position - portal[:3, 3]) @ portal[:3, 2]) < 1e-4
     wall = near.reshape(SIZE[1], SIZE[0])

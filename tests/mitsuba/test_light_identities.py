@@ -14,6 +14,7 @@ from pxr import Gf, Usd, UsdLux
 
 from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 from orusd_mitsuba import MitsubaRenderer
@@ -83,7 +84,7 @@ def furnished(build: Any, lit_by: tuple[str, ...] = (*LAMPS, WINDOW), **looks: A
 @pytest.fixture(scope="module")
 def session(build: Any, lit: Any) -> Any:
     del lit
-    return MitsubaRenderer().open(furnished(build))
+    return open_with(MitsubaRenderer(), furnished(build))
 
 
 Passes = dict[str, Array]
@@ -164,7 +165,9 @@ def by_path(build: Any, lit: Any) -> Callable[..., Array]:
     del lit
 
     def rendered(lit_by: tuple[str, ...]) -> Array:
-        one = MitsubaRenderer().open(furnished(build, lit_by), variant="scalar", bsdf="preview")
+        one = open_with(
+            MitsubaRenderer(), furnished(build, lit_by), {"variant": "scalar", "bsdf": "preview"}
+        )
         return render(one, ("radiance",), range(100, 100 + SEEDS), samples=32)["radiance"]
 
     return rendered
@@ -174,7 +177,7 @@ def by_path(build: Any, lit: Any) -> Callable[..., Array]:
 def test_the_scalar_backend_sees_the_same_picture(
     build: Any, by_path: Callable[..., Array]
 ) -> None:
-    ours = MitsubaRenderer().open(furnished(build), bsdf="preview")
+    ours = open_with(MitsubaRenderer(), furnished(build), {"bsdf": "preview"})
     parts = render(ours, ("radiance_i",), range(SEEDS))
     theirs = by_path((*LAMPS, WINDOW))
     assert_alike(np.sum(of_lights(parts, "radiance_i"), axis=0), theirs)
@@ -216,7 +219,7 @@ def test_visibility_is_a_share_of_what_is_not_hidden(found: Passes) -> None:
 def test_of_exactly_lambertian_surfaces_irradiance_tells_the_picture(build: Any, lit: Any) -> None:
     """White: pi (direct + indirect) = irradiance, though one follows the materials' BSDFs."""
     looks = {"base_color": (1.0, 1.0, 1.0), "roughness": 1.0, "ior": 1.0}
-    made = MitsubaRenderer().open(furnished(build, LAMPS, **looks))
+    made = open_with(MitsubaRenderer(), furnished(build, LAMPS, **looks))
     sent = render(made, ("direct", "indirect"), range(SEEDS), bounces=3)
     got = render(made, RECEIVED[:3], range(50, 50 + SEEDS), bounces=3)
     for kind in ("direct", "indirect"):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from pxr import UsdGeom, UsdLux
 
-from openrooms_usd.render.lights import LightRecord, view_lights
+from openrooms_usd.render.lights import view_lights
+from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 from openrooms_usd.usd.semantics import label
@@ -54,7 +55,7 @@ def scene(build: Any) -> Any:
 
 
 def records(lit: Any, made: Any) -> tuple[Any, tuple[LightRecord, ...]]:
-    from orusd_mitsuba.light_records import light_records
+    from openrooms_usd.render.scene.light_records import light_records
 
     stage = lit(made.stage)
     return stage, light_records(made.stage, stage.scene, stage.sources)
@@ -88,7 +89,7 @@ def test_an_opening_lets_the_surroundings_in(build: Any, lit: Any) -> None:
 
 
 def test_names_are_unique_whatever_the_objects_are_called() -> None:
-    from orusd_mitsuba.light_records import _unique
+    from openrooms_usd.render.scene.light_records import _unique
 
     names = _unique(["a", "a_2", "a", "a", "b"])
     assert names[:2] == ["a", "a_2"] and len(set(names)) == 5
@@ -108,14 +109,14 @@ def test_a_textured_lamp_is_the_mean_of_its_picture(
 
 
 def test_masks_are_where_pixels_see_the_light(build: Any, lit: Any) -> None:
-    from orusd_mitsuba.first_hits import first_hits
-    from orusd_mitsuba.light_records import light_masks
-    from orusd_mitsuba.rays import RayTracer
+    from openrooms_usd.render.scene.first_hits import first_hits
+    from openrooms_usd.render.scene.light_masks import light_masks
+    from orusd_mitsuba.rays import MitsubaTracer
 
     made = scene(build)
     stage, found = records(lit, made)
     camera = stage.camera(*SIZE)
-    hits = first_hits(stage.scene, RayTracer(stage.scene, stage.built), camera, *SIZE)
+    hits = first_hits(stage.scene, MitsubaTracer(stage.scene, stage.built), camera, *SIZE)
     masks = light_masks(stage.scene, stage.sources, camera, hits)
     assert masks.shape == (4, SIZE[1], SIZE[0], 1)
     sky = np.ones(SIZE[0] * SIZE[1], dtype=bool)

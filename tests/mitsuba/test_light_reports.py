@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
 from orusd_mitsuba import MitsubaRenderer, arriving, bands
 
 SIZE = {"width": 24, "height": 18, "grid": (6, 4)}
@@ -25,7 +26,7 @@ LIT = tuple(name for names in TAKES.values() for name in names)
 @pytest.fixture(scope="module")
 def session(half_hidden: Any, lit: Any) -> Any:
     del lit
-    return MitsubaRenderer().open(half_hidden())
+    return open_with(MitsubaRenderer(), half_hidden())
 
 
 def images(session: Any, *names: str, **how: Any) -> Any:
@@ -111,7 +112,7 @@ def test_equal_seeds_give_equal_bits_of_every_channel_on_any_number_of_threads(
 ) -> None:
     first = images(session, *LIT)
     request.getfixturevalue("one_thread")
-    again = MitsubaRenderer().open(half_hidden())
+    again = open_with(MitsubaRenderer(), half_hidden())
     for names in TAKES.values():
         for name, image in images(again, *names).items():
             assert image.pixels.tobytes() == first[name].pixels.tobytes(), name

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
+from openrooms_usd.render.scene import surfaces
+from openrooms_usd.render.scene.codes import load_picture
+from openrooms_usd.render.scene.pictures import evaluate, load
+from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
-from orusd_mitsuba import MitsubaRenderer, material_table, surfaces, variants
-from orusd_mitsuba.codes import load_picture
-from orusd_mitsuba.pictures import evaluate, load
-from orusd_mitsuba.surfaces import SurfaceReader
+from orusd_mitsuba import MitsubaRenderer, material_table, variants
 
 
 @pytest.fixture
@@ -132,8 +134,8 @@ def test_one_bsdf_or_many_give_the_same_picture(
     for tabulated in (True, False):
         if not tabulated:
             monkeypatch.setattr(material_table, "fits", lambda surface: False)
-        session = MitsubaRenderer().open(stage, variant="llvm")
-        shared = {id(shape.bsdf()) for shape in session._built.shapes()}
+        session = open_with(MitsubaRenderer(), stage, {"variant": "llvm"})
+        shared = {id(shape.bsdf()) for shape in session.session._built.shapes()}
         assert len(shared) == (2 if tabulated else 6)
         request = RenderRequest("/Camera", ("radiance",), 48, 36, samples=32)
         pixels[tabulated] = session.render(request).images["radiance"].pixels.astype(np.float64)
@@ -149,5 +151,5 @@ def test_each_picture_is_read_once(
     stage, read = room(build, save_picture, tmp_path), []
     once = surfaces._load
     monkeypatch.setattr(surfaces, "_load", lambda need: read.append(need) or once(need))
-    MitsubaRenderer().open(stage, variant="llvm")
+    open_with(MitsubaRenderer(), stage, {"variant": "llvm"})
     assert len(read) == len(set(read)) == 9

@@ -8,9 +8,9 @@ import pytest
 from pxr import UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture, ior_of
+from openrooms_usd.render.opened import open_with
+from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from orusd_mitsuba import MitsubaExporter, MitsubaRenderer, openrooms_bsdf, variants
-from orusd_mitsuba.surfaces import SurfaceReader
 
 Prepare = Callable[[str], Any]
 
@@ -198,35 +198,27 @@ def test_a_surface_of_ours_is_rendered_by_our_model(build: Any, prepare: Prepare
     expected = 100.0 * numbers(bsdf.eval(mi.BSDFContext(), facing(mi, unit(-4, 0, 2.0)), towards))
     seen = {}
     for bsdf_name in ("auto", "openrooms", "preview"):
-        session = MitsubaRenderer().open(made.stage, variant="llvm", bsdf=bsdf_name)
+        session = open_with(MitsubaRenderer(), made.stage, {"variant": "llvm", "bsdf": bsdf_name})
         request = RenderRequest("/Camera", ("radiance", "roughness"), 8, 6, samples=16, bounces=1)
         images = session.render(request).images
         assert (images["roughness"].pixels == np.float32(0.4)).all()
         seen[bsdf_name] = images["radiance"].pixels[3, 4]
         losses = [reason for path, _, reason in session.report.losses() if path == "/Paint"]
-        assert bool(losses) == (bsdf_name == "preview") and session.bsdf == bsdf_name
+        assert bool(losses) == (bsdf_name == "preview") and session.session.settings == {
+            "bsdf": bsdf_name
+        }
     np.testing.assert_allclose(seen["auto"], expected, rtol=0.02)
     np.testing.assert_array_equal(seen["auto"], seen["openrooms"])
     assert (np.abs(seen["preview"] / expected - 1) > 0.03).any()
 
 
-def test_which_model_a_surface_is_of() -> None:
-    ours = PreviewSurface(f0=0.05, ior=ior_of(0.05))
-    glass, chalk = PreviewSurface(ior=1.5), PreviewSurface(ior=1.0)
-    f0 = {b: [SurfaceReader(b).read(s).f0 for s in (ours, glass, chalk)]
-          for b in ("auto", "openrooms", "preview")}  # fmt: skip
-    assert f0["auto"] == [0.05, None, None]
-    assert f0["openrooms"] == [0.05, pytest.approx(0.04), None]
-    assert f0["preview"] == [None, None, None]
-    assert any("F0 0.04" in loss for loss in SurfaceReader("openrooms").read(glass).losses)
-    assert any("1.576" in loss for loss in SurfaceReader("preview").read(ours).losses)
-
-
 def test_a_scalar_backend_shows_previews_unless_told_otherwise(build: Any) -> None:
     made = plate(build, f0=0.05)
-    opened = {b: MitsubaRenderer().open(made.stage, variant="scalar", bsdf=b)
+    opened = {b: open_with(MitsubaRenderer(), made.stage, {"variant": "scalar", "bsdf": b})
               for b in ("auto", "openrooms")}  # fmt: skip
-    assert opened["auto"].bsdf == "preview" and opened["openrooms"].bsdf == "openrooms"
+    assert {b: one.session.settings["bsdf"] for b, one in opened.items()} == {
+        "auto": "preview", "openrooms": "openrooms",
+    }  # fmt: skip
 
 
 def test_cloth_of_ours_keeps_all_light(build: Any, prepare: Prepare) -> None:

@@ -130,5 +130,5 @@ def test_what_makes_no_probe_is_refused(build: Any, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no probe"):
         probe_stage(path, out, at=[(0, 0, 0)], samples=0)
     with pytest.raises(RenderError, match="scalar"):
-        probe_stage(path, out, at=[(0, 0, 0)], variant="scalar")
+        probe_stage(path, out, at=[(0, 0, 0)], options={"variant": "scalar"})
     assert not out.exists()

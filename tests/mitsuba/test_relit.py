@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pxr import UsdLux
 
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.relight import Relighting, light_factors, relit
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, define_portal
@@ -46,7 +47,7 @@ def z_scores(old: Any, how: Callable[[str], Relighting], path: str, fresh: Any) 
         path: Its prim: names are whatever the stage gives.
         fresh: The stage to render.
     """
-    before, after = MitsubaRenderer().open(old), MitsubaRenderer().open(fresh)
+    before, after = open_with(MitsubaRenderer(), old), open_with(MitsubaRenderer(), fresh)
     lights = before.lights
     (name,) = (light.name for light in lights if light.path == path)
     factors = light_factors(lights, how(name), Path("old"))

@@ -7,6 +7,7 @@ import pytest
 from pxr import Gf, UsdLux
 
 from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
 
 KINDS = ("radiance", "emission", "direct", "indirect")
 
@@ -27,7 +28,7 @@ def session(build: Any, lit: Any) -> Any:
         light.AddTranslateOp().Set(Gf.Vec3d(x, 0, 1.5))
     made.camera((0, -1.8, 0.5), (0, 1, 0.3), fov=80)
     del lit
-    return MitsubaRenderer().open(made.stage)
+    return open_with(MitsubaRenderer(), made.stage)
 
 
 def images(session: Any, *channels: str, **how: Any) -> dict[str, Any]:

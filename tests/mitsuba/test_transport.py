@@ -145,13 +145,13 @@ def test_bands_and_passes_agree_within_their_noise(
 
 def test_a_white_first_surface_receives_what_lambert_sends(build: Any, lit: Any, sun: str) -> None:
     """irradiance x base_color / pi = direct + indirect where everything is exactly Lambertian."""
-    from orusd_mitsuba.first_hits import first_hits
-    from orusd_mitsuba.ground_truth import GroundTruth
-    from orusd_mitsuba.rays import RayTracer
+    from openrooms_usd.render.scene.first_hits import first_hits
+    from openrooms_usd.render.scene.ground_truth import GroundTruth
+    from orusd_mitsuba.rays import MitsubaTracer
 
     room = lit(little_room(build, sun, roughness=1.0, ior=1.0))
     camera = room.camera(*SIZE)
-    hits = first_hits(room.scene, RayTracer(room.scene, room.built), camera, *SIZE)
+    hits = first_hits(room.scene, MitsubaTracer(room.scene, room.built), camera, *SIZE)
     color = GroundTruth(room.scene, camera, hits).channel("base_color").astype(np.float64)
     received = passes(film_of(room, first=room.first))[:, 1:3].sum(axis=1)
     sent = passes(film_of(room), seed=400)[:, 1:3].sum(axis=1)

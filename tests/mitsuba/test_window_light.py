@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.library.sky import Air, daylight, sun_direction
 from openrooms_usd.library.solar import SunPosition
-from openrooms_usd.render.lights import Gaussian
+from openrooms_usd.render.scene.lights import Gaussian
 from openrooms_usd.usd.portals import Portal
 
 Array = NDArray[np.float64]
@@ -27,9 +27,9 @@ def portal(outwards: tuple[float, float, float] = (0.0, -1.0, 0.0)) -> Portal:
 
 
 def around(pixels: Any, suns: tuple[Any, ...] = ()) -> Any:
-    from orusd_mitsuba.lamps import _pole_to_pole
-    from orusd_mitsuba.scene import Environment
-    from orusd_mitsuba.window_light import surroundings
+    from openrooms_usd.render.scene.arrays import Environment
+    from openrooms_usd.render.scene.lamps import _pole_to_pole
+    from openrooms_usd.render.scene.surroundings import surroundings
 
     whole = _pole_to_pole(pixels.astype(np.float32)) if len(pixels) > 1 else pixels
     return surroundings(SimpleNamespace(environment=Environment(whole, DOME), suns=suns))  # type: ignore[arg-type]
@@ -37,7 +37,7 @@ def around(pixels: Any, suns: tuple[Any, ...] = ()) -> Any:
 
 def lux(lobes: tuple[Gaussian, ...], outwards: Array) -> Array:
     """What lobes send through a plane, by plain integration; sharp ones by their flux."""
-    from orusd_mitsuba.window_light import latlong
+    from openrooms_usd.render.scene.surroundings import latlong
 
     ways, weights = latlong(128)
     total = np.zeros(3)
@@ -54,7 +54,7 @@ def lux(lobes: tuple[Gaussian, ...], outwards: Array) -> Array:
 
 
 def test_an_even_sky_sends_pi_l_through_every_window() -> None:
-    from orusd_mitsuba.window_light import passing
+    from openrooms_usd.render.scene.surroundings import passing
 
     sky = around(np.full((1, 1, 3), 7.0))
     for outwards in np.eye(3):
@@ -62,7 +62,7 @@ def test_an_even_sky_sends_pi_l_through_every_window() -> None:
 
 
 def test_a_panorama_has_the_flux_of_the_sky_and_the_sun_in_its_place() -> None:
-    from orusd_mitsuba.window_light import latlong, panorama, passing
+    from openrooms_usd.render.scene.surroundings import latlong, panorama, passing
 
     sky = around(daylight(SUN, Air(), height=360))
     window = portal()
@@ -81,9 +81,9 @@ def test_a_panorama_has_the_flux_of_the_sky_and_the_sun_in_its_place() -> None:
 
 
 def test_parallel_light_comes_in_whole_and_only_from_its_side() -> None:
-    from orusd_mitsuba.scene import Sun
-    from orusd_mitsuba.window_fit import fit
-    from orusd_mitsuba.window_light import latlong, panorama, passing
+    from openrooms_usd.render.scene.arrays import Sun
+    from openrooms_usd.render.scene.surroundings import latlong, panorama, passing
+    from openrooms_usd.render.scene.window_fit import fit
 
     way = np.array([0.0, -0.8, 0.6])
     sky = around(np.ones((1, 1, 3)), (Sun(-way, np.array([100.0, 90.0, 80.0])),))
@@ -99,8 +99,8 @@ def test_parallel_light_comes_in_whole_and_only_from_its_side() -> None:
 
 
 def test_three_lobes_keep_the_sun_and_what_comes_in() -> None:
-    from orusd_mitsuba.window_fit import fit
-    from orusd_mitsuba.window_light import passing
+    from openrooms_usd.render.scene.surroundings import passing
+    from openrooms_usd.render.scene.window_fit import fit
 
     sky = around(daylight(SUN, Air(), height=360))
     outwards = portal().world_from_portal[:3, 2]
@@ -114,8 +114,8 @@ def test_three_lobes_keep_the_sun_and_what_comes_in() -> None:
 
 
 def test_two_lobes_are_found_again() -> None:
-    from orusd_mitsuba.window_fit import fit
-    from orusd_mitsuba.window_light import latlong
+    from openrooms_usd.render.scene.surroundings import latlong
+    from openrooms_usd.render.scene.window_fit import fit
 
     ways, _ = latlong(128)
     true = (
@@ -135,6 +135,6 @@ def test_two_lobes_are_found_again() -> None:
 
 
 def test_a_black_sky_has_no_lobes() -> None:
-    from orusd_mitsuba.window_fit import fit
+    from openrooms_usd.render.scene.window_fit import fit
 
     assert fit(around(np.zeros((1, 1, 3))), portal()) == ((), 0.0)

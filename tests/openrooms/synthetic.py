@@ -8,8 +8,8 @@ import OpenImageIO
 
 from openrooms_usd.channels import definition
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
-from openrooms_usd.render.lights import Gaussian, LightRecord
 from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.render.scene.lights import Gaussian, LightRecord
 from orusd_openrooms import OpenRoomsDataset
 
 LAMP, WINDOW, ELSEWHERE = 0, 1, 2

@@ -11,8 +11,8 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.lights import LobeName
 from openrooms_usd.render.reading import read_render
+from openrooms_usd.render.scene.lights import LobeName
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.records import LOBES, lights_of
@@ -36,8 +36,8 @@ def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
     connect_portals(dome.GetPrim(), [portal.GetPrim()])
     stage.Save()
     render_stage(
-        folder / "scene.usda", folder / "out", channels=["radiance", "instance"], variant="scalar",
-        resolution=(8, 6), samples=1,
+        folder / "scene.usda", folder / "out", channels=["radiance", "instance"],
+        options={"variant": "scalar"}, resolution=(8, 6), samples=1,
     )  # fmt: skip
     return folder / "out"
 

@@ -1,17 +1,17 @@
 """A renderer without a renderer: known arrays for every channel, so that the driver is tested."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd
 
 from openrooms_usd import adapters
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.convert import Report
-from openrooms_usd.render import Image, Legend, RenderRequest, View
-from openrooms_usd.render.lights import LightRecord
+from openrooms_usd.render import Image, Legend, RenderRequest, View, opened
+from openrooms_usd.render.contract import NO_OPTIONS
+from openrooms_usd.render.scene.lights import LightRecord
 
 
 def numbers(name: str, height: int, width: int, seed: int) -> np.ndarray:
@@ -30,12 +30,15 @@ def numbers(name: str, height: int, width: int, seed: int) -> np.ndarray:
 
 
 class FakeRenderer:
-    """Satisfies the contract; a test may set what it gives."""
+    """Satisfies the contract, and is what the driver opens; a test may set what it gives."""
 
     channels = RENDERED
+    options: Mapping[str, str] = {"bsdf": "how surfaces reflect"}
     backend = "fake 1.0"
     advice = ""
-    bsdf = "auto"
+    settings: Mapping[str, str] = {"bsdf": "auto"}
+    conventions: Mapping[str, str] = {"bsdf": "auto: as each material says"}
+    tracer = None
     cameras: tuple[str, ...] = ("/World/Cameras/left", "/World/Cameras/right")
     resolution = (40, 30)
     legend = Legend(
@@ -54,10 +57,12 @@ class FakeRenderer:
         self.requests: list[RenderRequest] = []
         self.spoil: Callable[[str, np.ndarray], np.ndarray] = lambda name, pixels: pixels
 
-    def open(
-        self, stage: Usd.Stage, *, variant: str = "auto", bsdf: str = "auto"
-    ) -> "FakeRenderer":
+    def open(self, scene: object, options: Mapping[str, str] = NO_OPTIONS) -> "FakeRenderer":
         self.opened += 1
+        return self
+
+    @property
+    def session(self) -> "FakeRenderer":
         return self
 
     def render(self, request: RenderRequest, progress: Callable[[float], None]) -> View:
@@ -88,6 +93,8 @@ class FakeRenderer:
 def renderer(monkeypatch: pytest.MonkeyPatch) -> FakeRenderer:
     fake = FakeRenderer()
     monkeypatch.setattr(adapters, "load", lambda group, name: fake)
+    # What the scene is does not matter: cameras, legend and lights are the fake's too.
+    monkeypatch.setattr(opened, "open_with", lambda adapter, stage, options: adapter.open(stage))
     return fake
 
 

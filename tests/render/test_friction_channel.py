@@ -3,17 +3,16 @@
 import json
 
 import numpy as np
-import pytest
 from pxr import Sdf, Usd, UsdShade
 from scipy.interpolate import RegularGridInterpolator
 
 from openrooms_usd import names
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.errors import InputError
 from openrooms_usd.library.friction import table
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.render import Legend, exr, render_stage
-from openrooms_usd.render.friction import FrictionMap, Material, derivable, read_materials
+from openrooms_usd.render.friction import FRICTION, FrictionMap, Material, derivable, read_materials
+from openrooms_usd.render.given import available
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.physics import MaterialPhysics
 
@@ -117,11 +116,9 @@ def test_the_files_of_a_run(renderer, tmp_path, numbers, monkeypatch):
     assert (out / "left" / "friction.png").is_file()
 
 
-def test_a_renderer_that_lacks_its_sources(renderer, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr(type(renderer), "channels", ("depth", "base_color", "valid"))
-    assert derivable(type(renderer).channels) == ()
-    with pytest.raises(InputError, match="made from others"):
-        render_stage(scene, tmp_path / "out", channels=["friction"])
-    render_stage(scene, tmp_path / "out")
-    stored = exr.read_channels(tmp_path / "out" / "left" / "channels.exr")
-    assert set(stored) == {"depth", "base_color", "valid"}
+def test_every_renderer_has_it(renderer, scene, tmp_path, monkeypatch):
+    """What it is made of is exact, and so the core's."""
+    monkeypatch.setattr(type(renderer), "channels", ("radiance",))
+    assert derivable(("radiance",)) == () and FRICTION in available(("radiance",))
+    render_stage(scene, tmp_path / "out", channels=["friction"])
+    assert set(exr.read_channels(tmp_path / "out" / "left" / "channels.exr")) == {"friction"}

@@ -14,11 +14,11 @@ from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render import Legend, exr, render_stage
 from openrooms_usd.render.coco import coco
 from openrooms_usd.render.folder import is_relit_manifest, is_render_manifest, listed_views
-from openrooms_usd.render.lights import Gaussian, LightRecord
 from openrooms_usd.render.manifest import FORMAT
 from openrooms_usd.render.manifest_schema import GaussianEntry, LightEntry, read_manifest
 from openrooms_usd.render.reading import read_render
 from openrooms_usd.render.relight import Relighting, relight
+from openrooms_usd.render.scene.lights import Gaussian, LightRecord
 
 BOX = np.array([[0.0, -1, 0, 2], [1, 0, 0, 3], [0, 0, 1, 1], [0, 0, 0, 1]])
 LIGHTS = (

@@ -69,7 +69,7 @@ def test_channels_in_the_order_of_the_table():
     ("names", "said"),
     [
         (["dept"], "did you mean 'depth'"),
-        (["position"], "it gives: depth, valid"),
+        (["position"], "this one gives: depth, valid"),
         ([], "no channel is asked for"),
     ],
 )

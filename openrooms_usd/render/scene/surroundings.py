@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.scene.arrays import Environment, Scene, Sun
+from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.portals import Portal
-from orusd_mitsuba.pictures import Array
-from orusd_mitsuba.scene import Environment, Scene, Sun
 
 # Rows that a constant picture is made of, and what stands out from a picture: its sun.
 _ROWS: Final = 32

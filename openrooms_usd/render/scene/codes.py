@@ -9,9 +9,17 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.scene.pictures import (
+    MAX_SIDE,
+    Array,
+    Coding,
+    Limits,
+    Picture,
+    load,
+    wrapping,
+)
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from openrooms_usd.usd.textures import read_codes
-from orusd_mitsuba.pictures import MAX_SIDE, Array, Coding, Limits, Picture, load, wrapping
 
 _OPAQUE: Final = 255
 

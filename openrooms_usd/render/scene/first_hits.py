@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.pinhole import pixel_directions
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.pictures import Array, evaluate
+from openrooms_usd.render.scene.rays import RayTracer, Rows
 from openrooms_usd.usd.cameras import PinholeCamera
-from orusd_mitsuba.pictures import Array, evaluate
-from orusd_mitsuba.rays import RayTracer, Rows
-from orusd_mitsuba.scene import Scene
 
 # |cos| between ray and plane below which the plane cannot tell where the ray meets it.
 _GRAZING: Final = 1e-6

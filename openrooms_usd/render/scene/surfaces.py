@@ -1,4 +1,4 @@
-"""What a surface does to light, as neutral data: between UsdPreviewSurface and Mitsuba's BSDFs."""
+"""What a surface does to light: between UsdPreviewSurface and a renderer's BSDFs."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator
@@ -9,11 +9,10 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd import names
-from openrooms_usd.render.contract import Bsdf
+from openrooms_usd.render.scene.codes import load_picture
+from openrooms_usd.render.scene.pictures import Array, Limits, Picture, Value
 from openrooms_usd.usd.photometry import luminance
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture, f0_of
-from orusd_mitsuba.codes import load_picture
-from orusd_mitsuba.pictures import Array, Limits, Picture, Value
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 
 _UNIT: Final = (0.0, 1.0)
 _ANY: Final = (0.0, math.inf)
@@ -83,14 +82,9 @@ class Surface:
 
 
 class SurfaceReader:
-    """Turns preview surfaces into `Surface`, reading each picture once.
+    """Turns preview surfaces into `Surface`, reading each picture once."""
 
-    Args:
-        bsdf: Which model they shall be of; ``auto`` is the one that each says.
-    """
-
-    def __init__(self, bsdf: Bsdf = "auto") -> None:
-        self._bsdf = bsdf
+    def __init__(self) -> None:
         self._surfaces: dict[PreviewSurface, Surface] = {}
         self._pictures: dict[_Need, Picture] = {}
 
@@ -123,8 +117,6 @@ class SurfaceReader:
         ior, losses = _ior(preview)
         if preview.specular is not None:
             values["metallic"] = 0.0
-        f0, lost = _model(preview, ior, self._bsdf)
-        losses += lost
         losses += [text for found, text in _LOST if found(preview)]
         values["transmission"], lost = _transmission(preview.transmission, values["base_color"])
         losses += lost
@@ -132,7 +124,7 @@ class SurfaceReader:
         return Surface(
             **values,
             ior=ior,
-            f0=f0,
+            f0=preview.f0,
             clearcoat=_constant(preview.clearcoat, 0.0),
             clearcoat_roughness=_constant(preview.clearcoat_roughness, 0.01),
             primvar=primvar,
@@ -218,18 +210,6 @@ def _ior(preview: PreviewSurface) -> tuple[float, list[str]]:
     reflectance = float(np.clip(np.mean(preview.specular), 0.0, 0.9))
     root = math.sqrt(reflectance)
     return (1 + root) / (1 - root), ["the specular colour is taken as a colourless ior"]
-
-
-def _model(preview: PreviewSurface, ior: float, bsdf: Bsdf) -> tuple[float | None, list[str]]:
-    """F0 where it shall be of OpenRooms' model, else None; and what was changed for that."""
-    if bsdf == "preview" and preview.f0 is not None:
-        return None, [f"OpenRooms' model is shown by UsdPreviewSurface with ior {ior:.4g}"]
-    # What has no specular lobe is Lambertian in both.
-    if bsdf != "openrooms" or preview.f0 is not None or ior == 1.0:
-        return preview.f0, []
-    f0 = f0_of(ior)
-    lost = [f"UsdPreviewSurface is taken as OpenRooms' model with F0 {f0:.3g}"]
-    return f0, lost + ["its clearcoat is left out"] * (preview.clearcoat != 0.0)
 
 
 def _transmission(wanted: float, base_color: Value) -> tuple[float, list[str]]:

@@ -7,6 +7,15 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.render.scene.arrays import Environment, Floats, Sun, Triangles
+from openrooms_usd.render.scene.pictures import (
+    Array,
+    Picture,
+    Value,
+    linear_from_srgb,
+    load,
+    within,
+)
 from openrooms_usd.usd.lights import (
     CylinderLight,
     DiskLight,
@@ -17,8 +26,6 @@ from openrooms_usd.usd.lights import (
 )
 from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import color_space, read_texture
-from orusd_mitsuba.pictures import Array, Picture, Value, linear_from_srgb, load, within
-from orusd_mitsuba.scene import Environment, Floats, Sun, Triangles
 
 # Facets around a round light: even, so that its outline is symmetric.
 _AROUND: Final = 48

@@ -9,7 +9,12 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 from openrooms_usd.convert import Report
-from openrooms_usd.render.contract import Bsdf
+from openrooms_usd.render.scene import lamps
+from openrooms_usd.render.scene.arrays import Environment, Floats, Patch, Scene, Sun, Triangles
+from openrooms_usd.render.scene.labels import Labels, material_path
+from openrooms_usd.render.scene.pictures import Array, Value
+from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
+from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lights import (
     CylinderLight,
@@ -26,12 +31,6 @@ from openrooms_usd.usd.materials import bound_material, bound_subsets, read_prev
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
 from openrooms_usd.usd.surfaces import PreviewSurface
-from orusd_mitsuba import lamps
-from orusd_mitsuba.labels import Labels, material_path
-from orusd_mitsuba.pictures import Array, Value
-from orusd_mitsuba.scene import Environment, Floats, Patch, Scene, Sun, Triangles
-from orusd_mitsuba.surfaces import Surface, SurfaceReader
-from orusd_mitsuba.unseen import report_unseen
 
 # Rows of triangles, and the material that they show.
 _Part = tuple[np.ndarray, UsdShade.Material | None]
@@ -39,17 +38,16 @@ _Parts = list[_Part]
 _BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
 
 
-def translate(stage: Usd.Stage, bsdf: Bsdf = "auto") -> Scene:
+def translate(stage: Usd.Stage) -> Scene:
     """Translate a stage; nothing that it holds raises.
 
     Args:
         stage: The composed stage, with any up axis and unit.
-        bsdf: How surfaces shall reflect.
 
     Returns:
         The scene, whose report names every prim that was not translated whole.
     """
-    work = _Translation(bsdf)
+    work = _Translation()
     lights = read_lights(stage)
     # 1. Light, first: a mesh has to know whether it emits.
     for light in lights:
@@ -79,12 +77,13 @@ class _Group:
 class _Translation:
     """Gathers what will be the scene."""
 
-    def __init__(self, bsdf: Bsdf) -> None:
+    def __init__(self) -> None:
         self.report = Report()
         self._labels = Labels()
-        self._surfaces = SurfaceReader(bsdf)
+        self._surfaces = SurfaceReader()
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[str, Surface] = {}
+        self._owners: list[tuple[str, Surface]] = []
         self._groups: dict[tuple[int, str], _Group] = {}
         self._emitting: dict[str, Array] = {}
         self._environment: Environment | None = None
@@ -105,6 +104,7 @@ class _Translation:
             tuple(self._suns),
             self._portals,
             self._labels.legend,
+            tuple(self._owners),
             self.report,
         )
 
@@ -192,12 +192,14 @@ class _Translation:
             color, reason = _display_color(mesh.prim)
             surface = self._surfaces.read(PreviewSurface(base_color=color))
             losses += [reason, *surface.losses]
+            self._owners.append((mesh.path, surface))
             return surface
         key = _key(material)
         if key not in self._materials:
             preview, lost = self._previews[key]
             surface = self._materials[key] = self._surfaces.read(preview)
             self._say(str(material.GetPath()), [*lost, *surface.losses])
+            self._owners.append((str(material.GetPath()), surface))
         return self._materials[key]
 
     def _say(self, path: str, losses: list[str]) -> None:

@@ -10,12 +10,12 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.render.lights import Gaussian
+from openrooms_usd.render.scene.arrays import Sun
+from openrooms_usd.render.scene.lights import Gaussian
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.surroundings import Surroundings, cells_of, sums_by
 from openrooms_usd.usd.photometry import luminance
 from openrooms_usd.usd.portals import Portal
-from orusd_mitsuba.pictures import Array
-from orusd_mitsuba.scene import Sun
-from orusd_mitsuba.window_light import Surroundings, cells_of, sums_by
 
 # The fit looks at pictures with this many rows.
 _ROWS: Final = 32

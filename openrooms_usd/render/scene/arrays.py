@@ -1,4 +1,4 @@
-"""A stage as arrays: what is between USD and Mitsuba, and what ground truth is looked up in."""
+"""A stage as arrays: what renderers receive, and what ground truth is looked up in."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.convert import Report
-from openrooms_usd.render import Legend
+from openrooms_usd.render.scene.legend import Legend
+from openrooms_usd.render.scene.pictures import Array, Value
+from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.usd.portals import Portal
-from orusd_mitsuba.pictures import Array, Value
-from orusd_mitsuba.surfaces import Surface
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -121,6 +121,7 @@ class Scene:
         suns: Parallel lights.
         portals: Where the surroundings come in; empty where the stage does not say.
         legend: What the label numbers mean.
+        owners: Prims by path with the surface that they gave: materials, and meshes without one.
         report: What became of every prim.
     """
 
@@ -130,6 +131,7 @@ class Scene:
     suns: tuple[Sun, ...]
     portals: tuple[Portal, ...]
     legend: Legend
+    owners: tuple[tuple[str, Surface], ...] = ()
     report: Report = field(default_factory=Report)
 
     @cached_property

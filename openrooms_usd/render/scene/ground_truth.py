@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.scene.arrays import Patch, Piece, Scene
+from openrooms_usd.render.scene.first_hits import Hits
+from openrooms_usd.render.scene.pictures import Array, Value, evaluate
+from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.usd.cameras import PinholeCamera
-from orusd_mitsuba.first_hits import Hits
-from orusd_mitsuba.pictures import Array, Value, evaluate
-from orusd_mitsuba.scene import Patch, Piece, Scene
-from orusd_mitsuba.surfaces import Surface
 
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
 _OPENGL: Final = np.diag([1.0, -1.0, -1.0])

@@ -3,10 +3,10 @@
 from pxr import Usd, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.render import Legend
+from openrooms_usd.render.scene.arrays import Piece
+from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.usd.semantics import read_label, read_number
 from openrooms_usd.usd.taxonomies import NYU40, OPENROOMS45
-from orusd_mitsuba.scene import Piece
 
 
 class Labels:

@@ -1,0 +1,182 @@
+"""A stage that is translated once and opened by a renderer: light is its part, all else the core's.
+
+The core gives what one exact ray through each pixel's centre tells: geometry, materials and labels.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import Final
+
+from pxr import Usd
+
+from openrooms_usd.channels import each, numbered
+from openrooms_usd.errors import RenderError
+from openrooms_usd.render.contract import (
+    NO_OPTIONS,
+    Image,
+    Renderer,
+    RenderRequest,
+    RenderSession,
+    View,
+    ViewProgress,
+)
+from openrooms_usd.render.given import EXACT, remedy_for
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
+from openrooms_usd.render.scene.first_hits import first_hits
+from openrooms_usd.render.scene.ground_truth import GroundTruth
+from openrooms_usd.render.scene.light_masks import light_masks
+from openrooms_usd.render.scene.light_records import light_records
+from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.render.scene.rays import CastingTracer
+from openrooms_usd.render.scene.sources import sources_of
+from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
+
+# The part of the progress that exact channels take beside many samples.
+_EXACT_SHARE: Final = 0.02
+
+
+def open_with(
+    renderer: Renderer, stage: Usd.Stage, options: Mapping[str, str] = NO_OPTIONS
+) -> "OpenedStage":
+    """Translate a stage, and let a renderer open what comes of it.
+
+    Args:
+        renderer: The renderer.
+        stage: The composed stage. Any stage: ours, or one that follows none of our names.
+        options: Values by the names that the renderer declares.
+
+    Raises:
+        InputError: The renderer has no such option, or an option no such value.
+        RenderError: The renderer's backend is not available.
+    """
+    scene = translate(stage)
+    return OpenedStage(stage, scene, renderer.channels, renderer.open(scene, options))
+
+
+class OpenedStage:
+    """A stage that is rendered from any of its cameras.
+
+    Args:
+        stage: The composed stage.
+        scene: The same as arrays.
+        channels: Those that the session gives.
+        session: What a renderer made of the scene.
+
+    Attributes:
+        session: What a renderer made of the scene.
+        cameras: Prim paths of the stage's cameras, sorted.
+        resolution: Width and height that the stage's render settings ask for.
+        legend: What the label numbers mean.
+        report: What became of every prim; rendering may add what became of a camera's picture.
+    """
+
+    def __init__(
+        self, stage: Usd.Stage, scene: Scene, channels: tuple[str, ...], session: RenderSession
+    ) -> None:
+        self.session = session
+        self._stage, self._scene, self._channels = stage, scene, channels
+        self._sources = sources_of(scene)
+        cameras = list_cameras(stage)
+        self.cameras = tuple(str(prim.GetPath()) for prim in cameras)
+        self.resolution = stage_resolution(stage)
+        self.legend, self.report = scene.legend, scene.report
+        for prim in cameras:
+            if loss := clipping_loss(prim):
+                self.report.add(prim.GetPath(), "approximated", loss)
+
+    @cached_property
+    def lights(self) -> tuple[LightRecord, ...]:
+        """The lights that channels of the scope ``light`` are given for, by their numbers."""
+        return light_records(self._stage, self._scene, self._sources)
+
+    def render(self, request: RenderRequest, progress: ViewProgress = lambda done: None) -> View:
+        """Render one camera.
+
+        Args:
+            request: What to render.
+            progress: Called with the finished fraction, from 0 to 1.
+
+        Raises:
+            RenderError: A channel or the camera does not exist, or the renderer cannot do it.
+            StageError: The camera cannot make a picture.
+        """
+        _check(request, self._channels)
+        progress(0.0)
+        camera = self._camera(request)
+        lit = tuple(name for name in request.channels if name in self._channels)
+        exact = [name for name in request.channels if name not in lit]
+        images: dict[str, Image] = {}
+        if lit:
+            share = 1.0 - _EXACT_SHARE if exact else 1.0
+            asked = replace(request, channels=lit)
+            images |= self.session.render(camera, asked, lambda done: progress(share * done))
+        images |= self._exact(camera, request, exact)
+        progress(1.0)
+        wanted = each(request.channels, len(self._sources))
+        if missing := [name for name in wanted if name not in images]:
+            raise RenderError(
+                f"the renderer gave nothing for the channel {missing[0]!r}",
+                place=request.camera or "the framing camera",
+            )
+        return View(
+            camera=request.camera,
+            width=request.width,
+            height=request.height,
+            K=camera.K,
+            world_from_camera=camera.world_from_camera,
+            exposure=camera.exposure,
+            images={name: images[name] for name in wanted},
+        )
+
+    def _camera(self, request: RenderRequest) -> PinholeCamera:
+        if request.camera is None:
+            return framing_camera(self._stage, request.width, request.height)
+        if request.camera not in self.cameras:
+            known = ", ".join(self.cameras) or "none; leave the camera away to frame the scene"
+            raise RenderError("there is no such camera", place=request.camera, remedy=known)
+        prim = self._stage.GetPrimAtPath(request.camera)
+        return read_camera(prim, request.width, request.height)
+
+    def _exact(
+        self, camera: PinholeCamera, request: RenderRequest, channels: list[str]
+    ) -> dict[str, Image]:
+        """Channels of what the pixels' centres see; the ray that all share is in each's time."""
+        if not channels:
+            return {}
+        start = time.perf_counter()
+        tracer = self.session.tracer or self._caster
+        hits = first_hits(self._scene, tracer, camera, request.width, request.height)
+        truth = GroundTruth(self._scene, camera, hits)
+        shared = time.perf_counter() - start
+        images: dict[str, Image] = {}
+        for name in channels:
+            start = time.perf_counter()
+            if name == "mask_i":
+                masks = light_masks(self._scene, self._sources, camera, hits)
+                made = {numbered(name, light): mask for light, mask in enumerate(masks)}
+            else:
+                made = {name: truth.channel(name)}
+            seconds = shared + time.perf_counter() - start
+            images |= {single: Image(pixels, 1, seconds, 0.0) for single, pixels in made.items()}
+        return images
+
+    @cached_property
+    def _caster(self) -> CastingTracer:
+        return CastingTracer(self._scene)
+
+
+def _check(request: RenderRequest, own: tuple[str, ...]) -> None:
+    for name in request.channels:
+        if name not in own and name not in EXACT:
+            raise RenderError(
+                f"this renderer does not give the channel {name!r}", remedy=remedy_for(name)
+            )
+    if request.width < 1 or request.height < 1 or request.bounces < 0:
+        raise RenderError(
+            f"no picture has {request.width}x{request.height} pixels and {request.bounces} bounces",
+            remedy="give a positive resolution and no negative number of bounces",
+        )

@@ -1,0 +1,16 @@
+"""A composed USD stage as what a renderer receives, and all that can be told of it without light.
+
+In the order in which they are needed:
+
+- ``translate`` tells the story: lights, surfaces, labels and a report of every prim become a
+  ``Scene`` (``arrays``). It reads lamps and surroundings (``lamps``), what surfaces do to light
+  (``surfaces``, with ``pictures`` and ``codes`` for their textures), which object, part and class
+  everything belongs to (``labels``, ``legend``), and names what is in no picture (``unseen``).
+- ``models`` gives all surfaces one reflectance model where a renderer takes no other; ``cameras``
+  says what the stage asks of pictures.
+- ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the
+  ``surroundings`` that they see and a fit of those (``window_fit``).
+- ``rays`` finds the triangle in the centre of each pixel, ``first_hits`` computes where it is met
+  in double precision, ``ground_truth`` looks up geometry, material and labels there, and
+  ``light_masks`` which pixels see each light.
+"""

@@ -1,0 +1,45 @@
+"""One reflectance model for all surfaces, and what is lost by that."""
+
+from dataclasses import replace
+from typing import Final, Literal, get_args
+
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.usd.surfaces import f0_of
+
+Model = Literal["auto", "openrooms", "preview"]
+"""How surfaces reflect: as each material says, all by OpenRooms' microfacet model, or all as
+UsdPreviewSurface."""
+
+MODELS: Final[tuple[Model, ...]] = get_args(Model)
+
+
+def with_model(scene: Scene, model: Model) -> Scene:
+    """The scene with all its surfaces of one model; its report says what was changed for that.
+
+    Args:
+        scene: A translated stage.
+        model: ``auto`` leaves the scene as it is.
+    """
+    if model == "auto":
+        return scene
+    shown = {id(patch.surface): _shown_as(model, patch.surface) for patch in scene.patches}
+    scene.report.lose(
+        {path: shown[id(surface)][1] for path, surface in scene.owners if id(surface) in shown}
+    )
+    patches = tuple(replace(patch, surface=shown[id(patch.surface)][0]) for patch in scene.patches)
+    return replace(scene, patches=patches)
+
+
+def _shown_as(model: Model, surface: Surface) -> tuple[Surface, str]:
+    """The surface in a model, and what was changed for that, in words."""
+    if model == "preview" and surface.f0 is not None:
+        lost = f"OpenRooms' model is shown by UsdPreviewSurface with ior {surface.ior:.4g}"
+        return replace(surface, f0=None), lost
+    # What has no specular lobe is Lambertian in both.
+    if model == "openrooms" and surface.f0 is None and surface.ior != 1.0:
+        f0 = f0_of(surface.ior)
+        lost = f"UsdPreviewSurface is taken as OpenRooms' model with F0 {f0:.3g}"
+        lost += "; its clearcoat is left out" if surface.clearcoat else ""
+        return replace(surface, f0=f0), lost
+    return surface, ""
