@@ -1,5 +1,6 @@
 """What any renderer gets for nothing, what is asked of it, and what is refused in its stead."""
 
+import re
 from collections.abc import Callable, Mapping
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -179,6 +180,17 @@ def test_a_tracer_of_its_own_finds_what_the_core_then_computes(stage: Usd.Stage)
     assert even.tracer.calls == 1
     core = open_with(Even(), stage).render(request("depth", "instance")).images
     assert all(np.array_equal(own[name].pixels, core[name].pixels) for name in core)
+
+
+def test_the_renderer_of_the_documentation_renders(stage: Usd.Stage) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "renderers.md").read_text("utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    made: dict[str, Any] = {}
+    exec(code, made)
+    opened = open_with(made["FogRenderer"](), stage, {"nits": "7"})
+    images = opened.render(request("radiance", "depth", "mask_i")).images
+    assert (images["radiance"].pixels == 7.0).all()
+    assert images["depth"].pixels.max() == pytest.approx(3.0)
 
 
 def test_a_camera_or_a_size_that_is_none(stage: Usd.Stage) -> None:
