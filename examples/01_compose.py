@@ -6,32 +6,33 @@ Run: python examples/01_compose.py OUT
 import sys
 from pathlib import Path
 
-from openrooms_usd import compose_room, validate_stage
+import openrooms_usd as ou
 
-ROOM = """\
-room: office
-seed: 3
-layout:
-  polygon: [[0, 0], [420 cm, 0], [420 cm, 300 cm], [0, 300 cm]]
-  openings:
-    - {kind: window, wall: 0}
-    - {kind: door, wall: 2, at: 90 cm, open: 70 deg}
-alignment:
-  objects:
-    - {category: table, at: [2.1, 0.7], size: [160 cm, 80 cm, 74 cm]}
-    - {category: chair, at: [2.1, 1.5]}
-    - {category: ceiling_lamp, at: [2.1, 1.5]}
-"""
+ROOM = {
+    "room": "office",
+    "seed": 3,
+    "layout": {
+        "polygon": [[0, 0], ["420 cm", 0], ["420 cm", "300 cm"], [0, "300 cm"]],
+        "openings": [
+            {"kind": "window", "wall": 0},
+            {"kind": "door", "wall": 2, "at": "90 cm", "open": "70 deg"},
+        ],
+    },
+    "alignment": {
+        "objects": [
+            {"category": "table", "at": [2.1, 0.7], "size": ["160 cm", "80 cm", "74 cm"]},
+            {"category": "chair", "at": [2.1, 1.5]},
+            {"category": "ceiling_lamp", "at": [2.1, 1.5]},
+        ]
+    },
+}
 
 
 def main(out: Path) -> None:
-    description = out / "room.yaml"
-    out.mkdir(parents=True, exist_ok=True)
-    description.write_text(ROOM)
-    summary = compose_room(description, out)
-    for stage in summary.stages:
+    scene = ou.compose(ROOM, out)
+    for stage in scene.stages:
         print(f"{stage.stage:<10} {stage.state}")
-    print(f"{len(validate_stage(summary.scene))} findings in {summary.scene.name}")
+    print(f"{len(ou.validate(scene))} findings in {scene.path.name}")
 
 
 if __name__ == "__main__":

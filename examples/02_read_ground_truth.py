@@ -3,40 +3,34 @@
 Run: python examples/02_read_ground_truth.py OUT
 """
 
-import json
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from openrooms_usd import compose_room, render_stage
-from openrooms_usd.demo import copy_example
-from openrooms_usd.render.exr import read_channels
+import openrooms_usd as ou
 
 
 def main(out: Path) -> None:
-    scene = compose_room(copy_example(out / "source"), out).scene
-    render_stage(
+    scene = ou.compose(ou.copy_example(out / "source"), out)
+    render = ou.render(
         scene,
-        out / "render",
-        cameras=["sitting"],
+        cameras="sitting",
         channels=["depth", "position", "valid"],
         resolution=(160, 120),
         samples=1,
     )
-    view = json.loads((out / "render" / "manifest.json").read_text())["views"]["sitting"]
-    channels = read_channels(out / "render" / view["files"]["channels"])
+    view = render["sitting"]
 
-    # The manifest says: K in pixels, the centre of the top-left pixel at (0.5, 0.5), OpenCV axes.
-    width, height = view["resolution"]
-    columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+    # K is in pixels, the centre of the top-left pixel at (0.5, 0.5); the camera has OpenCV axes.
+    columns, rows = np.meshgrid(np.arange(view.width) + 0.5, np.arange(view.height) + 0.5)
     pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
-    rays = pixels @ np.linalg.inv(np.array(view["K"])).T
-    camera = np.array(view["world_from_camera"])
-    points = (rays * channels["depth"]) @ camera[:3, :3].T + camera[:3, 3]
+    rays = pixels @ np.linalg.inv(view.K).T
+    camera = view.world_from_camera
+    points = (rays * view["depth"][..., None]) @ camera[:3, :3].T + camera[:3, 3]
 
-    seen = channels["valid"][..., 0] > 0
-    error = np.abs(points - channels["position"])[seen].max()
+    seen = view["valid"]
+    error = np.abs(points - view["position"])[seen].max()
     print(f"{seen.sum()} pixels see a surface; depth and position agree within {error:.1e} m")
 
 

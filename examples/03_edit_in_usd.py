@@ -6,32 +6,29 @@ Run: python examples/03_edit_in_usd.py OUT
 import sys
 from pathlib import Path
 
-from pxr import Sdf, Usd, UsdGeom
+from pxr import UsdGeom
 
-from openrooms_usd import compose_room
-from openrooms_usd.demo import copy_example
+import openrooms_usd as ou
 
 SOFA = "/World/Furniture/sofa"
 
 
-def where(scene: Path) -> str:
-    stage = Usd.Stage.Open(str(scene))
+def where(scene: ou.Scene) -> str:
+    stage = scene.stage()
     position = UsdGeom.Xformable(stage.GetPrimAtPath(SOFA)).ComputeLocalToWorldTransform(0)
     return "({:.2f}, {:.2f})".format(*list(position.ExtractTranslation())[:2])
 
 
 def main(out: Path) -> None:
-    description = copy_example(out / "source")
-    scene = compose_room(description, out).scene
+    description = ou.copy_example(out / "source")
+    scene = ou.compose(description, out)
     print("the sofa stands at", where(scene))
 
-    stage = Usd.Stage.Open(str(scene))
-    stage.SetEditTarget(Sdf.Layer.FindOrOpen(str(out / "layers" / "edits.usda")))
-    UsdGeom.XformCommonAPI(stage.GetPrimAtPath(SOFA)).SetTranslate((2.3, 3.8, 0.0))
-    stage.GetEditTarget().GetLayer().Save()
+    with scene.editing() as stage:
+        UsdGeom.XformCommonAPI(stage.GetPrimAtPath(SOFA)).SetTranslate((2.3, 3.8, 0.0))
 
-    summary = compose_room(description, out)
-    print("composed again:", ", ".join(f"{s.stage} {s.state}" for s in summary.stages))
+    scene = ou.compose(description, out)
+    print("composed again:", ", ".join(f"{s.stage} {s.state}" for s in scene.stages))
     print("the sofa stands at", where(scene))
 
 

@@ -9,25 +9,22 @@ Run: python examples/04_push.py OUT
 import sys
 from pathlib import Path
 
-from openrooms_usd import adapters, compose_room
-from openrooms_usd.geometry.pinhole import look_at
-from openrooms_usd.simulation import pushing, strips
-from openrooms_usd.simulation.eyes import RGB, Eyes
-from openrooms_usd.simulation.floors import mean_friction
+import openrooms_usd as ou
+from openrooms_usd import robots
 
-ROOM = """\
-room: storage
-layout: {polygon: [[-1.2, -1.1], [1.8, -1.1], [1.8, 1.1], [-1.2, 1.1]], height: 2.4}
-alignment: {objects: [{category: ceiling_lamp, at: [0.3, 0]}]}
-materials: {floor: loop_carpet}
-physics: {}
-"""
+ROOM = {
+    "room": "storage",
+    "layout": {"polygon": [[-1.2, -1.1], [1.8, -1.1], [1.8, 1.1], [-1.2, 1.1]], "height": 2.4},
+    "alignment": {"objects": [{"category": "ceiling_lamp", "at": [0.3, 0]}]},
+    "materials": {"floor": "loop_carpet"},
+    "physics": {},
+}
 ENGINES = ("pybullet", "mujoco")
 
 
 def main(out: Path) -> None:
-    out.mkdir(parents=True, exist_ok=True)
-    engines = {name: adapters.load(adapters.ENGINES, name) for name in ENGINES}
+    pushing = robots.pushing
+    engines = {name: robots.load_engine(name) for name in ENGINES}
     print("floor  motor  Coulomb   step     " + "   ".join(f"{name:>16}" for name in engines))
     for name, floor in (("carpet", pushing.CARPET), ("wax", pushing.WAX)):
         for effort in (pushing.WEAK, pushing.STRONG):
@@ -40,20 +37,19 @@ def main(out: Path) -> None:
         print(f"{name:<6} the paper, whose motor and gap are not known: {pushing.PAPER[floor]} m")
 
     # In a room of ours the floor's coefficient is the mean of its per-pixel map.
-    (out / "room.yaml").write_text(ROOM)
-    scene = compose_room(out / "room.yaml", out).scene
+    scene = ou.compose(ROOM, out)
     push = pushing.Push(pushing.CARPET)
-    cameras = {"onlooker": look_at((0.1, -1.0, 1.1), (0.05, 0.1, 0.15))}
+    cameras = {"onlooker": robots.look_at((0.1, -1.0, 1.1), (0.05, 0.1, 0.15))}
     world = pushing.world_of(push)
-    simulation, eyes = engines["mujoco"].open(world), Eyes(scene, world)
+    simulation, seen = engines["mujoco"].open(world), robots.RobotCameras(scene, world)
     rows = []
     for moment in pushing.moments(push, simulation):
-        views = eyes.see(simulation, cameras, (RGB, "semantic", "friction"))
-        rows += strips.row(moment, views, {"onlooker": [RGB]})
-    ours = pushing.Push(mean_friction(views["onlooker"], eyes.legend))
+        views = seen.see(simulation, cameras, ("radiance", "semantic", "friction"))
+        rows += robots.row(moment, views, {"onlooker": ["radiance"]})
+    ours = pushing.Push(robots.mean_friction(views["onlooker"], seen.legend))
     way = pushing.simulated(ours, engines["mujoco"], 0.002)
     print(f"our carpet {ours.floor:.3f}: {way:.3f} m, by Coulomb {pushing.predicted(ours):.3f} m")
-    strips.write_strip(out / "strip.png", [rows])
+    robots.write_strip(out / "strip.png", [rows])
 
 
 if __name__ == "__main__":

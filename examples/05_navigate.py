@@ -9,47 +9,46 @@ Run: python examples/05_navigate.py OUT
 import sys
 from pathlib import Path
 
-from openrooms_usd import adapters, compose_room
-from openrooms_usd.demo import copy_example
-from openrooms_usd.geometry.pinhole import look_at
-from openrooms_usd.simulation import strips
-from openrooms_usd.simulation.driving import Action, act
-from openrooms_usd.simulation.eyes import RGB, SEEN, Eyes, robot_camera
-from openrooms_usd.simulation.floors import mean_friction, with_friction
-from openrooms_usd.simulation.robots import rover, with_robot
-from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.rigid.reading import read_world
+import openrooms_usd as ou
+from openrooms_usd import robots
 
-ACTIONS = (Action(forward=1.3), Action(left=1.9, forward=0.7), Action(right=0.8, backward=0.3))
+ACTIONS = (
+    robots.Action(forward=1.3),
+    robots.Action(left=1.9, forward=0.7),
+    robots.Action(right=0.8, backward=0.3),
+)
+SEEN = ("radiance", "depth", "normal", "semantic")
 
 
 def main(out: Path) -> None:
-    scene = compose_room(copy_example(out / "source"), out).scene
-    engine = adapters.load(adapters.ENGINES, "pybullet")
-    world = with_robot(read_world(open_stage(scene)), rover((1.2, 1.2)))
-    eyes = Eyes(scene, world)
+    scene = ou.compose(ou.copy_example(out / "source"), out)
+    engine = robots.load_engine("pybullet")
+    world = robots.with_robot(robots.read_world(scene), robots.rover((1.2, 1.2)))
+    seen = robots.RobotCameras(scene, world)
     simulation = engine.open(world)
-    first = {"robot": robot_camera(simulation, "rover")}
-    look = eyes.see(simulation, first, ("semantic", "friction"))["robot"]
-    floor = mean_friction(look, eyes.legend)
+    first = {"robot": robots.robot_camera(simulation, "rover")}
+    look = seen.see(simulation, first, ("semantic", "friction"))["robot"]
+    floor = robots.mean_friction(look, seen.legend)
     print(f"friction of the floor, mean of its pixels: {floor:.3f}")
     rows = []
     for coefficient, watched in ((floor, True), (0.31, False)):
-        simulation = engine.open(with_friction(world, "floor", coefficient))
+        simulation = engine.open(robots.with_friction(world, "floor", coefficient))
         for number, action in enumerate(ACTIONS):
-            act(simulation, "rover", action)
+            robots.act(simulation, "rover", action)
             pose = simulation.poses()["rover"]
             x, y, z = pose.world_from_body[:3, 3]
             wheels = ", ".join(f"{name} {angle:.2f} rad" for name, angle in pose.joints.items())
             print(f"floor {coefficient:.2f} step {number}: ({x:.3f}, {y:.3f}, {z:.3f})  {wheels}")
             if watched:
-                cameras = {"robot": robot_camera(simulation, "rover"),
-                           "onlooker": look_at((5.2, 0.4, 1.9), (1.9, 2.1, 0.2))}  # fmt: skip
-                views = eyes.see(simulation, cameras)
-                shown = {"onlooker": [RGB], "robot": SEEN}
-                rows.append(strips.row(f"step {number}", views, shown))
+                cameras = {
+                    "robot": robots.robot_camera(simulation, "rover"),
+                    "onlooker": robots.look_at((5.2, 0.4, 1.9), (1.9, 2.1, 0.2)),
+                }
+                views = seen.see(simulation, cameras, SEEN)
+                shown = {"onlooker": ["radiance"], "robot": SEEN}
+                rows.append(robots.row(f"step {number}", views, shown))
         simulation.close()
-    strips.write_strip(out / "strip.png", rows)
+    robots.write_strip(out / "strip.png", rows)
 
 
 if __name__ == "__main__":

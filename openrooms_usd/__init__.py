@@ -1,46 +1,116 @@
 """A declarative USD toolkit for photorealistic indoor scenes with ground truth.
 
-The names below are loaded on first use, so that ``import openrooms_usd`` costs nothing: ``pxr``,
-``mitsuba`` and ``scipy`` are imported by the functions that need them.
+``import openrooms_usd as ou`` offers what the command line does, as functions (docs/python.md): a
+room is generated, loaded or imported, composed into USD, then rendered, simulated, converted. The
+names are loaded on first use, so that importing the package costs nothing: ``pxr``, ``numpy`` and
+renderers are imported by the functions that need them.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from openrooms_usd.lazy import loader
 
 from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from openrooms_usd.compose import compose_room as compose_room
-    from openrooms_usd.convert import convert_stage as convert_stage
-    from openrooms_usd.description import load_room as load_room
+    from openrooms_usd.api import robots as robots
+    from openrooms_usd.api.light import Probe as Probe
+    from openrooms_usd.api.light import Probes as Probes
+    from openrooms_usd.api.light import probe as probe
+    from openrooms_usd.api.light import relight as relight
+    from openrooms_usd.api.renders import Render as Render
+    from openrooms_usd.api.renders import View as View
+    from openrooms_usd.api.renders import dataset as dataset
+    from openrooms_usd.api.renders import read_render as read_render
+    from openrooms_usd.api.renders import render as render
+    from openrooms_usd.api.rooms import copy_example as copy_example
+    from openrooms_usd.api.rooms import generate as generate
+    from openrooms_usd.api.rooms import import_capture as import_capture
+    from openrooms_usd.api.rooms import load as load
+    from openrooms_usd.api.rooms import save as save
+    from openrooms_usd.api.scenes import Scene as Scene
+    from openrooms_usd.api.scenes import compose as compose
+    from openrooms_usd.api.scenes import convert as convert
+    from openrooms_usd.api.scenes import open as open
+    from openrooms_usd.api.scenes import simulate as simulate
+    from openrooms_usd.api.scenes import validate as validate
+    from openrooms_usd.description.room import Room as Room
     from openrooms_usd.errors import OrusdError as OrusdError
-    from openrooms_usd.render import render_stage as render_stage
-    from openrooms_usd.validate import validate_stage as validate_stage
 
 _HOME = {
     "OrusdError": "openrooms_usd.errors",
-    "compose_room": "openrooms_usd.compose",
-    "convert_stage": "openrooms_usd.convert",
-    "load_room": "openrooms_usd.description",
-    "render_stage": "openrooms_usd.render",
-    "validate_stage": "openrooms_usd.validate",
+    "Probe": "openrooms_usd.api.light",
+    "Probes": "openrooms_usd.api.light",
+    "Render": "openrooms_usd.api.renders",
+    "Room": "openrooms_usd.description.room",
+    "Scene": "openrooms_usd.api.scenes",
+    "View": "openrooms_usd.api.renders",
+    "compose": "openrooms_usd.api.scenes",
+    "convert": "openrooms_usd.api.scenes",
+    "copy_example": "openrooms_usd.api.rooms",
+    "dataset": "openrooms_usd.api.renders",
+    "generate": "openrooms_usd.api.rooms",
+    "import_capture": "openrooms_usd.api.rooms",
+    "load": "openrooms_usd.api.rooms",
+    "open": "openrooms_usd.api.scenes",
+    "probe": "openrooms_usd.api.light",
+    "read_render": "openrooms_usd.api.renders",
+    "relight": "openrooms_usd.api.light",
+    "render": "openrooms_usd.api.renders",
+    "robots": "openrooms_usd.api",
+    "save": "openrooms_usd.api.rooms",
+    "simulate": "openrooms_usd.api.scenes",
+    "validate": "openrooms_usd.api.scenes",
 }
 
 __all__ = [
     "OrusdError",
+    "Probe",
+    "Probes",
+    "Render",
+    "Room",
+    "Scene",
+    "View",
     "__version__",
-    "compose_room",
-    "convert_stage",
-    "load_room",
-    "render_stage",
-    "validate_stage",
+    "compose",
+    "convert",
+    "copy_example",
+    "dataset",
+    "generate",
+    "import_capture",
+    "load",
+    "open",
+    "probe",
+    "read_render",
+    "relight",
+    "render",
+    "robots",
+    "save",
+    "simulate",
+    "validate",
 ]
 
+if not TYPE_CHECKING:  # To type checkers there is nothing but the names above.
+    __getattr__ = loader(__name__, _HOME)
 
-def __getattr__(name: str) -> Any:
-    """Load a public name from its module on first use (PEP 562)."""
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOME[name]), name)
-    globals()[name] = value
-    return value
+
+def __dir__() -> list[str]:
+    """What people are offered; modules are imported by their own names."""
+    return __all__
+
+
+class _Package(ModuleType):
+    """This package: importing its part ``render`` does not hide its function ``render``.
+
+    The import system sets every module as an attribute of its package. Some of ours have the name
+    of what they are for, and so have the functions of the front door.
+    """
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name not in _HOME or not isinstance(value, ModuleType):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

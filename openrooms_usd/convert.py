@@ -50,6 +50,10 @@ class Report:
         """The rows that were not translated whole."""
         return (row for row in self.rows if row[1] != "translated")
 
+    def __repr__(self) -> str:
+        kinds: tuple[Outcome, ...] = ("translated", "approximated", "skipped")
+        return f"Report({', '.join(f'{self.count(kind)} {kind}' for kind in kinds)})"
+
     def as_dict(self) -> dict[str, object]:
         """The counts and the losses as plain data."""
         return {

@@ -5,6 +5,7 @@
     OrusdError
     ├── DescriptionError    a mistake in room.yaml (one error lists all of them)
     ├── InputError          a file that is read is missing, unreadable or holds nonsense
+    │   └── UnknownNameError    a result holds nothing of that name; a KeyError too
     ├── OutputError         a file cannot be written
     ├── StageError          a USD stage or prim is not what the operation needs
     ├── RenderError         a renderer cannot do what is asked of it
@@ -91,6 +92,10 @@ class InputError(OrusdError):
 
     code = "input"
     exit_code = 2
+
+
+class UnknownNameError(InputError, KeyError):
+    """A result that reads like a mapping holds nothing of that name."""
 
 
 class OutputError(OrusdError):

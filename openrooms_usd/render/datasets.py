@@ -53,6 +53,11 @@ class DatasetSummary:
         """The summary as plain data."""
         return {**asdict(self), "root": str(self.root), "notes": list(self.notes)}
 
+    def __repr__(self) -> str:
+        views = sum(map(len, self.frames.values()))
+        missing = f"; missing: {', '.join(sorted(self.missing))}" if self.missing else ""
+        return f"DatasetSummary({str(self.root)!r}: {self.files} files of {views} views{missing})"
+
 
 class DatasetWriter(Protocol):
     """Writes renders as a dataset; an entry point ``openrooms_usd.datasets``."""

@@ -42,6 +42,28 @@ class Relighting:
     kelvin: Mapping[str, float] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, eq=False)
+class Relit:
+    """A view with its lights turned.
+
+    Attributes:
+        radiance: (height, width, 3) nits, as the channel ``radiance``.
+        factors: (3,) by the light's name: what its red, green and blue were multiplied by.
+        exposure: What pictures for people multiply it by; None fits it to the picture.
+        manifest: What is said of it, as plain data.
+    """
+
+    radiance: NDArray[np.float32]
+    factors: Mapping[str, NDArray[np.float64]]
+    exposure: float | None
+    manifest: dict[str, Any]
+
+    def __repr__(self) -> str:
+        height, width = self.radiance.shape[:2]
+        said = (f"{name} x {factor.round(3).tolist()}" for name, factor in self.factors.items())
+        return f"Relit({width}x{height}: {', '.join(said)})"
+
+
 def relight(view: Path, out: Path, relighting: Relighting) -> dict[str, Any]:
     """Write the picture of a view with its lights turned.
 
@@ -61,15 +83,44 @@ def relight(view: Path, out: Path, relighting: Relighting) -> dict[str, Any]:
         OutputError: The folder cannot be written, or a render lies there.
     """
     _check_out(out)
+    return write_relit(out, relit_view(view, relighting))
+
+
+def relit_view(view: Path, relighting: Relighting) -> Relit:
+    """The picture of a view with its lights turned.
+
+    Args:
+        view: The folder of a view in a finished render, or a render that has only one.
+        relighting: How lights shall be.
+
+    Raises:
+        InputError: It is no view, has no light channels, or a light cannot be as wanted.
+    """
     scene, seen = _open(view)
     factors = light_factors(scene.lights, relighting, view)
-    # Pixels may hold any number, and what is none: the preview marks them.
+    # Pixels may hold any number, and what is none.
     with np.errstate(over="ignore", invalid="ignore"):
         pixels = relit(_contributions(scene, seen), factors)
-        shown = preview("radiance", pixels, seen.entry.exposure)
-    entry = _entry(scene, seen, relighting, factors) | {"preview_shows": shown.shows}
+    named = {light.name: factors[light.number] for light in scene.lights}
+    entry = _entry(scene, seen, relighting, factors)
+    return Relit(pixels, named, seen.entry.exposure, entry)
+
+
+def write_relit(out: Path, picture: Relit) -> dict[str, Any]:
+    """Write a relit picture; see `relight`.
+
+    Returns:
+        The manifest.
+
+    Raises:
+        OutputError: The folder cannot be written, or a render lies there.
+    """
+    _check_out(out)
+    with np.errstate(over="ignore", invalid="ignore"):
+        shown = preview("radiance", picture.radiance, picture.exposure)
+    entry = picture.manifest | {"preview_shows": shown.shows}
     with atomic.filling(out) as beside:
-        exr.write_rgb(beside / FILES["radiance"], pixels)
+        exr.write_rgb(beside / FILES["radiance"], picture.radiance)
         write_png(beside / FILES["preview"], shown.pixels)
         write_json(beside / MANIFEST, entry)
     return entry

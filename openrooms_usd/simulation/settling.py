@@ -79,6 +79,12 @@ class Settled:
         """Plain data, for ``--json``."""
         return {**asdict(self), "out": None if self.out is None else str(self.out)}
 
+    def __repr__(self) -> str:
+        first = self.moved[0] if self.moved else None
+        most = f", by at most {first.millimetres:.1f} mm: {first.body}" if first else ""
+        said = f"{len(self.moved)} bodies that can move{most}"
+        return f"Settled({self.seconds:g} s in {self.engine}, {said}; layer: {self.out})"
+
 
 def settle(
     path: Path,

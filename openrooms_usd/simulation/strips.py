@@ -7,7 +7,7 @@ from openrooms_usd.render.contract import View
 from openrooms_usd.render.denoise import DENOISED
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import Tile, tiles, write_sheet
-from openrooms_usd.simulation.eyes import RGB
+from openrooms_usd.simulation.robot_cameras import RGB
 
 
 def row(

@@ -1,5 +1,7 @@
 """What the documents show is true: commands run, YAML loads, links lead somewhere."""
 
+import ast
+import inspect
 import os
 import re
 import shlex
@@ -39,6 +41,18 @@ BLOCKS = [
 ]
 
 
+def python_of(document: Path) -> str:
+    """What a document shows of Python, block after block, each where it stands in the file."""
+    text = ""
+    for block in BLOCKS:
+        if block.document == document and block.language == "python":
+            text += "\n" * (block.line - text.count("\n")) + block.text
+    return text
+
+
+PYTHON = [d for d in DOCUMENTS if d.is_file() and "import openrooms_usd as ou" in python_of(d)]
+
+
 def commands(block: Block) -> list[str]:
     """The commands of a block: all lines of ``bash``, those after ``$`` of ``console``."""
     lines = block.text.replace("\\\n", " ").splitlines()
@@ -70,6 +84,32 @@ def test_the_commands_of_a_document_run_in_order(document: Path, tmp_path: Path)
             check=False,
         )
         assert done.returncode == 0, f"$ {command}\n{done.stdout}{done.stderr}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("document", PYTHON, ids=lambda path: path.name)
+def test_the_python_of_a_document_runs_in_order(document: Path, tmp_path: Path) -> None:
+    """All blocks in one process, in an empty folder; what warns fails."""
+    script = tmp_path / "document.py"
+    script.write_text(python_of(document), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", script], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("document", PYTHON, ids=lambda path: path.name)
+def test_the_python_of_a_document_calls_what_there_is(document: Path) -> None:
+    """Every function of the front door exists and takes the arguments that are shown."""
+    import openrooms_usd as ou
+
+    for node in ast.walk(ast.parse(python_of(document))):
+        if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "ou":
+            assert node.attr in dir(ou)
+        if isinstance(node, ast.Call) and ast.unparse(node.func).startswith("ou."):
+            function = getattr(ou, ast.unparse(node.func).removeprefix("ou."))
+            keywords = {word.arg: word.value for word in node.keywords if word.arg}
+            inspect.signature(function).bind(*node.args, **keywords)
 
 
 def test_make_is_only_asked_for_targets_that_exist() -> None:

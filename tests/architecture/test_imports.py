@@ -19,6 +19,7 @@ SOURCES = {
 # From the strongest to the weakest: a module imports its own rank and those after it.
 RANKS = (
     ("cli",),
+    ("api",),
     (
         "compose",
         "doctor",
@@ -58,7 +59,7 @@ RANKS = (
         "unfinished",
         "unpickling",
     ),
-    ("colorimetry", "errors", "names", "untrusted", "version"),
+    ("colorimetry", "errors", "lazy", "names", "untrusted", "version"),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
@@ -81,7 +82,7 @@ HEAVY = {
     "coacd",
 }
 # Imported by `orusd --help`; numpy is in because the description and the command line need none.
-INSTANT = ("cli", "description", "errors", "names", "adapters", "atomic")
+INSTANT = ("api", "cli", "description", "errors", "names", "adapters", "atomic")
 
 
 class Import(NamedTuple):

@@ -33,7 +33,8 @@ def test_a_public_name_is_what_its_module_defines(name: str) -> None:
 def test_type_checkers_see_what_runs() -> None:
     """The imports under TYPE_CHECKING name the same modules as the table of the façade."""
     tree = ast.parse(Path(openrooms_usd.__file__).read_text(encoding="utf-8"))
-    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    conditions = [node for node in tree.body if isinstance(node, ast.If)]
+    (block,) = (node for node in conditions if ast.unparse(node.test) == "TYPE_CHECKING")
     seen = {
         alias.name: node.module
         for node in block.body

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -212,7 +213,8 @@ def test_pixels_that_are_no_numbers_are_said():
 
 
 def test_the_demo_for_programs(tmp_path, monkeypatch):
-    from openrooms_usd import compose, render
+    compose = import_module("openrooms_usd.compose")
+    render = import_module("openrooms_usd.render")
 
     def compose_room(description, out, **how):
         return compose.ComposeSummary(out / "scene.usda", ())

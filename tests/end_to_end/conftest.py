@@ -14,9 +14,10 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
-from openrooms_usd import compose_room, render_stage
 from openrooms_usd.cli import orusd
+from openrooms_usd.compose import compose_room
 from openrooms_usd.demo import copy_example
+from openrooms_usd.render import render_stage
 from orusd_mitsuba import variants
 
 Show = Callable[..., "Shown"]

@@ -1,5 +1,6 @@
 """The numbered examples run as they stand, in a process of their own, and fit on a screen."""
 
+import ast
 import re
 import subprocess
 import sys
@@ -35,6 +36,18 @@ def test_an_example_runs_anywhere(example: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert re.search(SAYS[example.stem], done.stdout), done.stdout
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_uses_the_front_door_alone(example: Path) -> None:
+    imported = set()
+    for node in ast.walk(ast.parse(example.read_text())):
+        if isinstance(node, ast.Import):
+            imported |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            imported |= {f"{node.module}.{alias.name}" for alias in node.names}
+    ours = {name for name in imported if name.startswith(("openrooms_usd", "orusd"))}
+    assert ours <= {"openrooms_usd", "openrooms_usd.robots"}
 
 
 def test_every_example_is_known() -> None:

@@ -7,9 +7,9 @@ import pytest
 from click.testing import CliRunner
 from pxr import Sdf, Usd, UsdLux, UsdShade
 
-from openrooms_usd import compose_room, load_room
 from openrooms_usd.cli import orusd
-from openrooms_usd.description import dump_room
+from openrooms_usd.compose import compose_room
+from openrooms_usd.description import dump_room, load_room
 
 ALBEDO, EMISSION, BOUNCES = 0.5, (3.0, 2.0, 1.0), 3
 

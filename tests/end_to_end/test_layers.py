@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd import compose_room
 from openrooms_usd.cli import orusd
+from openrooms_usd.compose import compose_room
 
 
 @pytest.fixture

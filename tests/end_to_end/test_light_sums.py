@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from openrooms_usd import render_stage
+from openrooms_usd.render import render_stage
 from openrooms_usd.render.reading import RenderedView, read_render
 
 Array = NDArray[np.float64]

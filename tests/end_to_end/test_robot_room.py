@@ -7,7 +7,7 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import adapters
-from openrooms_usd.simulation.eyes import Eyes, robot_camera
+from openrooms_usd.simulation.robot_cameras import RobotCameras, robot_camera
 from openrooms_usd.simulation.robots import ALONG, pusher, with_robot
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
@@ -47,10 +47,10 @@ def test_it_rests_is_pushed_and_is_seen_where_it_is(engine: str, composed_bodies
     assert 0.1 < moved.pop(CHAIR) < 0.5
     assert max(moved.values()) < 0.005
 
-    eyes = Eyes(composed_bodies, world, resolution=(120, 90), samples=1)
+    cameras = RobotCameras(composed_bodies, world, resolution=(120, 90), samples=1)
     camera = robot_camera(simulation, "pusher")
-    view = eyes.see(simulation, {"robot": camera}, ("depth", "semantic"))["robot"]
-    (chair,) = [number for number, name in eyes.legend.items() if name == "chair"]
+    view = cameras.see(simulation, {"robot": camera}, ("depth", "semantic"))["robot"]
+    (chair,) = [number for number, name in cameras.legend.items() if name == "chair"]
     depth = view.images["depth"].pixels.reshape(90, 120)
     row, column = np.nonzero(view.images["semantic"].pixels.reshape(90, 120) == chair)
     assert len(row) > 100

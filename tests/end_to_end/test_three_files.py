@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from pxr import Usd
 
-from openrooms_usd import compose_room
 from openrooms_usd.channels import WRITTEN
+from openrooms_usd.compose import compose_room
 
 
 def test_layered_flattened_and_packaged_are_one_picture(

@@ -14,8 +14,8 @@ from openrooms_usd.physics.world import World
 from openrooms_usd.render.contract import View
 from openrooms_usd.simulate import Pose, Simulation
 from openrooms_usd.simulation.driving import Action, act
-from openrooms_usd.simulation.eyes import RGB, Eyes
 from openrooms_usd.simulation.floors import with_friction
+from openrooms_usd.simulation.robot_cameras import RGB, RobotCameras
 from openrooms_usd.simulation.robots import rover
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.layers import open_stage
@@ -101,9 +101,9 @@ def world(composed_bodies: Path) -> World:
 
 
 def seen(path: Path, world: World, simulation: object, look: str | None = None) -> View:
-    eyes = Eyes(path, world, resolution=(48, 36), samples=4, look=look)
+    cameras = RobotCameras(path, world, resolution=(48, 36), samples=4, look=look)
     camera = {"onlooker": look_at((0.5, 0.5, 1.5), (2.0, 2.0, 0.3))}
-    return eyes.see(simulation, camera, (RGB, "depth"))["onlooker"]  # type: ignore[arg-type]
+    return cameras.see(simulation, camera, (RGB, "depth"))["onlooker"]  # type: ignore[arg-type]
 
 
 def test_another_light_shows_the_same_episode(

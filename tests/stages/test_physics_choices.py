@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
-from openrooms_usd import compose as composing
 from openrooms_usd import names
+from openrooms_usd.compose import compose_room
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.physics.world import Body
@@ -193,7 +193,7 @@ def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) ->
     source = tmp_path / "room.yaml"
     source.write_text("alignment: {objects: []}\nphysics: {shapes: hull}\n")
     out = tmp_path / "out"
-    first = composing.compose_room(source, out, workers=1)
+    first = compose_room(source, out, workers=1)
     assert first.notes == ()
     layer = Sdf.Layer.CreateAnonymous(".usda")
     layer.ImportFromString((out / "layers" / "edits.usda").read_text())
@@ -201,7 +201,7 @@ def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) ->
     Sdf.AttributeSpec(gone, "xformOp:translate:settled", Sdf.ValueTypeNames.Double3)
     layer.Export(str(out / "layers" / "settled.usda"))
     held = (out / "layers" / "settled.usda").read_bytes()
-    second = composing.compose_room(source, out, workers=1)
+    second = compose_room(source, out, workers=1)
     scene = Sdf.Layer.OpenAsAnonymous(str(out / names.SCENE))
     stacked = list(scene.subLayerPaths)
     assert [path.rpartition("/")[2] for path in stacked][:3] == [
@@ -211,6 +211,6 @@ def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) ->
     ]
     assert len(second.notes) == 1 and "1 opinions that do nothing" in second.notes[0]
     source.write_text("alignment: {objects: []}\nphysics: {gravity: 1.6}\n")
-    third = composing.compose_room(source, out, workers=1)
+    third = compose_room(source, out, workers=1)
     assert "older than the physics" in third.notes[0]
     assert (out / "layers" / "settled.usda").read_bytes() == held

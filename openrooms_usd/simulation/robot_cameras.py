@@ -1,5 +1,6 @@
 """What is seen of a simulation: any camera, through any renderer, with ground truth."""
 
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Final
@@ -39,7 +40,7 @@ _ROBOTS: Final = f"{names.WORLD}/Robots"
 _CAMERA_FROM_LINK: Final = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 
 
-class Eyes:
+class RobotCameras:
     """Pictures of a room while it is simulated.
 
     Bodies without a prim, such as robots, are added to the stage; all that moves is moved in a
@@ -48,7 +49,7 @@ class Eyes:
 
     def __init__(
         self,
-        path: Path,
+        path: str | os.PathLike[str],
         world: World,
         *,
         renderer: str = "mitsuba",
@@ -79,10 +80,10 @@ class Eyes:
         layers.apply_metadata(self._robots)
         root = Sdf.Layer.CreateAnonymous(".usda")
         layers.apply_metadata(root)
-        root.subLayerPaths = [self._poses.identifier, self._robots.identifier, str(path)]
+        root.subLayerPaths = [self._poses.identifier, self._robots.identifier, os.fspath(path)]
         self._stage = Usd.Stage.Open(root)
         if look is not None:
-            choose_look(self._stage, look, path)
+            choose_look(self._stage, look, Path(path))
         with Usd.EditContext(self._stage, self._robots):
             _define_robots(self._stage, (body for body in world.bodies if not body.path))
 

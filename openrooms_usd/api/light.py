@@ -1,0 +1,204 @@
+"""Light after the fact: lamps of a finished render turned, and probes of all light at a point."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from openrooms_usd.api.given import AnyPath, path_of, points_of, size_of, unknown_name, usd_file
+from openrooms_usd.progress import Progress, silent
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from openrooms_usd.render.relight import Relit
+
+_PROBES: Final = "probes"
+
+Point = tuple[float, float, float]
+
+
+def relight(
+    view: AnyPath,
+    lights: Mapping[str, float] | None = None,
+    *,
+    kelvin: Mapping[str, float] | None = None,
+    out: AnyPath | None = None,
+) -> "Relit":
+    """Turn the lights of a rendered view, without rendering again.
+
+    Args:
+        view: A view that was rendered with the channel ``radiance_i``, or its folder.
+        lights: By the light's name, what it is multiplied by; 0 turns it off. Others stay.
+        kelvin: By the lamp's name, its new colour temperature at the same luminance.
+        out: A folder that receives ``radiance.exr``, ``radiance.png`` and ``manifest.json``; by
+            default nothing is written.
+
+    Returns:
+        ``.radiance``, (height, width, 3), and ``.factors``, what each light was multiplied by.
+
+    Raises:
+        InputError: It is no view, has no light channels, or a light cannot be as wanted.
+        OutputError: The folder cannot be written, or a render lies there.
+    """
+    from openrooms_usd.render import relight as relighting
+
+    wanted = relighting.Relighting(dict(lights or {}), dict(kelvin or {}))
+    picture = relighting.relit_view(path_of(view, "a view of a render"), wanted)
+    if out is not None:
+        relighting.write_relit(path_of(out), picture)
+    return picture
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Probe:
+    """All light that arrives at a point.
+
+    Attributes:
+        name: Of its files.
+        folder: Where they lie.
+        entry: What ``probes.json`` says of it.
+    """
+
+    name: str
+    folder: Path
+    entry: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        return f"Probe({self.name!r} at {self.position})"
+
+    @property
+    def position(self) -> Point:
+        """World, metres."""
+        x, y, z = self.entry["position"]
+        return x, y, z
+
+    @property
+    def panorama(self) -> "NDArray[np.float32]":
+        """(height, width, 3) nits, latitude-longitude; ``probes.json`` says its axes.
+
+        Raises:
+            InputError: The file is missing or damaged.
+        """
+        from openrooms_usd.render.exr import read_picture
+
+        return read_picture(self.folder / self.entry["panorama"])
+
+    @property
+    def radiance(self) -> "NDArray[np.float64]":
+        """(9, 3) spherical harmonics of the radiance, in world axes."""
+        return self._numbers("radiance")
+
+    @property
+    def irradiance(self) -> "NDArray[np.float64]":
+        """(9, 3) spherical harmonics of the irradiance of a surface by its normal, lux."""
+        return self._numbers("irradiance")
+
+    @property
+    def estimated_error(self) -> float | None:
+        """Of the panorama; None where a single path a pixel gives no estimate."""
+        error: float | None = self.entry["estimated_error"]
+        return error
+
+    def _numbers(self, key: str) -> "NDArray[np.float64]":
+        import numpy as np
+
+        return np.array(self.entry[key], dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Probes(Mapping[str, Probe], os.PathLike[str]):
+    """Light probes by name.
+
+    Attributes:
+        folder: Where they lie, with ``probes.json``.
+        manifest: What stands there.
+    """
+
+    folder: Path
+    manifest: Mapping[str, Any]
+
+    def __fspath__(self) -> str:
+        return str(self.folder)
+
+    def __getitem__(self, name: str) -> Probe:
+        """A probe.
+
+        Raises:
+            UnknownNameError: There is none of that name.
+        """
+        entry = next((row for row in self.manifest["probes"] if row["name"] == name), None)
+        if entry is None:
+            raise unknown_name("probe", name, self, self.folder)
+        return Probe(name, self.folder, entry)
+
+    def __iter__(self) -> Iterator[str]:
+        return (str(row["name"]) for row in self.manifest["probes"])
+
+    def __len__(self) -> int:
+        return len(self.manifest["probes"])
+
+    def __repr__(self) -> str:
+        return f"Probes({str(self.folder)!r}: {', '.join(self)})"
+
+
+def probe(
+    scene: AnyPath,
+    out: AnyPath | None = None,
+    *,
+    at: Sequence[Point] = (),
+    openings: bool = False,
+    resolution: tuple[int, int] = (256, 128),
+    samples: int | None = None,
+    seed: int = 0,
+    bounces: int | None = None,
+    renderer: str = "mitsuba",
+    options: Mapping[str, Any] | None = None,
+    progress: Progress = silent,
+) -> Probes:
+    """Make light probes in a scene, as real-time engines use them.
+
+    Args:
+        scene: A composed room or any USD file.
+        out: The folder to write; by default ``probes`` beside the scene.
+        at: Positions, world, metres; they are named ``probe_0``, ``probe_1``, …
+        openings: Whether there is a probe in the centre of every opening too.
+        resolution: Width and height of the panoramas, pixels.
+        samples: Paths for each pixel; 64 by default.
+        seed: Fixes every random number.
+        bounces: At most this many scatterings between a light and a probe; 7 by default.
+        renderer: A registered renderer.
+        options: What is asked of the renderer.
+        progress: Called with what is done and the finished fraction.
+
+    Returns:
+        The probes by name: ``.panorama``, ``.radiance`` and ``.irradiance``.
+
+    Raises:
+        InputError: There is nothing to do, or a number is absurd.
+        OutputError: The folder cannot be written.
+        RenderError: The renderer makes no probes.
+    """
+    from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
+    from openrooms_usd.render.probes import probe_stage
+    from openrooms_usd.usd.diagnostics import quiet
+
+    file = usd_file(scene)
+    folder = file.parent / _PROBES if out is None else path_of(out)
+    with quiet():
+        manifest = probe_stage(
+            file,
+            folder,
+            at=points_of(at, "at"),
+            at_openings=openings,
+            resolution=size_of(resolution, "resolution"),
+            samples=DEFAULT_SAMPLES if samples is None else samples,
+            seed=seed,
+            bounces=DEFAULT_BOUNCES if bounces is None else bounces,
+            renderer=renderer,
+            progress=progress,
+            **(options or {}),
+        )
+    return Probes(folder, manifest)

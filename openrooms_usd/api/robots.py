@@ -1,0 +1,116 @@
+"""Robots in composed rooms: worlds, engines, robots, their cameras and what they do.
+
+A *world* is what a scene's physics says, `read_world`; robots are put into it (`with_robot`). An
+*engine* opens it as a simulation. `RobotCameras` render what is seen of it (docs/robots.md).
+"""
+
+from typing import TYPE_CHECKING
+
+from openrooms_usd.api.given import AnyPath, usd_file
+from openrooms_usd.lazy import loader
+
+if TYPE_CHECKING:
+    from openrooms_usd.geometry.pinhole import look_at as look_at
+    from openrooms_usd.physics.world import World as World
+    from openrooms_usd.simulate import Engine as Engine
+    from openrooms_usd.simulate import Simulation as Simulation
+    from openrooms_usd.simulation import pushing as pushing
+    from openrooms_usd.simulation.driving import Action as Action
+    from openrooms_usd.simulation.driving import act as act
+    from openrooms_usd.simulation.driving import towards as towards
+    from openrooms_usd.simulation.floors import mean_friction as mean_friction
+    from openrooms_usd.simulation.floors import with_friction as with_friction
+    from openrooms_usd.simulation.pushing import cabinet as cabinet
+    from openrooms_usd.simulation.robot_cameras import RobotCameras as RobotCameras
+    from openrooms_usd.simulation.robot_cameras import robot_camera as robot_camera
+    from openrooms_usd.simulation.robots import pusher as pusher
+    from openrooms_usd.simulation.robots import rover as rover
+    from openrooms_usd.simulation.robots import with_robot as with_robot
+    from openrooms_usd.simulation.strips import row as row
+    from openrooms_usd.simulation.strips import write_strip as write_strip
+
+_HOME = {
+    "Action": "openrooms_usd.simulation.driving",
+    "Engine": "openrooms_usd.simulate",
+    "RobotCameras": "openrooms_usd.simulation.robot_cameras",
+    "Simulation": "openrooms_usd.simulate",
+    "World": "openrooms_usd.physics.world",
+    "act": "openrooms_usd.simulation.driving",
+    "cabinet": "openrooms_usd.simulation.pushing",
+    "look_at": "openrooms_usd.geometry.pinhole",
+    "mean_friction": "openrooms_usd.simulation.floors",
+    "pusher": "openrooms_usd.simulation.robots",
+    "pushing": "openrooms_usd.simulation",
+    "robot_camera": "openrooms_usd.simulation.robot_cameras",
+    "rover": "openrooms_usd.simulation.robots",
+    "row": "openrooms_usd.simulation.strips",
+    "towards": "openrooms_usd.simulation.driving",
+    "with_friction": "openrooms_usd.simulation.floors",
+    "with_robot": "openrooms_usd.simulation.robots",
+    "write_strip": "openrooms_usd.simulation.strips",
+}
+
+__all__ = [
+    "Action",
+    "Engine",
+    "RobotCameras",
+    "Simulation",
+    "World",
+    "act",
+    "cabinet",
+    "load_engine",
+    "look_at",
+    "mean_friction",
+    "pusher",
+    "pushing",
+    "read_world",
+    "robot_camera",
+    "rover",
+    "row",
+    "towards",
+    "with_friction",
+    "with_robot",
+    "write_strip",
+]
+
+if not TYPE_CHECKING:  # To type checkers there is nothing but the names above.
+    __getattr__ = loader(__name__, _HOME)
+
+
+def __dir__() -> list[str]:
+    """What people are offered."""
+    return __all__
+
+
+def read_world(scene: AnyPath) -> "World":
+    """What the physics of a scene says: bodies, links, joints and contacts.
+
+    Args:
+        scene: A composed room with physics, or any USD file with it.
+
+    Raises:
+        InputError: The file is missing or no readable USD.
+        StageError: Its physics is not what UsdPhysics allows.
+    """
+    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.rigid.reading import read_world as read
+
+    with quiet():
+        return read(open_stage(usd_file(scene)))
+
+
+def load_engine(name: str) -> "Engine":
+    """An engine by its name; its ``open(world)`` starts a simulation.
+
+    Args:
+        name: ``pybullet``, ``mujoco``, or another that is installed.
+
+    Raises:
+        InputError: No engine has that name.
+        MissingPackageError: The engine is not installed.
+    """
+    from openrooms_usd import adapters
+
+    engine: Engine = adapters.load(adapters.ENGINES, name)
+    return engine

@@ -1,0 +1,283 @@
+"""Composed rooms: made, opened, edited, simulated, checked and written in other forms."""
+
+import os
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from openrooms_usd import names
+from openrooms_usd.api.given import AnyPath, path_of, room_of, usd_file
+from openrooms_usd.progress import Progress, silent
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+    from openrooms_usd.compose import ComposeSummary, StageSummary
+    from openrooms_usd.convert import Report
+    from openrooms_usd.description.room import Room
+    from openrooms_usd.edits.orphans import Orphan
+    from openrooms_usd.simulate import Friction
+    from openrooms_usd.simulation.settling import Settled
+    from openrooms_usd.validation.model import Finding
+
+
+@dataclass(frozen=True, repr=False)
+class Scene(os.PathLike[str]):
+    """A composed room, or any USD file. It stands for its file wherever a path is taken.
+
+    Attributes:
+        path: The USD file; of a composed room its ``scene.usda``.
+        composed: What composing it did; None where it was only opened.
+    """
+
+    path: Path
+    composed: "ComposeSummary | None" = None
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def __repr__(self) -> str:
+        states = [row.state for row in self.stages]
+        counts = (f"{states.count(state)} stages {state}" for state in dict.fromkeys(states))
+        said = [*counts, *([f"{len(self.notes)} notes"] if self.notes else [])]
+        return f"Scene({str(self.path)!r}{''.join(f', {text}' for text in said)})"
+
+    @property
+    def folder(self) -> Path:
+        """Where the file lies."""
+        return self.path.parent
+
+    @property
+    def edits(self) -> Path:
+        """The layer of a composed room that belongs to people."""
+        return self.folder / names.LAYERS / f"{names.EDITS}.usda"
+
+    @property
+    def stages(self) -> "tuple[StageSummary, ...]":
+        """What became of each stage when it was composed."""
+        return self.composed.stages if self.composed else ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What composing approximated or guessed, one sentence each."""
+        of_stages = tuple(note for row in self.stages for note in row.notes)
+        return (*of_stages, *(self.composed.notes if self.composed else ()))
+
+    @property
+    def orphans(self) -> "tuple[Orphan, ...]":
+        """Opinions of the edits that did nothing when it was composed."""
+        return self.composed.orphans if self.composed else ()
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """The names of its cameras."""
+        from openrooms_usd.usd.cameras import list_cameras
+
+        stage = self.stage()
+        return tuple(prim.GetName() for prim in list_cameras(stage))
+
+    @property
+    def objects(self) -> tuple[str, ...]:
+        """The names of its furniture: prims below ``/World/Furniture``."""
+        stage = self.stage()
+        prim = stage.GetPrimAtPath(names.FURNITURE)
+        return tuple(child.GetName() for child in prim.GetChildren()) if prim else ()
+
+    def stage(self) -> "Usd.Stage":
+        """Open it with USD.
+
+        Raises:
+            InputError: It is missing or no readable USD.
+        """
+        from openrooms_usd.usd.diagnostics import quiet
+        from openrooms_usd.usd.layers import open_stage
+
+        with quiet():
+            return open_stage(self.path)
+
+    def editing(self) -> "AbstractContextManager[Usd.Stage]":
+        """Open it such that all that is authored goes to ``layers/edits.usda``.
+
+        ``with scene.editing() as stage:`` saves the layer at the end of the block, and drops what
+        was authored where something fails. Compose the room again for its other layers to follow.
+
+        Raises:
+            InputError: It is no composed room.
+            StageError: With what was authored the room would not compose.
+        """
+        from openrooms_usd.edits.editing import editing
+
+        return editing(self.path)
+
+
+def compose(
+    room: "Room | Mapping[str, Any] | AnyPath",
+    out: AnyPath,
+    *,
+    base: AnyPath | None = None,
+    only: str | None = None,
+    flatten: bool = False,
+    usdz: bool = False,
+    include_outside: bool = False,
+    workers: int | None = None,
+    progress: Progress = silent,
+) -> Scene:
+    """Compose a room into USD layers; what has not changed since the last time is skipped.
+
+    Args:
+        room: A `Room`, plain data as a ``room.yaml`` has it, a ``room.yaml`` or its folder.
+        out: The folder for ``scene.usda`` and ``layers/``.
+        base: The folder in which the names of files in the room begin: by default that of its
+            ``room.yaml``, and the current folder for a room that was read from no file.
+        only: Run this stage alone, on the layers that are there.
+        flatten: Also write ``scene.usdc``, one layer.
+        usdz: Also write ``scene.usdz``, everything in one file.
+        include_outside: Whether files outside ``out`` may go into these files.
+        workers: Threads that a stage may use; all cores by default. The bytes never depend on it.
+        progress: Called with each stage's name and the finished fraction of all stages.
+
+    Returns:
+        The composed room.
+
+    Raises:
+        DescriptionError: The room has mistakes; the message lists all with their places.
+        InputError: A file that the room names cannot be read.
+        StageError: The composed stage has errors, or another program has saved over the scene.
+        OutputError: ``out`` cannot be written.
+    """
+    from openrooms_usd.compose import compose_room
+    from openrooms_usd.usd.diagnostics import quiet
+
+    described, folder = room_of(room), path_of(out)
+    with quiet():
+        done = compose_room(
+            described,
+            folder,
+            base=None if base is None else path_of(base),
+            only=only,
+            flatten=flatten,
+            usdz=usdz,
+            include_outside=include_outside,
+            workers=workers,
+            progress=progress,
+        )
+    return Scene(done.scene, done)
+
+
+def open(path: AnyPath) -> Scene:
+    """Open a composed room by its folder, or any USD file.
+
+    Args:
+        path: The folder that compose wrote, its ``scene.usda``, or any USD file.
+
+    Raises:
+        InputError: It is missing or no readable USD.
+    """
+    scene = Scene(usd_file(path))
+    scene.stage()
+    return scene
+
+
+def simulate(
+    scene: AnyPath,
+    *,
+    engine: str = "pybullet",
+    seconds: float = 2.0,
+    timestep: float | None = None,
+    friction: "Friction" = "static",
+    look: str | None = None,
+    out: AnyPath | None = None,
+    progress: Progress = silent,
+) -> "Settled":
+    """Let a room settle under gravity, and write where everything came to rest as a layer.
+
+    The room starts from where its description and edits have put it, whatever was simulated before.
+
+    Args:
+        scene: A composed room or any USD file with physics.
+        engine: ``pybullet`` or ``mujoco``.
+        seconds: How long.
+        timestep: Seconds of one step; 0.002 by default.
+        friction: Which coefficient of each surface counts.
+        look: Choose this variant of every object that has it, for its friction.
+        out: The layer; of a composed room by default ``layers/settled.usda``, a part of it.
+        progress: Called with what is done and the finished fraction.
+
+    Returns:
+        How far everything has moved: ``.moved``, the farthest first.
+
+    Raises:
+        InputError: The file is no USD, no engine has that name, or a number makes no sense.
+        MissingPackageError: The engine is not installed.
+        StageError: The stage has no physics, or the simulation explodes.
+        OutputError: The layer cannot be written.
+    """
+    from openrooms_usd.simulate import DEFAULT_TIMESTEP
+    from openrooms_usd.simulation.settling import settle
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        return settle(
+            usd_file(scene),
+            engine=engine,
+            seconds=seconds,
+            out=None if out is None else path_of(out),
+            timestep=DEFAULT_TIMESTEP if timestep is None else timestep,
+            friction=friction,
+            look=look,
+            progress=progress,
+        )
+
+
+def convert(
+    scene: AnyPath,
+    out: AnyPath,
+    *,
+    to: str,
+    options: Mapping[str, Any] | None = None,
+    include_outside: bool = False,
+) -> "Report":
+    """Write a scene in a foreign form.
+
+    Args:
+        scene: A composed room or any USD file.
+        out: The file or folder to write.
+        to: ``mitsuba``, ``urdf``, ``mjcf``, ``usdphysics``, or another installed exporter.
+        options: What is asked of the exporter.
+        include_outside: Whether pictures outside the scene's folder may be copied.
+
+    Returns:
+        What became of every prim; ``.losses()`` are those that were not translated whole.
+
+    Raises:
+        InputError: The file is no USD, or no exporter has that name.
+        StageError: It needs pictures outside its folder, or is not what the exporter needs.
+        OutputError: The destination cannot be written.
+    """
+    from openrooms_usd.convert import convert_stage
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        return convert_stage(
+            usd_file(scene), path_of(out), to=to, options=options, include_outside=include_outside
+        )
+
+
+def validate(scene: AnyPath, *, strict: bool = False) -> "Sequence[Finding]":
+    """Check a scene against USD's rules and ours.
+
+    Args:
+        scene: A composed room or any USD file.
+        strict: Count warnings as errors.
+
+    Returns:
+        What is wrong, errors first; empty for a clean scene.
+
+    Raises:
+        InputError: The file is missing, is not USD, or holds what cannot be read at all.
+    """
+    from openrooms_usd.validate import validate_stage
+
+    return validate_stage(usd_file(scene), strict=strict)
