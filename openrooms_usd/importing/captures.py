@@ -59,7 +59,8 @@ class ImportedRoom:
         return {"room": str(self.file), **self.counts, "height": height, "notes": notes}
 
     def __repr__(self) -> str:
-        known = ", ".join(f"{count} {what}" for what, count in self.counts.items() if count)
+        counts = ((count, what) for what, count in self.counts.items() if count)
+        known = ", ".join(f"{count} {what if count > 1 else what[:-1]}" for count, what in counts)
         notes = f"; {len(self.notes)} notes" if self.notes else ""
         return f"ImportedRoom({str(self.file)!r}: {known or 'nothing'}{notes})"
 
