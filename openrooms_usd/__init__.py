@@ -11,7 +11,6 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from openrooms_usd.lazy import loader
-
 from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
