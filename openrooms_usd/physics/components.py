@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,10 @@ Ints = NDArray[np.int32]
 WELD: Final = 1e-6
 # Holes of no more area than this share of the squared size are cracks between triangles.
 CRACK: Final = 1e-9
+# Planes times corners up to which a component is asked whether it is convex.
+CHUNK: Final = 1 << 22
+# Components whose corners lie no farther in front of any of their triangles are convex, metres.
+CONVEX: Final = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +58,11 @@ class Component:
     contact: str
     part: str
     closed: bool
+
+    @cached_property
+    def planes(self) -> Array | None:
+        """(F, 4) the planes of its triangles where it is closed and convex, but for `CONVEX`."""
+        return _planes_if_convex(self.corners) if self.closed else None
 
 
 def components(parts: Sequence[Part]) -> list[Component]:
@@ -136,3 +146,19 @@ def _is_closed(points: Array, triangles: NDArray[np.int64]) -> bool:
 def _signed_volume(corners: Array) -> float:
     a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)))
+
+
+def _planes_if_convex(corners: Array) -> Array | None:
+    """(F, 4) the planes of a closed component's triangles where no corner is in front of one."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1)
+    # The planes of slivers are noise.
+    sound = lengths > 1e-4 * lengths.max()
+    normals = normals[sound] / lengths[sound, None]
+    planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, a[sound])])
+    planes = np.unique(np.round(planes, 9), axis=0)
+    points = np.unique(corners.reshape(-1, 3), axis=0)
+    if len(planes) * len(points) > CHUNK:
+        return None
+    return planes if (points @ planes[:, :3].T + planes[:, 3]).max() < CONVEX else None

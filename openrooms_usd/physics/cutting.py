@@ -146,16 +146,16 @@ def _best_plane(piece: Array, least: float) -> Array | None:
         for offset, covered in places:
             heights = along - offset
             heights[np.abs(heights) < ON_PLANE] = 0.0
-            volumes = _volumes(points, edges, heights)
             uneven = abs(2.0 * offset - low - high) / (high - low)
             # Flat pieces have no volume: the longest side is halved.
             sliced = SLICING * (1.0 - (high - low) / size)
             # Boards that meet come apart at their faces, however uneven the cut.
             share = 1.0 + (1.0 - covered) * (EVENNESS * uneven + sliced) - BOARDS * covered
             share += 0.0 if framed else SLANTED
-            cost = sum(volumes) * share - 1e-9 * size * size * (high - low)
-            if cost < best:
-                best, plane = cost, np.append(axis, -offset)
+            saved = 1e-9 * size * size * (high - low)
+            volume = _volume(points, edges, heights, (best + saved) / share)
+            if volume * share - saved < best:
+                best, plane = volume * share - saved, np.append(axis, -offset)
     return plane
 
 
@@ -185,20 +185,22 @@ def _faces(
     return [(float(places[inner][row]), float(c)) for row, c in zip(first, covers, strict=True)]
 
 
-def _volumes(points: Array, edges: NDArray[np.int64], heights: Array) -> tuple[float, float]:
-    """The volumes of the hulls of both sides."""
+def _volume(points: Array, edges: NDArray[np.int64], heights: Array, enough: float) -> float:
+    """The volume of the hulls of both sides; of one alone where that is enough, cubic metres."""
     start, end = heights[edges[:, 0]], heights[edges[:, 1]]
     crossing = start * end < 0.0
     share = (start[crossing] / (start[crossing] - end[crossing]))[:, None]
     a, b = points[edges[crossing, 0]], points[edges[crossing, 1]]
     between = a + share * (b - a)
-    volumes = []
+    total = 0.0
     for side in (heights, -heights):
         # A corner in the plane is of the side that an edge leads to.
         kept = side > 0.0
         kept[edges[kept[edges].any(axis=1) & (side[edges] >= 0.0).all(axis=1)]] = True
-        volumes.append(_hull_volume(np.concatenate([points[kept], between])))
-    return volumes[0], volumes[1]
+        total += _hull_volume(np.concatenate([points[kept], between]))
+        if total >= enough:
+            break
+    return total
 
 
 def _hull_volume(points: Array) -> float:

@@ -180,8 +180,8 @@ def farthest_corner(points: Array, hull: TriangleMesh) -> float:
     planes = half_spaces(hull)
     outside = points[(points @ planes[:, :3].T + planes[:, 3] > 0.0).any(axis=1)]
     corners = hull.points[hull.triangles]
-    squared = [squared_distances(point, corners).min() for point in np.unique(outside, axis=0)]
-    return float(np.sqrt(max(squared, default=0.0)))
+    squared = squared_distances(np.unique(outside, axis=0)[:, None], corners).min(axis=1)
+    return float(np.sqrt(squared.max(initial=0.0)))
 
 
 def _without_hidden(shapes: tuple[ConvexShape, ...]) -> tuple[ConvexShape, ...]:

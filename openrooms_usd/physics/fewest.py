@@ -12,8 +12,8 @@ from openrooms_usd.physics.components import WELD, Component
 from openrooms_usd.physics.cutting import cut
 from openrooms_usd.physics.hulls import quick_hull
 from openrooms_usd.physics.merging import Cluster, merged
-from openrooms_usd.physics.solid import Solid, is_convex
-from openrooms_usd.physics.surfaces import bisected
+from openrooms_usd.physics.solid import Solid
+from openrooms_usd.physics.surfaces import FEW, bisected
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -139,7 +139,7 @@ def _pooled(components: Sequence[Component], most: int) -> list[Piece]:
 
 def _cut(component: Component, solid: Solid, limits: Limits, most: int) -> list[Piece]:
     contact, names = component.contact, (component.part,)
-    if component.closed and is_convex(component.corners):
+    if component.planes is not None:
         return [Piece(component.corners.reshape(-1, 3), contact, names, 0.0)]
 
     def off(pieces: Sequence[Array]) -> list[float]:
@@ -196,7 +196,11 @@ def protrusions(faces: Sequence[Array], solid: Solid, limits: Limits, contact: s
         if not len(corners):
             break
         group = group[left][of]
-        np.maximum.at(found, group, _off(corners, solid, limits, contact))
+        off, near = _off(corners, solid, limits, contact)
+        np.maximum.at(found, group, off)
+        # What is within the limits as a whole need not be looked at more closely.
+        rest = ~near
+        corners, group = corners[rest], group[rest]
     return [float(value) for value in found]
 
 
@@ -204,14 +208,24 @@ def _size(corners: Array) -> float:
     return float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0))) if len(corners) else 0.0
 
 
-def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> Array:
-    """(N,) how far the middles of triangles lie outside the solid; what lifts counts more."""
+def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> tuple[Array, Bools]:
+    """(N,) how far the middles of triangles lie outside the solid; what lifts counts more.
+
+    Also (N,) whether all of a triangle is certain to be within the limits.
+    """
     points, surface = corners.mean(axis=1), solid.surface(contact)
-    near = surface.near(points)
+    level = is_level(corners)
+    distance, triangle = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
+    # Where nothing is lifted it does not matter which of two near triangles is nearer.
+    for rows, candidates in ((level, FEW), (~level, 1)):
+        near = surface.near(points[rows], candidates)
+        distance[rows], triangle[rows] = near.distance, near.triangle
     # Above a level face, a level face would lift what stands there.
-    lifts = is_level(corners) & is_level(surface.corners)[near.triangle]
+    lifts = level & is_level(surface.corners)[triangle]
     weight = np.where(lifts, limits.side / limits.up, 1.0)
-    return _outside(points, near.distance, limits.side / weight, solid, contact) * weight
+    off = _outside(points, distance, limits.side / weight, solid, contact) * weight
+    whole = surface.farthest(corners, triangle) <= np.where(level, limits.up, limits.side)
+    return off, whole
 
 
 def _outside(points: Array, near: Array, limits: Array, solid: Solid, contact: str) -> Array:
@@ -221,7 +235,7 @@ def _outside(points: Array, near: Array, limits: Array, solid: Solid, contact: s
     inside = solid.inside(points[rest])
     off[rest[inside]] = 0.0
     rest = rest[~inside]
-    off[rest] = solid.surface(contact).nearest(points[rest], limits[rest]).distance
+    off[rest] = solid.surface(contact).nearest(points[rest], limits[rest], decided=True).distance
     return off
 
 

@@ -14,8 +14,6 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-# Planes times corners up to which a component is asked whether it is convex.
-CHUNK: Final = 1 << 20
 # Triangles that are bounded at once, and how often, while the farthest point is searched.
 BUDGET: Final = 3_000
 ROUNDS: Final = 40
@@ -23,8 +21,6 @@ ROUNDS: Final = 40
 FEW_FACES: Final = 64
 # Points that lie less deep than this are on the surface, metres.
 SKIN: Final = 1e-6
-# Components whose corners lie no farther in front of any of their triangles are convex, metres.
-CONVEX: Final = 1e-4
 # Rays that ask for the inside: no furniture has faces or edges along them.
 DIRECTIONS: Final = np.array([[0.41, 0.23, 0.88], [-0.67, 0.53, -0.52], [0.19, -0.94, 0.28]])
 
@@ -43,7 +39,7 @@ class Solid:
         self._high = np.array([c.max(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
         self._surfaces: dict[str | None, tuple[Surface, Rows]] = {}
         self._casters: dict[int, RayCaster] = {}
-        self._planes = [_planes_if_convex(corners) for corners in self._closed]
+        self._planes = [c.planes for c in self.components if c.closed]
 
     def surface(self, contact: str | None = None) -> Surface:
         """All its triangles, or those of one contact material."""
@@ -150,24 +146,24 @@ class Solid:
 
     def _bounds(self, corners: Array, floor: float) -> tuple[Array, Array]:
         """(M,) upper and (M,) lower bounds of each triangle; loose where both are below a floor."""
+        most, least = np.zeros(len(corners)), np.zeros(len(corners))
+        left = np.flatnonzero(~self._swallows(corners))
+        corners = corners[left]
         surface, owners = self._owned(None)
         centres, radii = balls(corners)
         nearest = surface.nearest(centres, floor)
-        target = surface.corners[nearest.triangle]
-        ends = np.sqrt(squared_distances(corners, target[:, None]).max(axis=1))
-        most = np.minimum(nearest.distance + radii, ends)
-        least = np.where(nearest.least > floor, nearest.least, 0.0)
-        owner = owners[nearest.triangle]
+        ends = surface.farthest(corners, nearest.triangle)
+        upper = np.minimum(nearest.distance + radii, ends)
+        lower = np.where(nearest.least > floor, nearest.least, 0.0)
         # The inside matters only where the surface is too far to settle it.
-        asked = np.flatnonzero(most > floor)
-        swallowed = asked[self._swallows(corners[asked])]
-        most[swallowed] = least[swallowed] = 0.0
-        asked = asked[most[asked] > floor]
-        most[asked] = np.minimum(most[asked], self._off_convex(corners[asked], owner[asked]))
-        asked = asked[most[asked] > floor]
+        asked = np.flatnonzero(upper > floor)
+        off = self._off_convex(corners[asked], owners[nearest.triangle[asked]])
+        upper[asked] = np.minimum(upper[asked], off)
+        asked = asked[upper[asked] > floor]
         own = asked[self.inside(centres[asked])]
-        most[own] = np.minimum(most[own], np.maximum(radii[own] - nearest.least[own], 0.0))
-        least[own] = 0.0
+        upper[own] = np.minimum(upper[own], np.maximum(radii[own] - nearest.least[own], 0.0))
+        lower[own] = 0.0
+        most[left], least[left] = upper, lower
         return most, least
 
 
@@ -178,24 +174,3 @@ def _enclosed(points: Array, caster: RayCaster) -> Bools:
         hits = caster.first_hit(points, np.broadcast_to(direction, points.shape))
         votes += hits.hit & (caster.normals[hits.triangle] @ direction > 0.0)
     return votes * 2 > len(DIRECTIONS)
-
-
-def _planes_if_convex(corners: Array) -> Array | None:
-    """(F, 4) the planes of a closed component's triangles where no corner is in front of one."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1)
-    # The planes of slivers are noise.
-    sound = lengths > 1e-4 * lengths.max()
-    normals = normals[sound] / lengths[sound, None]
-    planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, a[sound])])
-    planes = np.unique(np.round(planes, 9), axis=0)
-    points = np.unique(corners.reshape(-1, 3), axis=0)
-    if len(planes) * len(points) > 4 * CHUNK:
-        return None
-    return planes if (points @ planes[:, :3].T + planes[:, 3]).max() < CONVEX else None
-
-
-def is_convex(corners: Array) -> bool:
-    """Whether a closed component is convex, but for `CONVEX`."""
-    return _planes_if_convex(corners) is not None
