@@ -124,8 +124,9 @@ class Subject:
                 prim = self.stage.GetPrimAtPath(spec.path)
                 # USD shows nothing where a layer writes below an instance.
                 stack = prim.GetPrimStack() if prim else ()
-                definers = [s for s in stack if s.specifier == Sdf.SpecifierDef]
-                if definers and all(definer.layer in own for definer in definers):
+                # What they refer to defines it too; what counts are the layers of the scene.
+                definers = {s.layer for s in stack if s.specifier == Sdf.SpecifierDef}
+                if definers and definers.intersection(self.stack) <= own:
                     found.add(spec.path)
         return frozenset(found)
 

@@ -8,6 +8,7 @@ import pytest
 from openrooms_usd.channels import WRITTEN
 
 
+@pytest.mark.slow
 def test_ground_truth_is_the_same_and_radiance_alike(composed_demo: Path, show, fastest) -> None:
     if fastest == "scalar":
         pytest.skip("only one backend works here")

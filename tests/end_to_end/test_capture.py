@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from click.testing import CliRunner
 from pxr import Usd
 
@@ -17,6 +18,7 @@ def call(*words: object) -> str:
     return result.output
 
 
+@pytest.mark.slow
 def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened, real) -> None:
     source = real("roomplan_libroom/Room.json")
     room, out, pictures = (tmp_path / name for name in ("room", "out", "pictures"))

@@ -72,10 +72,10 @@ def transformed(vectors: Vt.Vec3fArray, matrix: Gf.Matrix4d) -> Vt.Vec3fArray:
     return Vt.Vec3fArray.FromNumpy(rows.astype(np.float32))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("convert", [under_a_transform, rewritten])
-@pytest.mark.parametrize("scene", ["composed_demo", pytest.param("demo", marks=pytest.mark.slow)])
-def test_the_same_room_in_another_frame(convert, scene, request, tmp_path, show, fastest) -> None:
-    compare(convert, request.getfixturevalue(scene), tmp_path, show, fastest)
+def test_the_same_room_in_another_frame(convert, demo: Path, tmp_path: Path, show, fastest) -> None:
+    compare(convert, demo, tmp_path, show, fastest)
 
 
 def test_every_room_in_another_frame(room: Path, tmp_path: Path, show, fastest) -> None:

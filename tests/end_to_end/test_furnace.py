@@ -51,6 +51,7 @@ def glowing(scene: Path, target: Path) -> None:
     stage.Save()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), [("bedroom", 2), ("kitchen", 3), ("office", 4)])
 def test_a_glowing_room_shows_no_furniture(kind, seed, tmp_path: Path, show, fastest) -> None:
     scene = closed_room(kind, seed, tmp_path)

@@ -53,8 +53,8 @@ def test_every_layer_opens_alone_with_equal_metadata(composed_demo: Path) -> Non
     assert facts == {("Z", 1.0, 1.0)}
 
 
-def test_one_layer_defines_a_prim_and_the_others_only_say_more(demo: Path) -> None:
-    stage = Usd.Stage.Open(str(demo))
+def test_one_layer_defines_a_prim_and_the_others_only_say_more(composed_demo: Path) -> None:
+    stage = Usd.Stage.Open(str(composed_demo))
     stack = set(stage.GetLayerStack(includeSessionLayers=False))
     shared = 0
     for prim in stage.TraverseAll():

@@ -42,6 +42,7 @@ def matrix(trs: Any) -> np.ndarray:
     return M
 
 
+@pytest.mark.slow
 def test_a_scene_of_scannet_with_its_annotated_cads(tmp_path: Path, real: Real) -> None:
     root = real("scan2cad_scene0470_00")
     folder = root / "Assets/scannet-sample/scene0470_00"
@@ -69,6 +70,7 @@ def test_a_scene_of_scannet_with_its_annotated_cads(tmp_path: Path, real: Real) 
         assert angle < 20.0 or model["sym"] != "__SYM_NONE"
 
 
+@pytest.mark.slow
 def test_a_single_view_stands_where_its_camera_stood(tmp_path: Path, real: Real) -> None:
     source = real("sunrgbd_sample/sunrgbd_000017_infos.pkl")
     report = composed(tmp_path, "sunrgbd", source)
@@ -88,6 +90,7 @@ def test_a_single_view_stands_where_its_camera_stood(tmp_path: Path, real: Real)
     assert np.degrees(np.arccos(up[2])) < 3.0
 
 
+@pytest.mark.slow
 def test_a_sweep_of_a_laser_scanner(tmp_path: Path, real: Real) -> None:
     source = real("pcl_room_scan/room_scan1.pcd")
     report = composed(tmp_path, "scan", source, "--unit", "auto")

@@ -52,6 +52,7 @@ def twins(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return first / "scene", second / "scene"
 
 
+@pytest.mark.slow
 def test_one_worker_and_four_write_the_same_bytes(twins: tuple[Path, Path]) -> None:
     one, four = map(tree, twins)
     assert {"scene.usda", "scene.usdc", "scene.usdz", "layers/edits.usda"} <= set(one)
@@ -61,6 +62,7 @@ def test_one_worker_and_four_write_the_same_bytes(twins: tuple[Path, Path]) -> N
         assert not [name for name, data in one.items() if str(home.parent).encode() in data]
 
 
+@pytest.mark.slow
 def test_two_renders_write_the_same_bytes(
     twins: tuple[Path, Path], tmp_path: Path, variant: str
 ) -> None:

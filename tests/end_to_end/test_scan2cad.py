@@ -16,6 +16,8 @@ from openrooms_usd.cli import orusd
 
 FLOOR = {"floor": [[-0.1, -0.1], [3.6, -0.1], [3.6, 3.0], [-0.1, 3.0]], "height": 2.5}
 
+pytestmark = pytest.mark.slow
+
 
 @dataclass(frozen=True)
 class Sample:

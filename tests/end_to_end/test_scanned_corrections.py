@@ -174,6 +174,7 @@ def test_prims_say_how_well_they_were_found(out: Path, objects: dict[int, Any]) 
     assert (objects[1]["support"], objects[2]["support"]) == ("floor", "1")
 
 
+@pytest.mark.slow
 def test_the_measured_pose_comes_back_and_stays(out: Path, objects: dict[int, Any]) -> None:
     stage = Usd.Stage.Open(str(out / "scene.usda"))
     path = prim_of(stage, 1).GetPath()

@@ -183,6 +183,7 @@ def test_the_stage_has_the_room_level_and_the_table_on_its_floor(out: Path, repo
     assert ("xformOp:translate:placed" in order) == bool(np.abs(moved).max() > 1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("up", ["Y", "Z"])
 def test_a_cad_that_says_nothing_of_its_vertical_is_put_upright(tmp_path: Path, up: str) -> None:
     """OBJ files stand either way, and an index need not tell; a box does not either."""
@@ -217,6 +218,7 @@ def test_a_cad_that_says_nothing_of_its_vertical_is_put_upright(tmp_path: Path, 
     np.testing.assert_allclose(table["scale"], expected, atol=0.04)
 
 
+@pytest.mark.slow
 def test_a_scan_in_millimetres_and_far_away_is_reported_where_it_lies(tmp_path: Path) -> None:
     """Poses in and out are in metres, in the axes of the scan, here those of a country's map."""
     away = np.array([1.2e6, -2.4e6, 310.0])

@@ -90,6 +90,7 @@ def passes(points: np.ndarray, sun: np.ndarray, wall: int, margin: float) -> np.
     return inside
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_the_sun_falls_where_geometry_says(case: str, tmp_path: Path) -> None:
     wall, latitude, longitude, clock, north, moment = CASES[case]

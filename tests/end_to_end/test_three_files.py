@@ -4,12 +4,14 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pytest
 from pxr import Usd
 
 from openrooms_usd.channels import WRITTEN
 from openrooms_usd.compose import compose_room
 
 
+@pytest.mark.slow
 def test_layered_flattened_and_packaged_are_one_picture(
     composed_demo: Path, tmp_path: Path, show, variant: str
 ) -> None:

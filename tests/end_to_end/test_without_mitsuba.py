@@ -29,6 +29,7 @@ def orusd(python: Path, cwd: Path, *words: str) -> subprocess.CompletedProcess[s
     return subprocess.run(command, cwd=cwd, capture_output=True, text=True)
 
 
+@pytest.mark.slow
 def test_only_rendering_needs_mitsuba(python: Path, tmp_path: Path) -> None:
     missing = subprocess.run([str(python), "-c", "import mitsuba"], capture_output=True, text=True)
     assert "No module named 'mitsuba'" in missing.stderr
