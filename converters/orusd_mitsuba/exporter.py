@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, imagefile
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
@@ -19,7 +19,6 @@ from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
 from openrooms_usd.render.scene.models import with_model
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd import imagefile
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
 from orusd_mitsuba.descriptions import Description, describe_area, describe_bsdf, describe_sun
 from orusd_mitsuba.light_choice import light_weights

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.render.previews import write_png
+from openrooms_usd.imagefile import write_png
 
 Pixels = NDArray[Any]
 Bytes = NDArray[np.uint8]

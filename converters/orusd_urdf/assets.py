@@ -127,7 +127,7 @@ def _linear(stored: np.ndarray, texture: "Texture") -> np.ndarray:
 def _encoded(linear: np.ndarray) -> bytes:
     import tempfile
 
-    from openrooms_usd.render.previews import write_png
+    from openrooms_usd.imagefile import write_png
 
     codes = np.round(srgb_from_linear(np.nan_to_num(linear)) * 255.0).astype(np.uint8)
     with tempfile.TemporaryDirectory() as folder:

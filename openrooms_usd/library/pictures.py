@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic
-from openrooms_usd.usd import imagefile
+from openrooms_usd import atomic, imagefile
 
 
 def write_png(
@@ -58,16 +57,6 @@ def write_exr(path: Path, pixels: NDArray[np.float32], *, half: bool = False) ->
     _write(path, pixels, "half" if half else "float", attributes)
 
 
-def _write(path: Path, pixels: NDArray[Any], format_: str, attributes: dict[str, Any]) -> None:
-    import OpenImageIO
-
-    # A plane without a channel axis would be read as rows of channels.
-    pixels = np.ascontiguousarray(np.atleast_3d(pixels))
-    height, width, channels = pixels.shape
-    spec = OpenImageIO.ImageSpec(width, height, channels, format_)
-    for name, value in attributes.items():
-        spec.attribute(name, value)
+def _write(path: Path, pixels: NDArray[Any], kind: str, attributes: dict[str, Any]) -> None:
     with atomic.replacing(path) as beside:
-        file: Any = OpenImageIO.ImageOutput.create(str(beside))
-        done = file.open(str(beside), spec) and file.write_image(pixels)
-        imagefile.finish(file, done, beside)
+        imagefile.write(beside, pixels, kind, attributes)

@@ -7,10 +7,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import imagefile
 from openrooms_usd.channels import definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.untrusted import checked
-from openrooms_usd.usd import imagefile
 
 Pixels = NDArray[np.float32]
 

@@ -5,8 +5,7 @@ What is not finite shows in magenta, so that nobody overlooks it.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,6 @@ from openrooms_usd.channels import definition
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.geometry.hemisphere import tiled, untiled
 from openrooms_usd.render import color
-from openrooms_usd.usd import imagefile
 
 Pixels = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
@@ -127,24 +125,3 @@ _SHOWN: Final[dict[tuple[str, str], _Show]] = {
     ("1", "Y"): _ratio,
     ("id", "Y"): _label,
 }
-
-
-def write_png(path: Path, pixels: Bytes) -> None:
-    """Write 8-bit sRGB pixels, with the same bytes for the same pixels.
-
-    Args:
-        path: The file.
-        pixels: (height, width, 1 or 3).
-
-    Raises:
-        OutputError: The file cannot be written.
-    """
-    import OpenImageIO
-
-    height, width, depth = pixels.shape
-    spec = OpenImageIO.ImageSpec(width, height, depth, OpenImageIO.UINT8)
-    spec.attribute("oiio:ColorSpace", "srgb_rec709_scene")
-    spec.attribute("png:compressionLevel", 4)
-    output: Any = OpenImageIO.ImageOutput.create(str(path))
-    done = output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels))
-    imagefile.finish(output, done, path)

@@ -13,11 +13,12 @@ from openrooms_usd import adapters, atomic, names
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics
 from openrooms_usd.geometry.hemisphere import PANORAMA, cosine_weights, panorama_cells
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render import exr
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, NO_OPTIONS, Image
 from openrooms_usd.render.manifest import write_json
-from openrooms_usd.render.previews import preview, write_png
+from openrooms_usd.render.previews import preview
 from openrooms_usd.version import __version__
 
 RESOLUTION: Final = (256, 128)

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from openrooms_usd import atomic, names
 from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.render import exr
 from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, is_relit_manifest
 from openrooms_usd.render.manifest import write_json
-from openrooms_usd.render.previews import preview, write_png
+from openrooms_usd.render.previews import preview
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.version import __version__

@@ -15,11 +15,12 @@ from openrooms_usd.channels import definition, each
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.ledger import Ledger
 from openrooms_usd.render import exr, folder, manifest, sheet
 from openrooms_usd.render.contract import RenderRequest, View
 from openrooms_usd.render.fits import write_fits
-from openrooms_usd.render.previews import Preview, preview, write_png
+from openrooms_usd.render.previews import Preview, preview
 from openrooms_usd.render.scene.lights import LightRecord
 
 # The channel whose hemispheres are also fitted.

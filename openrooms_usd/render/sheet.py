@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from openrooms_usd import atomic
-from openrooms_usd.render.previews import Bytes, Preview, write_png
+from openrooms_usd.imagefile import write_png
+from openrooms_usd.lettering import lettered, stamp
+from openrooms_usd.render.previews import Bytes, Preview
 
 MAIN: Final = (
     "radiance", "denoised", "depth", "normal", "base_color", "roughness", "semantic", "instance",
@@ -17,7 +19,9 @@ MOST_VIEWS: Final = 32
 _TILE_WIDTH: Final = 256
 _LINE, _LEADING = 14, 6
 _GAP: Final = 6
-_PAPER, _INK = 0.11, (0.92, 0.92, 0.92)
+_PAPER: Final = round(255 * 0.11)
+# Of the typeface, pixels, and how bright it is: of a caption's first line, and of the others.
+_SIZES: Final = ((13, 255 * 0.92), (10, 255 * 0.92 * 0.7))
 
 Tile = tuple[str, Bytes]
 
@@ -47,9 +51,8 @@ def write_sheet(path: Path, rows: Sequence[Sequence[Tile]], *, below: bool = Fal
     Raises:
         OutputError: The file cannot be written.
     """
-    sheet, captions = _laid_out(rows, below)
     with atomic.replacing(path) as beside:
-        write_png(beside, _captioned(sheet, captions))
+        write_png(beside, _laid_out(rows, below))
 
 
 def _reduced(pixels: Bytes) -> Bytes:
@@ -66,36 +69,24 @@ def _reduced(pixels: Bytes) -> Bytes:
     return np.asarray(small.get_pixels(OpenImageIO.UINT8))
 
 
-def _laid_out(
-    rows: Sequence[Sequence[Tile]], below: bool
-) -> tuple[Bytes, list[tuple[int, int, str]]]:
-    """The sheet without its captions, and where they go: (x, y of the top edge, text)."""
+def _laid_out(rows: Sequence[Sequence[Tile]], below: bool) -> Bytes:
     every = [tile for row in rows for tile in row]
     text = _LEADING + _LINE * max(caption.count("\n") + 1 for caption, _ in every)
     column = max(picture.shape[1] for _, picture in every) + _GAP
     tall = [max(len(picture) for _, picture in row) for row in rows]
     width = _GAP + max(len(row) for row in rows) * column
     shape = (sum(tall) + len(tall) * (text + _GAP) + _GAP, width, 3)
-    sheet = np.full(shape, round(255 * _PAPER), np.uint8)
-    captions = []
+    sheet = np.full(shape, _PAPER, np.uint8)
     tops = np.cumsum([0, *(high + text + _GAP for high in tall)]).tolist()
     for row, top, high in zip(rows, tops, tall, strict=False):
         for number, (caption, picture) in enumerate(row):
             x, y = _GAP + number * column, top + (_GAP if below else text)
             sheet[y : y + picture.shape[0], x : x + picture.shape[1]] = picture
-            captions.append((x, top + _GAP + high - 2 if below else top, caption))
-    return sheet, captions
+            _write_caption(sheet, caption, x, top + _GAP + high - 2 if below else top)
+    return sheet
 
 
-def _captioned(sheet: Bytes, captions: Sequence[tuple[int, int, str]]) -> Bytes:
-    """Draw the captions; without fonts the sheet stays as it is."""
-    import OpenImageIO
-
-    buffer: Any = OpenImageIO.ImageBuf(sheet)
-    for x, y, caption in captions:
-        for line, text in enumerate(caption.split("\n")):
-            size, ink = (13, _INK) if line == 0 else (10, tuple(0.7 * value for value in _INK))
-            OpenImageIO.ImageBufAlgo.render_text(
-                buffer, x, y + 16 + _LINE * line, text, size, "", ink
-            )
-    return np.asarray(buffer.get_pixels(OpenImageIO.UINT8))
+def _write_caption(sheet: Bytes, caption: str, left: int, top: int) -> None:
+    for line, text in enumerate(caption.split("\n")):
+        size, share = _SIZES[min(line, 1)]
+        stamp(sheet, lettered(text, size), left, top + 16 + _LINE * line - size, (share,) * 3)

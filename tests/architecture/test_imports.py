@@ -59,7 +59,7 @@ RANKS = (
         "unfinished",
         "unpickling",
     ),
-    ("colorimetry", "errors", "lazy", "names", "untrusted", "version"),
+    ("colorimetry", "errors", "imagefile", "lazy", "lettering", "names", "untrusted", "version"),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
@@ -67,8 +67,8 @@ LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
     "categories",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "colorimetry", "errors", "names", "atomic", "claims", "isolation", "ledger", "progress",
-    "unpickling", "untrusted",
+    "colorimetry", "errors", "names", "atomic", "claims", "imagefile", "isolation", "ledger",
+    "progress", "unpickling", "untrusted",
 }  # fmt: skip
 HEAVY = {
     "pxr",

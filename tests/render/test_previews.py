@@ -6,8 +6,9 @@ import pytest
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.errors import OutputError
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.render import color
-from openrooms_usd.render.previews import preview, write_png
+from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import tiles, write_sheet
 
 

@@ -8,12 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from openrooms_usd.errors import OutputError
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.report.canvas import PAPER, Canvas, png, write_png
-from openrooms_usd.scan.report.lettering import lettered
+from openrooms_usd.scan.report.canvas import PAPER, Canvas
 from openrooms_usd.scan.report.overlay import _outline, overlay, plan_axes, write_overlay
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
 
-ALPHABET = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
 DOOR_COLOR, WALL_COLOR, PLACED_COLOR = (20, 150, 60), (200, 30, 30), (150, 40, 170)
 DOOR = FoundOpening("door", np.array([[2.0, 0, 0], [1.0, 0, 0], [1.0, 0, 2], [2.0, 0, 2]]), 0.9, 0)
 
@@ -40,16 +38,6 @@ def drawn(room: FoundRoom, *objects: FoundObject) -> np.ndarray:
     """The plan without its captions."""
     bounds = {"box": np.array([[-0.5, -0.25, 0], [0.5, 0.25, 1.0]])}
     return overlay(points(), [room], objects, bounds)[:, :WIDTH]
-
-
-def test_png_reads_back_the_same(tmp_path: Path) -> None:
-    import OpenImageIO
-
-    pixels = np.random.default_rng(1).integers(0, 256, (13, 7, 3)).astype(np.uint8)
-    write_png(tmp_path / "a.png", pixels)
-    read = OpenImageIO.ImageBuf(str(tmp_path / "a.png")).get_pixels(OpenImageIO.UINT8)
-    np.testing.assert_array_equal(read, pixels)
-    assert png(pixels) == (tmp_path / "a.png").read_bytes()
 
 
 def test_guessed_walls_are_dashed() -> None:
@@ -118,14 +106,6 @@ def test_lines_have_their_width_and_length() -> None:
     ink = 1.0 - canvas.pixels[..., 0] / PAPER[0]
     assert ink.sum() == pytest.approx(100 * 4, rel=0.06)
     assert ink[:44].sum() == ink[56:].sum() == 0
-
-
-def test_letters_differ_from_each_other() -> None:
-    shapes = {lettered(letter, 1).tobytes() for letter in ALPHABET}
-    # O and 0 do not look the same, nor do S and 5.
-    assert len(shapes) == len(ALPHABET)
-    assert not lettered("?", 1).any()
-    assert lettered("A", 3).sum() == 9 * lettered("A", 1).sum()
 
 
 @pytest.mark.parametrize("up", [0, 1, 2])

@@ -9,8 +9,8 @@ import pybullet
 import pytest
 
 from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.physics.world import Body, Link, Visual, World
-from openrooms_usd.render.previews import write_png
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 from openrooms_usd.usd.textures import read_texture
 from orusd_urdf.assets import Assets, picture_bytes

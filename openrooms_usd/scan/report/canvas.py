@@ -1,7 +1,5 @@
 """Pictures of plans: dots, lines, dashes and words in metres, written as PNG."""
 
-import struct
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,20 +8,23 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic
-from openrooms_usd.scan.report.lettering import lettered
+from openrooms_usd import atomic, imagefile
+from openrooms_usd.lettering import Ink, lettered, stamp
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 Color = tuple[int, int, int]
 
 PAPER: Final[Color] = (255, 255, 255)
+# Of the typeface, pixels.
+WORDS: Final = 20
+# Paper around letters, pixels.
+_RIM: Final = 2
 # Where words go whose place is taken: half their width and their height aside, nearest first.
 _STEPS_ASIDE: Final = sorted(
     ((right, down) for right in range(-3, 4) for down in range(-5, 6)),
     key=lambda step: (4 * abs(step[0]) + 2 * abs(step[1]), step),
 )
-_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,15 +94,15 @@ class Canvas:
         for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             self.line(start, end, color, width)
 
-    def write(self, text: str, middle: Array, color: Color, size: int = 2) -> None:
+    def write(self, text: str, middle: Array, color: Color, size: int = WORDS) -> None:
         """Write words about a point of the plan or near it, with paper around the letters."""
         column, row = self.place(np.asarray(middle, float)[None])[0]
-        ink = np.pad(lettered(text, size), size)
+        ink = np.pad(lettered(text, size), _RIM)
         height, width = ink.shape
         left, top = self._clear_place(int(column) - width // 2, int(row) - height // 2, ink.shape)
         self.words.append((left, top, left + width, top + height))
-        self.stamp(_swollen(ink, size), left, top, PAPER)
-        self.stamp(ink, left, top, color)
+        stamp(self.pixels, _swollen(ink), left, top, PAPER)
+        stamp(self.pixels, ink, left, top, color)
 
     def _clear_place(self, left: int, top: int, shape: tuple[int, ...]) -> tuple[int, int]:
         """The nearest place for words where none are yet; the given one where there is none."""
@@ -115,24 +116,15 @@ class Canvas:
                 return x, y
         return left, top
 
-    def stamp(self, ink: NDArray[np.bool_], column: int, row: int, color: Color) -> None:
-        """Put ink on the picture; what lies beyond its edges is cut off."""
-        left, right = self._span(column, column + ink.shape[1], 1)
-        top, bottom = self._span(row, row + ink.shape[0], 0)
-        if left < right and top < bottom:
-            shown = ink[top - row : bottom - row, left - column : right - column]
-            self.pixels[top:bottom, left:right][shown] = color
-
     def _span(self, low: float, high: float, axis: int) -> tuple[int, int]:
         size = self.pixels.shape[axis]
         return int(np.clip(np.floor(low), 0, size)), int(np.clip(np.ceil(high), 0, size))
 
 
-def _swollen(ink: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
+def _swollen(ink: Ink) -> Ink:
     from scipy import ndimage
 
-    around = np.ones((2 * size - 1, 2 * size - 1), dtype=np.bool_)
-    return np.asarray(ndimage.binary_dilation(ink, around))
+    return np.asarray(ndimage.grey_dilation(ink, (2 * _RIM + 1, 2 * _RIM + 1)), dtype=np.float32)
 
 
 def beside(pictures: Sequence[Pixels]) -> Pixels:
@@ -145,23 +137,11 @@ def beside(pictures: Sequence[Pixels]) -> Pixels:
     return np.concatenate(high, axis=1)
 
 
-def png(pixels: Pixels) -> bytes:
-    """8-bit sRGB pixels (H, W, 3) as a PNG file (ISO/IEC 15948), the same bytes for the same."""
-    height, width = pixels.shape[:2]
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    # Each row is preceded by the number of its filter: none.
-    rows = np.pad(pixels.reshape(height, -1), ((0, 0), (1, 0))).tobytes()
-    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows, 6)), (b"IEND", b""))
-    return _SIGNATURE + b"".join(
-        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
-        for name, data in chunks
-    )
-
-
 def write_png(path: Path, pixels: Pixels) -> None:
-    """Write a picture; it appears whole or not at all.
+    """Write a picture (H, W, 3); it appears whole or not at all.
 
     Raises:
         OutputError: The file cannot be written.
     """
-    atomic.write_bytes(path, png(pixels))
+    with atomic.replacing(path) as beside:
+        imagefile.write_png(beside, pixels)

@@ -6,8 +6,8 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.report.canvas import PAPER, Canvas, Color, Pixels, beside
-from openrooms_usd.scan.report.lettering import lettered
+from openrooms_usd.lettering import lettered, stamp
+from openrooms_usd.scan.report.canvas import PAPER, WORDS, Canvas, Color, Pixels, beside
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
 Array = NDArray[np.float64]
@@ -26,8 +26,7 @@ OPENINGS: Final = {"door": DOOR, "window": WINDOW}
 WIDTHS: Final[dict[Stroke, float]] = {"thin": 1.5, "line": 2.5, "dashed": 2.5, "thick": 8.0}
 DASH: Final = (11.0, 9.0)
 
-_SIZE: Final = 2  # pixels of a letter's dot
-_ROW: Final = 22  # pixels
+_ROW: Final = 26  # pixels
 _SWATCH: Final = 34
 _GAP: Final = 12
 # Motions below this are not worth a word, metres.
@@ -95,7 +94,7 @@ def panel(lines: Sequence[Caption], height: int) -> Pixels:
 
 
 def _column(lines: Sequence[Caption]) -> Pixels:
-    words = [lettered(line.text, _SIZE) for line in lines]
+    words = [lettered(line.text, WORDS) for line in lines]
     width = max(ink.shape[1] for ink in words) + _SWATCH + 3 * _GAP
     shape = (len(lines) * _ROW + 2 * _GAP, width, 3)
     canvas = Canvas(np.full(shape, PAPER, np.uint8), np.zeros(2), 1.0)
@@ -105,7 +104,7 @@ def _column(lines: Sequence[Caption]) -> Pixels:
             _draw_swatch(canvas, line, middle)
         left = 2 * _GAP + _SWATCH if line.stroke else _GAP
         color = INK if line.stroke == "dots" else line.color
-        canvas.stamp(ink, left, middle - ink.shape[0] // 2, color)
+        stamp(canvas.pixels, ink, left, middle - ink.shape[0] // 2, color)
     return canvas.pixels
 
 

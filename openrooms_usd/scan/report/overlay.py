@@ -7,8 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.lettering import lettered
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.report.canvas import Canvas, Color, Pixels, beside, write_png
+from openrooms_usd.scan.report.canvas import WORDS, Canvas, Color, Pixels, beside, write_png
 from openrooms_usd.scan.report.captions import (
     DASH,
     FLOOR,
@@ -23,7 +24,6 @@ from openrooms_usd.scan.report.captions import (
     captions,
     panel,
 )
-from openrooms_usd.scan.report.lettering import lettered
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
 
 Array = NDArray[np.float64]
@@ -41,6 +41,8 @@ _BELOW: Final = -0.2
 _FLOOR: Final = 0.06
 # Points of a block that print in full, relative to the usual number of those that have any.
 _FULL: Final = 8.0
+# Of the typeface of objects' numbers, pixels.
+_NUMBERS: Final = 28
 # How far from its wall words begin, pixels.
 _ASIDE: Final = 12.0
 
@@ -161,7 +163,7 @@ def _write_beside(canvas: Canvas, text: str, start: Array, end: Array, color: Co
     """Words at the right-hand side of a line, as one goes along it."""
     along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
     right = np.array([along[1], -along[0]])
-    height, width = lettered(text, 2).shape
+    height, width = lettered(text, WORDS).shape
     reach = 0.5 * (abs(right[0]) * width + abs(right[1]) * height)
     aside = (_ASIDE + reach) / canvas.scale
     canvas.write(text, (start + end) / 2 + aside * right, color)
@@ -183,7 +185,7 @@ def _number(
 ) -> None:
     """An object's number in its middle; its name stands beside the plan."""
     middle = (_box(item.placed or item.pose, bounds).mean(axis=0) - origin) @ plan
-    canvas.write(str(item.instance), middle[:2], INK, 3)
+    canvas.write(str(item.instance), middle[:2], INK, _NUMBERS)
 
 
 def _box(pose: Pose, bounds: Array | None) -> Array:

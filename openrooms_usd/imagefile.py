@@ -1,11 +1,54 @@
-"""Whether a picture really reached the disk, which OpenImageIO's calls alone do not say."""
+"""Pictures written by OpenImageIO, whose calls alone do not say that one reached the disk."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd.errors import OutputError
 
 _PNG_END: Final = b"IEND\xaeB\x60\x82"
+
+
+def write(path: Path, pixels: NDArray[Any], kind: str, attributes: Mapping[str, Any]) -> None:
+    """Write the pixels of a picture.
+
+    Args:
+        path: The file; its ending says the format.
+        pixels: (H, W) or (H, W, C), the first row on top.
+        kind: OpenImageIO's name of a value's type, such as ``uint8`` or ``half``.
+        attributes: OpenImageIO's, by their names.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    import OpenImageIO
+
+    # A plane without a channel axis would be read as rows of channels.
+    pixels = np.ascontiguousarray(np.atleast_3d(pixels))
+    height, width, channels = pixels.shape
+    spec = OpenImageIO.ImageSpec(width, height, channels, kind)
+    for name, value in attributes.items():
+        spec.attribute(name, value)
+    output: Any = OpenImageIO.ImageOutput.create(str(path))
+    done = output.open(str(path), spec) and output.write_image(pixels)
+    finish(output, done, path)
+
+
+def write_png(path: Path, pixels: NDArray[np.uint8]) -> None:
+    """Write 8-bit sRGB pixels, with the same bytes for the same pixels.
+
+    Args:
+        path: The file.
+        pixels: (height, width, 1 or 3).
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    how = {"oiio:ColorSpace": "srgb_rec709_scene", "png:compressionLevel": 4}
+    write(path, pixels, "uint8", how)
 
 
 def finish(output: Any, done: bool, path: Path) -> None:
