@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 THEIRS_FROM_OURS: Final[Array] = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # The released files have three decimals, with which view and up may miss a right angle by 1e-3;
 # loaders refuse 2e-3.
-_DECIMALS: Final = 6
+_CAMERA_DECIMALS: Final = 6
 
 
 def pose(world_from_camera: Array) -> Array:
@@ -45,8 +45,8 @@ def write_cameras(path: Path, poses: Sequence[Array]) -> None:
     Raises:
         OutputError: The file cannot be written.
     """
-    rows = [row for each in poses for row in np.round(each, _DECIMALS) + 0.0]
-    lines = [" ".join(f"{value:.{_DECIMALS}f}" for value in row) for row in rows]
+    rows = [row for each in poses for row in np.round(each, _CAMERA_DECIMALS) + 0.0]
+    lines = [" ".join(f"{value:.{_CAMERA_DECIMALS}f}" for value in row) for row in rows]
     atomic.write_text(path, "\n".join([str(len(poses)), *lines]) + "\n")
 
 

@@ -18,9 +18,9 @@ HEADER: Final = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n"
 ERROR: Final = 0.5 / 128
 # Readers take rows of other widths as written without packets.
 _WIDTHS: Final = (8, 0x7FFF)
-_BIAS: Final = 136
+_EXPONENT_BIAS: Final = 136
 _LARGEST: Final = np.float32(1e38)
-_PACKET: Final = 128  # bytes that one packet may hold as they are
+_PACKET_BYTES: Final = 128  # bytes that one packet may hold as they are
 
 
 def encode(pixels: NDArray[np.float32]) -> NDArray[np.uint8]:
@@ -41,10 +41,10 @@ def encode(pixels: NDArray[np.float32]) -> NDArray[np.uint8]:
     # Where rounding carries the largest mantissa to 256, the next exponent holds it.
     exponent += fraction >= 255.5 / 256
     # The least exponent is 1: 0 marks black.
-    seen = (largest > 0) & (exponent + _BIAS - 8 >= 1)
+    seen = (largest > 0) & (exponent + _EXPONENT_BIAS - 8 >= 1)
     code = np.empty((*largest.shape, 4), np.uint8)
     code[..., :3] = np.rint(np.ldexp(values, (8 - exponent)[..., None])) * seen[..., None]
-    code[..., 3] = (exponent + _BIAS - 8) * seen
+    code[..., 3] = (exponent + _EXPONENT_BIAS - 8) * seen
     return code
 
 
@@ -73,7 +73,7 @@ def _packed(code: NDArray[np.uint8]) -> NDArray[np.uint8]:
     planes = code.transpose(0, 2, 1)
     parts = [np.broadcast_to(np.array([2, 2, width >> 8, width & 255], np.uint8), (height, 4))]
     for plane in range(4):
-        for start in range(0, width, _PACKET):
-            piece = planes[:, plane, start : start + _PACKET]
+        for start in range(0, width, _PACKET_BYTES):
+            piece = planes[:, plane, start : start + _PACKET_BYTES]
             parts += [np.full((height, 1), piece.shape[1], np.uint8), piece]
     return np.concatenate(parts, axis=1)

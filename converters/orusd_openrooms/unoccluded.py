@@ -11,9 +11,9 @@ from orusd_openrooms.records import Light, Lobe
 Array = NDArray[np.float64]
 
 # Sharper lobes are integrated over their own directions, others over the rectangle.
-_SHARP: Final = 8.0
-_SIDE: Final = 12  # points along a side of the rectangle
-_DIRECTIONS: Final = 256
+_SHARP_LOBE: Final = 8.0
+_SIDE_POINTS: Final = 12  # points along a side of the rectangle
+_SPHERE_DIRECTIONS: Final = 256
 
 
 def approximate(
@@ -37,7 +37,7 @@ def approximate(
     facing = facing @ camera[:3, :3]
     result = np.zeros_like(flat)
     for lobe in light.lobes.values() if light.on else ():
-        through = _along_lobe if lobe.sharpness > _SHARP else _over_rectangle
+        through = _along_lobe if lobe.sharpness > _SHARP_LOBE else _over_rectangle
         result += through(light, lobe, flat, facing)[:, None] * lobe.intensity
     return result.reshape(points.shape).astype(np.float32)
 
@@ -52,8 +52,8 @@ def _rectangle(light: Light) -> tuple[Array, Array, Array]:
 def _over_rectangle(light: Light, lobe: Lobe, points: Array, normals: Array) -> Array:
     """The integral over the rectangle by the midpoints of its parts."""
     first, second, normal = _rectangle(light)
-    places = (np.arange(_SIDE) + 0.5) / _SIDE * 2.0 - 1.0
-    area = 4.0 * np.linalg.norm(first) * np.linalg.norm(second) / _SIDE**2
+    places = (np.arange(_SIDE_POINTS) + 0.5) / _SIDE_POINTS * 2.0 - 1.0
+    area = 4.0 * np.linalg.norm(first) * np.linalg.norm(second) / _SIDE_POINTS**2
     total = np.zeros(len(points))
     for u in places:
         for v in places:
@@ -83,15 +83,15 @@ def _along_lobe(light: Light, lobe: Lobe, points: Array, normals: Array) -> Arra
         inside = (distance > 0) & (np.abs(offset @ first) <= first @ first)
         inside &= np.abs(offset @ second) <= second @ second
         total += inside * np.maximum(normals @ way, 0.0)
-    return total * spread(lobe.sharpness) / _DIRECTIONS
+    return total * spread(lobe.sharpness) / _SPHERE_DIRECTIONS
 
 
 def _directions(lobe: Lobe) -> Array:
     """(_DIRECTIONS, 3) unit, as dense as the lobe is bright: a spiral by the golden angle."""
-    share = (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+    share = (np.arange(_SPHERE_DIRECTIONS) + 0.5) / _SPHERE_DIRECTIONS
     cosine = 1.0 + np.log1p(share * np.expm1(-2.0 * lobe.sharpness)) / lobe.sharpness
     sine = np.sqrt(np.maximum(0.0, 1.0 - cosine**2))
-    turn = np.arange(_DIRECTIONS) * np.pi * (3.0 - np.sqrt(5.0))
+    turn = np.arange(_SPHERE_DIRECTIONS) * np.pi * (3.0 - np.sqrt(5.0))
     side = np.cross(lobe.axis, np.eye(3)[np.argmin(np.abs(lobe.axis))])
     side = side / np.linalg.norm(side)
     other = np.cross(lobe.axis, side)

@@ -24,7 +24,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.frames import frames_of, in_world, read_frames
 from orusd_scans.plan import (
-    LARGEST,
+    MAX_SIDE,
     DrawnPlan,
     Up,
     floor_in,
@@ -37,19 +37,19 @@ from orusd_scans.plan import (
 from orusd_scans.records.fields import choice, identifiers, number, positive, text
 from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.records.table import read_table
-from orusd_scans.worldframe import FARTHEST, Z_UP, WorldFrame, proper
+from orusd_scans.worldframe import MAX_COORDINATE_M, Z_UP, WorldFrame, proper
 
 Array = NDArray[np.float64]
 
 UNITS: Final = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 # What is farther than this from the source's origin is moved to an origin of its own, metres.
-_FAR: Final = 1000.0
+_FAR_FROM_ORIGIN_M: Final = 1000.0
 # Around the objects of a list without a floor, metres.
-_AROUND: Final = 0.5
+_FLOOR_MARGIN_M: Final = 0.5
 # Sides of a box, metres.
-_SMALLEST: Final = 1e-3
+_MIN_SIDE_M: Final = 1e-3
 # Boxes lean by less than this from noise alone, degrees.
-_UPRIGHT: Final = 3.0
+_MAX_NOISE_LEAN_DEG: Final = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,13 +210,17 @@ class _Row:
 def _row(node: Node, up: Up) -> _Row:
     label = text(node.need("label"))
     if node.get("center") is not None:
-        size = _positive(node.need("size").numbers(3, LARGEST), node.need("size"))
-        return _Row(node, label, node.need("center").numbers(3, FARTHEST), size, _turn(node, up))
-    size = np.array([positive(node.need(key), LARGEST) for key in ("width", "depth", "height")])
+        size = _positive(node.need("size").numbers(3, MAX_SIDE), node.need("size"))
+        return _Row(
+            node, label, node.need("center").numbers(3, MAX_COORDINATE_M), size, _turn(node, up)
+        )
+    size = np.array([positive(node.need(key), MAX_SIDE) for key in ("width", "depth", "height")])
     vertical = "z" if up == "Z" else "y"
     middle = node.get(f"c{vertical}")
     center = np.array([
-        number(middle if middle is not None and axis == vertical else node.need(axis), FARTHEST)
+        number(
+            middle if middle is not None and axis == vertical else node.need(axis), MAX_COORDINATE_M
+        )
         for axis in "xyz"
     ])  # fmt: skip
     if middle is None:
@@ -248,21 +252,21 @@ def _frame(given: _List, plan: DrawnPlan | None, level: float, rows: Sequence[_R
     points = [row.center @ turn.T for row in rows]
     plane = plan.corners if plan else np.array([p[:2] for p in points]).reshape(-1, 2)
     corner = np.floor(plane.min(axis=0)) if len(plane) else np.zeros(2)
-    if given.unit * float(np.abs(plane).max(initial=0.0)) <= _FAR:
+    if given.unit * float(np.abs(plane).max(initial=0.0)) <= _FAR_FROM_ORIGIN_M:
         corner = np.zeros(2)
     return WorldFrame(turn, np.array([*corner, level]) @ turn, given.unit)
 
 
 def _box(row: _Row, identifier: str, frame: WorldFrame, notes: list[str]) -> CapturedBox:
     size = frame.unit * row.size
-    if size.min() < _SMALLEST:
+    if size.min() < _MIN_SIDE_M:
         raise row.node.error(
             f"its smallest side is {size.min():.3g} m", "say the unit of the file: --unit cm"
         )
     left, _, right = np.linalg.svd(frame.rotation @ row.rotation)
     rotation = left @ right
     lean = float(np.degrees(np.arccos(np.clip(rotation[2, 2], -1.0, 1.0))))
-    if lean > _UPRIGHT:
+    if lean > _MAX_NOISE_LEAN_DEG:
         notes.append(f"{row.label} {identifier} leans by {lean:.0f} degrees: it is built upright")
     return CapturedBox(
         id=identifier,
@@ -277,7 +281,7 @@ def _around(boxes: Sequence[CapturedBox], notes: list[str]) -> Array | None:
     """(4, 2) the rectangle around all boxes, where nothing better is known."""
     if not boxes:
         return None
-    reach = [0.5 * float(np.linalg.norm(box.size[:2])) + _AROUND for box in boxes]
+    reach = [0.5 * float(np.linalg.norm(box.size[:2])) + _FLOOR_MARGIN_M for box in boxes]
     low = np.min([b.center[:2] - r for b, r in zip(boxes, reach, strict=True)], axis=0)
     high = np.max([b.center[:2] + r for b, r in zip(boxes, reach, strict=True)], axis=0)
     notes.append("no floor is given: the rectangle around the objects was taken")

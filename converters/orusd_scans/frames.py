@@ -28,10 +28,10 @@ from orusd_scans.worldframe import WorldFrame, rigid
 Array = NDArray[np.float64]
 
 # Focal lengths, principal points and sides of pictures, pixels.
-_LARGEST: Final = 1e6
+_MAX_PIXELS: Final = 1e6
 _REMEDY: Final = "write [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], in pixels"
 # Beyond this, pixels are not square any more: USD's cameras and ours have square ones.
-_SQUARE: Final = 5e-3
+_SQUARE_PIXEL_TOLERANCE: Final = 5e-3
 
 
 def read_frames(path: Path) -> tuple[CapturedFrame, ...]:
@@ -59,7 +59,7 @@ def frames_of(nodes: Sequence[Node]) -> tuple[CapturedFrame, ...]:
 
 def _frame(node: Node, identifier: str) -> CapturedFrame:
     picture, size = node.get("picture"), node.need("resolution")
-    width, height = size.numbers(2, _LARGEST)
+    width, height = size.numbers(2, _MAX_PIXELS)
     if min(width, height) < 1 or width % 1 or height % 1:
         raise size.error("width and height in whole pixels expected", "such as [1296, 968]")
     return CapturedFrame(
@@ -77,7 +77,7 @@ def intrinsics(node: Node) -> Array:
     Raises:
         InputError: They are none, or stand column by column.
     """
-    K = node.numbers(9, _LARGEST).reshape(3, 3)
+    K = node.numbers(9, _MAX_PIXELS).reshape(3, 3)
     if np.abs(K[2] - [0.0, 0.0, 1.0]).max() > 1e-9:
         raise node.error("the last row of intrinsics is 0 0 1", _REMEDY)
     if K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
@@ -96,7 +96,10 @@ def in_world(
         notes: Receives a sentence when pixels are not square.
     """
     found = tuple(replace(f, world_from_camera=frame.pose(f.world_from_camera)) for f in frames)
-    oblong = sum(abs(f.K[1, 1] / f.K[0, 0] - 1.0) > _SQUARE or f.K[0, 1] != 0.0 for f in found)
+    oblong = sum(
+        abs(f.K[1, 1] / f.K[0, 0] - 1.0) > _SQUARE_PIXEL_TOLERANCE or f.K[0, 1] != 0.0
+        for f in found
+    )
     if oblong:
         notes.append(f"{oblong} frames have skew or pixels that are not square: fx counts for both")
     return found

@@ -48,10 +48,10 @@ UNDETERMINED: Final = (
 # Scans of rooms are smaller than this in metres, and larger in millimetres.
 _LARGEST_SITE: Final = 250.0
 # The part of the points whose extent counts: outliers do not.
-_WITHIN: Final = (1.0, 99.0)
-_SAMPLE: Final = 100_000
+_EXTENT_PERCENTILES: Final = (1.0, 99.0)
+_MAX_SAMPLE_POINTS: Final = 100_000
 # What is farther than this from the source's origin is moved to an origin of its own, metres.
-_FAR: Final = 1000.0
+_FAR_FROM_ORIGIN_M: Final = 1000.0
 
 
 class ScanImporter:
@@ -173,17 +173,17 @@ def _frame(scanned: Scanned, unit: float, up: str | None, source: Path) -> World
     rotation = Z_UP[scanned.up] if up is None else upright(up, source)
     low, high = _range(scanned.cloud.points)
     middle = 0.5 * (low + high)
-    far = unit * float(np.abs(middle).max()) > _FAR
+    far = unit * float(np.abs(middle).max()) > _FAR_FROM_ORIGIN_M
     return WorldFrame(rotation, np.floor(middle) if far else np.zeros(3), unit)
 
 
 def _range(points: Array) -> tuple[Array, Array]:
     """(3,) between what most coordinates lie."""
-    some = points[:: max(len(points) // _SAMPLE, 1)]
+    some = points[:: max(len(points) // _MAX_SAMPLE_POINTS, 1)]
     some = some[np.isfinite(some).all(axis=1)]
     if len(some) == 0:
         return np.zeros(3), np.zeros(3)
-    low, high = np.percentile(some, _WITHIN, axis=0)
+    low, high = np.percentile(some, _EXTENT_PERCENTILES, axis=0)
     return low, high
 
 

@@ -24,14 +24,14 @@ from orusd_scans.floorplan import heading
 from orusd_scans.records.fields import choice, flag, identifiers, number, positive
 from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.records.table import read_table
-from orusd_scans.worldframe import FARTHEST, Z_UP, WorldFrame
+from orusd_scans.worldframe import MAX_COORDINATE_M, Z_UP, WorldFrame
 
 Array = NDArray[np.float64]
 Up = Literal["Y", "Z"]
 Opened = Literal["window", "door", "opening"]
 
 # Largest sides of rooms and openings, in the source's unit: rooms in millimetres pass.
-LARGEST: Final = 1e6
+MAX_SIDE: Final = 1e6
 _MOST_CORNERS: Final = 10_000
 _REMEDY: Final = "list the inner corners once, in order around the room"
 
@@ -92,13 +92,13 @@ def plan_of(root: Node, up: Up) -> DrawnPlan | None:
 def level_of(root: Node) -> float | None:
     """The floor's height along the up axis that an object states."""
     level = root.get("level")
-    return number(level, FARTHEST) if level else None
+    return number(level, MAX_COORDINATE_M) if level else None
 
 
 def height_of(root: Node) -> float | None:
     """The height of the room that an object states."""
     height = root.get("height")
-    return positive(height, LARGEST) if height else None
+    return positive(height, MAX_SIDE) if height else None
 
 
 def _corners(node: Node, up: Up) -> Array:
@@ -106,7 +106,7 @@ def _corners(node: Node, up: Up) -> Array:
     if not 3 <= len(items) <= _MOST_CORNERS:
         raise node.error(f"3 to {_MOST_CORNERS:,} corners expected, found {len(items)}", _REMEDY)
     pairs = [
-        Node(item.value, node.file, f"{node.path}[{i}]").numbers(2, FARTHEST)
+        Node(item.value, node.file, f"{node.path}[{i}]").numbers(2, MAX_COORDINATE_M)
         for i, item in enumerate(items)
     ]
     corners = np.array(pairs) * [1.0, 1.0 if up == "Z" else -1.0]
@@ -158,15 +158,15 @@ def openings_in(
 
 def _opening(node: Node, identifier: str, frame: WorldFrame, floor: Array) -> CapturedOpening:
     kind: Opened = choice(node.need("kind"), get_args(Opened))  # type: ignore[assignment]
-    center = frame.points(node.need("center").numbers(3, FARTHEST))
+    center = frame.points(node.need("center").numbers(3, MAX_COORDINATE_M))
     is_open = node.get("open")
     return CapturedOpening(
         id=identifier,
         kind=kind,
         center=center,
         direction=_along(center, floor),
-        width=frame.unit * positive(node.need("width"), LARGEST),
-        height=frame.unit * positive(node.need("height"), LARGEST),
+        width=frame.unit * positive(node.need("width"), MAX_SIDE),
+        height=frame.unit * positive(node.need("height"), MAX_SIDE),
         is_open=flag(is_open) if is_open else None,
     )
 

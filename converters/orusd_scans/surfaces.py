@@ -13,12 +13,14 @@ Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 # Between points on large triangles, metres; more where that would be too many.
-SPACING: Final = 0.02
+SPACING_M: Final = 0.02
 _MOST_SAMPLES: Final = 2_000_000
-_FARTHEST: Final = 1e8
+_MAX_COORDINATE_M: Final = 1e8
 
 
-def as_cloud(cloud: Cloud, faces: Faces, spacing: float = SPACING) -> tuple[Cloud, tuple[str, ...]]:
+def as_cloud(
+    cloud: Cloud, faces: Faces, spacing: float = SPACING_M
+) -> tuple[Cloud, tuple[str, ...]]:
     """Points and surface of a mesh as one cloud, with normals that follow the triangles' winding.
 
     Each triangle gets its area / spacing^2 random points, rounded at random, so that large ones are
@@ -34,7 +36,9 @@ def as_cloud(cloud: Cloud, faces: Faces, spacing: float = SPACING) -> tuple[Clou
         The cloud, and a note where points had to be farther apart.
     """
     corners = cloud.points[faces]
-    usable = np.isfinite(corners).all(axis=(1, 2)) & (np.abs(corners) < _FARTHEST).all(axis=(1, 2))
+    usable = np.isfinite(corners).all(axis=(1, 2)) & (np.abs(corners) < _MAX_COORDINATE_M).all(
+        axis=(1, 2)
+    )
     faces, corners = faces[usable], corners[usable]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     twice = np.linalg.norm(cross, axis=1)

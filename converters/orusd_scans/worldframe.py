@@ -15,9 +15,9 @@ Z_UP: Final = {
     "Z": np.eye(3),
     "Y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
 }
-FARTHEST: Final = 1e8  # coordinates: any map projection stays below
+MAX_COORDINATE_M: Final = 1e8  # coordinates: any map projection stays below
 # How far the axes of a rotation may be from unit length and right angles: rounding in text.
-_ROUNDING: Final = 1e-2
+_ROTATION_TOLERANCE: Final = 1e-2
 _BOTTOM: Final = np.array([0.0, 0.0, 0.0, 1.0])
 
 
@@ -68,7 +68,7 @@ def rigid(node: Node) -> Array:
         InputError: It mirrors, scales or shears, or stands column by column.
     """
     count = 12 if _length(node) == 12 else 16
-    numbers = node.numbers(count, FARTHEST)
+    numbers = node.numbers(count, MAX_COORDINATE_M)
     rows = numbers.reshape(-1, 4)
     matrix = rows if count == 16 else np.vstack([rows, _BOTTOM])
     if np.abs(matrix[3] - _BOTTOM).max() > 1e-6:
@@ -89,7 +89,7 @@ def proper(rotation: Array, node: Node) -> None:
     Raises:
         InputError: It mirrors, scales or shears.
     """
-    if np.abs(rotation.T @ rotation - np.eye(3)).max() > _ROUNDING:
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > _ROTATION_TOLERANCE:
         raise node.error("this is no rotation: it scales or shears", "give orthonormal axes")
     if np.linalg.det(rotation) < 0.0:
         raise node.error("this is left-handed: it mirrors", "give the axes of a right-handed frame")

@@ -12,7 +12,7 @@ from openrooms_usd.geometry.triangulation import TriangleMesh
 Array = NDArray[np.float64]
 
 # Relative to the diagonal: points are read in single precision.
-_TOLERANCE: Final = 2e-6
+_BOX_TOLERANCE_SHARE: Final = 2e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ def as_box(mesh: TriangleMesh) -> Box | None:
     centre = corners.mean(axis=0)
     away = corners[1:] - corners[0]
     diagonal = 2.0 * (centre - corners[0])
-    tolerance = _TOLERANCE * float(np.abs(corners).max() + np.linalg.norm(diagonal))
+    tolerance = _BOX_TOLERANCE_SHARE * float(np.abs(corners).max() + np.linalg.norm(diagonal))
     for rows in combinations(range(7), 3):
         edges = away[list(rows)]
         if _spans(edges, diagonal, tolerance) and _has(corners, edges, tolerance):

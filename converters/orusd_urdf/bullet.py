@@ -29,8 +29,8 @@ from orusd_urdf.urdf import write_bodies
 Array = NDArray[np.float64]
 
 # Iterations until the friction of a stack is Coulomb's; Bullet's own 50 leave books creeping.
-_ITERATIONS: Final = 200
-_RESIDUAL: Final = 1e-9
+_SOLVER_ITERATIONS: Final = 200
+_SOLVER_RESIDUAL: Final = 1e-9
 
 
 class BulletEngine:
@@ -94,8 +94,8 @@ class BulletSimulation:
         bullet.setGravity(*world.gravity.tolist(), **self._how)
         bullet.setPhysicsEngineParameter(
             fixedTimeStep=timestep,
-            numSolverIterations=_ITERATIONS,
-            solverResidualThreshold=_RESIDUAL,
+            numSolverIterations=_SOLVER_ITERATIONS,
+            solverResidualThreshold=_SOLVER_RESIDUAL,
             minimumSolverIslandSize=1,
             deterministicOverlappingPairs=1,
             enableFileCaching=0,

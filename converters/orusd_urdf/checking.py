@@ -14,9 +14,9 @@ from openrooms_usd.physics.world import Body, Joint, Link, World
 Array = NDArray[np.float64]
 
 # Relative: moments are read in single precision.
-_ROUNDING: Final = 1e-5
+_MOMENT_TOLERANCE: Final = 1e-5
 # Of a shape's volume to that of a ball around it: a sheet of 1 m by 1 m and 1 micrometre.
-_FLAT: Final = 1e-7
+_MIN_VOLUME_SHARE: Final = 1e-7
 
 
 def check_world(world: World) -> None:
@@ -101,13 +101,13 @@ def _impossible(mass: MassProperties) -> Iterator[str]:
     small, middle, large = np.linalg.eigvalsh((mass.inertia + mass.inertia.T) / 2.0)
     if small <= 0.0:
         yield f"a principal moment of inertia of {small:g} kg m2"
-    if large - small - middle > _ROUNDING * large:
+    if large - small - middle > _MOMENT_TOLERANCE * large:
         yield f"a principal moment of {large:g} kg m2 above the sum of the others"
 
 
 def _has_volume(mesh: TriangleMesh) -> bool:
     radius = float(np.linalg.norm(mesh.points - mesh.points.mean(axis=0), axis=1).max())
-    return volume(mesh) > _FLAT * radius**3
+    return volume(mesh) > _MIN_VOLUME_SHARE * radius**3
 
 
 def _check_rigid(M: Array, path: str) -> None:
@@ -153,7 +153,7 @@ def _check_joint(joint: Joint, known: set[str], path: str) -> None:
     if joint.kind == "fixed":
         return
     low, high = joint.limits
-    if not abs(float(np.linalg.norm(joint.axis)) - 1.0) < _ROUNDING:
+    if not abs(float(np.linalg.norm(joint.axis)) - 1.0) < _MOMENT_TOLERANCE:
         _refuse(f"joint {joint.name!r}: its axis is no unit vector", path, "mend its axis")
     if not low <= high:
         _refuse(f"joint {joint.name!r}: limits {low:g} to {high:g}", path, "swap its limits")

@@ -14,7 +14,7 @@ from orusd_urdf.assets import Assets
 from orusd_urdf.checking import check_world
 from orusd_urdf.frames import text
 from orusd_urdf.looks import Look, Loss
-from orusd_urdf.pairs import MOST, Choice, Which, chosen, contact_element
+from orusd_urdf.pairs import MAX_PAIRS, Choice, Which, chosen, contact_element
 from orusd_urdf.tree import Tree, joint_name, link_name
 
 __all__ = ["joint_name", "link_name", "write_mjcf", "write_model"]
@@ -142,7 +142,7 @@ def _left_out(which: Which, asked: Choice) -> list[Loss]:
         "close": "unequal surfaces that do not touch at first",
         "none": "unequal surfaces",
     }[which]
-    why = f": all pairs would be more than {MOST:,} (pairs=all)" if asked == "auto" else ""
+    why = f": all pairs would be more than {MAX_PAIRS:,} (pairs=all)" if asked == "auto" else ""
     return [("/", "approximated", f"{what} have the larger coefficient{why}")]
 
 

@@ -33,18 +33,18 @@ Array = NDArray[np.float64]
 
 # Time constant of contacts, seconds: at least two steps (MuJoCo wants that). Stiffer ones make what
 # is pushed hop, since MuJoCo's friction is convex: what slides is lifted by mu times its speed.
-_SOFTNESS: Final = 0.01
+_CONTACT_TIME_S: Final = 0.01
 _STEPS_OF_CONTACT: Final = 2.0
 # How much of the wanted acceleration a contact gives: the less is left, the less things sink in.
-_IMPEDANCE: Final = (0.95, 0.99, 0.001, 0.5, 2.0)
+_SOLVER_IMPEDANCE: Final = (0.95, 0.99, 0.001, 0.5, 2.0)
 # Friction that is firmer than the normal force, and swept again until nothing creeps.
 _IMPRATIO: Final = 10.0
-_NOSLIP: Final = 5
+_NOSLIP_ITERATIONS: Final = 5
 # What drives a joint: its name after that of the joint, and its inertia, kg or kg m2.
 _MOTOR: Final = ".motor"
-_UNSTOPPABLE: Final = 1e9
+_UNLIMITED_FORCE: Final = 1e9
 # The least coefficient that MuJoCo's round cones can have.
-_SMOOTHEST: Final = 1e-5
+_MIN_FRICTION: Final = 1e-5
 
 
 class MujocoEngine:
@@ -90,7 +90,7 @@ def _add_motors(mujoco: Any, spec: Any) -> None:
             name = f"{joint.name}{_MOTOR}"
             carrier = spec.worldbody.add_body(name=name, gravcomp=1.0)
             carrier.mass, carrier.inertia, carrier.explicitinertial = 1.0, [1.0] * 3, True
-            carrier.add_joint(name=name, type=joint.type, armature=_UNSTOPPABLE)
+            carrier.add_joint(name=name, type=joint.type, armature=_UNLIMITED_FORCE)
             clutch = spec.add_tendon(name=name)
             clutch.wrap_joint(joint.name, 1.0)
             clutch.wrap_joint(name, -1.0)
@@ -106,12 +106,12 @@ def _tune(mujoco: Any, model: Any, timestep: float) -> None:
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.impratio = _IMPRATIO
-    option.noslip_iterations = _NOSLIP
+    option.noslip_iterations = _NOSLIP_ITERATIONS
     option.tolerance = 1e-10
-    stiff = (max(_SOFTNESS, _STEPS_OF_CONTACT * timestep), 1.0)
-    model.geom_solref[:], model.geom_solimp[:] = stiff, _IMPEDANCE
-    model.pair_solref[:], model.pair_solimp[:] = stiff, _IMPEDANCE
-    model.tendon_solref_fri[:], model.tendon_solimp_fri[:] = stiff, _IMPEDANCE
+    stiff = (max(_CONTACT_TIME_S, _STEPS_OF_CONTACT * timestep), 1.0)
+    model.geom_solref[:], model.geom_solimp[:] = stiff, _SOLVER_IMPEDANCE
+    model.pair_solref[:], model.pair_solimp[:] = stiff, _SOLVER_IMPEDANCE
+    model.tendon_solref_fri[:], model.tendon_solimp_fri[:] = stiff, _SOLVER_IMPEDANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,7 +191,7 @@ class MujocoSimulation:
         if not len(contacts.geom):
             return
         found = self._factors[contacts.geom].prod(axis=1, keepdims=True)
-        contacts.friction[:, :2] = np.maximum(found, _SMOOTHEST)
+        contacts.friction[:, :2] = np.maximum(found, _MIN_FRICTION)
         for prepare in ("makeConstraint", "island", "projectConstraint", "referenceConstraint"):
             getattr(self._m, f"mj_{prepare}")(self._model, self._data)
 

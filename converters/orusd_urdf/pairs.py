@@ -19,10 +19,10 @@ Which = Literal["all", "near", "close", "none"]
 Choice = Literal["auto", "all", "near", "close", "none"]
 
 # So many pairs MuJoCo still looks at in every step; a library has hundreds of millions.
-MOST: Final = 100_000
+MAX_PAIRS: Final = 100_000
 
 # Coefficients that differ by less are taken as one: a pair of them is off by half of it.
-_EQUAL: Final = 0.01
+_EQUAL_FRICTION: Final = 0.01
 # Metres between what can meet, and whether everything can meet the room; each needs fewer pairs.
 _REACH: Final[dict[Which, tuple[float, bool]]] = {
     "all": (np.inf, True),
@@ -68,7 +68,7 @@ def chosen(surfaces: Sequence[Surface], which: Choice) -> Which:
     if which != "auto":
         return which
     for choice in _REACH:
-        if next(islice(unequal_pairs(surfaces, choice), MOST, None), None) is None:
+        if next(islice(unequal_pairs(surfaces, choice), MAX_PAIRS, None), None) is None:
             return choice
     return "close"
 
@@ -111,7 +111,7 @@ def unequal_pairs(
         found = others[surface.body]
         rest = found[np.searchsorted(found, row + 1) :]
         larger, smaller = np.maximum(rubs[row], rubs[rest]), np.minimum(rubs[row], rubs[rest])
-        fits = (moves[rest] | moves[row]) & (larger - smaller > _EQUAL * larger)
+        fits = (moves[rest] | moves[row]) & (larger - smaller > _EQUAL_FRICTION * larger)
         fits &= (_gaps(bounds[row], bounds[rest]) < reach) | everywhere[row] | everywhere[rest]
         for number in rest[fits].tolist():
             yield surface, surfaces[number]

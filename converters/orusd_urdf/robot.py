@@ -20,8 +20,8 @@ from orusd_urdf.looks import PLAIN, Look
 from orusd_urdf.naming import safe
 
 # URDF wants limits of motors, which a room does not have: more than any hand or robot gives.
-_EFFORT: Final = 1000.0
-_VELOCITY: Final = 100.0
+_MAX_EFFORT: Final = 1000.0
+_MAX_VELOCITY: Final = 100.0
 _KINDS: Final = {"hinge": "revolute", "rail": "prismatic", "fixed": "fixed"}
 
 
@@ -169,7 +169,7 @@ def _joint(joint: Joint, parent: Link, child: Link) -> Element:
     if joint.kind == "fixed":
         return element
     SubElement(element, "axis", xyz=place(joint.axis))
-    limit = SubElement(element, "limit", effort=text(_EFFORT), velocity=text(_VELOCITY))
+    limit = SubElement(element, "limit", effort=text(_MAX_EFFORT), velocity=text(_MAX_VELOCITY))
     if not endless:
         limit.set("lower", text(low))
         limit.set("upper", text(high))

@@ -20,7 +20,7 @@ from openrooms_usd.geometry.windows import EMBED, Span, bar
 Array = NDArray[np.float64]
 
 # Openings wider than this have two leaves, metres.
-DOUBLE: Final = 1.3
+TWO_LEAVES_M: Final = 1.3
 
 _LINING = 0.03  # thickness of the boards that line the opening
 _STOP = 0.03  # depth of the strip behind the leaf's edges, which keeps the light out
@@ -85,7 +85,7 @@ def door(
     """Make a door that fills an opening.
 
     Args:
-        width: Of the opening, metres; those wider than `DOUBLE` have two leaves.
+        width: Of the opening, metres; those wider than `TWO_LEAVES_M` have two leaves.
         height: Of the opening, metres.
         thickness: Of the wall, metres.
         hinge: On which side the leaf hangs, seen from inside; the first one where there are two.
@@ -97,7 +97,7 @@ def door(
     # The leaf's bottom and top, from the middle of the opening.
     z = (-0.5 * height + 2 * GAP, 0.5 * height - lining - GAP)
     grip = min(-0.5 * height + _HANDLE_HEIGHT, 0.1 * height)
-    double = width > DOUBLE
+    double = width > TWO_LEAVES_M
     clear = width - 2 * (lining + GAP)
     leaf_width = 0.5 * (clear - GAP) if double else clear
     panel = STYLES[style](leaf_width, z)

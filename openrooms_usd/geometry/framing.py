@@ -12,16 +12,16 @@ from openrooms_usd.geometry.views import FIRST_LOOK, Views, clear, rate_views, s
 
 Array = NDArray[np.float64]
 
-FOV: Final = 60.0  # degrees, horizontal
-MARGIN: Final = 1.05  # room around what is framed from outside
+FOV_DEG: Final = 60.0  # degrees, horizontal
+FRAME_MARGIN: Final = 1.05  # room around what is framed from outside
 
 # From the front right, above.
 _FROM: Final = np.array([0.55, -1.0, 0.6])
 
 # A point is in a room where this much of what is around it shows it its front.
-_ENCLOSED: Final = 0.7
+_ENCLOSED_SHARE: Final = 0.7
 _EYE_LEVEL: Final = 1.5  # metres above the floor
-_DOWN: Final = -12.0  # degrees: people look slightly down
+_PITCH_DEG: Final = -12.0  # degrees: people look slightly down
 
 
 def framing_view(points: ArrayLike, caster: RayCaster, aspect: float) -> Views:
@@ -30,7 +30,7 @@ def framing_view(points: ArrayLike, caster: RayCaster, aspect: float) -> Views:
     Args:
         points: (N, 3) of what is to be seen, metres.
         caster: The scene.
-        aspect: Width over height of the picture, of field of view `FOV`.
+        aspect: Width over height of the picture, of field of view `FOV_DEG`.
     """
     places = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     low, high = (
@@ -39,7 +39,7 @@ def framing_view(points: ArrayLike, caster: RayCaster, aspect: float) -> Views:
     eyes = _room_points(low, high, caster)
     if len(eyes):
         views = _around(eyes)
-        rated = rate_views(caster, views, FOV, FIRST_LOOK)
+        rated = rate_views(caster, views, FOV_DEG, FIRST_LOOK)
         if np.isfinite(rated.max()):
             best = int(rated.argmax())
             return views[best : best + 1]
@@ -58,14 +58,14 @@ def _room_points(low: Array, high: Array, caster: RayCaster) -> Array:
     if not hits.hit.any():
         return eyes[:0]
     facing = np.einsum("ij,ij->i", caster.normals[hits.triangle], directions) < 0
-    enclosed = (hits.hit & facing).reshape(len(eyes), -1).mean(axis=1) >= _ENCLOSED
+    enclosed = (hits.hit & facing).reshape(len(eyes), -1).mean(axis=1) >= _ENCLOSED_SHARE
     return np.asarray(eyes[enclosed & clear(caster, eyes)])
 
 
 def _around(eyes: Array) -> Views:
     """Sixteen directions from each eye, slightly downwards."""
     yaw = np.tile(np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False), len(eyes))
-    pitch = np.radians(_DOWN)
+    pitch = np.radians(_PITCH_DEG)
     forwards = np.stack([np.cos(yaw), np.sin(yaw), np.full(len(yaw), np.tan(pitch))], axis=1)
     return Views(np.repeat(eyes, 16, axis=0), unit(forwards))
 
@@ -76,6 +76,6 @@ def _outside(low: Array, high: Array, aspect: float) -> Views:
     centre, half = (low + high) / 2.0, np.maximum((high - low) / 2.0, 1e-3)
     signs = np.stack(np.meshgrid(*[[-1.0, 1.0]] * 3), axis=-1).reshape(-1, 3)
     corners = (signs * half) @ rotations(-back)[0]
-    tangent = np.tan(np.radians(FOV) / 2.0) * np.array([1.0, 1.0 / aspect]) / MARGIN
+    tangent = np.tan(np.radians(FOV_DEG) / 2.0) * np.array([1.0, 1.0 / aspect]) / FRAME_MARGIN
     needed = np.abs(corners[:, :2]) / tangent - corners[:, 2:]
     return Views((centre + back * needed.max())[None], -back[None])

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 # Sine of the angle between normal and up below which the direction of view stands in for up.
-_PARALLEL: Final = 1e-4
+_PARALLEL_SINE: Final = 1e-4
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def surface_frames(normals: ArrayLike, up: ArrayLike, forward: ArrayLike) -> Arr
     """
     n = np.asarray(normals, dtype=np.float64)
     y = _across(np.asarray(up, dtype=np.float64), n)
-    along = np.linalg.norm(y, axis=1) < _PARALLEL
+    along = np.linalg.norm(y, axis=1) < _PARALLEL_SINE
     y[along] = _across(np.asarray(forward, dtype=np.float64), n[along])
     y /= np.linalg.norm(y, axis=1, keepdims=True)
     return np.stack([np.cross(n, y), y, n], axis=1)

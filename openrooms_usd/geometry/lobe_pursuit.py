@@ -16,13 +16,13 @@ from openrooms_usd.geometry.hemisphere import HEMISPHERE
 Floats = NDArray[np.float32]
 
 CELLS: Final = HEMISPHERE.directions.reshape(-1, 3).astype(np.float32)
-SHARPEST: Final = 128.0
+MAX_SHARPNESS: Final = 128.0
 """A lobe of this sharpness is as wide as a cell; what is narrower falls between their middles."""
 
 # Sharpness, and how many cells lie from axis to axis.
-_SET: Final = ((1.0, 8), (4.0, 4), (16.0, 2), (SHARPEST, 1))
+_SHARPNESS_AND_CELLS: Final = ((1.0, 8), (4.0, 4), (16.0, 2), (MAX_SHARPNESS, 1))
 # Cells, and lobes, in one matrix product: so few that it takes one thread.
-_PIECE: Final = 64
+_CELLS_AT_A_TIME: Final = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class _Set:
 
     def products(self, values: Floats, power: int = 1) -> Floats:
         """(P, A) of (P, cells) with a power of the shapes."""
-        cut = values.reshape(len(values), -1, _PIECE).swapaxes(0, 1)
+        cut = values.reshape(len(values), -1, _CELLS_AT_A_TIME).swapaxes(0, 1)
         found = (cut @ self.pieces**power).sum(axis=1)
         return np.asarray(found.swapaxes(0, 1).reshape(len(values), -1))
 
@@ -74,12 +74,16 @@ def pursue(light: Floats, weights: Floats, count: int) -> tuple[Floats, Floats]:
 
 @cache
 def _known() -> _Set:
-    """The lobes of `_SET`; the first of them again at the end, so that the last piece is whole."""
-    lobes = [(sharpness, axis) for sharpness, step in _SET for axis in _lattice(step)]
-    lobes += lobes[: -len(lobes) % _PIECE]
+    """All lobes; the first of them again at the end, so that the last piece is whole."""
+    lobes = [
+        (sharpness, axis) for sharpness, step in _SHARPNESS_AND_CELLS for axis in _lattice(step)
+    ]
+    lobes += lobes[: -len(lobes) % _CELLS_AT_A_TIME]
     sharpness, axes = (np.array(values, np.float32) for values in zip(*lobes, strict=True))
     shapes = np.exp(sharpness[:, None] * (axes @ CELLS.T - 1.0))
-    pieces = shapes.reshape(-1, _PIECE, HEMISPHERE.count // _PIECE, _PIECE).transpose(0, 2, 3, 1)
+    pieces = shapes.reshape(
+        -1, _CELLS_AT_A_TIME, HEMISPHERE.count // _CELLS_AT_A_TIME, _CELLS_AT_A_TIME
+    ).transpose(0, 2, 3, 1)
     return _Set(axes, sharpness, shapes, np.ascontiguousarray(pieces))
 
 

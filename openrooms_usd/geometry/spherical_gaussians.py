@@ -28,18 +28,18 @@ from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
 from openrooms_usd.geometry.lobe_pursuit import CELLS, SHARPEST, Floats, pursue
 
 LOBES: Final = 12
-_BROADEST: Final = 0.1
+_MIN_SHARPNESS: Final = 0.1
 # Steps at most; after one that takes less than this share of what was left a point is done.
-_STEPS: Final = 20
-_WORTH: Final = 0.03
+_MAX_STEPS: Final = 20
+_MIN_GAIN_SHARE: Final = 0.03
 # Sweeps over the colours of all lobes, after which they hardly change: at first, and after a step.
 _SWEEPS: Final = (6, 3)
 # The largest turn of an axis and change of a sharpness's logarithm in one step.
-_TURN: Final = 0.3
+_MAX_TURN: Final = 0.3
 # What the damping is multiplied by after a step that helps, and one that does not.
 _BOLDER: Final = np.float32(0.3)
 _SHYER: Final = np.float32(4.0)
-_POINTS: Final = 64
+_POINTS_AT_A_TIME: Final = 64
 _LUMINANCE: Final = LUMINANCE.astype(np.float32)
 
 _SIZES: Final = np.repeat(HEMISPHERE.solid_angles, HEMISPHERE.columns).astype(np.float32)
@@ -92,16 +92,16 @@ def fit(radiance: NDArray[Any], lobes: int = LOBES) -> Floats:
     """
     flat = radiance.reshape(-1, HEMISPHERE.count, 3)
     found = np.zeros((len(flat), lobes, 6), dtype=np.float32)
-    blocks = range(0, len(flat), _POINTS)
+    blocks = range(0, len(flat), _POINTS_AT_A_TIME)
     threads = min(os.cpu_count() or 1, len(blocks)) or 1
 
     def work(some: Iterable[int]) -> None:
-        room = np.empty((_POINTS, 4 * lobes, HEMISPHERE.count), np.float32)
+        room = np.empty((_POINTS_AT_A_TIME, 4 * lobes, HEMISPHERE.count), np.float32)
         for start in some:
-            part = flat[start : start + _POINTS]
-            block = np.zeros((_POINTS, *flat.shape[1:]), np.float32)
+            part = flat[start : start + _POINTS_AT_A_TIME]
+            block = np.zeros((_POINTS_AT_A_TIME, *flat.shape[1:]), np.float32)
             block[: len(part)] = part
-            found[start : start + _POINTS] = _fit(block, lobes, room)[: len(part)]
+            found[start : start + _POINTS_AT_A_TIME] = _fit(block, lobes, room)[: len(part)]
 
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(work, (blocks[first::threads] for first in range(threads))))
@@ -116,11 +116,11 @@ def evaluate(lobes: NDArray[Any]) -> Floats:
     """
     flat = lobes.reshape(-1, *lobes.shape[-2:]).astype(np.float32)
     light = np.empty((len(flat), HEMISPHERE.count, 3), np.float32)
-    for start in range(0, len(flat), _POINTS):
-        some = flat[start : start + _POINTS]
+    for start in range(0, len(flat), _POINTS_AT_A_TIME):
+        some = flat[start : start + _POINTS_AT_A_TIME]
         axes = spherical(some[..., 0], some[..., 1]).astype(np.float32)
         shapes = np.exp(some[..., 2:3] * (axes @ CELLS.T - 1.0))
-        light[start : start + _POINTS] = np.swapaxes(shapes, 1, 2) @ some[..., 3:]
+        light[start : start + _POINTS_AT_A_TIME] = np.swapaxes(shapes, 1, 2) @ some[..., 3:]
     return light.reshape(*lobes.shape[:-2], HEMISPHERE.rows, HEMISPHERE.columns, 3)
 
 
@@ -158,7 +158,7 @@ def _refined(
     light = light * root[..., None]
     lobes = _colored(axes, sharpness, np.zeros_like(axes), light, root, room, _SWEEPS[0])
     damping, going = np.ones(len(light), np.float32), np.arange(len(light))
-    for _ in range(_STEPS):
+    for _ in range(_MAX_STEPS):
         if not len(going):
             break
         now = lobes.of(going)
@@ -169,7 +169,7 @@ def _refined(
         better = np.flatnonzero(tried.loss < now.loss)
         lobes.put(going[better], tried.of(better))
         damping[going] *= np.where(tried.loss < now.loss, _BOLDER, _SHYER)
-        going = going[tried.loss < (1.0 - _WORTH) * now.loss]
+        going = going[tried.loss < (1.0 - _MIN_GAIN_SHARE) * now.loss]
     return lobes
 
 
@@ -232,13 +232,13 @@ def _stepped(lobes: _Lobes, damping: Floats) -> tuple[Floats, Floats]:
     diagonal *= 1.0 + damping[:, None]
     diagonal += 1e-6 * diagonal.mean(axis=1, keepdims=True) + 1e-20
     step = np.linalg.solve(normal, (left * colors).sum(axis=2, keepdims=True))
-    wider, *turns = np.clip(step.reshape(points, 3, count, 1), -_TURN, _TURN).swapaxes(0, 1)
+    wider, *turns = np.clip(step.reshape(points, 3, count, 1), -_MAX_TURN, _MAX_TURN).swapaxes(0, 1)
     axes = lobes.axes + sum(
         turn * way for turn, way in zip(turns, _tangents(lobes.axes), strict=True)
     )
     axes[..., 2] = np.maximum(axes[..., 2], 0.0)
     axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
-    return axes, np.clip(lobes.sharpness * np.exp(wider[..., 0]), _BROADEST, SHARPEST)
+    return axes, np.clip(lobes.sharpness * np.exp(wider[..., 0]), _MIN_SHARPNESS, SHARPEST)
 
 
 def _tangents(axes: Floats) -> tuple[Floats, Floats]:

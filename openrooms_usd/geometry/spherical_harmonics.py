@@ -17,7 +17,7 @@ from openrooms_usd.geometry.hemisphere import Cells
 Array = NDArray[np.float64]
 
 # Nodes of a quadrature across one row of cells: exact to rounding for all orders in use.
-_NODES: Final = 12
+_QUADRATURE_NODES: Final = 12
 
 
 def basis(directions: ArrayLike, order: int) -> Array:
@@ -98,7 +98,7 @@ def cell_integrals(cells: Cells, order: int) -> Array:
 
     They are exact by azimuth, and by Gauss's rule across rows.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = np.polynomial.legendre.leggauss(_QUADRATURE_NODES)
     step = cells.extent / cells.rows
     theta = (np.arange(cells.rows)[:, None] + 0.5 * (nodes + 1.0)) * step
     polar = _polar(np.cos(theta), order) * np.sin(theta)

@@ -11,7 +11,7 @@ from openrooms_usd.geometry.uvquality import uv_quality
 
 # A face looks along the first axis that is this near to its nearest one: faces on a diagonal keep
 # together, whatever their coordinates are rounded to.
-_TIE: Final = 1.0 - 1e-4
+_TIE_SHARE: Final = 1.0 - 1e-4
 
 
 def cube_projection(mesh: Mesh) -> Mesh:
@@ -29,7 +29,7 @@ def cube_projection(mesh: Mesh) -> Mesh:
     """
     vectors = face_vectors(mesh)
     sizes = np.abs(vectors)
-    axis = np.argmax(sizes >= _TIE * sizes.max(axis=1, keepdims=True), axis=1)
+    axis = np.argmax(sizes >= _TIE_SHARE * sizes.max(axis=1, keepdims=True), axis=1)
     sign = np.where(np.take_along_axis(vectors, axis[:, None], axis=1)[:, 0] < 0.0, -1.0, 1.0)
     corner_axis, corner_sign = np.repeat(axis, mesh.counts), np.repeat(sign, mesh.counts)
     x, y, z = mesh.points[mesh.indices].T

@@ -17,9 +17,9 @@ from openrooms_usd.geometry.mesh import Mesh
 Array = NDArray[np.float64]
 
 # A triangle so much thinner in the texture than the mean, in some direction, has no area there.
-_SQUEEZED: Final = 1e-3
+_NO_AREA_RATIO: Final = 1e-3
 # The part of the surface whose densities are no measure of the rest: slivers.
-_OUTLIERS: Final = 1e-3
+_OUTLIER_SHARE: Final = 1e-3
 # What coordinates may have to be of use: the part of the area without a place in the texture, ...
 MOST_FOLDED: Final = 0.01
 # ... the stretch, which an even one of 1 : 2.8 reaches, ...
@@ -120,12 +120,12 @@ def uv_quality(mesh: Mesh) -> UvQuality:
     if not surface or not texture:
         return UvQuality(True, 0.0, 0.0, 0.0, np.inf, 1.0)
     density = float(np.sqrt(texture / surface))
-    laid = (areas > 0.0) & (values[:, 1] > _SQUEEZED * density)
+    laid = (areas > 0.0) & (values[:, 1] > _NO_AREA_RATIO * density)
     return UvQuality(
         finite=True,
         density=density,
-        least=_quantile(values[:, 1], areas, _OUTLIERS),
-        greatest=_quantile(values[:, 0], areas, 1.0 - _OUTLIERS),
+        least=_quantile(values[:, 1], areas, _OUTLIER_SHARE),
+        greatest=_quantile(values[:, 0], areas, 1.0 - _OUTLIER_SHARE),
         stretch=_stretch(values[laid], areas[laid]),
         folded=1.0 - float(areas[laid].sum()) / surface,
     )

@@ -22,7 +22,7 @@ Front = Literal["+X", "-X", "+Y", "-Y"]
 
 # Files of other endings in the folder are textures and the like.
 _ENDINGS: Final = (".obj", ".glb", ".ply", ".usd", ".usda", ".usdc", ".usdz")
-_MOST: Final = 10_000
+_MAX_FILES: Final = 10_000
 _UPS: Final[tuple[Up, ...]] = get_args(Up)
 _FRONTS: Final[tuple[Front, ...]] = get_args(Front)
 
@@ -83,9 +83,9 @@ def folder_cads(folder: Path) -> list[Cad]:
         InputError: It is no folder, has no mesh, or its index is broken.
     """
     files = cad_files(folder, _ENDINGS)
-    if not 0 < len(files) <= _MOST:
+    if not 0 < len(files) <= _MAX_FILES:
         raise InputError(
-            f"it holds {len(files)} meshes, not 1 to {_MOST:,}",
+            f"it holds {len(files)} meshes, not 1 to {_MAX_FILES:,}",
             place=folder,
             remedy=f"put {', '.join(_ENDINGS)} files into it",
         )

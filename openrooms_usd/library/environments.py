@@ -52,8 +52,8 @@ _PATH: Final = np.array([0.24, 0.22, 0.19])
 _LEAVES: Final = np.array([0.06, 0.08, 0.038])
 _SUNLIGHT: Final = np.array([1.10, 0.99, 0.86])
 # Height of the eye above the ground, metres, and where the trees stand.
-_EYE: Final = 1.6
-_TREES: Final = 35.0
+_EYE_HEIGHT_M: Final = 1.6
+_TREE_DISTANCE_M: Final = 35.0
 
 
 def directions(height: int) -> Array:
@@ -162,7 +162,7 @@ def _land(
     ground = _ground(way, rng, illuminance)
     trees = _trees(way, rng, sun, elevation, illuminance)
     # Trees stand on the ground at some distance; their foot is a soft edge.
-    foot = -math.atan(_EYE / _TREES)
+    foot = -math.atan(_EYE_HEIGHT_M / _TREE_DISTANCE_M)
     standing = np.clip((elevation - foot) / (1.5 * texel) + 0.5, 0.0, 1.0)[..., None]
     return ground * (1.0 - standing) + trees * standing, cover[..., None]
 
@@ -191,7 +191,7 @@ def _grain(rng: np.random.Generator, shape: tuple[int, int], size: int) -> Array
 def _ground(way: Array, rng: np.random.Generator, illuminance: float) -> Array:
     """(H, W, 3) nits of a lawn with a terrace around the house."""
     down = np.maximum(-way[..., 2], 1e-3)
-    distance = _EYE * np.hypot(way[..., 0], way[..., 1]) / down
+    distance = _EYE_HEIGHT_M * np.hypot(way[..., 0], way[..., 1]) / down
     terrace = np.clip((4.0 - distance) / 0.4, 0.0, 1.0)[..., None]
     patches = 1.0 + 0.12 * _grain(rng, (way.shape[0], way.shape[1]), 6)
     blades = 1.0 + 0.10 * _grain(rng, (way.shape[0], way.shape[1]), 1)

@@ -25,8 +25,8 @@ Up = Literal["Y", "Z"]
 Front = Literal["+X", "-X", "+Y", "-Y"]
 
 # Without a size, a longest side that is not between these (metres) means a wrong unit.
-SMALLEST: Final = 0.005
-LARGEST: Final = 100.0
+MIN_LENGTH_M: Final = 0.005
+MAX_LENGTH_M: Final = 100.0
 
 _Z_UP_FROM_Y_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 # Cosine and sine of the turn about Z that brings the front to -Y.
@@ -138,7 +138,7 @@ def _fitted(model: Model, size: Size | None, turn: NDArray[np.float64], path: Pa
     low, high = model.extent
     own = high - low
     longest = float(own.max())
-    if size is None and not SMALLEST <= longest <= LARGEST:
+    if size is None and not MIN_LENGTH_M <= longest <= MAX_LENGTH_M:
         raise InputError(
             f"its longest side is {longest:.4g} m",
             place=path,

@@ -19,12 +19,12 @@ from openrooms_usd.library.sunlight import clear_illuminance, overcast_illuminan
 Array = NDArray[np.float64]
 
 _COEFFICIENTS: Final = Path(__file__).with_name("hosek_wilkie.npy")
-_NITS: Final = 683.0
+_LUMENS_PER_WATT: Final = 683.0
 # Below this the model is brighter than measured skies, three times at the horizon: from here down
 # its brightness goes over to that of the published curve.
-_LOW: Final = 10.0
+_LOW_SUN_DEG: Final = 10.0
 # The glow of dusk gives way to a dark sky between these elevations.
-_DUSK: Final = (-6.0, -18.0)
+_DUSK_LIMITS_DEG: Final = (-6.0, -18.0)
 
 
 def clear_sky(way: Array, sun: Array, elevation: float, turbidity: float, albedo: Array) -> Array:
@@ -39,13 +39,19 @@ def clear_sky(way: Array, sun: Array, elevation: float, turbidity: float, albedo
     """
     bearing = np.array([sun[0], sun[1], max(float(sun[2]), 0.0)])
     sky = hosek_wilkie(way, bearing / np.linalg.norm(bearing), turbidity, albedo)
-    if elevation >= _LOW:
+    if elevation >= _LOW_SUN_DEG:
         return sky
     given = horizontal_illuminance(sky)
     wanted = clear_illuminance(elevation)
-    nearness = min(1.0, (_LOW - elevation) / _LOW)
+    nearness = min(1.0, (_LOW_SUN_DEG - elevation) / _LOW_SUN_DEG)
     sky *= (wanted / given) ** nearness
-    night = float(np.clip((_DUSK[0] - elevation) / (_DUSK[0] - _DUSK[1]), 0.0, 1.0))
+    night = float(
+        np.clip(
+            (_DUSK_LIMITS_DEG[0] - elevation) / (_DUSK_LIMITS_DEG[0] - _DUSK_LIMITS_DEG[1]),
+            0.0,
+            1.0,
+        )
+    )
     return (1.0 - night) * sky + night * _even(way, wanted)
 
 
@@ -79,7 +85,9 @@ def hosek_wilkie(way: Array, sun: Array, turbidity: float, albedo: Array) -> Arr
     halo = (1.0 + cosine**2) / (1.0 + I**2 - 2.0 * I * cosine) ** 1.5
     around = C + D * np.exp(E * np.arccos(cosine)) + F * cosine**2 + G * halo + H * np.sqrt(up)
     sky = np.zeros(way.shape)
-    sky[above] = np.maximum((1.0 + A * np.exp(B / (up + 0.01))) * around * mean, 0.0) * _NITS
+    sky[above] = (
+        np.maximum((1.0 + A * np.exp(B / (up + 0.01))) * around * mean, 0.0) * _LUMENS_PER_WATT
+    )
     return sky
 
 

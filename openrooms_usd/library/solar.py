@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from typing import Final
 
 _J2000: Final = datetime(2000, 1, 1, 12, tzinfo=UTC)
-_CENTURY: Final = 36_525.0 * 86_400.0  # seconds
+_CENTURY_S: Final = 36_525.0 * 86_400.0  # seconds
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def sun_position(moment: datetime, latitude: float, longitude: float) -> SunPosi
         latitude: Degrees, positive northwards.
         longitude: Degrees, positive eastwards.
     """
-    t = (moment - _J2000).total_seconds() / _CENTURY
+    t = (moment - _J2000).total_seconds() / _CENTURY_S
     right_ascension, declination, distance = equatorial(t)
     hour_angle = _sidereal_time(t) + math.radians(longitude) - right_ascension
     phi = math.radians(latitude)

@@ -20,8 +20,8 @@ SOLAR_CONSTANT: Final = 133_800.0
 # The sun's angular radius at one astronomical unit, degrees.
 SUN_RADIUS: Final = 0.26656
 
-_SURFACE: Final = 5772.0  # kelvin, IAU 2015
-_OZONE: Final = 0.35  # centimetres at normal pressure
+_SUN_SURFACE_K: Final = 5772.0  # kelvin, IAU 2015
+_OZONE_CM: Final = 0.35  # centimetres at normal pressure
 _NM: Final = np.arange(380.0, 781.0, 5.0)
 # IEC 61966-2-1: linear Rec.709 from CIE XYZ.
 RGB_FROM_XYZ: Final = np.array(
@@ -89,7 +89,7 @@ def overcast_illuminance(elevation: float) -> float:
 def _planck(nm: Array) -> Array:
     """Relative radiance of the sun's surface."""
     metres = nm * 1e-9
-    return np.asarray(1e-30 / (metres**5 * np.expm1(0.014387769 / (metres * _SURFACE))))
+    return np.asarray(1e-30 / (metres**5 * np.expm1(0.014387769 / (metres * _SUN_SURFACE_K))))
 
 
 def _transmittance(nm: Array, mass: float, turbidity: float) -> Array:
@@ -97,7 +97,7 @@ def _transmittance(nm: Array, mass: float, turbidity: float) -> Array:
     um = nm / 1000.0
     rayleigh = 0.008735 * um**-4.08
     haze = max(0.0, 0.04608 * turbidity - 0.04586) * um**-1.3
-    ozone = 0.125 * _OZONE * np.exp(-0.5 * ((um - 0.603) / 0.05) ** 2)
+    ozone = 0.125 * _OZONE_CM * np.exp(-0.5 * ((um - 0.603) / 0.05) ** 2)
     return np.asarray(np.exp(-mass * (rayleigh + haze + ozone)))
 
 

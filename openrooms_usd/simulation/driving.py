@@ -15,16 +15,16 @@ Array = NDArray[np.float64]
 
 # Radians a second that wheels turn at most and at least, and how fast what is left of a turn is
 # taken up, 1/s.
-_FASTEST: Final = 8.0
-_SLOWEST: Final = 0.2
-_EAGER: Final = 3.0
+_MAX_WHEEL_RAD_S: Final = 8.0
+_MIN_WHEEL_RAD_S: Final = 0.2
+_TURN_GAIN_PER_S: Final = 3.0
 # Newton metres of each motor, and radians a second that a wheel may gain in one: a gentle start, in
 # which wheels do not slip.
-_EFFORT: Final = 1.0
-_GAIN: Final = 20.0
-_CONTROL: Final = 0.02
-_CLOSE: Final = 0.01
-_PATIENCE: Final = 15.0
+_MOTOR_NM: Final = 1.0
+_MOTOR_GAIN: Final = 20.0
+_CONTROL_S: Final = 0.02
+_ARRIVED_M: Final = 0.01
+_MAX_SECONDS: Final = 15.0
 
 
 @dataclass(frozen=True)
@@ -79,20 +79,22 @@ def _roll(simulation: Simulation, body: str, angles: dict[str, float]) -> None:
     if not any(angles.values()):
         return
     start = simulation.poses()[body].joints
-    until = simulation.time + _PATIENCE
+    until = simulation.time + _MAX_SECONDS
     fastest = 0.0
     while simulation.time < until:
         joints = simulation.poses()[body].joints
         left = {name: start[name] + angle - joints[name] for name, angle in angles.items()}
-        if max(map(abs, left.values())) < _CLOSE:
+        if max(map(abs, left.values())) < _ARRIVED_M:
             break
-        fastest = min(fastest + _GAIN * _CONTROL, _FASTEST)
+        fastest = min(fastest + _MOTOR_GAIN * _CONTROL_S, _MAX_WHEEL_RAD_S)
         for name, rest in left.items():
-            speed = float(np.clip(abs(_EAGER * rest), _SLOWEST, fastest) * np.sign(rest))
-            simulation.drive(body, name, speed, _EFFORT)
-        simulation.step(_CONTROL)
+            speed = float(
+                np.clip(abs(_TURN_GAIN_PER_S * rest), _MIN_WHEEL_RAD_S, fastest) * np.sign(rest)
+            )
+            simulation.drive(body, name, speed, _MOTOR_NM)
+        simulation.step(_CONTROL_S)
     for name in angles:
-        simulation.drive(body, name, 0.0, _EFFORT)
+        simulation.drive(body, name, 0.0, _MOTOR_NM)
     simulation.step(0.1)
 
 

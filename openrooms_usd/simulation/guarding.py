@@ -13,7 +13,7 @@ from openrooms_usd.simulate import Simulation
 Array = NDArray[np.float64]
 
 # What falls freely through a storey of 4 m has 9 m/s; nothing in a room is faster by itself.
-_SPEED: Final = 30.0
+_MAX_SPEED_M_S: Final = 30.0
 _REMEDY: Final = (
     "look at the object with its colliders shown (purpose guide): it may overlap another one; or "
     "take a smaller --timestep"
@@ -46,7 +46,7 @@ class Guard:
             where = pose.world_from_body[:3, 3]
             if not (np.isfinite(pose.world_from_body).all() and np.isfinite(speed)):
                 self._refuse(name, "its pose is no number", simulation.time)
-            if speed > _SPEED:
+            if speed > _MAX_SPEED_M_S:
                 self._refuse(name, f"it moves at {speed:.0f} m/s", simulation.time)
             if (where < self.lower).any() or (where > self.upper).any():
                 at = ", ".join(f"{value:.1f}" for value in where)

@@ -35,12 +35,12 @@ COLORS: Final = {BLUE: (0.05, 0.15, 0.35), ORANGE: (0.75, 0.18, 0.02), DARK: (0.
 PUSHER_SIZE: Final = 0.2
 WHEEL_RADIUS: Final = 0.05
 WHEEL_DISTANCE: Final = 0.26
-_TYRE: Final = 0.015
+_TYRE_M: Final = 0.015
 
 _SMOOTH: Final = Contact(0.0, 0.0, name="smooth")
 _RUBBER: Final = Contact(1.0, 0.9, name="rubber")
 # Sides of what is round: a wheel of 5 cm is then nowhere more than 0.06 mm too thin.
-_SIDES: Final = 64
+_ROUND_SIDES: Final = 64
 
 
 def pusher(
@@ -148,8 +148,8 @@ def triangles(mesh: Mesh) -> TriangleMesh:
 def _wheel(name: str, y: float, radius: float) -> tuple[Link, Joint]:
     """A wheel that turns forward about +Y."""
     turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-    tyre = _upright(radius, _TYRE).transformed(turn)
-    mass = _solid_cylinder(0.3, radius, _TYRE)
+    tyre = _upright(radius, _TYRE_M).transformed(turn)
+    mass = _solid_cylinder(0.3, radius, _TYRE_M)
     shape = Shape("tyre", triangles(tyre), _RUBBER)
     upright = MassProperties(mass.mass, mass.centre, turn @ mass.inertia @ turn.T)
     place = pose(np.eye(3), (0.0, y, radius))
@@ -165,15 +165,15 @@ def _camera(parent: str, where: tuple[float, float, float], mass: float) -> tupl
 
 def _upright(radius: float, height: float) -> Mesh:
     """A closed cylinder about Z, its middle in the origin."""
-    angles = np.arange(_SIDES) * (2.0 * pi / _SIDES)
+    angles = np.arange(_ROUND_SIDES) * (2.0 * pi / _ROUND_SIDES)
     ring = np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1)
-    low = np.column_stack([ring, np.full(_SIDES, -0.5 * height)])
-    high = np.column_stack([ring, np.full(_SIDES, 0.5 * height)])
-    here = np.arange(_SIDES)
+    low = np.column_stack([ring, np.full(_ROUND_SIDES, -0.5 * height)])
+    high = np.column_stack([ring, np.full(_ROUND_SIDES, 0.5 * height)])
+    here = np.arange(_ROUND_SIDES)
     there = np.roll(here, -1)
-    sides = np.column_stack([here, there, there + _SIDES, here + _SIDES]).ravel()
-    indices = np.concatenate([sides, here[::-1], here + _SIDES]).astype(np.int32)
-    counts = np.array([4] * _SIDES + [_SIDES] * 2, np.int32)
+    sides = np.column_stack([here, there, there + _ROUND_SIDES, here + _ROUND_SIDES]).ravel()
+    indices = np.concatenate([sides, here[::-1], here + _ROUND_SIDES]).astype(np.int32)
+    counts = np.array([4] * _ROUND_SIDES + [_ROUND_SIDES] * 2, np.int32)
     return Mesh(np.concatenate([low, high]), counts, indices)
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # How often it is looked whether something has exploded, seconds.
-_LOOK: Final = 0.05
+_CHECK_EVERY_S: Final = 0.05
 
 
 @dataclass(frozen=True)
@@ -168,9 +168,9 @@ def run(
     guard = guard_of(world)
     begun = simulation.time
     while (left := begun + seconds - simulation.time) > 0.5 * simulation.timestep:
-        simulation.step(min(_LOOK, left))
+        simulation.step(min(_CHECK_EVERY_S, left))
         guard.check(simulation)
-        progress(min(1.0, 1.0 - (left - _LOOK) / seconds))
+        progress(min(1.0, 1.0 - (left - _CHECK_EVERY_S) / seconds))
 
 
 def displacements(world: World, simulation: Simulation) -> Iterator[Moved]:

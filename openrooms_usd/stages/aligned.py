@@ -28,8 +28,8 @@ _SCALE: Final = "xformOp:scale"
 _SHIFTED: Final = "xformOp:translate:placed"
 _TURNED: Final = "xformOp:orient:placed"
 # Smaller turns, as a part of a half one, and billionths of a metre are noise of multiplying.
-_STILL: Final = 1e-9
-_DIGITS: Final = 9
+_STILL_TURN: Final = 1e-9
+_MATRIX_DIGITS: Final = 9
 # Columns: our right, back and up in the axes of a CAD with Y up, by where its front looks.
 _Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _FRONTS: Final = {"-Y": 0, "+X": 1, "+Y": 2, "-X": 3}  # quarter turns from -Y
@@ -116,11 +116,11 @@ def author_aligned(prim: Sdf.PrimSpec, pose: Array, placed: Array | None = None)
     order = [translate, rotate, _SCALE]
     moved = pose if placed is None else placed
     turn = nearest_rotation((moved[:3, :3] / scale) @ (pose[:3, :3] / scale).T)
-    if np.abs(turn - np.eye(3)).max() > _STILL:
+    if np.abs(turn - np.eye(3)).max() > _STILL_TURN:
         around = gf_matrix(rigid(turn, np.zeros(3))).ExtractRotationQuat()
         _set(prim, _TURNED, _TYPES.Quatd, around)
         order.insert(1, _TURNED)
-    shift = np.round(moved[:3, 3] - pose[:3, 3], _DIGITS) + 0.0
+    shift = np.round(moved[:3, 3] - pose[:3, 3], _MATRIX_DIGITS) + 0.0
     if shift.any():
         _set(prim, _SHIFTED, _TYPES.Double3, Gf.Vec3d(*shift.tolist()))
         order.insert(0, _SHIFTED)

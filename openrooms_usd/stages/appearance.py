@@ -14,7 +14,7 @@ Color = tuple[float, float, float]
 Field = NDArray[np.floating]
 
 # Texels along each side that are looked at where not all of them must be.
-_SAMPLES: Final = 256
+_SAMPLED_TEXELS: Final = 256
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def texels(surface: PreviewSurface) -> tuple[Field, Field]:
 def _evenly(picture: Field) -> Field:
     """Fixed numbers of rows and columns, at the middles of a grid."""
     rows, columns = (
-        ((np.arange(_SAMPLES) + 0.5) * size / _SAMPLES).astype(np.int64)
+        ((np.arange(_SAMPLED_TEXELS) + 0.5) * size / _SAMPLED_TEXELS).astype(np.int64)
         for size in picture.shape[:2]
     )
     found: Field = picture[rows][:, columns]

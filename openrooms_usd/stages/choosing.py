@@ -19,10 +19,10 @@ from openrooms_usd.stages.swatches import Swatch
 Suited = Callable[[Substance], Weights]
 
 # Materials of each family that rooms draw from: few enough that rooms share their textures.
-NUMBERS: Final = 64
+NUMBERS_PER_FAMILY: Final = 64
 # How much rarer each further one of the few variants of a finish in a room is than the one before.
-_RARER: Final = 0.5
-_DECIMALS: Final = 3
+_RARER_FACTOR: Final = 0.5
+_COLOR_DECIMALS: Final = 3
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,8 @@ class Chooser:
         color = finish.colors[int(rng.integers(len(finish.colors)))] if finish.colors else None
         roughness = round(float(rng.uniform(*finish.roughness)), 3) if finish.roughness else None
         swatch = Swatch(
-            finish.substance, family, int(rng.integers(NUMBERS)) if family else 0, name, color,
+            finish.substance, family, int(rng.integers(NUMBERS_PER_FAMILY)) if family else 0, name,
+            color,
             roughness, finish.metallic, transmission=finish.transmission,
         )  # fmt: skip
         return self._scaled(swatch, name, number)
@@ -65,7 +66,7 @@ class Chooser:
         rng = self.rng("choice", name, *key)
         if finish.each:
             return int(rng.integers(finish.choices))
-        weights = {f"{i:03d}": _RARER**i for i in range(finish.choices)}
+        weights = {f"{i:03d}": _RARER_FACTOR**i for i in range(finish.choices)}
         return int(drawn(rng, weights))
 
     def asked(self, look: Look, suited: Suited, *key: str) -> Swatch:
@@ -87,7 +88,7 @@ class Chooser:
             own = Swatch(look.substance or "paint", size=look.size, file=look.file)
             return self._scaled(own, *key)
         family = _family(look, suited, rng)
-        number = int(rng.integers(NUMBERS))
+        number = int(rng.integers(NUMBERS_PER_FAMILY))
         swatch = Swatch(
             textures.substance_of(family), family, number if look.number is None else look.number,
             "", look.color, look.roughness,
@@ -99,15 +100,17 @@ class Chooser:
         """What floor or walls of a room of this type usually have."""
         rng = self.rng("surface", place)
         family, substance = surface_of(self.context.room.room, place, rng)
-        swatch = Swatch(substance, family, int(rng.integers(NUMBERS)))
+        swatch = Swatch(substance, family, int(rng.integers(NUMBERS_PER_FAMILY)))
         sized = replace(swatch, size=self.context.room.materials.texture_size)
         return self._scaled(sized, place)
 
     def _scaled(self, swatch: Swatch, *key: str) -> Swatch:
         """The swatch with its factors, where the description asks for some."""
         scale, rng = self.context.room.materials.scale, self.rng("scale", *key)
-        red, green, blue = (round(float(rng.uniform(*scale.color)), _DECIMALS) for _ in range(3))
-        wear = round(float(rng.uniform(*scale.roughness)), _DECIMALS)
+        red, green, blue = (
+            round(float(rng.uniform(*scale.color)), _COLOR_DECIMALS) for _ in range(3)
+        )
+        wear = round(float(rng.uniform(*scale.roughness)), _COLOR_DECIMALS)
         return replace(swatch, tint=(red, green, blue), wear=wear)
 
 

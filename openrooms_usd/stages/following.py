@@ -26,9 +26,9 @@ from openrooms_usd.usd.activation import is_off
 Array: TypeAlias = NDArray[np.float64]
 
 # A scale below this leaves nothing to stand on.
-_FLAT: Final = 1e-6
+_MIN_SCALE: Final = 1e-6
 # How many names a note lists.
-_LISTED: Final = 5
+_MAX_LISTED_NAMES: Final = 5
 
 
 @dataclass
@@ -81,7 +81,7 @@ class Following:
         if is_off(prim):
             return
         now = composed_pose(prim) if by_hand or followed is None else followed
-        if not np.isfinite(now).all() or abs(np.linalg.det(now[:3, :3])) < _FLAT**3:
+        if not np.isfinite(now).all() or abs(np.linalg.det(now[:3, :3])) < _MIN_SCALE**3:
             self.notes.append(f"{name} is scaled to nothing: nothing follows it")
             return
         motion = now @ np.linalg.inv(self._described(name))
@@ -132,5 +132,5 @@ class Following:
 
 
 def _some(members: Sequence[str]) -> str:
-    more = len(members) - _LISTED
-    return ", ".join(members[:_LISTED]) + (f" and {more} more" if more > 0 else "")
+    more = len(members) - _MAX_LISTED_NAMES
+    return ", ".join(members[:_MAX_LISTED_NAMES]) + (f" and {more} more" if more > 0 else "")

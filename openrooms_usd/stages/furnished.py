@@ -35,7 +35,7 @@ from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
 Array = NDArray[np.float64]
 
 # Objects that placement moved by more than this are counted aloud, metres.
-_FAR: Final = 0.01
+_COUNTED_MOTION_M: Final = 0.01
 
 
 def furnish(
@@ -73,7 +73,7 @@ def furnish(
 def _told(found: FoundFurniture) -> Iterator[str]:
     yield from found.notes
     moved = {thing.instance: moved_by(thing)["metres"] for thing in found.objects}
-    far = [instance for instance, metres in moved.items() if metres > _FAR]
+    far = [instance for instance, metres in moved.items() if metres > _COUNTED_MOTION_M]
     if far:
         most = max(far, key=moved.__getitem__)
         text = f"{len(far)} of {len(moved)} objects were moved to where they can be"

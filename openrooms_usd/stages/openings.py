@@ -23,9 +23,9 @@ DEFAULTS: Final = {
     "opening": (0.9, 2.05, 0.0),
 }
 # How far a captured door stands open when all that is known is that it does, degrees.
-_AJAR: Final = 60.0
+_AJAR_DEG: Final = 60.0
 # Captured doors and passages that begin at most that high reach the floor, metres.
-_THRESHOLD: Final = 0.1
+_MAX_THRESHOLD_M: Final = 0.1
 # A captured opening belongs to the nearest wall within this distance (metres) and direction.
 _REACH, _PARALLEL = 0.5, 0.8
 
@@ -191,7 +191,7 @@ def captured_cuts(
             opening.kind,
             wall,
             hole,
-            _AJAR if opening.is_open else 0.0,
+            _AJAR_DEG if opening.is_open else 0.0,
             source=opening,
         )
         for opening, wall, hole in _merged(found, notes)
@@ -214,7 +214,7 @@ def _captured_hole(opening: CapturedOpening, wall: Wall) -> Hole:
     x = float(wall.from_plan(opening.center[:2])[0])
     z, half = float(opening.center[2]), 0.5 * opening.width
     bottom, top = z - 0.5 * opening.height, z + 0.5 * opening.height
-    if opening.kind != "window" and bottom < _THRESHOLD:
+    if opening.kind != "window" and bottom < _MAX_THRESHOLD_M:
         bottom = 0.0
     return Hole(x - half, x + half, bottom, top)
 

@@ -17,7 +17,7 @@ _TYPES: Final = Sdf.ValueTypeNames
 _TRANSLATE: Final = "xformOp:translate"
 _ROTATE: Final = "xformOp:rotateXYZ"
 # Billionths of a metre are noise of multiplying.
-_DIGITS: Final = 9
+_POSE_DIGITS: Final = 9
 
 
 def matrix_of(x: float, y: float, z: float, yaw: float) -> Array:
@@ -43,8 +43,8 @@ def author_pose(prim: Sdf.PrimSpec, rigid: Array) -> None:
         np.arctan2(-R[2, 0], np.hypot(R[0, 0], R[1, 0])),
         np.arctan2(R[1, 0], R[0, 0]),
     )
-    roll, pitch, yaw = (round(float(np.degrees(angle)), _DIGITS) + 0.0 for angle in angles)
-    x, y, z = (round(value, _DIGITS) + 0.0 for value in rigid[:3, 3].tolist())
+    roll, pitch, yaw = (round(float(np.degrees(angle)), _POSE_DIGITS) + 0.0 for angle in angles)
+    x, y, z = (round(value, _POSE_DIGITS) + 0.0 for value in rigid[:3, 3].tolist())
     _author(prim, (x, y, z), (roll, pitch, yaw))
 
 

@@ -13,7 +13,7 @@ Color = tuple[float, float, float]
 # OpenRooms' reflectance at normal incidence.
 F0: Final = 0.05
 # Families of more than this length have twice the texels along each side, metres.
-_LARGE: Final = 1.0
+_LARGE_FAMILY_M: Final = 1.0
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Swatch:
         if self.family is None:
             return None
         size = self.size or textures.family_of(self.family).size
-        texels = resolution * 2 if size > _LARGE else resolution
+        texels = resolution * 2 if size > _LARGE_FAMILY_M else resolution
         return textures.Material(self.family, self.number, self.color, self.roughness, texels, size)
 
     @property

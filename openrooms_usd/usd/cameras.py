@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 FLIP: Final = np.diag([1.0, -1.0, -1.0, 1.0])
 
 # Width of a full-frame film, tenths of a metre: apertures need some absolute size.
-_FILM: Final = 0.36
-_CLIPPING: Final = (0.01, 1000.0)
+_FILM_WIDTH_TENTHS: Final = 0.36
+_CLIPPING_M: Final = (0.01, 1000.0)
 
 # Apertures and focal lengths are in tenths of a scene unit.
 _TENTH: Final = 0.1
@@ -56,7 +56,7 @@ class PinholeCamera:
     f_stop: float = 0.0
     focus_distance: float = 0.0
     lens_radius: float = 0.0
-    clipping: tuple[float, float] = _CLIPPING
+    clipping: tuple[float, float] = _CLIPPING_M
 
 
 def define_camera(
@@ -84,15 +84,15 @@ def define_camera(
     camera = UsdGeom.Camera.Define(stage, path)
     author_matrix(camera.GetPrim(), world_from_camera @ FLIP)
     camera.CreateProjectionAttr(UsdGeom.Tokens.perspective)
-    camera.CreateHorizontalApertureAttr(_FILM)
-    camera.CreateVerticalApertureAttr(_FILM * height / width)
+    camera.CreateHorizontalApertureAttr(_FILM_WIDTH_TENTHS)
+    camera.CreateVerticalApertureAttr(_FILM_WIDTH_TENTHS * height / width)
     K = intrinsics(fov_degrees, width, height) if K is None else K
     right, up = width / 2.0 - K[0, 2], K[1, 2] - height / 2.0
     if right or up:
-        camera.CreateHorizontalApertureOffsetAttr(_FILM * right / width)
-        camera.CreateVerticalApertureOffsetAttr(_FILM * up / width)
-    camera.CreateFocalLengthAttr(_FILM * K[0, 0] / width)
-    camera.CreateClippingRangeAttr(Gf.Vec2f(*_CLIPPING))
+        camera.CreateHorizontalApertureOffsetAttr(_FILM_WIDTH_TENTHS * right / width)
+        camera.CreateVerticalApertureOffsetAttr(_FILM_WIDTH_TENTHS * up / width)
+    camera.CreateFocalLengthAttr(_FILM_WIDTH_TENTHS * K[0, 0] / width)
+    camera.CreateClippingRangeAttr(Gf.Vec2f(*_CLIPPING_M))
     if exposure is not None:
         camera.CreateExposureAttr(math.log2(exposure))
     return camera

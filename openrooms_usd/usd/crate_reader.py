@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # Values of more specs than this are not all looked at: a scene that large is no small accident.
 _MOST_SPECS: Final = 200_000
-_DEEPEST: Final = 1_000
+_MAX_DEPTH: Final = 1_000
 
 
 def check_crate_reads(name: str, size: int, place: str = "") -> None:
@@ -77,7 +77,7 @@ def _read_prims(layer: "Sdf.Layer") -> None:
     """The layer's prims from the top down, with their properties and variants."""
     level = list(layer.rootPrims)
     seen = 0
-    for _ in range(_DEEPEST):
+    for _ in range(_MAX_DEPTH):
         seen += len(level)
         below = []
         for spec in level:

@@ -17,7 +17,7 @@ _MOST_SECTIONS: Final = 64
 # LZ4 packs 255 bytes into one at most, and USD's coding of whole numbers 16 into one before.
 _MOST_GAIN: Final = 255 * 16
 _MOST_TEXT_GAIN: Final = 256
-_STRING: Final = 4  # bytes; the only ones that are never packed
+_STRING_BYTES: Final = 4  # bytes; the only ones that are never packed
 
 
 def check_crate(stream: BinaryIO, size: int, place: object) -> None:
@@ -63,7 +63,7 @@ def _check_section(stream: BinaryIO, name: bytes, start: int, length: int) -> No
     name = name.rstrip(b"\0")
     stream.seek(start)
     (count,) = _COUNT.unpack(stream.read(_COUNT.size))
-    most = length // _STRING if name == b"STRINGS" else _MOST_GAIN * length
+    most = length // _STRING_BYTES if name == b"STRINGS" else _MOST_GAIN * length
     if name == b"TOKENS":
         (text,) = _COUNT.unpack(stream.read(_COUNT.size))
         count = max(count, text)

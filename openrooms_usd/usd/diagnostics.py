@@ -28,7 +28,7 @@ _NOISE: Final = re.compile(
     r"|(?: at line \d+)? (?:in|of) (?:file )?\S+\.(?:cpp|h)\b(?: line \d+)?"
 )
 # Longer sentences quote the file itself.
-_LONGEST: Final = 300
+_MAX_REASON_CHARACTERS: Final = 300
 
 
 def reason(error: BaseException) -> str:
@@ -95,10 +95,10 @@ def _said(error: object) -> str:
 def plain(said: object) -> str:
     """One line of bounded length, without what is of USD's own program."""
     text = printable(_NOISE.sub("", " ".join(str(said).split())), lines=False).strip()
-    if len(text) <= _LONGEST:
+    if len(text) <= _MAX_REASON_CHARACTERS:
         return text
     # What USD quotes is long; what it says of it stands at either end.
-    return f"{text[: _LONGEST - 104]} ... {text[-99:]}"
+    return f"{text[: _MAX_REASON_CHARACTERS - 104]} ... {text[-99:]}"
 
 
 @contextmanager

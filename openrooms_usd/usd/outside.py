@@ -17,7 +17,7 @@ from openrooms_usd.errors import StageError
 from openrooms_usd.usd.diagnostics import reading
 
 # More names than this say no more.
-_NAMED: Final = 5
+_MAX_NAMED_FILES: Final = 5
 _LAYERS: Final = (".usda", ".usdc", ".usd")
 
 
@@ -83,8 +83,8 @@ def refuse_outside(
     if not found:
         return
     root = stage.GetRootLayer().realPath
-    rows = "".join(f"\n  {row}" for row in found[:_NAMED])
-    more = f"\n  and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
+    rows = "".join(f"\n  {row}" for row in found[:_MAX_NAMED_FILES])
+    more = f"\n  and {len(found) - _MAX_NAMED_FILES} more" if len(found) > _MAX_NAMED_FILES else ""
     raise StageError(
         f"files outside {Path(root).parent} would go into {what}:{rows}{more}",
         place=root,

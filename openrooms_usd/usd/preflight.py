@@ -24,7 +24,7 @@ from openrooms_usd.usd.crates import check_crate
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading
 
 # Rooms nest some ten deep; USD's parser overflows its stack beyond some thousands.
-DEEPEST: Final = 200
+MAX_DEPTH: Final = 200
 
 _PACKAGE: Final = ".usdz"
 _TEXT: Final = b"#"
@@ -40,7 +40,7 @@ _LITERAL: Final = re.compile(
     re.DOTALL,
 )
 # Expressions are parsed by recursion too, wherever they stand.
-_EXPRESSIONS: Final = re.compile(rb"`[^`]{%d,}+" % DEEPEST)
+_EXPRESSIONS: Final = re.compile(rb"`[^`]{%d,}+" % MAX_DEPTH)
 _OPENING: Final = b"([{"
 _OTHER: Final = bytes(set(range(256)) - set(b"()[]{}"))
 _ALIKE: Final = bytes.maketrans(b"[]{}", b"()()")
@@ -72,16 +72,16 @@ def check_text(data: bytes, place: object) -> None:
 
 def _nests_deeply(text: bytes) -> bool:
     """Whether brackets nest deeper than is sensible; those that close nothing count for nothing."""
-    if sum(text.count(sign) for sign in _OPENING) <= DEEPEST:
+    if sum(text.count(sign) for sign in _OPENING) <= MAX_DEPTH:
         return False
     brackets = text.translate(_ALIKE, _OTHER)
     # Each pass takes the innermost pairs away.
-    for _ in range(DEEPEST):
+    for _ in range(MAX_DEPTH):
         shorter = brackets.replace(b"()", b"")
         if len(shorter) == len(brackets):
             break
         brackets = shorter
-    return b"()" in brackets or brackets.count(b"(") > DEEPEST
+    return b"()" in brackets or brackets.count(b"(") > MAX_DEPTH
 
 
 def check_file(path: Path) -> None:
@@ -269,7 +269,7 @@ def _check_depth(name: str, facts: tuple[int, ...]) -> None:
         return
     with reading(name):
         level: list[Sdf.PrimSpec] = list(layer.rootPrims)
-        for _ in range(DEEPEST):
+        for _ in range(MAX_DEPTH):
             if not all(spec and None not in list(spec.properties) for spec in level):
                 raise _damaged(name)
             level = [child for spec in level for child in _below(spec)]
@@ -295,5 +295,5 @@ def _damaged(place: object) -> InputError:
 
 def _too_deep(place: object) -> InputError:
     return InputError(
-        f"it nests deeper than {DEEPEST} levels", place=place, remedy="is this the right file?"
+        f"it nests deeper than {MAX_DEPTH} levels", place=place, remedy="is this the right file?"
     )

@@ -24,8 +24,8 @@ _ORIENT: Final = f"xformOp:orient:{_SUFFIX}"
 _TRANSFORM: Final = f"xformOp:transform:{_SUFFIX}"
 _RESET: Final = "!resetXformStack!"
 # Below this, metres or radians in about a metre, nothing has moved.
-_STILL: Final = 1e-9
-_RIGID: Final = 1e-6
+_STILL_M_RAD: Final = 1e-9
+_RIGID_TOLERANCE: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +92,13 @@ def _author(prim: Usd.Prim, stage_from_prim: Array, side: Literal["before", "aft
 def _operations(motion: Array) -> Mapping[str, tuple[Sdf.ValueTypeName, object]]:
     """A motion as a translation and a rotation, each where it does something, or as a matrix."""
     R, t = motion[:3, :3], motion[:3, 3]
-    if np.abs(R.T @ R - np.eye(3)).max() > _RIGID or np.linalg.det(R) < 0:
+    if np.abs(R.T @ R - np.eye(3)).max() > _RIGID_TOLERANCE or np.linalg.det(R) < 0:
         # Below a parent that is stretched, what is rigid in the world is not.
         return {_TRANSFORM: (Sdf.ValueTypeNames.Matrix4d, gf_matrix(motion))}
     found: dict[str, tuple[Sdf.ValueTypeName, object]] = {}
-    if np.abs(t).max() > _STILL:
+    if np.abs(t).max() > _STILL_M_RAD:
         found[_TRANSLATE] = (Sdf.ValueTypeNames.Double3, Gf.Vec3d(*t.tolist()))
-    if np.abs(R - np.eye(3)).max() > _STILL:
+    if np.abs(R - np.eye(3)).max() > _STILL_M_RAD:
         turn = gf_matrix(motion).RemoveScaleShear().ExtractRotationQuat()
         found[_ORIENT] = (Sdf.ValueTypeNames.Quatd, turn)
     return found

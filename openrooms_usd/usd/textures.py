@@ -18,9 +18,9 @@ from openrooms_usd.usd.diagnostics import plain, reading
 from openrooms_usd.usd.surfaces import ColorSpace
 
 # More values than this are refused before they fill the memory: 16,384 x 8,192 RGBA.
-_LARGEST: Final = 2**29
+_MAX_VALUES: Final = 2**29
 # Fewer than these are harmless, whatever the file; no format packs more of them into a byte.
-_FEW: Final = 2**26
+_HARMLESS_VALUES: Final = 2**26
 _MOST_RATIO: Final = 4096
 
 
@@ -158,7 +158,7 @@ def _unreadable(reason: str, path: str) -> InputError:
 def _check_size(spec: Any, size: int, path: str) -> None:
     """Refuse what fills the memory, or claims more than its bytes can hold."""
     values = spec.width * spec.height * spec.nchannels
-    if not 0 < values <= min(_LARGEST, max(_FEW, _MOST_RATIO * size)):
+    if not 0 < values <= min(_MAX_VALUES, max(_HARMLESS_VALUES, _MOST_RATIO * size)):
         raise InputError(
             f"{spec.width} x {spec.height} pixels of {spec.nchannels} channels are not read",
             place=path,

@@ -27,7 +27,7 @@ _CHANNELS: Final[dict[str, Channel]] = {"r": "r", "g": "g", "b": "b", "a": "a"}
 # useMetadata asks the picture's file, which hardly ever says anything but "repeat".
 _WRAPS: Final[dict[str, Wrap]] = {"clamp": "clamp", "mirror": "mirror", "black": "black"}
 # The longest chain of transforms that is followed, so that a cycle ends.
-_LONGEST: Final = 16
+_MAX_CHAIN: Final = 16
 
 
 def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> Texture | None:
@@ -119,7 +119,7 @@ def _coordinates(network: Network, node: UsdShade.Shader) -> tuple[str, UvTransf
 def _chain(network: Network, node: UsdShade.Shader) -> Iterator[tuple[str, UsdShade.Shader]]:
     """The shaders that feed a texture's coordinates, the last one first."""
     source = network.source(node, "st")
-    for _ in range(_LONGEST):
+    for _ in range(_MAX_CHAIN):
         if source.shader is None:
             return
         yield source.kind, source.shader

@@ -27,7 +27,7 @@ CONTRACT: Final = (
 _START: Final = Usd.TimeCode.EarliestTime()
 
 # Extents are float32: they may be this much too small, as a fraction of the largest coordinate.
-_SLACK: Final = 1e-5
+_EXTENT_TOLERANCE: Final = 1e-5
 
 
 def extents(subject: Subject) -> Iterator[Complaint]:
@@ -47,7 +47,7 @@ def _encloses(extent: Vt.Vec3fArray, boundable: UsdGeom.Boundable) -> bool:
     if actual is None or len(actual) != 2:
         return True  # nothing to enclose
     authored, wanted = np.array(extent, float), np.array(actual, float)
-    slack = _SLACK * max(1.0, float(np.abs(wanted).max()))
+    slack = _EXTENT_TOLERANCE * max(1.0, float(np.abs(wanted).max()))
     return bool(
         (authored[0] <= wanted[0] + slack).all() and (authored[1] >= wanted[1] - slack).all()
     )

@@ -94,7 +94,7 @@ def test_steps_leave_less_than_the_set_alone(monkeypatch: pytest.MonkeyPatch) ->
         return np.asarray((off * weights).sum(axis=(1, 2)))
 
     refined = left()
-    monkeypatch.setattr(sg, "_STEPS", 0)
+    monkeypatch.setattr(sg, "_MAX_STEPS", 0)
     chosen = left()
     # The last scaling, to the irradiance of the cells, may cost a little.
     assert (refined < 1.01 * chosen).all()

@@ -8,7 +8,7 @@ import pytest
 
 from openrooms_usd.description.layout import DoorStyle, WindowStyle
 from openrooms_usd.geometry import leaves, windows
-from openrooms_usd.geometry.doors import DOUBLE, door, free_angle
+from openrooms_usd.geometry.doors import TWO_LEAVES_M, door, free_angle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.windows import Sash, window
@@ -120,5 +120,5 @@ def test_each_leaf_of_a_wide_door_stops_at_what_is_in_its_way() -> None:
 
 
 def test_doors_up_to_the_limit_have_one_leaf() -> None:
-    assert len(door(DOUBLE, 2.05, 0.2).leaves) == 1
-    assert len(door(DOUBLE + 0.01, 2.05, 0.2).leaves) == 2
+    assert len(door(TWO_LEAVES_M, 2.05, 0.2).leaves) == 1
+    assert len(door(TWO_LEAVES_M + 0.01, 2.05, 0.2).leaves) == 2

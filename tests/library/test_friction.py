@@ -158,7 +158,7 @@ def test_pictures_and_shapes(monkeypatch):
     assert whole.static.shape == (6, 7)
     one = friction_of("wood", albedo[10], roughness[10])
     assert float(one.static) == whole.static[1, 3] and one.static.shape == ()
-    monkeypatch.setattr(shipped, "_BLOCK", 5)
+    monkeypatch.setattr(shipped, "_PIXELS_AT_A_TIME", 5)
     np.testing.assert_array_equal(friction_of("wood", albedo, roughness).static.reshape(6, 7),
                                   whole.static)  # fmt: skip
     assert friction_of("wood", np.zeros((0, 3)), np.zeros(0)).static.shape == (0,)

@@ -75,7 +75,7 @@ def test_both_ways_to_integrate_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     light = window(Lobe(np.array([0.1, 0.98, 0.15]), 1.0, ONE), (3.0, 3.0, 0.0))
     found = []
     for limit in (0.0, 100.0):
-        monkeypatch.setattr(unoccluded, "_SHARP", limit)
+        monkeypatch.setattr(unoccluded, "_SHARP_LOBE", limit)
         found.append(at(light, [0.2, 1.0, -0.3], [0.0, 0.6, 0.8], camera(2)))
     np.testing.assert_allclose(found[0], found[1], rtol=0.03)
 

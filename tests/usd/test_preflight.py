@@ -39,7 +39,7 @@ NESTED = [_prims, _dictionaries, _lists, _expression]
 @pytest.mark.parametrize("make", NESTED)
 def test_what_nests_too_deeply_is_refused(make, tmp_path: Path) -> None:
     file = tmp_path / "a.usda"
-    for depth in (preflight.DEEPEST + 1, DEEP, 20_000):
+    for depth in (preflight.MAX_DEPTH + 1, DEEP, 20_000):
         file.write_text(make(depth))
         with pytest.raises(InputError, match="deep"):
             layers.open_stage(file)

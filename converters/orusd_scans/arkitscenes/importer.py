@@ -23,7 +23,7 @@ from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_eyes
 from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.scanned import Scanned
-from orusd_scans.worldframe import FARTHEST, WorldFrame
+from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
 
 Array = NDArray[np.float64]
 
@@ -32,9 +32,9 @@ _BOXES: Final = "*_3dod_annotation.json"
 _TRAJECTORY: Final = "lowres_wide.traj"
 _POSED: Final = (_TRAJECTORY, "lowres_wide_intrinsics/*.pincam")
 _DEPTH: Final = ("lowres_depth/*.png", "confidence/*.png")
-_LARGEST: Final = 1e3  # metres
-_SQUARE: Final = 1e-2
-_EVERY: Final = 10
+_MAX_SIZE_M: Final = 1e3  # metres
+_RIGHT_ANGLE_TOLERANCE: Final = 1e-2
+_EVERY_FRAMES: Final = 10
 
 
 class ARKitScenesImporter:
@@ -66,7 +66,7 @@ class ARKitScenesImporter:
                     place=source,
                     remedy="give the folder of one scan of ARKitScenes",
                 )
-            every = _whole(options.get("fuse", str(_EVERY)), source)
+            every = _whole(options.get("fuse", str(_EVERY_FRAMES)), source)
             fused = fuse(depth_frames(folder, poses, every))
             notes.extend(fused.notes)
             scanned = Scanned(fused.cloud)
@@ -135,17 +135,17 @@ def read_boxes(path: Path) -> tuple[CapturedBox, ...]:
 
 def _box(node: Node) -> CapturedBox:
     drawn = node.need("segments").need("obbAligned")
-    lengths = drawn.need("axesLengths").numbers(3, _LARGEST)
-    axes = drawn.need("normalizedAxes").numbers(9, 1.0 + _SQUARE).reshape(3, 3)
+    lengths = drawn.need("axesLengths").numbers(3, _MAX_SIZE_M)
+    axes = drawn.need("normalizedAxes").numbers(9, 1.0 + _RIGHT_ANGLE_TOLERANCE).reshape(3, 3)
     if not (lengths > 0.0).all():
         raise drawn.error("a side of the box is not above zero", "mend the annotation")
-    if np.abs(axes @ axes.T - np.eye(3)).max() > _SQUARE:
+    if np.abs(axes @ axes.T - np.eye(3)).max() > _RIGHT_ANGLE_TOLERANCE:
         raise drawn.error("the axes of the box are not at right angles", "mend the annotation")
     rotation, size = _upright(axes, lengths)
     return CapturedBox(
         id=text(node.need("uid")),
         label=text(node.need("label")),
-        center=drawn.need("centroid").numbers(3, FARTHEST),
+        center=drawn.need("centroid").numbers(3, MAX_COORDINATE_M),
         rotation=rotation,
         size=size,
     )

@@ -20,12 +20,12 @@ Array = NDArray[np.float64]
 
 _MILLIMETRES: Final = 1e-3
 # A moment farther than this from both neighbours on the path has no pose, seconds.
-_GAP: Final = 0.25
+_MAX_POSE_GAP_S: Final = 0.25
 # Pictures and intrinsics of one moment differ by rounding, seconds.
-_SAME: Final = 0.02
+_SAME_MOMENT_S: Final = 0.02
 # Depth is kept where its confidence is not the lowest of 0, 1 and 2.
-_SURE: Final = 1
-_FARTHEST: Final = 1e6
+_MIN_CONFIDENCE: Final = 1
+_MAX_COORDINATE_M: Final = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ class CameraPath:
 
         after = int(np.searchsorted(self.times, time))
         around = [i for i in (after - 1, after) if 0 <= i < len(self.times)]
-        near = [i for i in around if abs(self.times[i] - time) <= _GAP]
+        near = [i for i in around if abs(self.times[i] - time) <= _MAX_POSE_GAP_S]
         if not near:
             return None
         pose = np.eye(4)
@@ -123,7 +123,7 @@ def depth_frames(folder: Path, poses: CameraPath, every: int) -> Iterator[DepthF
     for time, path in pictures[::every]:
         nearest = int(np.argmin(np.abs(times - time)))
         pose = poses.at(time)
-        if pose is None or abs(times[nearest] - time) > _SAME:
+        if pose is None or abs(times[nearest] - time) > _SAME_MOMENT_S:
             pose = np.full((4, 4), np.nan)
         depth = read_sixteen_bits(path) * _MILLIMETRES
         sure = folder / "confidence" / path.name
@@ -138,7 +138,7 @@ def _confidence(path: Path, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     levels = read_picture(path, "uint8")
     if levels.shape[:2] != shape:
         raise broken(path, "this is no picture of the size of its depth")
-    return np.asarray(levels[:, :, 0] >= _SURE)
+    return np.asarray(levels[:, :, 0] >= _MIN_CONFIDENCE)
 
 
 def _timed(folder: Path, ending: str) -> list[tuple[float, Path]]:
@@ -168,7 +168,7 @@ def _numbers(line: str, count: int, path: Path, index: int) -> Array:
         values = [float(word) for word in line.split()]
     except ValueError as error:
         raise broken(path, f"line {index + 1}: {error}") from error
-    return Node(values, path, f"line {index + 1}").numbers(count, _FARTHEST)
+    return Node(values, path, f"line {index + 1}").numbers(count, _MAX_COORDINATE_M)
 
 
 def _lines(path: Path) -> list[str]:

@@ -17,12 +17,12 @@ from orusd_scans.scanned import Scanned, broken, cloud_of, counted, opened, size
 
 _LAS: Final = ("x", "y", "z", "red", "green", "blue")
 _LAS_HEAD: Final = 375  # bytes
-_PACKED: Final = 0xC0  # of the byte that says the point format
+_PACKED_BITS: Final = 0xC0  # of the byte that says the point format
 # Packed points have a byte each, and more; so few may have less.
-_FEW: Final = 1 << 16
+_HARMLESS_POINTS: Final = 1 << 16
 # A record of the header up to the size of chunks, where it says how points are packed.
 _RECORD: Final = struct.Struct("<2x16sHH32x12xI")
-_PACKING: Final = 22204
+_LASZIP_RECORD: Final = 22204
 _MOST_IN_CHUNK: Final = 1 << 20
 _CHUNKS_VARY: Final = 0xFFFFFFFF
 _E57_HEAD: Final = struct.Struct("<8sIIQQQQ")
@@ -49,7 +49,7 @@ def read_las(path: Path) -> Scanned:
             count = counted(path, str(header.point_count))
             room = size_of(stream) - header.offset_to_point_data
             packed = header.are_points_compressed
-            needed = count - _FEW if packed else count * header.point_format.size
+            needed = count - _HARMLESS_POINTS if packed else count * header.point_format.size
             if room < max(needed, 0):
                 raise broken(path, f"it ends too early: {count:,} points are announced")
             if packed:
@@ -71,7 +71,7 @@ def _check_las(stream: BinaryIO, path: Path) -> None:
     ends = (length + 54 * records, start, more_start + 60 * more)
     if max(ends) > size_of(stream) or ends[0] > start:
         raise broken(path, "it ends too early, or its header is damaged")
-    if head[104] & _PACKED:
+    if head[104] & _PACKED_BITS:
         _check_chunks(stream, start, path)
         _check_chunk_size(stream, length, records, path)
     stream.seek(0)
@@ -103,7 +103,7 @@ def _check_chunk_size(stream: BinaryIO, start: int, records: int, path: Path) ->
         stream.seek(start)
         record = stream.read(_RECORD.size).ljust(_RECORD.size, b"\0")
         author, kind, length, points = _RECORD.unpack(record)
-        if author.rstrip(b"\0") == b"laszip encoded" and kind == _PACKING:
+        if author.rstrip(b"\0") == b"laszip encoded" and kind == _LASZIP_RECORD:
             if _MOST_IN_CHUNK + size_of(stream) < points < _CHUNKS_VARY:
                 raise broken(path, f"it announces chunks of {points:,} points")
             return

@@ -21,7 +21,7 @@ _BY_WIDTH: Final[dict[int, tuple[str, ...]]] = {
 }
 _NORMALS: Final = ("x", "y", "z", "nx", "ny", "nz")
 _LONGEST_LINE: Final = 1 << 16
-_UNIT: Final = 1e-2
+_UNIT_NORMAL_TOLERANCE: Final = 1e-2
 # Arrays of an NPZ file that are (N, 3), and what their columns are.
 _TRIPLES: Final = {
     "points": ("x", "y", "z"),
@@ -75,7 +75,10 @@ def _names(values: NDArray[np.float64], path: Path) -> tuple[str, ...]:
     if width < 3:
         raise broken(path, f"{width} columns are no points", "give x, y and z in each line")
     names = _BY_WIDTH.get(width, _BY_WIDTH[3])
-    if width == 6 and (np.abs(np.linalg.norm(values[:, 3:], axis=1) - 1.0) < _UNIT).all():
+    if (
+        width == 6
+        and (np.abs(np.linalg.norm(values[:, 3:], axis=1) - 1.0) < _UNIT_NORMAL_TOLERANCE).all()
+    ):
         return _NORMALS
     return names
 

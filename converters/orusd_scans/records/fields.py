@@ -5,7 +5,7 @@ from typing import Final
 
 from orusd_scans.records.jsonfile import Node
 
-_LONGEST: Final = 200  # characters of an identifier or a label
+_MAX_CHARACTERS: Final = 200  # characters of an identifier or a label
 _REMEDY: Final = "mend this value"
 
 
@@ -19,8 +19,10 @@ def text(node: Node) -> str:
     found = str(value) if isinstance(value, int) and not isinstance(value, bool) else value
     if not isinstance(found, str) or not found.strip() or not found.isprintable():
         raise node.error("a text expected", _REMEDY)
-    if len(found) > _LONGEST:
-        raise node.error(f"{len(found)} characters are too long (at most {_LONGEST})", _REMEDY)
+    if len(found) > _MAX_CHARACTERS:
+        raise node.error(
+            f"{len(found)} characters are too long (at most {_MAX_CHARACTERS})", _REMEDY
+        )
     return found.strip()
 
 

@@ -17,13 +17,13 @@ from orusd_scans.records.jsonfile import Node
 
 Array = NDArray[np.float64]
 
-SAGITTA: Final = 0.004
+SAGITTA_M: Final = 0.004
 """How far facets may stay behind the arc, metres."""
 
-_LARGEST: Final = 1e4  # radii, metres; what is flatter is straight
-_UNFIT: Final = 0.25  # how far an arc's ends may be from the wall's, metres
+_MAX_RADIUS_M: Final = 1e4  # radii, metres; what is flatter is straight
+_MAX_ARC_END_GAP_M: Final = 0.25  # how far an arc's ends may be from the wall's, metres
 # What is left of a facet beside an opening in it, metres.
-_BESIDE: Final = 0.1
+_BESIDE_OPENING_M: Final = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class Arc:
         """
         spans = _joined([self._span(opening) for opening in openings])
         stops = np.clip(np.array([0.0, *np.ravel(spans), 1.0]), 0.0, 1.0)
-        fine = 2.0 * np.arccos(1.0 - min(SAGITTA / self.radius, 1.0))
+        fine = 2.0 * np.arccos(1.0 - min(SAGITTA_M / self.radius, 1.0))
         parts = [stops[:1]]
         for i, (a, b) in enumerate(pairwise(stops)):
             count = 1 if i % 2 else int(np.ceil((b - a) * abs(self.sweep) / fine - 1e-9))
@@ -81,7 +81,9 @@ class Arc:
     def _span(self, opening: Array) -> tuple[float, float]:
         """From where to where on the sweep the facet of an opening reaches."""
         middle = float(self.turn(opening[None, :2])[0])
-        half = np.arcsin(min((0.5 * opening[2] + _BESIDE) / self.radius, 1.0)) / abs(self.sweep)
+        half = np.arcsin(min((0.5 * opening[2] + _BESIDE_OPENING_M) / self.radius, 1.0)) / abs(
+            self.sweep
+        )
         return middle - half, middle + half
 
 
@@ -117,10 +119,10 @@ def read_curve(node: Node, notes: list[str]) -> Arc | None:
     if length <= 0.0:
         raise radius.error("the radius of a curved wall is not positive")
     sweep = float(np.angle(np.exp(1j * (_angle(end) - _angle(start)))))
-    if length > _LARGEST or abs(sweep) < 1e-3:
+    if length > _MAX_RADIUS_M or abs(sweep) < 1e-3:
         return None
     center = node.get("center")
-    where = None if center is None else center.numbers(2, _LARGEST)
+    where = None if center is None else center.numbers(2, _MAX_RADIUS_M)
     arc = _placed(where, length, _angle(start), sweep)
     if arc is None:
         notes.append(f"{node.path} does not end where its wall ends: the wall is built straight")
@@ -156,7 +158,7 @@ def _placed(center: Array | None, radius: float, start: float, sweep: float) -> 
         arcs.append(Arc(inward if center is None else center, radius, begin, sweep))
     # To the millimetre: among equals the first, which is the plainest reading, is taken.
     best = min(arcs, key=lambda arc: round(_misfit(arc), 3))
-    return best if _misfit(best) < _UNFIT else None
+    return best if _misfit(best) < _MAX_ARC_END_GAP_M else None
 
 
 def _misfit(arc: Arc) -> float:
@@ -181,7 +183,7 @@ def fitted_arc(points: Array) -> Arc | None:
     A = np.column_stack([2.0 * points, np.ones(len(points))])
     (a, b, c), _, rank, _ = np.linalg.lstsq(A, (points**2).sum(axis=1), rcond=None)
     radius = float(np.sqrt(max(c + a * a + b * b, 0.0)))
-    if rank < 3 or not 0.0 < radius < _LARGEST:
+    if rank < 3 or not 0.0 < radius < _MAX_RADIUS_M:
         return None
     center = np.array([a, b])
     x, z = (points - center).T

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 # Columns: our right, back and up in RoomPlan's object axes, which are right, up and front.
 _BOX_AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # Openings nearer than this part of their width are one, seen twice.
-_SAME: Final = 0.25
+_SAME_OPENING_SHARE: Final = 0.25
 _CONFIDENCE: Final = {"high": 2, "medium": 1, "low": 0, None: -1}
 
 
@@ -150,7 +150,7 @@ def _distinct(openings: list[CapturedOpening], notes: list[str]) -> list[Capture
     """The openings without those that another one repeats; the surer one stays."""
     kept: list[CapturedOpening] = []
     cells: defaultdict[tuple[int, ...], list[int]] = defaultdict(list)
-    side = _SAME * max((opening.width for opening in openings), default=1.0) + 1e-9
+    side = _SAME_OPENING_SHARE * max((opening.width for opening in openings), default=1.0) + 1e-9
     for opening in openings:
         cell = np.floor(opening.center / side).astype(int)
         near = (index for place in _around(cell) for index in cells[place])
@@ -173,7 +173,7 @@ def _around(cell: NDArray[np.int_]) -> Iterator[tuple[int, ...]]:
 
 
 def _is_same(a: CapturedOpening, b: CapturedOpening) -> bool:
-    near = float(np.linalg.norm(a.center - b.center)) < _SAME * min(a.width, b.width)
+    near = float(np.linalg.norm(a.center - b.center)) < _SAME_OPENING_SHARE * min(a.width, b.width)
     return near and abs(float(a.direction @ b.direction)) > 0.95
 
 

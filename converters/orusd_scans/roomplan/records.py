@@ -22,10 +22,10 @@ from orusd_scans.roomplan.curves import Arc, read_curve
 
 Array = NDArray[np.float64]
 
-_FARTHEST: Final = 1e8  # coordinates, metres: any map projection stays below
-_LARGEST: Final = 1e3  # dimensions, metres
+_MAX_COORDINATE_M: Final = 1e8  # coordinates, metres: any map projection stays below
+_MAX_DIMENSION_M: Final = 1e3  # dimensions, metres
 # Single precision leaves that much of a rotation's columns.
-_ROUNDING: Final = 1e-2
+_ROTATION_TOLERANCE: Final = 1e-2
 _SURFACES: Final = ("walls", "floors", "doors", "windows", "openings")
 _CONFIDENCES: Final[tuple[Confidence, ...]] = ("low", "medium", "high")
 
@@ -146,7 +146,7 @@ def _record(node: Node, kind: str, is_surface: bool, notes: list[str]) -> Record
 
 def _size(node: Node, count: int, has_corners: bool) -> Array:
     """Dimensions, the first of which must be there, unless corners say the same."""
-    dimensions = node.numbers(3, _LARGEST)
+    dimensions = node.numbers(3, _MAX_DIMENSION_M)
     if (dimensions < 0.0).any():
         raise node.error("a dimension is negative")
     if not has_corners and not dimensions[:count].all():
@@ -157,7 +157,7 @@ def _size(node: Node, count: int, has_corners: bool) -> Array:
 def _section(node: Node) -> Section:
     label = node.get("label")
     name = (_key(label) if label else None) or "unidentified"
-    return Section(name, node.need("center").numbers(3, _FARTHEST), _story(node))
+    return Section(name, node.need("center").numbers(3, _MAX_COORDINATE_M), _story(node))
 
 
 def _story(node: Node) -> int | None:
@@ -194,7 +194,7 @@ def _confidence(node: Node) -> Confidence | None:
 
 
 def _transform(node: Node) -> Array:
-    matrix = node.numbers(16, _FARTHEST).reshape(4, 4).T
+    matrix = node.numbers(16, _MAX_COORDINATE_M).reshape(4, 4).T
     if reason := misplaced(matrix):
         raise node.error(reason)
     return matrix
@@ -214,10 +214,10 @@ def misplaced(matrix: Array) -> str | None:
             return "the transform is written row by row: RoomPlan writes it column by column"
         return "the transform's last row is not 0 0 0 1"
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
-    if np.abs(scales - 1.0).max() > _ROUNDING:
+    if np.abs(scales - 1.0).max() > _ROTATION_TOLERANCE:
         by = ", ".join(f"{scale:.3g}" for scale in scales)
         return f"the transform scales the axes by {by}: sizes belong to the dimensions"
-    if np.abs(matrix[:3, :3].T @ matrix[:3, :3] - np.eye(3)).max() > _ROUNDING:
+    if np.abs(matrix[:3, :3].T @ matrix[:3, :3] - np.eye(3)).max() > _ROTATION_TOLERANCE:
         return "the transform shears: its axes are not at right angles"
     if np.linalg.det(matrix[:3, :3]) < 0.0:
         return "the transform is left-handed: it mirrors what it places"
@@ -225,5 +225,5 @@ def misplaced(matrix: Array) -> str | None:
 
 
 def _corners(node: Node) -> Array:
-    rows = [corner.numbers(3, _FARTHEST) for corner in node.items("polygonCorners")]
+    rows = [corner.numbers(3, _MAX_COORDINATE_M) for corner in node.items("polygonCorners")]
     return np.array(rows).reshape(-1, 3)

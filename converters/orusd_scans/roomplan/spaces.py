@@ -25,9 +25,9 @@ Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 # How far from a floor's edge the walls and openings of it may be, and objects outside it, metres.
 _AT_EDGE: Final = 0.5
-_OUTSIDE: Final = 0.1
+_OUTSIDE_FLOOR_M: Final = 0.1
 # Between which heights above a floor the middles of its things are, metres.
-_ABOVE: Final = (-0.5, 4.0)
+_ABOVE_FLOOR_LIMITS_M: Final = (-0.5, 4.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,14 +216,18 @@ def _belonging(records: CapturedRoom, outline: Array) -> CapturedRoom:
 
     floor = shapely.make_valid(shapely.Polygon(outline[:, [0, 2]]))
     edge, level = floor.boundary, float(np.median(outline[:, 1]))
-    inside = floor.buffer(_OUTSIDE)
+    inside = floor.buffer(_OUTSIDE_FLOOR_M)
     shapely.prepare(inside)
 
     def at_edge(records: tuple[Record, ...]) -> tuple[Record, ...]:
         return tuple(r for r in above(records) if edge.distance(_point(r)) < _AT_EDGE)
 
     def above(records: tuple[Record, ...]) -> tuple[Record, ...]:
-        return tuple(r for r in records if _ABOVE[0] < r.center[1] - level < _ABOVE[1])
+        return tuple(
+            r
+            for r in records
+            if _ABOVE_FLOOR_LIMITS_M[0] < r.center[1] - level < _ABOVE_FLOOR_LIMITS_M[1]
+        )
 
     return replace(
         records,

@@ -32,9 +32,9 @@ _LISTS: Final = {
     "wall": "walls", "floor": "floors", "door": "doors", "window": "windows", "opening": "openings"
 }  # fmt: skip
 _SECTIONS: Final = "Section_grp"
-_FARTHEST: Final = 1e8  # coordinates, metres
+_MAX_COORDINATE_M: Final = 1e8  # coordinates, metres
 # Walls whose meshes are deeper than this are curved, metres; flat ones have 0.1 to 0.5 mm.
-_FLAT: Final = 0.02
+_MAX_FLAT_WALL_M: Final = 0.02
 _AGAIN: Final = "export the capture again, with RoomPlan's option parametric"
 
 
@@ -129,7 +129,7 @@ def _from_mesh(
         if corners is None:
             raise InputError("the floor's mesh is no flat polygon", place=place, remedy=_AGAIN)
         return Record(identifier, category, high - low, matrix, corners=corners)
-    is_curved = category == "wall" and high[2] - low[2] > _FLAT
+    is_curved = category == "wall" and high[2] - low[2] > _MAX_FLAT_WALL_M
     middle = 0.5 * (low + high) * ([1.0, 1.0, 0.0] if is_curved else 1.0)
     moved = matrix.copy()
     moved[:3, 3] += matrix[:3, :3] @ middle
@@ -168,7 +168,7 @@ def _local(prim: Sdf.PrimSpec, place: str) -> Array:
     matrix = np.eye(4)
     for name in _value(prim, "xformOpOrder", ()):
         value = np.array(_value(prim, name, ()), dtype=np.float64)
-        if not (np.abs(value) <= _FARTHEST).all():
+        if not (np.abs(value) <= _MAX_COORDINATE_M).all():
             raise InputError(f"a number in {name} is out of range", place=place, remedy=_AGAIN)
         if name == "xformOp:transform" and value.shape == (4, 4):
             matrix = matrix @ value.T
@@ -191,7 +191,7 @@ def _value(prim: Sdf.PrimSpec, name: str, default: Any) -> Any:
 
 def _array(prim: Sdf.PrimSpec, name: str, place: str) -> Array:
     values = np.array(_value(prim, name, ()), dtype=np.float64)
-    if not values.size or not np.isfinite(values).all() or np.abs(values).max() > _FARTHEST:
+    if not values.size or not np.isfinite(values).all() or np.abs(values).max() > _MAX_COORDINATE_M:
         raise InputError(f"the mesh has no sound {name}", place=place, remedy=_AGAIN)
     return values
 

@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 # The meshes of a scene, the usual one first.
 _MESHES: Final = ("_vh_clean_2.ply", "_vh_clean.ply")
-_EVERY: Final = 10
+_EVERY_FRAMES: Final = 10
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ def _scanned(scene: _Scene, options: Mapping[str, str], notes: list[str]) -> Sca
     """The points in the frame of the scan: the labelled mesh, or fused depth."""
     if "fuse" in options or (scene.mesh is None and _sens(scene, options) is not None):
         sens = _needed_sens(scene, options)
-        fused = fuse_sens(sens, _whole(options.get("fuse", str(_EVERY)), sens))
+        fused = fuse_sens(sens, _whole(options.get("fuse", str(_EVERY_FRAMES)), sens))
         notes.extend(fused.notes)
         return Scanned(fused.cloud)
     if scene.mesh is None:
@@ -223,7 +223,7 @@ def _needed_sens(scene: _Scene, options: Mapping[str, str]) -> Path:
     return sens
 
 
-def fuse_sens(path: Path, every: int = _EVERY) -> Fused:
+def fuse_sens(path: Path, every: int = _EVERY_FRAMES) -> Fused:
     """Fuse the depth pictures of a ``.sens`` file, in the frame of the scan.
 
     Args:

@@ -20,10 +20,10 @@ from orusd_scans.records.jsonfile import Node
 
 Array = NDArray[np.float64]
 
-_VERSION: Final = 4
+_SENS_VERSION: Final = 4
 _MOST_FRAMES: Final = 1_000_000
 _LONGEST_NAME: Final = 4096
-_SIDE: Final = 32_768  # pixels
+_MAX_SIDE_PIXELS: Final = 32_768  # pixels
 _MOST_PIXELS: Final = 1 << 25
 _RAW, _ZLIB = 0, 1
 
@@ -44,8 +44,8 @@ class Sens:
         self._path = path
         self._size = os.fstat(stream.fileno()).st_size
         (version,) = self._unpack("<I")
-        if version != _VERSION:
-            raise self._error(f"its version is {version}, not {_VERSION}")
+        if version != _SENS_VERSION:
+            raise self._error(f"its version is {version}, not {_SENS_VERSION}")
         (length,) = self._unpack("<Q")
         self._skip(length, _LONGEST_NAME)
         self._matrices = np.array(self._unpack("<64f"), dtype=np.float64).reshape(4, 4, 4)
@@ -54,7 +54,7 @@ class Sens:
         (self._units,) = self._unpack("<f")
         self.color_size = (width, height)
         self.depth_size = (depth[0], depth[1])
-        if not (0 < width <= _SIDE and 0 < height <= _SIDE):
+        if not (0 < width <= _MAX_SIDE_PIXELS and 0 < height <= _MAX_SIDE_PIXELS):
             raise self._error(f"pictures of {width}x{height} pixels make no sense")
 
     def color_intrinsics(self) -> Array:

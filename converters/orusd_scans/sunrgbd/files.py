@@ -16,7 +16,7 @@ from orusd_scans.frames import intrinsics
 from orusd_scans.records.fields import number, text
 from orusd_scans.records.jsonfile import Node
 from orusd_scans.scanned import broken, cloud_of, counted, opened, size_of
-from orusd_scans.worldframe import FARTHEST, proper
+from orusd_scans.worldframe import MAX_COORDINATE_M, proper
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ CLASSES: Final = (
     "bathtub",
 )  # fmt: skip
 _NAMES: Final = ("x", "y", "z", "red", "green", "blue")
-_LARGEST: Final = 1e3  # metres
+_MAX_SIZE_M: Final = 1e3  # metres
 _LABEL_FIELDS: Final = 13
 # One frame has some 50,000 points of 6 numbers.
 _MOST_NUMBERS: Final = 1 << 26
@@ -212,8 +212,8 @@ def _entry(node: Node, names: dict[int, str]) -> Entry:
 
 
 def _box(node: Node, names: dict[int, str]) -> Box:
-    values = node.need("bbox_3d").numbers(7, FARTHEST)
-    if not ((values[3:6] > 0.0) & (values[3:6] < _LARGEST)).all():
+    values = node.need("bbox_3d").numbers(7, MAX_COORDINATE_M)
+    if not ((values[3:6] > 0.0) & (values[3:6] < _MAX_SIZE_M)).all():
         raise node.error("a box needs sizes above zero, metres", "make the index again")
     label = int(number(node.need("bbox_label_3d"), 1e6))
     return Box(names.get(label, "object"), values[:3], values[3:6], float(values[6]))

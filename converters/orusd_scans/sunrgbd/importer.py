@@ -51,7 +51,7 @@ _RAW: Final = (
 # The camera (x right, y down, z forward) as x right, y forward, z up.
 _LEVEL: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # A single picture is averaged over small voxels, metres.
-_VOXEL: Final = 0.01
+_VOXEL_M: Final = 0.01
 # Intrinsics count pixels from 1 at the first one's centre, as MATLAB does.
 _HALF: Final = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]])
 
@@ -202,7 +202,7 @@ def _projected(path: Path, frame: CapturedFrame, notes: list[str]) -> Cloud:
     """The points of a depth picture, whose numbers are rotated by three bits."""
     stored = read_sixteen_bits(path)
     depth = ((stored >> 3) | (stored << 13)).astype(np.float64) / 1000.0
-    fused = fuse([DepthFrame(depth, frame.K, frame.world_from_camera)], FusionOptions(_VOXEL))
+    fused = fuse([DepthFrame(depth, frame.K, frame.world_from_camera)], FusionOptions(_VOXEL_M))
     notes.extend(fused.notes)
     return fused.cloud
 

@@ -23,7 +23,7 @@ from orusd_scans.worldframe import proper
 
 Array = NDArray[np.float64]
 
-_LARGEST: Final = 1e3  # metres
+_MAX_SIZE_M: Final = 1e3  # metres
 _STRUCTURE: Final = ("wall", "floor", "ceiling")
 
 
@@ -62,9 +62,9 @@ def read_polygons(path: Path) -> tuple[CapturedBox, ...]:
 
 
 def _box(identifier: str, name: str, node: Node) -> CapturedBox:
-    x, y = (node.need(axis).numbers(4, _LARGEST) for axis in ("X", "Z"))
+    x, y = (node.need(axis).numbers(4, _MAX_SIZE_M) for axis in ("X", "Z"))
     corners = np.column_stack([x, y])
-    high, low = (-number(node.need(key), _LARGEST) for key in ("Ymin", "Ymax"))
+    high, low = (-number(node.need(key), _MAX_SIZE_M) for key in ("Ymin", "Ymax"))
     across, along = corners[1] - corners[0], corners[2] - corners[1]
     size = np.array([np.linalg.norm(along), np.linalg.norm(across), abs(high - low)])
     if not (size > 0.0).all():

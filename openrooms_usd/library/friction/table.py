@@ -16,9 +16,9 @@ FILE: Final = Path(__file__).with_name("table.npy")
 ALBEDO: Final = tuple((node / 6) ** 2 for node in range(7))
 ROUGHNESS: Final = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 SHAPE: Final = (len(SUBSTANCES) + 1, *[len(ALBEDO)] * 3, len(ROUGHNESS), len(Friction._fields))
-_DECIMALS: Final = 4
+_TABLE_DECIMALS: Final = 4
 # Pixels that are interpolated at a time, which bounds the memory of large pictures.
-_BLOCK: Final = 2**17
+_PIXELS_AT_A_TIME: Final = 2**17
 
 Array = NDArray[np.floating[Any]]
 
@@ -40,7 +40,7 @@ def built() -> NDArray[np.float32]:
         for s in SUBSTANCES
     ]
     unknown = np.broadcast_to(np.stack(mapping.unknown()), known[0].shape)
-    return np.stack([*known, unknown]).round(_DECIMALS).astype(np.float32)
+    return np.stack([*known, unknown]).round(_TABLE_DECIMALS).astype(np.float32)
 
 
 @cache
@@ -69,8 +69,8 @@ def friction_of(substance: Substance | None, albedo: ArrayLike, roughness: Array
     number = len(SUBSTANCES) if substance is None else SUBSTANCES.index(substance)
     table = _shipped()[number]
     found = np.empty((len(R), len(Friction._fields)))
-    for start in range(0, len(R), _BLOCK):
-        part = slice(start, start + _BLOCK)
+    for start in range(0, len(R), _PIXELS_AT_A_TIME):
+        part = slice(start, start + _PIXELS_AT_A_TIME)
         found[part] = _interpolated(table, A[part], R[part])
     return Friction(*(column.reshape(shape) for column in found.T))
 

@@ -16,7 +16,7 @@ from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.ownmaterials.licences import licence_files
 
-_DEEPEST: Final = 64
+_MAX_DEPTH: Final = 64
 _MOST_INCLUDES: Final = 256
 _ENTITIES: Final = re.compile(r"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
 _INCLUDE: Final = "http://www.w3.org/2001/XInclude include"
@@ -63,8 +63,8 @@ def _parse(outline: Outline) -> None:
     prefixes = [""]
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        if len(prefixes) > _DEEPEST:
-            raise ValueError(f"elements are nested deeper than {_DEEPEST}")
+        if len(prefixes) > _MAX_DEPTH:
+            raise ValueError(f"elements are nested deeper than {_MAX_DEPTH}")
         prefixes.append(prefixes[-1] + attributes.get("fileprefix", ""))
         if name == _INCLUDE:
             outline.includes.append(attributes.get("href", ""))

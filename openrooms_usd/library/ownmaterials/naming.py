@@ -50,7 +50,7 @@ _WORDS: Final[dict[Map, tuple[str, ...]]] = {
 }  # fmt: skip
 _MAP_OF: Final = {word: kind for kind, words in _WORDS.items() for word in words}
 # The most words that one map's name has: occlusion, roughness, metallic.
-_LONGEST: Final = 3
+_MAX_MAP_WORDS: Final = 3
 _ASIDE: Final = re.compile(
     r"\d+k|\d{3,5}|\d{3,5}x\d{3,5}|\d+b(it)?|jpe?g|png|exr|tiff?|hdr|tga"
     r"|tiled|tileable|tiling|seamless|srgb|linear|raw"
@@ -80,7 +80,7 @@ def map_of(stem: str) -> Named | None:
     words = [word for word in words if not _ASIDE.fullmatch(word)]
     # A number at the end counts variants: oak_col_1, oak_col_2.
     counted = words[:-1] if words and words[-1].isdigit() else words
-    for length in range(min(_LONGEST, len(counted)), 0, -1):
+    for length in range(min(_MAX_MAP_WORDS, len(counted)), 0, -1):
         kind = _MAP_OF.get("".join(counted[-length:]))
         if kind is not None:
             rest = counted[:-length] + words[len(counted) :]

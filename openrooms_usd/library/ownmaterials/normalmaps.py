@@ -23,9 +23,9 @@ Four = tuple[float, float, float, float]
 # Pictures with more values are not read for this: their names are believed.
 _MOST_VALUES: Final = 3 * 4096**2
 # The least correlation that is evidence rather than noise and compression.
-_EVIDENT: Final = 0.1
+_MIN_CORRELATION: Final = 0.1
 # Steeper slopes come from damaged texels.
-_STEEPEST: Final = 20.0
+_MAX_SLOPE: Final = 20.0
 _ASSUMED: Final = "its name says neither OpenGL nor DirectX; OpenGL is assumed"
 # Floating point pictures may hold the normals themselves.
 _AS_IT_IS: Final[tuple[Four, Four]] = ((1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 0.0))
@@ -84,9 +84,9 @@ def _measured(normals: Array, heights: str | None) -> tuple[Green, str]:
     """Where green points by what the pixels say, and how it is known."""
     evidence = height_agreement(normals, heights) if heights else 0.0
     source = "its displacement map"
-    if abs(evidence) < _EVIDENT:
+    if abs(evidence) < _MIN_CORRELATION:
         evidence, source = green_agreement(normals), "its slopes"
-    if abs(evidence) < _EVIDENT:
+    if abs(evidence) < _MIN_CORRELATION:
         return "up", _ASSUMED
     if evidence > 0.0:
         return "up", f"its name says neither OpenGL nor DirectX; by {source} it is OpenGL's"
@@ -135,7 +135,7 @@ def green_agreement(normals: Array) -> float:
     if min(normals.shape[:2]) < 3:
         return 0.0
     up = np.maximum(normals[..., 2], 1e-3)
-    p, q = (np.clip(-normals[..., k] / up, -_STEEPEST, _STEEPEST) for k in (0, 1))
+    p, q = (np.clip(-normals[..., k] / up, -_MAX_SLOPE, _MAX_SLOPE) for k in (0, 1))
     return _correlation(p[:-2, 1:-1] - p[2:, 1:-1], q[1:-1, 2:] - q[1:-1, :-2])
 
 

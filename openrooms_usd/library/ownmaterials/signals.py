@@ -19,7 +19,7 @@ from openrooms_usd.usd.surfaces import Channel, Texture
 Constant = tuple[float, ...]
 Signal = Constant | Texture | None
 
-_LONGEST: Final = 64
+_MAX_CHAIN: Final = 64
 _CHANNELS: Final[tuple[Channel, ...]] = ("r", "g", "b", "a")
 # The channel that an output of a node with several stands for.
 _OUTPUTS: Final[dict[str, Channel]] = {
@@ -79,7 +79,7 @@ class Signals:
     def _of_node(self, node: Any, output: str, depth: int) -> Signal:
         kind = node.getCategory()
         reader = _READERS.get(kind)
-        if depth > _LONGEST or reader is None:
+        if depth > _MAX_CHAIN or reader is None:
             self.losses.append(f"{node.getName()} ({kind}): procedural; left out")
             return None
         signal = reader(self, node, depth + 1)
@@ -169,7 +169,7 @@ _READERS: Final[dict[str, Callable[[Signals, Any, int], Signal]]] = {
 
 def _followed(socket: Any) -> tuple[Any, Any, str]:
     """Where an input's value comes from: (the input with the value, a node or None, its output)."""
-    for _ in range(_LONGEST):
+    for _ in range(_MAX_CHAIN):
         if socket is None:
             return None, None, ""
         if socket.getInterfaceName():

@@ -10,11 +10,11 @@ from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import picture_facts
 
 # What is taken where nobody says: the usual width of scanned materials, metres.
-ASSUMED: Final = 1.0
+ASSUMED_WIDTH_M: Final = 1.0
 # The sides that a texture can sensibly have, metres: a weave under a lens, a field from the air.
 SMALLEST, LARGEST = 1e-4, 1e4
 # Pictures of one material whose proportions differ by more are stretched, which is said.
-_EQUAL: Final = 0.01
+_EQUAL_PROPORTION: Final = 0.01
 
 
 def tile_size(
@@ -37,8 +37,8 @@ def tile_size(
         InputError: It is no size.
     """
     if given is None and stated is None:
-        losses.append(f"its size is stated nowhere; {ASSUMED:g} m wide is assumed")
-    size = given or stated or ASSUMED
+        losses.append(f"its size is stated nowhere; {ASSUMED_WIDTH_M:g} m wide is assumed")
+    size = given or stated or ASSUMED_WIDTH_M
     width, height = (size, size * ratio) if isinstance(size, int | float) else size
     if not all(math.isfinite(side) and SMALLEST <= side <= LARGEST for side in (width, height)):
         raise InputError(
@@ -65,6 +65,6 @@ def proportions(textures: Mapping[str, Texture], losses: list[str]) -> float:
     losses.extend(
         f"{Path(file).name}: its proportions differ from the others'; it is stretched"
         for file, ratio in ratios.items()
-        if abs(ratio - common) > _EQUAL * common
+        if abs(ratio - common) > _EQUAL_PROPORTION * common
     )
     return common

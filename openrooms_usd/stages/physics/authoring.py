@@ -28,7 +28,7 @@ from openrooms_usd.usd.physics import MaterialPhysics
 
 SCOPE: Final = "Physics"
 COLLIDERS: Final = "Colliders"
-_DECIMALS: Final = 3
+_MASS_DECIMALS: Final = 3
 
 
 def author_physics(
@@ -123,7 +123,7 @@ class _Contacts:
 def _usual() -> MaterialPhysics:
     """Of what nobody knows: the mean of all substances."""
     static, dynamic, spread = (
-        round(float(value), _DECIMALS) for value in friction_of(None, (0.5, 0.5, 0.5), 0.5)
+        round(float(value), _MASS_DECIMALS) for value in friction_of(None, (0.5, 0.5, 0.5), 0.5)
     )
     return MaterialPhysics(static, dynamic, 0.0, 0.0, friction_spread=spread)
 

@@ -38,7 +38,7 @@ from openrooms_usd.usd.semantics import read_label
 Array = NDArray[np.float64]
 
 # Scales that differ by less are one.
-_DIGITS: Final = 6
+_SCALE_DIGITS: Final = 6
 # How the alignment says what carries an object.
 _FOUND: Final[dict[str, Support]] = {
     "floor": "floor",
@@ -127,7 +127,7 @@ def _content(root: Usd.Prim) -> object:
 
 def _scale(root: Usd.Prim, cache: UsdGeom.XformCache) -> Array:
     _, scale = frame_and_scale(cache.GetLocalToWorldTransform(root))
-    return np.round(scale, _DIGITS) + 0.0
+    return np.round(scale, _SCALE_DIGITS) + 0.0
 
 
 def _mass_by_hand(root: Usd.Prim) -> float | None:

@@ -30,9 +30,9 @@ UNKNOWN_KINDS: Final = {
     Kind.CustomJoint: "a joint of its own kind",
 }
 # Frames of one joint that are farther apart do not meet, metres and radians.
-_APART: Final = 1e-3
+_APART_M_RAD: Final = 1e-3
 # Frames of joints are stored in single precision.
-_DIGITS: Final = 6
+_FRAME_DIGITS: Final = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,8 +215,8 @@ def joint_of(
     first, second = (link.frame @ anchor for link, anchor in zip(links, edge.anchors, strict=True))
     moved = inverse(first) @ second
     now, apart = _position(edge, moved)
-    now = round(now, _DIGITS)
-    if apart > _APART:
+    now = round(now, _FRAME_DIGITS)
+    if apart > _APART_M_RAD:
         reader.lose(edge.path, "approximated", "its two frames do not meet: the child stays")
     anchor = edge.anchors[0 if backward else 1]
     axis = anchor[:3, :3] @ edge.axis * (-1.0 if backward else 1.0)

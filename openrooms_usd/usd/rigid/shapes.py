@@ -33,9 +33,9 @@ UNKNOWN: Final = Contact(0.53, 0.39, 0.0, "unknown")
 _PLANE, _DEPTH = 50.0, 1.0
 _UNSAFE: Final = re.compile(r"[^A-Za-z0-9_]+")
 # Places that differ by less are equal: repeats then share their points.
-_DIGITS: Final = 9
+_PLACE_DIGITS: Final = 9
 # Corners are stored in single precision: so far may they be off a face, as part of the size.
-_FLAT: Final = 1e-6
+_FLAT_FACE_SHARE: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class ShapeReader:
     def collider(self, path: Sdf.Path, desc: Any, link_from_world: Array) -> Collider:
         """A collider in the frame of its link; the names of its shapes repeat."""
         prim = self.frames.stage.GetPrimAtPath(path)
-        place = np.round(link_from_world @ self.frames.world(prim), _DIGITS)
+        place = np.round(link_from_world @ self.frames.world(prim), _PLACE_DIGITS)
         key = (_shared(prim), str(getattr(desc, "approximation", "")), place.tobytes())
         if key not in self._pieces:
             self._pieces[key] = self._read(prim, desc, key[1], place)
@@ -121,7 +121,7 @@ class ShapeReader:
     def visuals(self, placed: PlacedMesh, link_from_world: Array) -> Iterator[Visual]:
         """What is seen of a surface in the frame of a link, material by material."""
         name = safe(placed.path.rpartition("/")[2])
-        M = np.round(link_from_world @ placed.world_from_local, _DIGITS)
+        M = np.round(link_from_world @ placed.world_from_local, _PLACE_DIGITS)
         for mesh, material in self._worn_by(placed):
             key = (id(mesh), M.tobytes())
             if key not in self._baked:
@@ -174,7 +174,7 @@ def _is_convex(mesh: TriangleMesh) -> bool:
     planes = half_spaces(mesh)
     outside = mesh.points @ planes[:, :3].T + planes[:, 3]
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
-    return bool((uses == 2).all() and outside.max() <= _FLAT * size)
+    return bool((uses == 2).all() and outside.max() <= _FLAT_FACE_SHARE * size)
 
 
 def _bounding_box(mesh: TriangleMesh) -> list[TriangleMesh]:

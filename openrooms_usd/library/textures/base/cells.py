@@ -14,7 +14,7 @@ from openrooms_usd.library.textures.base.noise import Field
 from openrooms_usd.library.textures.base.recipe import Index, whole
 
 # Sites no farther than this from their field's middle, in fields: beyond, nine are too few.
-_JITTER: Final = 0.4
+_MAX_JITTER: Final = 0.4
 _ROUND: Final = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1))
 
 
@@ -62,7 +62,7 @@ def scattered_cells(
             small against the width, it makes edges uneven.
     """
     count = whole(order.size, width)
-    offsets = _JITTER * jitter * order.rng.uniform(-1.0, 1.0, (2, count, count))
+    offsets = _MAX_JITTER * jitter * order.rng.uniform(-1.0, 1.0, (2, count, count))
     return _cells(order, offsets, warp)
 
 

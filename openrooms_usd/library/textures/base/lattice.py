@@ -15,9 +15,9 @@ from openrooms_usd.library.textures.base.noise import Field, apart
 Index = NDArray[np.int64]
 
 # Nothing that repeats is drawn thinner than this many texels: it would only make a moiré.
-_THINNEST: Final = 2.5
+_MIN_TEXELS: Final = 2.5
 # Small pictures are drawn on a finer grid of up to so many texels, then averaged.
-_FINEST: Final = 512
+_FINE_GRID_TEXELS: Final = 512
 
 
 def whole(order: Order, pitch: float, multiple: int = 1) -> int:
@@ -25,7 +25,7 @@ def whole(order: Order, pitch: float, multiple: int = 1) -> int:
 
     At least ``multiple`` and a multiple of it. On grids too coarse for them they come fewer.
     """
-    visible = max(pitch, _THINNEST * order.size / order.resolution)
+    visible = max(pitch, _MIN_TEXELS * order.size / order.resolution)
     return multiple * max(1, round(order.size / visible / multiple))
 
 
@@ -68,7 +68,7 @@ def resolved(make: Callable[[Order], Maps], detail: float) -> Callable[[Order], 
 
     def make_resolved(order: Order) -> Maps:
         needed = 3.0 * order.size / detail / order.resolution
-        finer = min(max(1, math.ceil(needed)), max(1, _FINEST // order.resolution))
+        finer = min(max(1, math.ceil(needed)), max(1, _FINE_GRID_TEXELS // order.resolution))
         maps = make(replace(order, resolution=order.resolution * finer))
         return Maps(
             averaged(maps.albedo, finer),

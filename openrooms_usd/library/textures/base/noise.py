@@ -20,7 +20,7 @@ _BAND_MEAN: Final = 1.175
 
 
 # The first block of frequencies, cycles a side; each further one is twice as wide.
-_FIRST: Final = 16
+_FIRST_BLOCK_CYCLES: Final = 16
 
 
 def apart(rng: np.random.Generator) -> np.random.Generator:
@@ -43,11 +43,11 @@ def white_spectrum(rng: np.random.Generator, resolution: int) -> Spectrum:
     """
     key = int(rng.integers(2**63))
     spectrum = np.zeros((resolution, resolution // 2 + 1), complex)
-    width = _FIRST
+    width = _FIRST_BLOCK_CYCLES
     while width < resolution:
         width *= 2
     # Wide blocks first, so that what narrower grids have in common replaces their middle.
-    while width >= _FIRST:
+    while width >= _FIRST_BLOCK_CYCLES:
         _put(spectrum, _block(np.random.Generator(np.random.PCG64([key, width])), width))
         width //= 2
     spectrum[0, 0] = 0.0

@@ -15,12 +15,12 @@ from openrooms_usd.library.textures.base.tints import around, mean_color, tinted
 from openrooms_usd.library.textures.fabric.dyes import COLORS, NATURALS
 
 # Height of a loop, in wales, and courses a wale's width holds.
-_LOOP: Final = 0.42
-_COURSES: Final = 1.25
+_LOOP_HEIGHT_WALES: Final = 0.42
+_COURSES_PER_WALE: Final = 1.25
 # Wales of a cable, of its ground with it, and courses from one crossing of strands to the next.
-_CABLE: Final = 6
-_REPEAT: Final = 10
-_CROSSING: Final = 8
+_CABLE_WALES: Final = 6
+_REPEAT_WALES: Final = 10
+_CROSSING_COURSES: Final = 8
 
 
 def _plain_side(across: Field, along: Field) -> Field:
@@ -52,13 +52,13 @@ def _rib(across: Field, along: Field) -> Field:
 
 def _cable(across: Field, along: Field) -> Field:
     """Ropes of two strands that cross over each other, on a ground of the back."""
-    place = across % _REPEAT - _REPEAT / 2
-    turn = np.pi * along / _CROSSING
+    place = across % _REPEAT_WALES - _REPEAT_WALES / 2
+    turn = np.pi * along / _CROSSING_COURSES
     height = 0.7 * _purl_side(across, along)
     for strand in (0.0, 0.5):
         angle = turn + 2.0 * np.pi * strand
-        aside = place - 0.25 * _CABLE * np.cos(angle)
-        round_off = 1.0 - (aside / (0.27 * _CABLE)) ** 2
+        aside = place - 0.25 * _CABLE_WALES * np.cos(angle)
+        round_off = 1.0 - (aside / (0.27 * _CABLE_WALES)) ** 2
         # What lies aside is level; in the middle one strand is over the other.
         loops = 0.75 * _plain_side(aside + 0.5, along)
         rope = loops + 1.4 * np.sqrt(np.maximum(round_off, 0.0)) + 0.9 * np.sin(angle) + 0.3
@@ -86,7 +86,7 @@ def _make(
     mean = mean_color(order, COLORS + NATURALS)
     pitch = float(rng.uniform(*wale))
     wales = whole(order, pitch, repeat[0])
-    courses = whole(order, pitch / _COURSES, repeat[1])
+    courses = whole(order, pitch / _COURSES_PER_WALE, repeat[1])
     uneven = 0.10 * noise(order, 6.0 * pitch) + 0.05 * noise(order, 1.2 * pitch)
     # Courses rise against the rows.
     height = stitch(phase(n, wales), -phase(n, courses)[:, None] + uneven)
@@ -104,7 +104,7 @@ def _make(
 
 KNITTED: Final[dict[str, Family]] = {
     name: Family(
-        resolved(partial(_make, stitch, wale, repeat, _LOOP), 0.5 * wale[0]),
+        resolved(partial(_make, stitch, wale, repeat, _LOOP_HEIGHT_WALES), 0.5 * wale[0]),
         size,
         frozenset({"textile", "furniture"}),
         grain=True,
@@ -112,6 +112,6 @@ KNITTED: Final[dict[str, Family]] = {
     for name, stitch, wale, repeat, size in (
         ("jersey_knit", _plain_side, (0.0013, 0.0016), (1, 1), 0.1),
         ("rib_knit", _rib, (0.0022, 0.0027), (4, 1), 0.16),
-        ("cable_knit", _cable, (0.0036, 0.0042), (_REPEAT, 2 * _CROSSING), 0.24),
+        ("cable_knit", _cable, (0.0036, 0.0042), (_REPEAT_WALES, 2 * _CROSSING_COURSES), 0.24),
     )
 }

@@ -21,9 +21,9 @@ from openrooms_usd.library.textures.leather import hide, reptile
 from openrooms_usd.library.textures.leather.hide import bent, grain, leather, pillow
 
 # Stitches: their length, half width of the thread, depth to which they draw the hide in. Metres.
-_STITCH: Final = 0.0042
-_THREAD: Final = 0.0007
-_DRAWN: Final = 0.0012
+_STITCH_M: Final = 0.0042
+_THREAD_HALF_WIDTH_M: Final = 0.0007
+_DRAWN_IN_M: Final = 0.0012
 
 
 def stitches(aside: Field, along: Field) -> Field:
@@ -33,7 +33,7 @@ def stitches(aside: Field, along: Field) -> Field:
         aside: Distance from the line, metres.
         along: Place along it, in stitches.
     """
-    thread = np.maximum(1.0 - (aside / _THREAD) ** 2, 0.0)
+    thread = np.maximum(1.0 - (aside / _THREAD_HALF_WIDTH_M) ** 2, 0.0)
     return np.asarray(thread * np.maximum(1.0 - (offset(along) / 0.8) ** 2, 0.0))
 
 
@@ -45,7 +45,7 @@ def quilted(order: Order) -> Maps:
     puff = np.sqrt(np.sqrt((1.0 - x**2) * (1.0 - y**2)))
     # A diamond's half width, across its sides.
     half = order.size / count / np.sqrt(8.0)
-    runs = round(2.0 * half / _STITCH)
+    runs = round(2.0 * half / _STITCH_M)
     seam = np.maximum(
         stitches(half * (1.0 - np.abs(x)), runs * second),
         stitches(half * (1.0 - np.abs(y)), runs * first),
@@ -64,7 +64,7 @@ def stitched(order: Order) -> Maps:
     count = whole(order, 0.2)
     place = phase(n, count)
     aside = (0.5 - 0.5 * np.abs(offset(place))) * (order.size / count)
-    runs = count * round(order.size / count / _STITCH)
+    runs = count * round(order.size / count / _STITCH_M)
     along = phase(n, runs)
     seam = np.maximum(
         stitches(aside[:, None] - 0.006, along[None]), stitches(aside - 0.006, along[:, None])
