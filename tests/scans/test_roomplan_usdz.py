@@ -80,7 +80,7 @@ def layers_of(data: dict[str, Any]) -> dict[str, str]:
     sections = "".join(
         f'        def Xform "{row["label"]}{i}"\n        {{\n'
         "            matrix4d xformOp:transform = "
-        f"{matrix_text([*np.sensor(4).ravel()[:12].tolist(), *row['center'], 1.0])}\n"
+        f"{matrix_text([*np.eye(4).ravel()[:12].tolist(), *row['center'], 1.0])}\n"
         '            uniform token[] xformOpOrder = ["xformOp:transform"]\n        }\n'
         for i, row in enumerate(data.get("sections", []))
     )
