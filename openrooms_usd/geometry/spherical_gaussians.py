@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
-from openrooms_usd.geometry.lobe_pursuit import CELLS, SHARPEST, Floats, pursue
+from openrooms_usd.geometry.lobe_pursuit import CELLS, MAX_SHARPNESS, Floats, pursue
 
 LOBES: Final = 12
 _MIN_SHARPNESS: Final = 0.1
@@ -238,7 +238,7 @@ def _stepped(lobes: _Lobes, damping: Floats) -> tuple[Floats, Floats]:
     )
     axes[..., 2] = np.maximum(axes[..., 2], 0.0)
     axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
-    return axes, np.clip(lobes.sharpness * np.exp(wider[..., 0]), _MIN_SHARPNESS, SHARPEST)
+    return axes, np.clip(lobes.sharpness * np.exp(wider[..., 0]), _MIN_SHARPNESS, MAX_SHARPNESS)
 
 
 def _tangents(axes: Floats) -> tuple[Floats, Floats]:

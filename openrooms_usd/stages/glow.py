@@ -105,7 +105,7 @@ def _emits(shader: UsdShade.Shader, radiance: Gf.Vec3f) -> bool:
     """Whether a shader emits that already, or what is connected to it."""
     emission = shader.GetInput("emissiveColor")
     if not emission:
-        return radiance == Gf.Vec3f(0.0)
+        return bool(radiance == Gf.Vec3f(0.0))
     return bool(emission.HasConnectedSource() or emission.Get(TIME) == radiance)
 
 

@@ -16,8 +16,9 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from openrooms_usd import names
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.normals import face_vectors, unit
+from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.geometry.vectors import UP, unit
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.usd.meshes import define_mesh
 
@@ -100,7 +101,7 @@ def define_collider(stage: Usd.Stage, path: Sdf.Path, mesh: TriangleMesh) -> Usd
     faces = Mesh(mesh.points, counts, mesh.triangles.reshape(-1))
     shape = define_mesh(stage, path, faces)
     # Who looks at shapes sees their faces; one a face is a third of one a corner.
-    normals = np.round(unit(face_vectors(faces)), _DIGITS) + 0.0
+    normals = np.round(unit(face_vectors(faces), UP), _DIGITS) + 0.0
     shape.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
     shape.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
     prim = shape.GetPrim()

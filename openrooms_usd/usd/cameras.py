@@ -10,7 +10,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
-from openrooms_usd.geometry.framing import FOV, framing_view
+from openrooms_usd.geometry.framing import FOV_DEG, framing_view
 from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
@@ -65,7 +65,7 @@ def define_camera(
     *,
     world_from_camera: Array,
     resolution: tuple[int, int],
-    fov_degrees: float = FOV,
+    fov_degrees: float = FOV_DEG,
     K: Array | None = None,
     exposure: float | None = None,
 ) -> UsdGeom.Camera:
@@ -180,7 +180,7 @@ def framing_camera(
     found = read_meshes(stage) if reading is None else reading
     points, triangles, _ = world_triangles(found)
     view = framing_view(points[triangles], RayCaster(points, triangles), width / height)
-    return PinholeCamera(intrinsics(FOV, width, height), view.poses()[0])
+    return PinholeCamera(intrinsics(FOV_DEG, width, height), view.poses()[0])
 
 
 def _unusable(prim: Usd.Prim, message: str, remedy: str) -> StageError:

@@ -20,7 +20,7 @@ from openrooms_usd.errors import InputError
 from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.synsets import UNKNOWN, categories
-from orusd_scans.worldframe import FARTHEST, WorldFrame
+from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
 
 Array = NDArray[np.float64]
 Symmetry = Literal["none", "2", "4", "inf"]
@@ -161,7 +161,7 @@ def identifier(node: Node) -> str:
 
 def _trs(node: Node) -> Array:
     """(4, 4) translation, rotation and scale of a record."""
-    translation = node.need("translation").numbers(3, FARTHEST)
+    translation = node.need("translation").numbers(3, MAX_COORDINATE_M)
     scale = node.need("scale").numbers(3, _MAX_SCALE)
     if (scale <= 0.0).any():
         what = "zero" if (scale >= 0.0).all() else "negative: it mirrors"
