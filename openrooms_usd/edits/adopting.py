@@ -10,6 +10,8 @@ from typing import Any, Final
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import claims, names, untrusted
+from openrooms_usd.edits.blender import is_blenders
+from openrooms_usd.edits.blender_changes import BlenderDifferences
 from openrooms_usd.edits.flattened import Differences
 from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers, real_path
 from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_sublayers
@@ -99,9 +101,10 @@ def _adopted(scene: Path, saved: Path | None, *, dry_run: bool) -> Adoption:
         return Adoption(edits)
     _check_room(out)
     base = stacked_files(own_layers(out))
-    flattened = _is_flattened(layer, base, out, source)
+    blenders = is_blenders(layer)
+    flattened = blenders or _is_flattened(layer, base, out, source)
     _check_frame(layer, source, flattened)
-    differences = Differences(stage, base)
+    differences = (BlenderDifferences if blenders else Differences)(stage, base)
     if flattened:
         differences.find()
     # A flattened file holds its layers; others are beside what it says itself.
@@ -111,7 +114,11 @@ def _adopted(scene: Path, saved: Path | None, *, dry_run: bool) -> Adoption:
     outside: dict[str, None] = {}
     merged = merged_over(opinions, edits, outside)
     changes = tuple(_changes(opinions, base))
-    left = (*differences.left, *_left(foreign, layer), *_outside(outside, out))
+    left = (
+        *differences.left,
+        *(() if blenders else _left(foreign, layer)),
+        *_outside(outside, out),
+    )
     adoption = Adoption(edits, changes, left, differences.compared)
     same = merged.ExportToString() == merged_over(empty(), edits, {}).ExportToString()
     if dry_run or (same and saved):

@@ -1,0 +1,194 @@
+"""What a person did in Blender, as sparse opinions about the room's own prims.
+
+Taken over: where objects are, which are gone, what is new, lenses of cameras, the brightness and
+hue of lamps and of the sky, and plain base colours. The rest of an export says how Blender holds
+the room, not what somebody did to it: names with numbers, meshes with their faces cut anew,
+materials as Blender rebuilds them; and the sky, portals and bodies that it does not know at all.
+"""
+
+from collections.abc import Iterator
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade
+
+from openrooms_usd import names
+from openrooms_usd.edits.blender import DATA, Pair, Pairing, container, named
+from openrooms_usd.edits.blender_objects import adopt_object
+from openrooms_usd.edits.flattened import Differences
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.lightreader import read_light
+from openrooms_usd.usd.materials import bound_material, bound_subsets, preview_shader
+from openrooms_usd.usd.photometry import luminance
+from openrooms_usd.usd.placements import author_placed
+
+Array: TypeAlias = NDArray[np.float64]
+
+# Blender counts in 32 bits and takes transforms apart: below this nothing was moved (metres) or
+# turned (length by which a unit vector of the object's axes is off; 0.006 degrees).
+SAME_PLACE_METRES: Final = 1e-4
+SAME_AXIS: Final = 1e-4
+# Numbers that differ by less than this part of theirs are equal.
+SAME_PART: Final = 1e-3
+# So much of two colours' components may differ.
+SAME_COLOR: Final = 1e-3
+# An export that lacks more of the room's meshes is of a selection: nobody removed the others.
+MOST_REMOVED: Final = 0.5
+
+_LENS: Final = (
+    "focalLength",
+    "horizontalAperture",
+    "horizontalApertureOffset",
+    "verticalApertureOffset",
+    "focusDistance",
+    "fStop",
+    "clippingRange",
+)
+_DIFFUSE: Final = "diffuseColor"
+_EMISSIVE: Final = "emissiveColor"
+_SHOWN: Final = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
+
+
+class BlenderDifferences(Differences):
+    """What Blender's export of a room says otherwise than the room."""
+
+    def find(self) -> None:
+        """Compare both stages object by object, within the tolerances of this module."""
+        pairing = Pairing.of(self.base, self.saved)
+        for pair in pairing.pairs:
+            self.compared += 1
+            self._compare_place(pair)
+            if pair.shape.IsA(UsdGeom.Camera):
+                self._compare_lens(pair)
+            elif pair.shape.IsA(UsdGeom.Mesh):
+                self._compare_look(pair)
+        self._compare_sky()
+        self._remove(pairing)
+        for parent, added in pairing.added:
+            self.left.extend(adopt_object(self.base, self.opinions, parent, added))
+
+    def _say(self, attribute: Usd.Attribute, value: Any) -> None:
+        """What an attribute of a prim of ours shall be."""
+        self._set(attribute.GetPrim(), attribute.GetName(), attribute.GetTypeName(), value)
+
+    def _set(self, prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, value: Any) -> None:
+        spec = self._over(prim.GetPath())
+        found = spec.attributes.get(name) or Sdf.AttributeSpec(spec, name, kind)
+        found.default = value
+
+    def _compare_place(self, pair: Pair) -> None:
+        if not UsdGeom.Xformable(pair.ours) or not UsdGeom.Xformable(pair.theirs):
+            return
+        if pair.ours.IsA(UsdLux.PortalLight):
+            # Blender makes lamps of them, which nobody should mind.
+            return
+        local = pair.local()
+        before = UsdGeom.Xformable(pair.ours).GetLocalTransformation(TIME)
+        off = np.abs(np.array(local) - np.array(before))
+        if off[3, :3].max() > SAME_PLACE_METRES or off[:3, :3].max() > SAME_AXIS:
+            author_placed(self._over(pair.ours.GetPath()), pair.ours, local)
+
+    def _compare_lens(self, pair: Pair) -> None:
+        for name in _LENS:
+            ours, theirs = (prim.GetAttribute(name) for prim in (pair.shape, pair.data))
+            if not theirs or not theirs.HasAuthoredValue():
+                continue
+            before, now = np.atleast_1d(ours.Get(TIME)), np.atleast_1d(theirs.Get(TIME))
+            if (np.abs(now - before) > SAME_PART * np.abs(before)).any():
+                self._say(ours, theirs.Get(TIME))
+
+    def _compare_look(self, pair: Pair) -> None:
+        """Colours of the material that a mesh wears in both."""
+        if bound_subsets(pair.shape):
+            return
+        ours, theirs = (bound_material(prim) for prim in (pair.shape, pair.data))
+        shader, seen = (material and preview_shader(material) for material in (ours, theirs))
+        if not (ours and theirs and shader and seen):
+            return
+        worn = Tf.MakeValidIdentifier(named(theirs.GetPrim(), DATA))
+        if worn != ours.GetPrim().GetName():
+            self.left.append(f"{pair.shape.GetPath()} wears {worn} now: bind it by hand")
+            return
+        self._compare_color(shader, seen, _DIFFUSE)
+        if not pair.shape.HasAPI(UsdLux.MeshLightAPI):
+            self._compare_color(shader, seen, _EMISSIVE)
+        elif (glow := _changed(shader, seen, _EMISSIVE)) is not None:
+            self._relight(pair.shape, glow)
+
+    def _compare_color(self, shader: UsdShade.Shader, seen: UsdShade.Shader, name: str) -> None:
+        color = _changed(shader, seen, name)
+        if color is not None:
+            kind = Sdf.ValueTypeNames.Color3f
+            self._set(shader.GetPrim(), f"inputs:{name}", kind, Gf.Vec3f(*color.tolist()))
+
+    def _relight(self, bulb: Usd.Prim, glow: Array) -> None:
+        """Let a lamp shine as its material glows in Blender."""
+        light, before = UsdLux.LightAPI(bulb), read_light(bulb).radiance
+        if _is_same_color(glow, before):
+            # It was changed after its glow was written, and Blender has what it is now.
+            return
+        was, now = float(luminance(before)), float(luminance(glow))
+        hue = glow / now if now > 0.0 else np.ones(3)
+        if was > 0.0 and (now == 0.0 or np.abs(hue - before / was).max() < SAME_COLOR):
+            self._say(light.GetIntensityAttr(), light.GetIntensityAttr().Get(TIME) * now / was)
+            return
+        self._say(light.GetIntensityAttr(), now)
+        self._say(light.GetExposureAttr(), 0.0)
+        self._say(light.GetColorAttr(), Gf.Vec3f(*hue.tolist()))
+        self._say(light.GetEnableColorTemperatureAttr(), False)
+
+    def _compare_sky(self) -> None:
+        ours = self.base.GetPrimAtPath(names.ENVIRONMENT)
+        domes = [p for p in container(self.saved).GetChildren() if p.IsA(UsdLux.DomeLight)]
+        if not ours or not domes:
+            return
+        before, now = (UsdLux.LightAPI(prim).GetIntensityAttr() for prim in (ours, domes[0]))
+        if abs(now.Get(TIME) - before.Get(TIME)) > SAME_PART * before.Get(TIME):
+            self._say(before, now.Get(TIME))
+
+    def _remove(self, pairing: Pairing) -> None:
+        """Switch off what is gone, where the file is of the whole room."""
+        for kind, what in ((UsdGeom.Gprim, "meshes"), (UsdGeom.Camera, "cameras")):
+            seen = {prim: list(_seen(prim, kind)) for prim in pairing.missing}
+            gone = sum(map(len, seen.values()))
+            there = sum(1 for pair in pairing.pairs if pair.shape.IsA(kind))
+            if gone > MOST_REMOVED * (gone + there):
+                self.left.append(
+                    f"{gone} of {gone + there} {what} are not in the file: it is taken for one "
+                    "of a selection, and none is switched off"
+                )
+                continue
+            for prim in filter(seen.get, seen):
+                self._over(prim.GetPath()).active = False
+
+
+def _seen(prim: Usd.Prim, kind: type) -> Iterator[Usd.Prim]:
+    """What of a kind is at and below a prim, as Blender imports it: nothing hidden, no guides."""
+    for found in Usd.PrimRange(prim, Usd.TraverseInstanceProxies()):
+        shown = UsdGeom.Imageable(found)
+        if (
+            found.IsA(kind)
+            and shown.ComputeVisibility(TIME) != UsdGeom.Tokens.invisible
+            and shown.ComputePurpose() in _SHOWN
+        ):
+            yield found
+
+
+def _changed(ours: UsdShade.Shader, theirs: UsdShade.Shader, name: str) -> Array | None:
+    """Blender's color where it is another than ours; None also where a picture gives either."""
+    inputs = [shader.GetInput(name) for shader in (ours, theirs)]
+    if any(found and found.HasConnectedSource() for found in inputs):
+        return None
+    before, now = (_color(found, name) for found in inputs)
+    return None if _is_same_color(now, before) else now
+
+
+def _is_same_color(now: Array, before: Array) -> bool:
+    return bool(np.abs(now - before).max() <= SAME_COLOR * max(1.0, float(np.abs(before).max())))
+
+
+def _color(found: UsdShade.Input, name: str) -> Array:
+    value = found.Get(TIME) if found else None
+    fallback = (0.18, 0.18, 0.18) if name == _DIFFUSE else (0.0, 0.0, 0.0)
+    return np.array(fallback if value is None else value, dtype=np.float64)
