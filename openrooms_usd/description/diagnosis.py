@@ -211,7 +211,7 @@ def _listed(allowed: Sequence[str]) -> str:
     if len(allowed) <= _MOST_LISTED:
         return ", ".join(allowed)
     shown_first = ", ".join(allowed[: _MOST_LISTED // 3])
-    return f"{shown_first} ... ({len(allowed)} names, which `orusd schema` lists)"
+    return f"{shown_first} ... (`orusd schema` lists all)"
 
 
 def _limit(value: Any) -> str:

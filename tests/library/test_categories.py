@@ -1,6 +1,7 @@
 """One record a category: complete, beside its builder, and the only place that lists it."""
 
 import ast
+import re
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import get_args
@@ -103,6 +104,13 @@ def test_no_table_of_categories_stands_beside_the_records() -> None:
         for place in tables(path)
     ]
     assert found == []
+
+
+def test_no_document_lists_the_categories() -> None:
+    for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")):
+        for paragraph in path.read_text("utf-8").split("\n\n"):
+            named = set(re.findall(r"`([a-z_]+)`", paragraph)) & set(BUILT)
+            assert len(named) < 7, f"{path.name}: {sorted(named)}"
 
 
 def test_words_and_synsets_mean_one_category() -> None:
