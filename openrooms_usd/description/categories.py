@@ -53,6 +53,7 @@ LibraryCategory = Literal[
     "table_lamp",
     "telephone",
     "television",
+    "toaster",
     "toilet",
     "trash_bin",
     "wall_lamp",
