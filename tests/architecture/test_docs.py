@@ -141,3 +141,24 @@ def test_yaml_loads_as_a_room_or_as_a_part_of_one(block: Block, tmp_path: Path) 
 def test_links_lead_to_files(document: Path) -> None:
     text = FENCE.sub("", document.read_text(encoding="utf-8"))
     assert [link for link in LINK.findall(text) if not (document.parent / link).exists()] == []
+
+
+def test_the_chapters_that_the_architecture_names_exist() -> None:
+    """Every path between backticks lies below the core or the checkout."""
+    text = FENCE.sub("", (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8"))
+    named = {path for path in re.findall(r"`([\w/.]+?)/?`", text) if "/" in path or ".py" in path}
+    named |= set(re.findall(r"`([a-z]+)/`", text))
+    named = {path for path in named if not path.startswith("/") and path != "edits.usda"}
+    assert len(named) > 30
+    missing = [
+        path
+        for path in sorted(named)
+        if not any((base / path).exists() for base in (ROOT, ROOT / "openrooms_usd"))
+    ]
+    assert missing == []
+
+
+def test_the_architecture_names_every_chapter() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    chapters = {p.parent.name for p in (ROOT / "openrooms_usd").glob("*/__init__.py")}
+    assert {name for name in chapters if f"`{name}/`" not in text} == set()
