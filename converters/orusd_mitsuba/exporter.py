@@ -185,16 +185,7 @@ class _Export:
 
 
 def _write_exr(target: Path, pixels: NDArray[np.floating[Any]]) -> None:
-    import OpenImageIO
-
-    height, width, channels = pixels.shape
     kind = "half" if pixels.dtype == np.float16 else "float"
     with atomic.replacing(target) as beside:
-        spec = OpenImageIO.ImageSpec(width, height, channels, kind)
-        if channels == 1:
-            spec.channelnames = ("Y",)
         # The library would write the time of day.
-        spec.attribute("DateTime", "")
-        file: Any = OpenImageIO.ImageOutput.create(str(beside))
-        done = file.open(str(beside), spec) and file.write_image(np.ascontiguousarray(pixels))
-        imagefile.finish(file, done, beside)
+        imagefile.write(beside, pixels, kind, {"DateTime": ""})

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, surface_frames, tiled
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.first_hits import Hits, first_hits
 from openrooms_usd.render.scene.ground_truth import GroundTruth
@@ -105,13 +106,9 @@ def surface_points(scene: Scene, camera: PinholeCamera, hits: Hits) -> Points:
     """
     truth = GroundTruth(scene, camera, hits)
     normals, geometric = (
-        _unit(truth.channel(name).reshape(-1, 3)[hits.pixels].astype(np.float64))
+        unit(truth.channel(name).reshape(-1, 3)[hits.pixels].astype(np.float64))
         for name in ("normal", "normal_geometric")
     )
     R = camera.world_from_camera[:3, :3]
     frames = surface_frames(normals, -R[:, 1], R[:, 2])
     return Points(hits.position - scene.origin, frames, geometric)
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12))

@@ -13,10 +13,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render.scene.arrays import Patch, Scene
 from openrooms_usd.render.scene.pictures import Array, Picture, Value
 from openrooms_usd.render.scene.sources import Source
-from openrooms_usd.usd.photometry import luminance
 from orusd_mitsuba.sources import registered
 
 # The part of the samples that goes by flux alone.

@@ -10,9 +10,9 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.render.scene.pictures import Array, Picture
-from openrooms_usd.usd.photometry import luminance
 
 # The part of the samples that is spread evenly over all lights.
 _EVEN: Final = 0.25

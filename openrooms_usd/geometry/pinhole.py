@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.rotations import nearest_rotation as nearest_rotation
-from openrooms_usd.geometry.rotations import pose as pose
+from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.geometry.vectors import unit
 
 Array = NDArray[np.float64]

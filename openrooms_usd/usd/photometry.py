@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-from openrooms_usd.colorimetry import luminance as luminance
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd import frames
 

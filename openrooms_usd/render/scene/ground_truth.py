@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene.arrays import Patch, Piece, Scene
 from openrooms_usd.render.scene.first_hits import Hits
 from openrooms_usd.render.scene.pictures import Array, Value, evaluate
@@ -96,7 +97,7 @@ class GroundTruth:
         """(R, 3) unit normals with the normal map, on the camera's side."""
         hits = self._hits
         corners = self._scene.triangles.normals[hits.rows].astype(np.float64)
-        smooth = _unit(np.einsum("ri,rij->rj", hits.weights, corners))
+        smooth = unit(np.einsum("ri,rij->rj", hits.weights, corners))
         outward = np.where(hits.front, 1.0, -1.0)[:, None]
         normals = outward * smooth
         for number in np.unique(hits.patches):
@@ -107,7 +108,7 @@ class GroundTruth:
                 # Behind a surface its relief is the mirror image: only the height turns round.
                 relief[:, 2:] *= outward[here]
                 normals[here] = np.einsum("ri,rij->rj", relief, self._tangents(here, smooth[here]))
-        return _facing(_unit(normals), _unit(hits.directions))
+        return _facing(unit(normals), unit(hits.directions))
 
     def _tangents(self, here: NDArray[np.bool_], normals: Array) -> Array:
         """(R, 3, 3) rows: along u, across it, the normal; what Mitsuba's normal maps live in."""
@@ -118,7 +119,7 @@ class GroundTruth:
         along = v2[:, None] * (b - a) - v1[:, None] * (c - a)
         along *= np.sign(u1 * v2 - v1 * u2)[:, None]
         along -= normals * np.einsum("ij,ij->i", normals, along)[:, None]
-        along = _unit(along)
+        along = unit(along)
         return np.stack([along, np.cross(normals, along), normals], axis=1)
 
     def _by_surface(self, value: Callable[[Surface], Value], channels: int) -> Array:
@@ -153,12 +154,7 @@ _CHANNELS: Final[dict[str, Callable[[GroundTruth], Array]]] = {
 }
 
 
-def _unit(vectors: Array) -> Array:
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return vectors / np.where(lengths > 0, lengths, 1.0)
-
-
 def _facing(normals: Array, directions: Array) -> Array:
     """Normals bent to the horizon where interpolation or relief turns them away from the camera."""
     away = np.einsum("ij,ij->i", normals, directions)[:, None]
-    return np.where(away > 0, _unit(normals - away * directions), normals)
+    return np.where(away > 0, unit(normals - away * directions), normals)

@@ -6,13 +6,14 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene.arrays import Environment, Floats, Sun, Triangles
 from openrooms_usd.render.scene.pictures import (
     Array,
     Picture,
     Value,
-    linear_from_srgb,
     load,
     within,
 )
@@ -100,8 +101,7 @@ def shape(light: Shaped, piece: int) -> Triangles:
     points, rows, normals, st = _MAKERS[type(light)](light)
     M = light.world_from_light
     corners = (points @ M[:3, :3].T + M[:3, 3])[rows]
-    turned = normals[rows] @ np.linalg.inv(M[:3, :3])
-    turned /= np.linalg.norm(turned, axis=-1, keepdims=True)
+    turned = unit(normals[rows] @ np.linalg.inv(M[:3, :3]))
     found = Triangles(
         corners,
         turned.astype(np.float32),

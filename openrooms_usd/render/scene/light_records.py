@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 from pxr import Usd, UsdLux
 
-from openrooms_usd.geometry.pinhole import nearest_rotation, pose
+from openrooms_usd.colorimetry import luminance
+from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.render.scene.arrays import Patch, Scene
 from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.render.scene.pictures import Array, Picture, evaluate
@@ -15,7 +16,7 @@ from openrooms_usd.render.scene.sources import Source
 from openrooms_usd.render.scene.surroundings import Surroundings, panorama, passing, surroundings
 from openrooms_usd.render.scene.window_fit import fit
 from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.photometry import luminance, world_from_prim
+from openrooms_usd.usd.photometry import world_from_prim
 
 # Places on each triangle of a textured lamp whose mean is taken, to a side.
 _PLACES: Final = 8

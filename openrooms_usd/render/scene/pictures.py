@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import read_texture
@@ -111,7 +112,7 @@ class Coding:
         codes = np.arange(256, dtype=np.float32) / np.float32(255.0)
         linear = linear_from_srgb(codes) if self.srgb else codes
         scaled = linear[:, None] * np.array(self.scale, np.float32)
-        return np.clip(scaled + np.array(self.bias, np.float32), *self.limits)
+        return np.asarray(np.clip(scaled + np.array(self.bias, np.float32), *self.limits))
 
 
 Value = float | tuple[float, float, float] | Picture
@@ -206,12 +207,6 @@ def _directed(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], str]:
     if not nowhere.any():
         return normals, ""
     return np.where(nowhere, flat, normals), "normals without length point outwards"
-
-
-def linear_from_srgb(encoded: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Decode sRGB (IEC 61966-2-1)."""
-    power = ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4
-    return np.where(encoded <= 0.04045, encoded / 12.92, power).astype(np.float32)
 
 
 def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:

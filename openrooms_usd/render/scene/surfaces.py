@@ -9,9 +9,9 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd import names
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render.scene.codes import load_picture
 from openrooms_usd.render.scene.pictures import Array, Limits, Picture, Value
-from openrooms_usd.usd.photometry import luminance
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 
 _UNIT: Final = (0.0, 1.0)

@@ -9,6 +9,7 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
 from openrooms_usd.convert import Report
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene import lamps
 from openrooms_usd.render.scene.arrays import Environment, Floats, Patch, Scene, Sun, Triangles
 from openrooms_usd.render.scene.labels import Labels, material_path
@@ -218,8 +219,7 @@ def _placed(mesh: PlacedMesh) -> tuple[Array, Floats]:
         normals = np.repeat(flat[:, None], 3, axis=1)
     else:
         normals = mesh.mesh.normals @ np.linalg.inv(mesh.world_from_local[:3, :3])
-    lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
-    return corners, (normals / np.where(lengths > 0, lengths, 1.0)).astype(np.float32)
+    return corners, unit(normals).astype(np.float32)
 
 
 def _texture_coordinates(mesh: PlacedMesh, surface: Surface, losses: list[str]) -> Floats:

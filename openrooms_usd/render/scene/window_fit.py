@@ -10,11 +10,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render.scene.arrays import Sun
 from openrooms_usd.render.scene.lights import Gaussian
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.surroundings import Surroundings, cells_of, sums_by
-from openrooms_usd.usd.photometry import luminance
 from openrooms_usd.usd.portals import Portal
 
 # The fit looks at pictures with this many rows.
