@@ -101,7 +101,8 @@ class _Surfaces:
 
     def __init__(self, count: int) -> None:
         from openrooms_usd.errors import RenderError
-        from orusd_mitsuba import openrooms_bsdf, variants
+        from orusd_mitsuba import variants
+        from orusd_mitsuba.plugins import openrooms_bsdf
 
         backend = variants.choose("auto")
         if backend.variant.startswith("scalar"):

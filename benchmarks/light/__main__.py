@@ -152,10 +152,15 @@ def _mean(values: list[float]) -> float | None:
 
 
 def _rendered(name: str) -> bool:
-    from orusd_mitsuba import takes
+    from orusd_mitsuba import render_passes
 
-    every = (takes.PICTURE, takes.RECEIVED, takes.STRAIGHT, takes.AROUND)
-    return any(name in take.picks for take in every)
+    every = (
+        render_passes.RADIANCE,
+        render_passes.IRRADIANCE,
+        render_passes.DIRECT,
+        render_passes.ENVIRONMENT,
+    )
+    return any(name in one.picks for one in every)
 
 
 # The environment grid.
@@ -163,8 +168,8 @@ def _rendered(name: str) -> bool:
 
 def environment(quick: bool, folder: Path) -> Section:
     """The grid of hemispheres by both techniques, and by one alone."""
-    from orusd_mitsuba import arriving
-    from orusd_mitsuba.transport import trace
+    from orusd_mitsuba.transport import incident
+    from orusd_mitsuba.transport.path_tracing import trace
 
     grid, counts, many = ((3, 2), (1,), 4) if quick else ((12, 9), (1, 4), 128)
     stage = ROOMS["plain"].build(folder) if quick else generated("bedroom", 1, folder)
@@ -179,8 +184,8 @@ def environment(quick: bool, folder: Path) -> Section:
     for title, only in (("both, as the paper", False), ("hemisphere alone", True)):
         for samples in counts:
             with (
-                patch.object(arriving, "trace", alone if only else trace),
-                patch.object(arriving, "_ask", _nothing if only else arriving._ask),
+                patch.object(incident, "trace", alone if only else trace),
+                patch.object(incident, "_ask", _nothing if only else incident._ask),
             ):
                 film(samples, 1)
                 seconds: list[float] = []
@@ -200,12 +205,12 @@ def _nothing(*args: Any) -> None:
 def _hemispheres(room: Room, grid: tuple[int, int]) -> Any:
     from dataclasses import replace
 
-    from orusd_mitsuba.hemispheres import HemisphereFilm, coarse
-    from orusd_mitsuba.rays import MitsubaTracer
+    from orusd_mitsuba.tracer import MitsubaTracer
+    from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator, coarse
 
     seen = replace(room.camera, K=coarse(room.camera, room.size, grid))
     tracer = MitsubaTracer(room.scene, room.built)
-    return HemisphereFilm(room.scene, room.built, room.filing, tracer, seen, grid, 8)
+    return HemisphereIntegrator(room.scene, room.built, room.filing, tracer, seen, grid, 8)
 
 
 def mean_around(film: Any, samples: int, seed: int) -> Pictures:

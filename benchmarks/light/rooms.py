@@ -95,13 +95,13 @@ class Room:
         mi.set_log_level(mi.LogLevel.Error)
         from openrooms_usd.render.scene.sources import sources_of
         from openrooms_usd.render.scene.translate import translate
-        from orusd_mitsuba.build import Builder
-        from orusd_mitsuba.sources import Filing
+        from orusd_mitsuba.plugins.build import Builder
+        from orusd_mitsuba.transport.light_index import LightIndex
 
         self.stage, self.size, self._bounces = stage, (width, height), bounces
         self.scene = translate(stage)
         self.built = Builder(self.scene.origin).scene(self.scene)
-        self.filing = Filing(sources_of(self.scene), self.built, self.scene.origin)
+        self.filing = LightIndex(sources_of(self.scene), self.built, self.scene.origin)
         prims = {str(prim.GetPath()): prim for prim in list_cameras(stage)}
         self.path = f"/World{CAMERA}" if f"/World{CAMERA}" in prims else min(prims)
         self.camera = read_camera(prims[self.path], width, height)
@@ -109,18 +109,18 @@ class Room:
     @cached_property
     def ours(self) -> Any:
         """Our film of radiance."""
-        from orusd_mitsuba.light_film import LightFilm
+        from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
-        return LightFilm(
+        return PathIntegrator(
             self.built, self.filing, self.camera, *self.size, self.scene.origin,
             self._bounces + 1, by_light=False,
         )  # fmt: skip
 
     def theirs(self, tuned: bool) -> Any:
         """Mitsuba's `path`, its lights sampled evenly, or by the flux that they bring."""
-        from orusd_mitsuba.build import Builder
-        from orusd_mitsuba.light_choice import LightWeights, light_weights
-        from orusd_mitsuba.path_film import PathFilm
+        from orusd_mitsuba.plugins.build import Builder
+        from orusd_mitsuba.plugins.light_weights import LightWeights, light_weights
+        from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
 
         lamps = [patch.name for patch in self.scene.patches if patch.radiance is not None]
         even = LightWeights(1.0, dict.fromkeys(lamps, 1.0), (1.0,) * len(self.scene.suns))
@@ -129,7 +129,7 @@ class Room:
         request = RenderRequest(
             self.path, ("radiance",), *self.size, samples=1, bounces=self._bounces
         )
-        return PathFilm(built, self.camera, request, self.scene.origin)
+        return BuiltinIntegrator(built, self.camera, request, self.scene.origin)
 
 
 def radiance(planes: NDArray[np.float32]) -> Pictures:

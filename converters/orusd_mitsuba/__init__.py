@@ -1,7 +1,15 @@
-"""Mitsuba 3 as a renderer and as an export format of USD stages.
+"""Mitsuba 3 as a renderer of scenes and as an export format of USD stages.
 
-Importing this package imports no renderer: the backend's library has to be chosen before Mitsuba
-is loaded (see `orusd_mitsuba.variants`).
+``adapter`` is what is registered. From there on, in the order of a render:
+
+- ``variants`` finds the backend that works on this machine,
+- ``session`` opens a translated scene (`openrooms_usd.render.scene`) and renders its cameras,
+- ``plugins`` makes Mitsuba's objects of it, ``tracer`` finds triangles in these,
+- ``render_passes`` says which pictures give which channels of light,
+- ``transport`` and ``direct`` estimate these pictures.
+
+``export`` writes a stage as XML instead. Importing this package imports no renderer: the backend's
+library has to be chosen before Mitsuba is loaded.
 """
 
 from orusd_mitsuba.adapter import MitsubaExporter, MitsubaRenderer

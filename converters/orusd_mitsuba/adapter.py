@@ -64,6 +64,6 @@ class MitsubaExporter:
             InputError: An option is not known.
             OutputError: The destination cannot be written.
         """
-        from orusd_mitsuba.exporter import export_scene
+        from orusd_mitsuba.export.exporter import export_scene
 
         return export_scene(stage, destination, options)

@@ -16,21 +16,29 @@ from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import MODELS, Model, with_model
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
-from orusd_mitsuba.build import Builder
-from orusd_mitsuba.direct_light import DirectFilm
-from orusd_mitsuba.hemispheres import HemisphereFilm, coarse
-from orusd_mitsuba.light_film import LightFilm
-from orusd_mitsuba.path_film import PathFilm
-from orusd_mitsuba.probes import render_probes
-from orusd_mitsuba.rays import MitsubaTracer
-from orusd_mitsuba.sampling import Halves
-from orusd_mitsuba.sources import Filing
-from orusd_mitsuba.takes import AROUND, PICTURE, RECEIVED, STRAIGHT, Film, Take, run_take
+from orusd_mitsuba.direct.integrator import DirectIntegrator
+from orusd_mitsuba.plugins.build import Builder
+from orusd_mitsuba.render_passes import (
+    DIRECT,
+    ENVIRONMENT,
+    IRRADIANCE,
+    RADIANCE,
+    RenderPass,
+    run_pass,
+)
+from orusd_mitsuba.tracer import MitsubaTracer
+from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
+from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator, coarse
+from orusd_mitsuba.transport.integrator import Integrator
+from orusd_mitsuba.transport.light_index import LightIndex
+from orusd_mitsuba.transport.path_integrator import PathIntegrator
+from orusd_mitsuba.transport.probes import render_probes
+from orusd_mitsuba.transport.sampling import Halves
+from orusd_mitsuba.transport.white import white_first
 from orusd_mitsuba.variants import Backend
-from orusd_mitsuba.white import white_first
 
 # Those that take less time first.
-_TAKES: Final = (PICTURE, RECEIVED, STRAIGHT, AROUND)
+_PASSES: Final = (RADIANCE, IRRADIANCE, DIRECT, ENVIRONMENT)
 _CONVENTIONS: Final = {
     "bsdf": "how surfaces reflect: auto, as each material says; openrooms, all by the microfacet "
     "model of OpenRooms; preview, all as UsdPreviewSurface",
@@ -76,7 +84,7 @@ class MitsubaSession:
         request: RenderRequest,
         progress: ViewProgress = lambda fraction: None,
     ) -> dict[str, Image]:
-        """Render one camera: each take that is needed, in equal parts of the time.
+        """Render one camera: each render pass that is needed, in equal parts of the time.
 
         Args:
             camera: What sees the scene.
@@ -88,16 +96,18 @@ class MitsubaSession:
         """
         self._activate()
         _check(request, self._variant)
-        needed = [(take, found) for take in _TAKES if (found := take.gives(request.channels))]
+        needed = [(one, found) for one in _PASSES if (found := one.gives(request.channels))]
         seconds = None if request.seconds is None else request.seconds / len(needed)
         part = replace(request, seconds=seconds)
         images: dict[str, Image] = {}
-        for number, (take, found) in enumerate(needed):
-            film = self._film(take, camera, request, found)
+        for number, (render_pass, found) in enumerate(needed):
+            integrator = self._integrator(render_pass, camera, request, found)
             share = partial(_share, progress, number, len(needed))
-            given, halves = run_take(take, film, part, found, len(self._sources), share)
+            given, halves = run_pass(
+                render_pass, integrator, part, found, len(self._sources), share
+            )
             images |= given
-            self._note(request, take.name, halves, int(film.broken.sum()))
+            self._note(request, render_pass.name, halves, int(integrator.broken.sum()))
         return images
 
     def probe(
@@ -118,38 +128,48 @@ class MitsubaSession:
                 f"the backend {self._variant} cannot make light probes",
                 remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
             )
-        return render_probes(self._built, self._filing, self._scene.origin, request, progress)
+        return render_probes(self._built, self._index, self._scene.origin, request, progress)
 
     def _activate(self) -> None:
         # Variants are chosen for the whole thread; another session may have changed it.
         mi.set_variant(self._variant)
         mi.set_log_level(mi.LogLevel.Error)
 
-    def _film(
-        self, take: Take, camera: PinholeCamera, request: RenderRequest, channels: tuple[str, ...]
-    ) -> Film:
+    def _integrator(
+        self,
+        render_pass: RenderPass,
+        camera: PinholeCamera,
+        request: RenderRequest,
+        channels: tuple[str, ...],
+    ) -> Integrator:
         size = request.width, request.height
         if self._variant.startswith("scalar"):
-            return PathFilm(self._built, camera, request, self._scene.origin)
-        if take is STRAIGHT:
-            return DirectFilm(
-                self._scene, self._built, self._sources, self._filing, self._white, camera, *size
+            return BuiltinIntegrator(self._built, camera, request, self._scene.origin)
+        if render_pass is DIRECT:
+            return DirectIntegrator(
+                self._scene,
+                self._built,
+                self._sources,
+                self._index,
+                self._white,
+                camera,
+                *size,
             )
-        if take is AROUND:
+        if render_pass is ENVIRONMENT:
             seen = replace(camera, K=coarse(camera, size, request.grid))
-            return HemisphereFilm(
-                self._scene, self._built, self._filing, self.tracer, seen, request.grid,
+            return HemisphereIntegrator(
+                self._scene, self._built, self._index, self.tracer, seen, request.grid,
                 request.bounces + 1,
             )  # fmt: skip
-        return LightFilm(
-            self._built, self._filing, camera, *size, self._scene.origin, request.bounces + 1,
+        return PathIntegrator(
+            self._built, self._index, camera, *size, self._scene.origin, request.bounces + 1,
             by_light=any(CHANNELS[name].scope == "light" for name in channels),
-            first=self._white if take is RECEIVED else None,
+            first=self._white if render_pass is IRRADIANCE else None,
         )  # fmt: skip
 
     @cached_property
-    def _filing(self) -> Filing:
-        return Filing(self._sources, self._built, self._scene.origin)
+    def _index(self) -> LightIndex:
+        return LightIndex(self._sources, self._built, self._scene.origin)
 
     @cached_property
     def _white(self) -> Callable[[Any], Any]:
@@ -169,7 +189,7 @@ class MitsubaSession:
 
 
 def _share(progress: ViewProgress, number: int, count: int, done: float) -> None:
-    """The progress of one take as that of all."""
+    """The progress of one render pass as that of all."""
     progress((number + done) / count)
 
 

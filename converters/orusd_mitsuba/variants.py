@@ -26,7 +26,7 @@ REMEDY: Final = (
     "install LLVM 17 or newer (Debian, Ubuntu: apt-get install libllvm19; macOS: brew install "
     f"llvm), or name its library in the environment variable {LIBRARY}"
 )
-_TIMEOUT: Final = 30.0  # seconds; a probe takes about half of one
+_PROBE_SECONDS: Final = 30.0  # seconds; a probe takes about half of one
 
 _FOLDERS: Final = (
     "/usr/lib/x86_64-linux-gnu",
@@ -223,11 +223,11 @@ def _probe(variant: str, library: Path | None) -> Probe:
             env=environment,
             capture_output=True,
             text=True,
-            timeout=_TIMEOUT,
+            timeout=_PROBE_SECONDS,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Probe(False, f"no answer in {_TIMEOUT:.0f} s")
+        return Probe(False, f"no answer in {_PROBE_SECONDS:.0f} s")
     if done.returncode == 0 and "works" in done.stdout:
         return Probe(True, done.stdout.rpartition("works")[2].strip())
     return Probe(False, _reason(done.stdout + "\n" + done.stderr, done.returncode))

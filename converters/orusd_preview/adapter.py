@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from openrooms_usd.render.scene.arrays import Scene
     from orusd_preview.session import PreviewSession
 
-_REACH: Final = "0.6"
+_REACH_METRES: Final = "0.6"
 
 
 class PreviewRenderer:
@@ -22,7 +22,7 @@ class PreviewRenderer:
     channels: Final = ("radiance",)
 
     options: Final[Mapping[str, str]] = {
-        "reach": f"how far ambient occlusion looks for what is near, metres; {_REACH}"
+        "reach": f"how far ambient occlusion looks for what is near, metres; {_REACH_METRES}"
     }
 
     def open(self, scene: "Scene", options: Mapping[str, str] = NO_OPTIONS) -> "PreviewSession":
@@ -37,7 +37,7 @@ class PreviewRenderer:
         """
         from orusd_preview.session import PreviewSession
 
-        return PreviewSession(scene, _metres(options.get("reach", _REACH)))
+        return PreviewSession(scene, _metres(options.get("reach", _REACH_METRES)))
 
 
 def _metres(text: str) -> float:

@@ -11,12 +11,12 @@ from openrooms_usd.geometry.raycast import RayCaster
 Array = NDArray[np.float64]
 
 # Rays begin this far above their surface, metres: single precision puts points below it.
-_LIFT: Final = 1e-3
+_LIFT_METRES: Final = 1e-3
 # Steps that fill a square evenly however many they are: inverse powers of the plastic number, the
 # root of x^3 = x + 1 (M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018).
-_STEPS: Final = 1.324717957244746 ** np.array([-1.0, -2.0])
+_LATTICE_STEPS: Final = 1.324717957244746 ** np.array([-1.0, -2.0])
 # Points that are worked on at once: some 200 bytes each.
-_BATCH: Final = 1 << 19
+_POINTS_A_BATCH: Final = 1 << 19
 
 
 def openness(
@@ -45,12 +45,12 @@ def openness(
     """
     free = np.zeros(len(points))
     shifts = rng.random((len(points), 3))
-    for start in range(0, len(points), _BATCH):
-        part = slice(start, start + _BATCH)
-        origins = points[part] + _LIFT * normals[part]
+    for start in range(0, len(points), _POINTS_A_BATCH):
+        part = slice(start, start + _POINTS_A_BATCH)
+        origins = points[part] + _LIFT_METRES * normals[part]
         across, along = _tangents(normals[part])
         for number in range(rays):
-            lattice = np.array([(number + 0.5) / rays, *(number * _STEPS)])
+            lattice = np.array([(number + 0.5) / rays, *(number * _LATTICE_STEPS)])
             u, v, w = ((lattice + shifts[part]) % 1.0).T
             radius, phi = np.sqrt(u), 2.0 * np.pi * v
             directions = (

@@ -194,9 +194,9 @@ def report_of(out: Path) -> dict:
 
 def test_an_error_that_is_not_reached_is_said(ball, tmp_path, monkeypatch):
     pytest.importorskip("mitsuba")
-    from orusd_mitsuba import sampling
+    from orusd_mitsuba.transport import sampling
 
-    monkeypatch.setattr(sampling, "_MOST", 16)
+    monkeypatch.setattr(sampling, "_MOST_SAMPLES", 16)
     options = ["--variant", "scalar", "--resolution", "16x12", "--camera", "front"]
     for error, warned in (("1e-9", True), ("1e3", False)):
         said = call("render", ball, "-o", tmp_path / error, *options, "--error", error)

@@ -181,16 +181,16 @@ class Lit:
         mi.set_variant(variants.choose("auto").variant)
         from openrooms_usd.render.scene.sources import sources_of
         from openrooms_usd.render.scene.translate import translate
-        from orusd_mitsuba.build import Builder
-        from orusd_mitsuba.sources import Filing
-        from orusd_mitsuba.white import white_first
+        from orusd_mitsuba.plugins.build import Builder
+        from orusd_mitsuba.transport.light_index import LightIndex
+        from orusd_mitsuba.transport.white import white_first
 
         self.stage = stage
         self.scene = translate(stage)
         builder = Builder(self.scene.origin)
         self.built = builder.scene(self.scene)
         self.sources = sources_of(self.scene)
-        self.filing = Filing(self.sources, self.built, self.scene.origin)
+        self.filing = LightIndex(self.sources, self.built, self.scene.origin)
         self.first = white_first(self.scene, self.built, builder)
         self._builder = builder
 
@@ -202,16 +202,16 @@ class Lit:
     def direct(
         self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)
     ) -> NDArray[np.float32]:
-        """(4 L, height, width, 3) of `DirectFilm`."""
-        from orusd_mitsuba.direct_light import DirectFilm
+        """(4 L, height, width, 3) of `DirectIntegrator`."""
+        from orusd_mitsuba.direct.integrator import DirectIntegrator
 
-        film = DirectFilm(self.scene, self.built, self.sources, self.filing, self.first,
+        film = DirectIntegrator(self.scene, self.built, self.sources, self.filing, self.first,
                           self.camera(*size), *size)  # fmt: skip
         return film(samples, seed)
 
     def lights(self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)) -> Any:
         """The channels that `finish` makes of it, without the picture's axes."""
-        from orusd_mitsuba.control_variate import finish
+        from orusd_mitsuba.direct.control_variate import finish
 
         found = finish(self.direct(samples, seed, size))
         return {name: values.reshape(len(self.sources), -1, 3) for name, values in found.items()}

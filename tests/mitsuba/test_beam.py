@@ -9,7 +9,7 @@ import pytest
 from openrooms_usd.render.scene.arrays import Environment
 from openrooms_usd.usd.portals import Portal
 from orusd_mitsuba import variants
-from orusd_mitsuba.light_choice import Beam, brightest_beam
+from orusd_mitsuba.plugins.light_weights import Beam, brightest_beam
 
 # A window in the plane y = 1, half a metre about the axis, that looks along +Y.
 WINDOW = np.array([[-1.0, 0, 0, 0], [0, 0, 1, 1], [0, 1, 0, 0], [0, 0, 0, 1]])
@@ -34,7 +34,7 @@ def mi() -> ModuleType:
 
 
 def emitter(mi: ModuleType, pixels: np.ndarray, beam: Beam | None) -> tuple[Any, Any]:
-    from orusd_mitsuba.portals import through_portals
+    from orusd_mitsuba.plugins.portal_environment import through_portals
 
     turn = np.eye(4)
     turn[:3, :3] = TURN

@@ -25,7 +25,7 @@ def mi() -> ModuleType:
 
 def by_dr(mi: ModuleType, corners: ArrayLike, at: Any, cosine: Any, horizon: Any = None) -> Array:
     """(N,) the function under test for triangles (N, 3, 3), points and normals (3,) or (N, 3)."""
-    from orusd_mitsuba.closed_form import factor
+    from orusd_mitsuba.direct.closed_form import factor
 
     triangles = np.asarray(corners, dtype=np.float64).reshape(-1, 3, 3)
     points = [mi.Point3f(triangles[:, i].T.astype(np.float32)) for i in range(3)]

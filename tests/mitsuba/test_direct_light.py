@@ -88,7 +88,7 @@ def test_a_sphere_gives_pi_l_r_squared_over_d_squared(build: Any, lit: Any) -> N
 
 
 def test_the_lights_add_up_to_the_path_tracer(build: Any, lit: Any) -> None:
-    from orusd_mitsuba.light_film import LightFilm
+    from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
     made = room(build)
     made.box("/Table", 0.5, material="/White")
@@ -97,8 +97,8 @@ def test_the_lights_add_up_to_the_path_tracer(build: Any, lit: Any) -> None:
     scene = lit(made.stage)
     ours = np.stack([scene.direct(16, seed) for seed in range(6)]).astype(np.float64)
     lights = len(scene.sources)
-    film = LightFilm(scene.built, scene.filing, scene.camera(16, 16), 16, 16, scene.scene.origin,
-                     2, by_light=False, first=scene.first)  # fmt: skip
+    film = PathIntegrator(scene.built, scene.filing, scene.camera(16, 16), 16, 16,
+                          scene.scene.origin, 2, by_light=False, first=scene.first)  # fmt: skip
     theirs = np.stack([film(64, 100 + seed)[1] for seed in range(6)]).astype(np.float64) * np.pi
     total = ours[:, :lights].sum(axis=1).mean(axis=(1, 2, 3))
     assert total.mean() > 1.0
@@ -146,19 +146,19 @@ def _mean_over(scene: Any, middle: Array, normal: Array, patch: Array) -> float:
     import drjit as dr
     import mitsuba as mi
 
-    from orusd_mitsuba.direct_light import DirectFilm
-    from orusd_mitsuba.tallies import Tallies
+    from orusd_mitsuba.direct.accumulator import DirectAccumulator
+    from orusd_mitsuba.direct.integrator import DirectIntegrator
 
     count = 1 << 17
     rng = np.random.default_rng(1)
     at = patch[0] + rng.random((count, 1)) * (patch[1] - patch[0])
     at = at + rng.random((count, 1)) * (patch[3] - patch[0]) + 0.01 * normal - scene.scene.origin
     ray = mi.Ray3f(mi.Point3f(at.T.astype(np.float32)), mi.Vector3f(*(-normal).tolist()))
-    film = DirectFilm(scene.scene, scene.built, scene.sources, scene.filing, scene.first,
+    film = DirectIntegrator(scene.scene, scene.built, scene.sources, scene.filing, scene.first,
                       scene.camera(8, 8), 8, 8)  # fmt: skip
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(3, count)
-    tallies = Tallies(count, len(scene.sources), 1)
+    tallies = DirectAccumulator(count, len(scene.sources), 1)
     film._gather(ray, sampler, tallies)
     sums = dr.block_sum(tallies.entries, count).numpy()
     return float(sums[0]) / count

@@ -13,12 +13,14 @@ NITS = 1000.0
 
 
 def film_of(lit: Any, grid: tuple[int, int] = (4, 3), depth: int = 8, **how: Any) -> Any:
-    from orusd_mitsuba.hemispheres import HemisphereFilm
-    from orusd_mitsuba.rays import MitsubaTracer
+    from orusd_mitsuba.tracer import MitsubaTracer
+    from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator
 
     tracer = MitsubaTracer(lit.scene, lit.built)
     camera = lit.camera(*grid)
-    return HemisphereFilm(lit.scene, lit.built, lit.filing, tracer, camera, grid, depth, **how)
+    return HemisphereIntegrator(
+        lit.scene, lit.built, lit.filing, tracer, camera, grid, depth, **how
+    )
 
 
 def solid_angle(triangle: np.ndarray, at: np.ndarray) -> float:
@@ -114,13 +116,13 @@ def convex_room(build: Any) -> Any:
 def test_cells_times_cosine_are_irradiance(
     build: Any, lit: Any, target: tuple[float, float, float]
 ) -> None:
-    from orusd_mitsuba.light_film import LightFilm
+    from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
     room = convex_room(build)
     room.camera((-0.5, -0.6, 0.1), target, fov=0.05, aspect=1.0)
     made = lit(room.stage)
     film = film_of(made, (1, 1))
-    white = LightFilm(
+    white = PathIntegrator(
         made.built, made.filing, made.camera(4, 4), 4, 4, made.scene.origin, 8, by_light=False,
         first=made.first,
     )  # fmt: skip
@@ -174,7 +176,7 @@ def test_where_nothing_is_seen_nothing_arrives(build: Any, lit: Any) -> None:
 
 
 def test_intrinsics_of_a_coarse_grid_see_the_same_corners(build: Any, lit: Any) -> None:
-    from orusd_mitsuba.hemispheres import coarse
+    from orusd_mitsuba.transport.hemispheres import coarse
 
     room = convex_room(build)
     room.camera((-0.5, -0.6, 0.1), (0.3, 0.2, -1.0), fov=40.0)

@@ -8,7 +8,7 @@ from pxr import Gf, UsdLux
 
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.portals import Portal, define_portal
-from orusd_mitsuba.light_choice import light_weights
+from orusd_mitsuba.plugins.light_weights import light_weights
 
 
 def lamps(build: Any, *, nits: tuple[float, float], sky: float, inlet: float) -> Any:

@@ -12,17 +12,18 @@ from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest, opened, render_stage
 from openrooms_usd.render.exr import read_channels
-from orusd_mitsuba import arriving, direct_light, light_film
 from orusd_mitsuba import session as mitsuba_session
+from orusd_mitsuba.direct import integrator as direct_integrator
+from orusd_mitsuba.transport import incident, path_integrator
 
 # One of each kind of pass, and all that each gives.
-TAKES = {
+PASSES = {
     "radiance": ("radiance", "emission", "direct", "indirect", "radiance_i"),
     "irradiance": ("irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i"),
     "direct light": ("direct_i", "unoccluded_i", "visibility_i"),
     "environment": ("environment", "environment_direct"),
 }
-LIT = tuple(name for names in TAKES.values() for name in names)
+LIT = tuple(name for names in PASSES.values() for name in names)
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +46,7 @@ def test_the_scalar_backend_says_before_it_starts_what_it_cannot(
     file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     began: list[str] = []
-    monkeypatch.setattr(mitsuba_session, "run_take", lambda *args: began.append("light"))
+    monkeypatch.setattr(mitsuba_session, "run_pass", lambda *args: began.append("light"))
     monkeypatch.setattr(opened, "first_hits", lambda *args: began.append("rays"))
     with pytest.raises(RenderError, match="scalar_rgb cannot give") as caught:
         render_stage(
@@ -86,9 +87,9 @@ def test_what_was_no_number_is_counted_in_every_channel(
     pixels = [np.s_[:, 1, 2, 0], np.s_[:, 1, 2, 1], np.s_[:, 3, 4, 2]]
     cells = [np.s_[:, 0, 3, 4, 0], np.s_[:, 0, 3, 4, 1], np.s_[:, 1, 3, 5, 2]]
     for owner, name, where in (
-        (light_film.LightFilm, "_band", pixels),
-        (direct_light.DirectFilm, "_band", pixels),
-        (arriving.Arriving, "__call__", cells),
+        (path_integrator.PathIntegrator, "_band", pixels),
+        (direct_integrator.DirectIntegrator, "_band", pixels),
+        (incident.IncidentRadiance, "__call__", cells),
     ):
         monkeypatch.setattr(owner, name, spoiled(getattr(owner, name), *where))
     made = ["diffuse", "specular", "residual", "irradiance_unoccluded_i"]
@@ -99,7 +100,7 @@ def test_what_was_no_number_is_counted_in_every_channel(
     assert all(np.isfinite(pixels).all() for pixels in stored.values())
     losses = json.loads((tmp_path / "out" / "manifest.json").read_text())["report"]["losses"]
     assert [row["reason"] for row in losses if row["prim"] == "/Camera"] == [
-        f"{take} was no number in 2 pixels, taken as 0" for take in TAKES
+        f"{name} was no number in 2 pixels, taken as 0" for name in PASSES
     ]
 
 
@@ -117,16 +118,16 @@ def test_time_is_spread_over_the_kinds_of_passes(
     file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shares: list[float] = []
-    real = mitsuba_session.run_take
+    real = mitsuba_session.run_pass
 
     def recorded(take: Any, film: Any, request: RenderRequest, *rest: Any) -> Any:
         assert request.samples is None and request.seconds is not None
         shares.append(request.seconds)
         return real(take, film, request, *rest)
 
-    monkeypatch.setattr(mitsuba_session, "run_take", recorded)
+    monkeypatch.setattr(mitsuba_session, "run_pass", recorded)
     _, said = rendered(file, tmp_path / "out", channels=[*LIT], seconds=0.8)
-    assert shares == [pytest.approx(0.2)] * len(TAKES)
+    assert shares == [pytest.approx(0.2)] * len(PASSES)
     assert all(row["samples"] >= 2 for row in said.values())
     assert all(row["estimated_error"] is not None for row in said.values())
 

@@ -20,13 +20,13 @@ def case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lit: Any) -> Any:
     """Gives by name an opened room and the film of its camera."""
     monkeypatch.syspath_prepend(str(ROOT))
     from benchmarks.light.hard import CASES
-    from orusd_mitsuba.light_film import LightFilm
+    from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
     def open_case(name: str) -> tuple[Any, Any]:
         chosen = CASES[name]
         room = lit(chosen.build(tmp_path))
         camera = room.camera(*SIZE, path=EYE)
-        film = LightFilm(
+        film = PathIntegrator(
             room.built, room.filing, camera, *SIZE, room.scene.origin, chosen.bounces + 1
         )
         return room, film
@@ -55,11 +55,11 @@ def assert_alike(a: Passes, b: Passes) -> None:
      ("three windows", 7), ("lamp at the wall", 7), ("white", 50), ("coincident", 7)],
 )  # fmt: skip
 def test_it_is_what_mitsubas_own_integrator_gives(case: Any, name: str, bounces: int) -> None:
-    from orusd_mitsuba.path_film import PathFilm
+    from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
 
     room, film = case(name)
     request = RenderRequest(EYE, ("radiance",), *SIZE, samples=1, bounces=bounces)
-    theirs = PathFilm(room.built, room.camera(*SIZE, path=EYE), request, room.scene.origin)
+    theirs = BuiltinIntegrator(room.built, room.camera(*SIZE, path=EYE), request, room.scene.origin)
     found = passes(film)
     assert_alike(found[:, :3].sum(axis=1), passes(theirs, seed=500)[:, 0])
     np.testing.assert_allclose(found[:, :3].sum(axis=1), found[:, 3:].sum(axis=1), rtol=1e-4)
@@ -85,7 +85,7 @@ def test_a_point_is_as_bright_as_the_lamp_of_its_flux(case: Any, plain: Passes) 
     """Lambert's point source: I cos cos / d^2, at the floor and the walls that it sees."""
     from openrooms_usd.render.scene.first_hits import first_hits
     from openrooms_usd.render.scene.ground_truth import GroundTruth
-    from orusd_mitsuba.rays import MitsubaTracer
+    from orusd_mitsuba.tracer import MitsubaTracer
 
     room, film = case("point lamp")
     camera = room.camera(*SIZE, path=EYE)
@@ -133,7 +133,7 @@ def test_the_wall_around_a_window_gets_nothing_from_it_at_once(case: Any) -> Non
     assert planes[1][~sky_seen].max() > 0.0, "what it shines on is lit"
     portal = room.scene.portals[0].world_from_portal
     from openrooms_usd.render.scene.first_hits import first_hits
-    from orusd_mitsuba.rays import MitsubaTracer
+    from orusd_mitsuba.tracer import MitsubaTracer
 
     camera = room.camera(*SIZE, path=EYE)
     hits = first_hits(room.scene, MitsubaTracer(room.scene, room.built), camera, *SIZE)

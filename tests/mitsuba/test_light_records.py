@@ -111,7 +111,7 @@ def test_a_textured_lamp_is_the_mean_of_its_picture(
 def test_masks_are_where_pixels_see_the_light(build: Any, lit: Any) -> None:
     from openrooms_usd.render.scene.first_hits import first_hits
     from openrooms_usd.render.scene.light_masks import light_masks
-    from orusd_mitsuba.rays import MitsubaTracer
+    from orusd_mitsuba.tracer import MitsubaTracer
 
     made = scene(build)
     stage, found = records(lit, made)

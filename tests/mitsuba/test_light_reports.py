@@ -10,17 +10,18 @@ from numpy.typing import NDArray
 from openrooms_usd.channels import definition
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
-from orusd_mitsuba import MitsubaRenderer, arriving, bands
+from orusd_mitsuba import MitsubaRenderer
+from orusd_mitsuba.transport import bands, incident
 
 SIZE = {"width": 24, "height": 18, "grid": (6, 4)}
 # One of each kind of pass, and all that each gives.
-TAKES = {
+PASSES = {
     "radiance": ("radiance", "emission", "direct", "indirect", "radiance_i"),
     "irradiance": ("irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i"),
     "direct light": ("direct_i", "unoccluded_i", "visibility_i"),
     "environment": ("environment", "environment_direct"),
 }
-LIT = tuple(name for names in TAKES.values() for name in names)
+LIT = tuple(name for names in PASSES.values() for name in names)
 
 
 @pytest.fixture(scope="module")
@@ -48,17 +49,17 @@ def lights_of(name: str, found: Any) -> list[str]:
 
 @pytest.fixture(scope="module")
 def renders(session: Any) -> list[Any]:
-    names = tuple(name for name in LIT if name not in TAKES["environment"])
+    names = tuple(name for name in LIT if name not in PASSES["environment"])
     few = [images(session, *names, samples=64, seed=seed) for seed in range(6)]
-    cells = [images(session, *TAKES["environment"], samples=256, seed=seed) for seed in range(6)]
+    cells = [images(session, *PASSES["environment"], samples=256, seed=seed) for seed in range(6)]
     return [a | b for a, b in zip(few, cells, strict=True)]
 
 
 @pytest.fixture(scope="module")
 def truth(session: Any) -> Any:
-    names = tuple(name for name in LIT if name not in TAKES["environment"])
+    names = tuple(name for name in LIT if name not in PASSES["environment"])
     many = images(session, *names, samples=640, seed=77)
-    return many | images(session, *TAKES["environment"], samples=2560, seed=77)
+    return many | images(session, *PASSES["environment"], samples=2560, seed=77)
 
 
 # Of emission the edges of lamps are all there is: what hardly ever meets one has no estimate.
@@ -83,8 +84,8 @@ def test_cutting_a_render_into_passes_and_bands_is_no_more_than_another_noise(
     session: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = images(session, *LIT, samples=32)
-    monkeypatch.setattr(bands, "_PATHS", 24 * 10)
-    monkeypatch.setattr(arriving, "_PATHS", 512 * 16)
+    monkeypatch.setattr(bands, "_PATHS_IN_FLIGHT", 24 * 10)
+    monkeypatch.setattr(incident, "_PATHS_IN_FLIGHT", 512 * 16)
     cut = images(session, *LIT, samples=32, seed=5)
     for name, image in whole.items():
         other = cut[name]
@@ -113,7 +114,7 @@ def test_equal_seeds_give_equal_bits_of_every_channel_on_any_number_of_threads(
     first = images(session, *LIT)
     request.getfixturevalue("one_thread")
     again = open_with(MitsubaRenderer(), half_hidden())
-    for names in TAKES.values():
+    for names in PASSES.values():
         for name, image in images(again, *names).items():
             assert image.pixels.tobytes() == first[name].pixels.tobytes(), name
     other = images(session, *LIT, seed=1)

@@ -12,7 +12,8 @@ from openrooms_usd.render.scene.codes import load_picture
 from openrooms_usd.render.scene.pictures import evaluate, load
 from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
-from orusd_mitsuba import MitsubaRenderer, material_table, variants
+from orusd_mitsuba import MitsubaRenderer, variants
+from orusd_mitsuba.plugins import material_table
 
 
 @pytest.fixture

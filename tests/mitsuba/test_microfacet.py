@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from orusd_mitsuba import openrooms_bsdf, variants
+from orusd_mitsuba import variants
+from orusd_mitsuba.plugins import openrooms_bsdf
 
 Array = np.ndarray
 Prepare = Callable[[str], Any]

@@ -10,7 +10,8 @@ from pxr import UsdLux
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
-from orusd_mitsuba import MitsubaExporter, MitsubaRenderer, openrooms_bsdf, variants
+from orusd_mitsuba import MitsubaExporter, MitsubaRenderer, variants
+from orusd_mitsuba.plugins import openrooms_bsdf
 
 Prepare = Callable[[str], Any]
 

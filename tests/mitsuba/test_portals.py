@@ -95,7 +95,7 @@ def mi() -> ModuleType:
 
 
 def emitter(mi: ModuleType) -> Any:
-    from orusd_mitsuba.portals import through_portals
+    from orusd_mitsuba.plugins.portal_environment import through_portals
 
     sky = np.ones((8, 16, 3), dtype=np.float32)
     sky[:3, 4:6] = 30.0

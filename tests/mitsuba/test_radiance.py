@@ -9,9 +9,9 @@ from pxr import Gf, UsdGeom, UsdLux
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.estimates import relative_error
 from openrooms_usd.usd.lights import define_mesh_light
-from orusd_mitsuba import sampling
-from orusd_mitsuba.bands import Band
-from orusd_mitsuba.exporter import export_scene
+from orusd_mitsuba.export.exporter import export_scene
+from orusd_mitsuba.transport import sampling
+from orusd_mitsuba.transport.bands import Band
 
 ALBEDO = 0.6
 PATCH = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
@@ -341,7 +341,7 @@ def test_pixels_that_are_no_numbers_are_counted_and_reported(build, open_stage, 
 
 
 def test_an_error_that_is_not_reached_is_reported(build, open_stage, monkeypatch):
-    monkeypatch.setattr(sampling, "_MOST", 16)
+    monkeypatch.setattr(sampling, "_MOST_SAMPLES", 16)
     session = open_stage(lit_patch(build))
     request = RenderRequest("/Camera", ("radiance",), 32, 24, error=1e-9, bounces=1)
     image = session.render(request).images["radiance"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.render import RenderRequest
-from orusd_mitsuba.sampling import Sampler, pass_seed
+from orusd_mitsuba.transport.sampling import ProgressiveSampler, batch_seed
 
 
 def noise(samples, seed):
@@ -16,7 +16,7 @@ def noise(samples, seed):
 
 
 def sampler(request, render=noise, most=8, progress=lambda fraction: None):
-    return Sampler(render, request, (16, 16), most, progress)
+    return ProgressiveSampler(render, request, (16, 16), most, progress)
 
 
 def request(**how):
@@ -82,6 +82,6 @@ def test_progress_grows_to_one(how):
 
 
 def test_seeds_differ_by_camera_pass_and_seed():
-    seeds = {pass_seed(s, c, p) for s in range(5) for c in ("/a", "/b") for p in range(100)}
+    seeds = {batch_seed(s, c, p) for s in range(5) for c in ("/a", "/b") for p in range(100)}
     assert len(seeds) == 1000
     assert all(0 <= seed < 1 << 32 for seed in seeds)

@@ -10,7 +10,7 @@ from pxr import UsdLux
 from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 from orusd_mitsuba import variants
-from orusd_mitsuba.exporter import export_scene
+from orusd_mitsuba.export.exporter import export_scene
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 CLOTH = (0.5, 0.4, 0.2)

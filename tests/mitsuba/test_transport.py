@@ -60,9 +60,9 @@ def sun(save_picture: Any, tmp_path: Path) -> str:
 
 
 def film_of(room: Any, depth: int = 8, size: tuple[int, int] = SIZE, **how: Any) -> Any:
-    from orusd_mitsuba.light_film import LightFilm
+    from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
-    return LightFilm(
+    return PathIntegrator(
         room.built, room.filing, room.camera(*size), *size, room.scene.origin, depth, **how
     )
 
@@ -93,17 +93,17 @@ def assert_alike(a: Passes, b: Passes) -> None:
 
 def test_the_sum_is_what_mitsubas_own_integrator_gives(build: Any, lit: Any, sun: str) -> None:
     """The z of every block of pixels, by independent passes of both."""
-    from orusd_mitsuba.path_film import PathFilm
+    from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
 
     room = lit(little_room(build, sun))
     request = RenderRequest("/Camera", ("radiance",), *SIZE, samples=1, bounces=7)
-    theirs = PathFilm(room.built, room.camera(*SIZE), request, room.scene.origin)
+    theirs = BuiltinIntegrator(room.built, room.camera(*SIZE), request, room.scene.origin)
     ours = passes(film_of(room, by_light=False)).sum(axis=1)
     assert_alike(ours, passes(theirs, seed=900)[:, 0])
 
 
 def test_kinds_and_lights_are_two_ways_to_add_up_the_same(build: Any, lit: Any, sun: str) -> None:
-    from orusd_mitsuba.transport import KINDS
+    from orusd_mitsuba.transport.path_tracing import KINDS
 
     planes = film_of(lit(little_room(build, sun)))(16, 1).astype(np.float64)
     kinds, lights = planes[: len(KINDS)], planes[len(KINDS) :]
@@ -132,11 +132,11 @@ def test_equal_seeds_give_equal_bits_and_others_do_not(build: Any, lit: Any, sun
 def test_bands_and_passes_agree_within_their_noise(
     build: Any, lit: Any, sun: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from orusd_mitsuba import bands
+    from orusd_mitsuba.transport import bands
 
     room = lit(little_room(build, sun))
     whole = passes(film_of(room))
-    monkeypatch.setattr(bands, "_PATHS", 32 * 5)
+    monkeypatch.setattr(bands, "_PATHS_IN_FLIGHT", 32 * 5)
     banded = film_of(room)
     assert banded.most == 1
     many = passes(banded, count=48, samples=1, seed=700)
@@ -147,7 +147,7 @@ def test_a_white_first_surface_receives_what_lambert_sends(build: Any, lit: Any,
     """irradiance x base_color / pi = direct + indirect where everything is exactly Lambertian."""
     from openrooms_usd.render.scene.first_hits import first_hits
     from openrooms_usd.render.scene.ground_truth import GroundTruth
-    from orusd_mitsuba.rays import MitsubaTracer
+    from orusd_mitsuba.tracer import MitsubaTracer
 
     room = lit(little_room(build, sun, roughness=1.0, ior=1.0))
     camera = room.camera(*SIZE)

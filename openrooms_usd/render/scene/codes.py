@@ -21,7 +21,7 @@ from openrooms_usd.render.scene.pictures import (
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from openrooms_usd.usd.textures import read_codes
 
-_OPAQUE: Final = 255
+_OPAQUE_CODE: Final = 255
 
 
 def load_picture(texture: Texture, channels: int, limits: Limits, uv: Array) -> Picture:
@@ -49,7 +49,7 @@ def _picked(
     count = codes.shape[2]
     which = tuple(range(channels)) if channel == "rgb" else ("rgba".index(channel),) * channels
     if which[0] == 3:
-        alpha = codes[..., -1:] if count in (2, 4) else np.full_like(codes[..., :1], _OPAQUE)
+        alpha = codes[..., -1:] if count in (2, 4) else np.full_like(codes[..., :1], _OPAQUE_CODE)
         return np.repeat(alpha, channels, axis=2), which
     stored = [index if count >= 3 else 0 for index in which]
     return codes if stored == list(range(count)) else codes[..., stored], which

@@ -13,12 +13,12 @@ from openrooms_usd.render.scene.rays import RayTracer, Rows
 from openrooms_usd.usd.cameras import PinholeCamera
 
 # |cos| between ray and plane below which the plane cannot tell where the ray meets it.
-_GRAZING: Final = 1e-6
+_GRAZING_COSINE: Final = 1e-6
 # How many clear surfaces a ray goes through at most, and the step behind each.
-_LAYERS: Final = 64
-_STEP: Final = 1e-5
+_MOST_CLEAR_LAYERS: Final = 64
+_STEP_BEHIND: Final = 1e-5
 # What is less opaque than this is seen through by geometry and labels.
-_OPAQUE: Final = 0.5
+_LEAST_OPACITY: Final = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +72,12 @@ def first_hits(
     found = tracer.pixels(camera, width, height).ravel()
     R = camera.world_from_camera[:3, :3]
     directions = (pixel_directions(camera.K, width, height) @ R.T).reshape(-1, 3)
-    for _ in range(_LAYERS):
+    for _ in range(_MOST_CLEAR_LAYERS):
         hits = _hits(scene, camera, (height, width), found, directions)
         clear = _clear(scene, hits)
         if not clear.any():
             break
-        behind = hits.position[clear] + _STEP * hits.directions[clear]
+        behind = hits.position[clear] + _STEP_BEHIND * hits.directions[clear]
         found[hits.pixels[clear]] = tracer.rays(behind, hits.directions[clear])
     return hits
 
@@ -110,7 +110,7 @@ def _meet(corners: Array, eye: Array, directions: Array) -> tuple[Array, Array, 
     areas = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.where(areas > 0, areas, 1.0)
     slopes = np.einsum("ij,ij->i", normals, directions)
-    edge_on = np.abs(slopes) < _GRAZING * np.linalg.norm(directions, axis=1)
+    edge_on = np.abs(slopes) < _GRAZING_COSINE * np.linalg.norm(directions, axis=1)
     # Seen edge-on, the triangle's middle has to do.
     heights = np.einsum("ij,ij->i", normals, a)
     middle = np.einsum("ij,ij->i", (a + b + c) / 3, directions)
@@ -131,5 +131,5 @@ def _clear(scene: Scene, hits: Hits) -> NDArray[np.bool_]:
         opacity = scene.patches[number].surface.opacity
         if opacity != 1.0:
             here = hits.patches == number
-            clear[here] = evaluate(opacity, hits.st[here], 1)[:, 0] < _OPAQUE
+            clear[here] = evaluate(opacity, hits.st[here], 1)[:, 0] < _LEAST_OPACITY
     return clear

@@ -29,10 +29,10 @@ from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import color_space, read_texture
 
 # Facets around a round light: even, so that its outline is symmetric.
-_AROUND: Final = 48
-_UP: Final = 24
+_FACETS_AROUND: Final = 48
+_FACETS_UP: Final = 24
 # Rows from which half a row is less than a tenth of a degree.
-_TALL: Final = 1024
+_ROWS_FINE_ENOUGH: Final = 1024
 
 
 def sun(light: DistantLight) -> tuple[Sun, tuple[str, ...]]:
@@ -46,7 +46,7 @@ def environment(light: DomeLight) -> tuple[Environment, tuple[str, ...]]:
     """The surroundings, and what was lost."""
     rotation = light.world_from_light[:3, :3]
     pixels, losses = _sky(light.texture)
-    if 1 < len(pixels) < _TALL:
+    if 1 < len(pixels) < _ROWS_FINE_ENOUGH:
         pixels = _pole_to_pole(pixels)
     return Environment((pixels * light.radiance).astype(np.float32), rotation), losses
 
@@ -148,20 +148,20 @@ def _rect(light: RectLight) -> Parts:
 
 def _disk(light: DiskLight) -> Parts:
     ring = _circle() * light.radius * _widening()
-    points = np.concatenate([np.zeros((1, 3)), np.column_stack([ring, np.zeros(_AROUND)])])
-    near = np.arange(_AROUND)
-    far = (near + 1) % _AROUND
+    points = np.concatenate([np.zeros((1, 3)), np.column_stack([ring, np.zeros(_FACETS_AROUND)])])
+    near = np.arange(_FACETS_AROUND)
+    far = (near + 1) % _FACETS_AROUND
     rows = np.column_stack([np.zeros_like(near), far + 1, near + 1])
     return points, rows, _below(len(points)), np.zeros((len(points), 2))
 
 
 def _sphere(light: SphereLight) -> Parts:
-    polar = np.linspace(0, np.pi, _UP + 1)
+    polar = np.linspace(0, np.pi, _FACETS_UP + 1)
     ring = _circle()
     unit = np.stack(
-        [np.column_stack([ring * np.sin(t), np.full(_AROUND, np.cos(t))]) for t in polar]
+        [np.column_stack([ring * np.sin(t), np.full(_FACETS_AROUND, np.cos(t))]) for t in polar]
     )
-    rows = _grid(_UP + 1, _AROUND)
+    rows = _grid(_FACETS_UP + 1, _FACETS_AROUND)
     points = unit.reshape(-1, 3)
     rows = rows[_areas(points, rows) > 1e-9]
     widened = points * light.radius * np.sqrt(4 * np.pi / _areas(points, rows).sum())
@@ -171,13 +171,14 @@ def _sphere(light: SphereLight) -> Parts:
 def _cylinder(light: CylinderLight) -> Parts:
     ring = _circle()
     # Perimeter, not area, of the polygon is that of the circle: the side is what emits.
-    radius = light.radius * np.pi / (_AROUND * np.sin(np.pi / _AROUND))
+    radius = light.radius * np.pi / (_FACETS_AROUND * np.sin(np.pi / _FACETS_AROUND))
     ends = [
-        np.column_stack([np.full(_AROUND, x * light.length / 2), ring * radius]) for x in (1, -1)
+        np.column_stack([np.full(_FACETS_AROUND, x * light.length / 2), ring * radius])
+        for x in (1, -1)
     ]
-    normals = np.column_stack([np.zeros(_AROUND), ring])
-    rows = _grid(2, _AROUND)
-    return np.concatenate(ends), rows, np.tile(normals, (2, 1)), np.zeros((2 * _AROUND, 2))
+    normals = np.column_stack([np.zeros(_FACETS_AROUND), ring])
+    rows = _grid(2, _FACETS_AROUND)
+    return np.concatenate(ends), rows, np.tile(normals, (2, 1)), np.zeros((2 * _FACETS_AROUND, 2))
 
 
 _MAKERS: Final[dict[type, Callable[[Any], Parts]]] = {
@@ -189,13 +190,13 @@ _MAKERS: Final[dict[type, Callable[[Any], Parts]]] = {
 
 
 def _circle() -> Array:
-    angles = 2 * np.pi * np.arange(_AROUND) / _AROUND
+    angles = 2 * np.pi * np.arange(_FACETS_AROUND) / _FACETS_AROUND
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def _widening() -> float:
     """What a polygon's radius grows by to have the area of its circle."""
-    return float(np.sqrt(2 * np.pi / (_AROUND * np.sin(2 * np.pi / _AROUND))))
+    return float(np.sqrt(2 * np.pi / (_FACETS_AROUND * np.sin(2 * np.pi / _FACETS_AROUND))))
 
 
 def _below(count: int) -> Array:

@@ -19,9 +19,9 @@ from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.photometry import world_from_prim
 
 # Places on each triangle of a textured lamp whose mean is taken, to a side.
-_PLACES: Final = 8
+_PLACES_A_SIDE: Final = 8
 # Rows of the picture of what an opening sees.
-_ROWS: Final = 128
+_PANORAMA_ROWS: Final = 128
 
 
 def light_records(
@@ -87,7 +87,7 @@ def _outside(number: int, name: str, sky: Surroundings, source: Source) -> Light
         number, name, source.path, "opening", bool(lux.max() > 0.0),
         portal.world_from_portal, np.array([portal.width, portal.height, 0.0]), lux / np.pi,
         float(luminance(lux)) * portal.width * portal.height,
-        gaussians=gaussians, fit_error=error, environment=panorama(sky, portal, _ROWS),
+        gaussians=gaussians, fit_error=error, environment=panorama(sky, portal, _PANORAMA_ROWS),
     )  # fmt: skip
 
 
@@ -101,7 +101,7 @@ def _shone(patch: Patch) -> Array:
     triangles = patch.triangles
     if not isinstance(patch.radiance, Picture):
         return np.broadcast_to(np.asarray(patch.radiance, dtype=np.float64), (len(triangles), 3))
-    steps = (np.arange(_PLACES) + 0.5) / _PLACES
+    steps = (np.arange(_PLACES_A_SIDE) + 0.5) / _PLACES_A_SIDE
     u, v = (grid.ravel() for grid in np.meshgrid(steps, steps, indexing="ij"))
     root = np.sqrt(u)
     weights = np.column_stack([1.0 - root, root * (1.0 - v), root * v])

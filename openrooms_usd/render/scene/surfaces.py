@@ -14,22 +14,22 @@ from openrooms_usd.render.scene.codes import load_picture
 from openrooms_usd.render.scene.pictures import Array, Limits, Picture, Value
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 
-_UNIT: Final = (0.0, 1.0)
-_ANY: Final = (0.0, math.inf)
-_NORMAL: Final = (-1.0, 1.0)
+_UNIT_RANGE: Final = (0.0, 1.0)
+_POSITIVE_RANGE: Final = (0.0, math.inf)
+_NORMAL_RANGE: Final = (-1.0, 1.0)
 # Below the least roughness GGX is so sharp that paths hit its peak only by luck.
-_ROUGHNESS: Final = (0.01, 1.0)
+_ROUGHNESS_RANGE: Final = (0.01, 1.0)
 # What each input of a preview surface needs of a texture.
 _NEEDS: Final[dict[str, tuple[int, Limits]]] = {
-    "base_color": (3, _UNIT),
-    "roughness": (1, _ROUGHNESS),
-    "metallic": (1, _UNIT),
-    "opacity": (1, _UNIT),
-    "normal": (3, _NORMAL),
-    "emissive": (3, _ANY),
+    "base_color": (3, _UNIT_RANGE),
+    "roughness": (1, _ROUGHNESS_RANGE),
+    "metallic": (1, _UNIT_RANGE),
+    "opacity": (1, _UNIT_RANGE),
+    "normal": (3, _NORMAL_RANGE),
+    "emissive": (3, _POSITIVE_RANGE),
 }
 _MOST_IOR: Final = 20.0
-_FLAT: Final = (0.0, 0.0, 1.0)
+_FLAT_NORMAL: Final = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,6 +254,6 @@ _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
     (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as 0.01"),
     (_is_clear, "opacity lets light straight through; clear parts reflect nothing"),
     (_many_primvars, "its textures use several sets of coordinates; one set is used for all"),
-    (lambda p: p.normal not in (_FLAT,) and not isinstance(p.normal, Texture),
+    (lambda p: p.normal not in (_FLAT_NORMAL,) and not isinstance(p.normal, Texture),
      "a constant normal is left out"),
 )  # fmt: skip

@@ -11,8 +11,8 @@ from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.portals import Portal
 
 # Rows that a constant picture is made of, and what stands out from a picture: its sun.
-_ROWS: Final = 32
-_BRIGHTER: Final = 8.0
+_ROWS_OF_CONSTANT: Final = 32
+_SUN_PER_MEDIAN: Final = 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ def surroundings(scene: Scene) -> Surroundings:
         found = Environment(np.zeros((1, 1, 3), dtype=np.float32), np.eye(3))
     pixels = found.pixels.astype(np.float64)
     if pixels.shape[:2] == (1, 1):
-        pixels = np.broadcast_to(pixels, (_ROWS + 1, 2 * _ROWS, 3))
+        pixels = np.broadcast_to(pixels, (_ROWS_OF_CONSTANT + 1, 2 * _ROWS_OF_CONSTANT, 3))
     height, width = pixels.shape[:2]
     # Rows go from pole to pole; the first and the last have half the height.
     theta = np.linspace(0.0, np.pi, height)
@@ -117,7 +117,7 @@ def _resampled(sky: Surroundings, height: int) -> Array:
         return _lookup(sky, ways)
     cells, solid = cells_of(sky.directions.reshape(-1, 3), height), sky.weights.ravel()
     light = sky.radiance.reshape(-1, 3)
-    even = np.minimum(light, _BRIGHTER * np.median(light, axis=0))
+    even = np.minimum(light, _SUN_PER_MEDIAN * np.median(light, axis=0))
     covered = np.maximum(np.bincount(cells, solid, weights.size), 1e-30)[:, None]
     means = sums_by(cells, solid, even, weights.size) / covered
     bright = sums_by(cells, solid, light - even, weights.size) / weights.reshape(-1, 1)

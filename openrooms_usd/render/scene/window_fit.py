@@ -18,14 +18,14 @@ from openrooms_usd.render.scene.surroundings import Surroundings, cells_of, sums
 from openrooms_usd.usd.portals import Portal
 
 # The fit looks at pictures with this many rows.
-_ROWS: Final = 32
+_FITTED_ROWS: Final = 32
 # Around the brightest pixel light counts as the sun's within this angle, radians, where it is this
 # much brighter than the median of what the opening sees.
-_DISK: Final = np.radians(6.0)
-_BRIGHTER: Final = 8.0
+_SUN_RADIANS: Final = np.radians(6.0)
+_SUN_PER_MEDIAN: Final = 8.0
 # No lobe is sharper: half of it within 0.1 degrees.
-_SHARPEST: Final = 5e5
-_STEPS: Final = 30
+_MOST_SHARPNESS: Final = 5e5
+_FIT_STEPS: Final = 30
 
 
 def fit(sky: Surroundings, portal: Portal) -> tuple[tuple[Gaussian, ...], float]:
@@ -48,7 +48,7 @@ def fit(sky: Surroundings, portal: Portal) -> tuple[tuple[Gaussian, ...], float]
 
 def _binned(ways: Array, weights: Array, light: Array) -> tuple[Array, Array, Array]:
     """The same light in fewer pixels: means over cells of a coarse panorama."""
-    cells = cells_of(ways, _ROWS)
+    cells = cells_of(ways, _FITTED_ROWS)
     solid = np.bincount(cells, weights).astype(np.float64)
     used = solid > 0.0
     middles: Array = sums_by(cells, weights, ways)[used]
@@ -63,13 +63,13 @@ def _sun(
     shining = [sun for sun in suns if -sun.direction @ outwards > 0.0]
     if shining:
         strongest = max(shining, key=lambda sun: float(luminance(sun.irradiance)))
-        return (_lobe("sun", -strongest.direction, strongest.irradiance, _SHARPEST),), light
+        return (_lobe("sun", -strongest.direction, strongest.irradiance, _MOST_SHARPNESS),), light
     bright = luminance(light)
     if not bright.any():
         return (), light
-    near = ways @ ways[int(bright.argmax())] > np.cos(_DISK)
+    near = ways @ ways[int(bright.argmax())] > np.cos(_SUN_RADIANS)
     around = np.median(light[~near], axis=0) if (~near).any() else np.zeros(3)
-    ring = near & (bright > _BRIGHTER * max(float(luminance(around)), 1e-12))
+    ring = near & (bright > _SUN_PER_MEDIAN * max(float(luminance(around)), 1e-12))
     if not ring.any():
         return (), light
     excess = np.maximum(light[ring] - around, 0.0) * weights[ring, None]
@@ -77,7 +77,7 @@ def _sun(
     mean = share @ ways[ring] / share.sum()
     length = float(np.linalg.norm(mean))
     # For a sharp lobe the mean of the cosine about its axis is 1 - 1 / sharpness.
-    sharpness = min(_SHARPEST, 1.0 / max(1.0 - length, 1e-12))
+    sharpness = min(_MOST_SHARPNESS, 1.0 / max(1.0 - length, 1e-12))
     rest = light.copy()
     rest[ring] = np.minimum(light[ring], around)
     return (_lobe("sun", mean / length, flux, sharpness),), rest
@@ -128,7 +128,7 @@ class _Lobes:
 
     def _fit(self) -> None:
         damping, cost = 1e-2, float(np.square(self._residual()).sum())
-        for _ in range(_STEPS):
+        for _ in range(_FIT_STEPS):
             before = self._axes, self._logs
             base, slopes = self._residual(), self._slopes()
             normal = slopes.T @ slopes

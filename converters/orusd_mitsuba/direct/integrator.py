@@ -1,0 +1,222 @@
+"""What each light does straight: irradiance with and without occlusion, and their ratio.
+
+At the first surface, made white, two techniques are combined by the power heuristic (Veach 1997): a
+point on each lamp, or a direction to the surroundings, and one direction from the hemisphere by its
+cosine, which finds what is close by and large. Every sample counts twice: as if nothing stood
+between, and by what does. So their ratio, the visibility, is a mean of numbers in [0, 1] under
+common weights. Of a lamp with few faces the light without occlusion is known in closed form
+besides, and serves as a control variate.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.sources import Source
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.direct.accumulator import DirectAccumulator
+from orusd_mitsuba.direct.closed_form import factor
+from orusd_mitsuba.direct.control_variate import PLANES_PER_LIGHT
+from orusd_mitsuba.direct.lamp_faces import LampFaces
+from orusd_mitsuba.direct.receiver import Receiver, receive, unblocked
+from orusd_mitsuba.direct.rectangles import Rectangles
+from orusd_mitsuba.direct.sky_light import Sky
+from orusd_mitsuba.transport.bands import Band, BandedIntegrator
+from orusd_mitsuba.transport.light_index import LightIndex
+
+White = Callable[[Any], Any]
+
+# Faces up to which a lamp is summed in closed form, at every sample.
+_MOST_CLOSED_FORM_FACES: Final = 128
+# What stands in the planes of a light that has no closed form.
+_NO_CLOSED_FORM: Final = -1.0
+
+
+class DirectIntegrator(BandedIntegrator):
+    """Renders batches of samples of a camera: every light occluded, unoccluded, and in closed form.
+
+    A pass is for `orusd_mitsuba.direct.control_variate.finish`: four pictures a light.
+
+    Args:
+        scene: The arrays.
+        built: The same as a Mitsuba scene, its shapes in the order of the patches.
+        sources: Its lights.
+        index: The same for arrays of rays.
+        first: What makes surfaces white; see `orusd_mitsuba.transport.white.white_first`.
+        camera: The pinhole or lens.
+        width: Pixels.
+        height: Pixels.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        built: Any,
+        sources: Sequence[Source],
+        index: LightIndex,
+        first: White,
+        camera: PinholeCamera,
+        width: int,
+        height: int,
+    ) -> None:
+        self._scene, self._built = scene, built
+        self._index, self._first = index, first
+        self._faces = LampFaces(scene, built, sources)
+        sizes = np.diff(self._faces.starts)
+        self._closed = [
+            lamp
+            for lamp in range(len(self._faces))
+            if self._faces.even[lamp] and sizes[lamp] <= _MOST_CLOSED_FORM_FACES
+        ]
+        self._lights = index.count
+        super().__init__(camera, width, height, scene.origin, PLANES_PER_LIGHT * self._lights)
+        self._sky = None
+        if built.environment() is not None:
+            self._sky = Sky(built, index, Rectangles(sources, scene.origin))
+        self._clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
+
+    def _band(self, band: Band) -> NDArray[np.float32]:
+        sampler = band.sampler()
+        ray = band.ray(sampler.next_2d(), sampler.next_2d())
+        sums = DirectAccumulator(band.paths, self._lights, len(self._closed))
+        self._gather(ray, sampler, sums)
+        means = band.means(sums.entries)
+        whole = np.full((PLANES_PER_LIGHT, self._lights, *means.shape[1:]), _NO_CLOSED_FORM)
+        whole[:2] = means[: 2 * self._lights].reshape(whole[:2].shape)
+        for lamp, closed in zip(self._closed, means[2 * self._lights :], strict=True):
+            light = self._faces.lights[lamp]
+            whole[2, light] = closed
+            whole[3, light] = _moments(sums, light, band.samples, band.rows)
+        return np.moveaxis(whole.reshape(self.planes, *means.shape[1:]), 1, 3).astype(np.float32)
+
+    def _gather(self, ray: Any, sampler: Any, sums: DirectAccumulator) -> None:
+        at = receive(self._built, self._index, self._first, sampler, ray, self._clear)
+        if len(self._faces):
+            _from_lamps(self._built, self._faces, at, sampler, sums)
+        if self._closed:
+            lamps = mi.UInt32(np.array(self._closed, dtype=np.uint32))
+            _in_closed_form(self._faces, lamps, len(self._closed), at, sums)
+        for sun in self._scene.suns:
+            self._from_sun(sun.direction, sun.irradiance, at, sums)
+        if self._sky is not None:
+            self._sky.gather(at, sampler, sums)
+        self._by_hemisphere(at, sampler, sums)
+
+    def _by_hemisphere(self, at: Receiver, sampler: Any, sums: DirectAccumulator) -> None:
+        direction, density = at.sample(sampler.next_2d())
+        if len(self._faces):
+            _meet_lamps(self._built, self._faces, at, direction, density, sums)
+        if self._sky is not None:
+            self._sky.add(at, direction, density, at.active & (density > 0.0), sums)
+
+    def _from_sun(self, along: Array, lux: Array, at: Receiver, sums: DirectAccumulator) -> None:
+        direction = mi.Vector3f((-along).tolist())
+        light = self._index.crossed(at.si.p, direction, mi.Float(dr.inf), at.crossed)
+        active = at.active & (at.cosine(direction) > 0.0)
+        seen = unblocked(self._built, at, at.si.spawn_ray(direction), active)
+        sums.add(light, mi.Color3f(lux.tolist()) * at.cosine(direction), seen, active)
+
+
+@dr.syntax
+def _from_lamps(
+    built: Any, faces: LampFaces, at: Receiver, sampler: Any, sums: DirectAccumulator
+) -> None:
+    """A point on each lamp in turn."""
+    lamp = mi.UInt32(0)
+    while lamp < len(faces):
+        row, place, point = faces.sample(lamp, at.si.p, sampler.next_1d(), sampler.next_2d())
+        to = point - at.si.p
+        squared = dr.squared_norm(to)
+        direction = to * dr.rsqrt(squared)
+        turned = -dr.dot(faces.normal(row), direction)
+        cosine = at.cosine(direction)
+        active = at.active & (squared > 0.0) & (turned > 0.0) & (cosine > 0.0)
+        density = faces.density(row, lamp, at.si.p) * squared / turned
+        value = faces.radiance(row, place, active) * (cosine / density)
+        value *= heuristic(density, at.density(direction))
+        seen = unblocked(built, at, at.si.spawn_ray_to(point), active)
+        sums.add(faces.light(lamp), value, seen, active)
+        lamp += 1
+
+
+@dr.syntax
+def _meet_lamps(
+    built: Any,
+    faces: LampFaces,
+    at: Receiver,
+    direction: Any,
+    density: Any,
+    sums: DirectAccumulator,
+) -> None:
+    """All faces of lamps that a direction of the hemisphere meets, one behind the other."""
+    ray = at.si.spawn_ray(direction)
+    active = at.active & (density > 0.0)
+    while active:
+        si = faces.alone.ray_intersect(ray, active)
+        hit = active & si.is_valid()
+        row = si.prim_index
+        lamp = faces.lamp(row, hit)
+        turned = -dr.dot(faces.normal(row, hit), direction)
+        front = hit & (turned > 0.0)
+        squared = dr.squared_norm(si.p - at.si.p)
+        other = faces.density(row, lamp, at.si.p, front) * squared / turned
+        value = faces.radiance(row, _place(faces, row, si.p), front) * (
+            at.cosine(direction) / density * heuristic(density, other)
+        )
+        seen = unblocked(built, at, at.si.spawn_ray_to(si.p), front)
+        sums.add(faces.light(lamp), value, seen, front)
+        ray = si.spawn_ray(direction)
+        active = hit
+
+
+@dr.syntax
+def _in_closed_form(
+    faces: LampFaces, lamps: Any, count: int, at: Receiver, sums: DirectAccumulator
+) -> None:
+    """All faces of those lamps that have few."""
+    number = mi.UInt32(0)
+    while number < count:
+        row, last = faces.rows(dr.gather(mi.UInt32, lamps, number))
+        total = mi.Color3f(0.0)
+        while row <= last:
+            share = factor(faces.corners(row), at.si.p, at.normal, at.horizon)
+            total += faces.radiance(row, mi.Point2f(0.0)) * share
+            row += 1
+        sums.add_closed(number, total, at.active)
+        number += 1
+
+
+def _place(faces: LampFaces, row: Any, point: Any) -> Any:
+    """Barycentric coordinates of a point of a row's plane."""
+    a, b, c = faces.corners(row)
+    u, v, w = b - a, c - a, point - a
+    normal = dr.cross(u, v)
+    squared = dr.maximum(dr.squared_norm(normal), 1e-30)
+    return mi.Point2f(
+        dr.dot(dr.cross(w, v), normal) / squared, dr.dot(dr.cross(u, w), normal) / squared
+    )
+
+
+def heuristic(used: Any, other: Any) -> Any:
+    """The power heuristic for two techniques, by their ratio: squares of densities overflow."""
+    return dr.select(used > 0.0, dr.rcp(1.0 + dr.square(other / used)), 0.0)
+
+
+def _moments(sums: DirectAccumulator, light: int, samples: int, rows: int) -> NDArray[np.float32]:
+    """(3, rows, width) means of a light's unoccluded green squared, times occluded, and 0."""
+    paths, slot = sums.paths, dr.arange(mi.UInt32, sums.paths)
+    occluded, unoccluded = (
+        dr.gather(mi.Float, sums.entries, slot + (3 * plane + 1) * paths)
+        for plane in (light, light + sums.lights)
+    )
+    found = [
+        (dr.block_sum(unoccluded * other, samples) / samples).numpy().reshape(rows, -1)
+        for other in (unoccluded, occluded)
+    ]
+    return np.stack([*found, np.zeros_like(found[0])])

@@ -1,0 +1,196 @@
+"""A stage as a Mitsuba XML scene: one shape for each prim, meshes and textures beside it."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd
+
+from openrooms_usd import atomic, imagefile
+from openrooms_usd.convert import Report
+from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
+from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
+from openrooms_usd.render.scene.models import with_model
+from openrooms_usd.render.scene.pictures import Picture
+from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
+from orusd_mitsuba.export.ply import ply_bytes
+from orusd_mitsuba.export.xml_text import scene_text
+from orusd_mitsuba.plugins.descriptions import (
+    Description,
+    describe_area,
+    describe_bsdf,
+    describe_sun,
+)
+from orusd_mitsuba.plugins.light_weights import light_weights
+from orusd_mitsuba.plugins.sensors import describe_sensor
+
+# Nearer to the origin than this, single precision still resolves a twentieth of a millimetre.
+_NEAR_ORIGIN_METRES: Final = 1000.0
+
+
+def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]) -> Report:
+    """Write a stage as a Mitsuba scene.
+
+    Args:
+        stage: The composed stage.
+        destination: The ``.xml`` file, or a folder that receives ``scene.xml``. Meshes and
+            textures go into ``meshes`` and ``textures`` beside it.
+        options: None is known.
+
+    Returns:
+        What became of every prim.
+
+    Raises:
+        InputError: An option is given.
+        OutputError: A file cannot be written.
+    """
+    if options:
+        known = ", ".join(options)
+        raise InputError(f"the Mitsuba exporter has no option {known}", remedy="leave it away")
+    file = destination if destination.suffix == ".xml" else destination / "scene.xml"
+    # What loads the file knows Mitsuba's own plugins alone.
+    scene = with_model(translate(stage), "preview")
+    with atomic.filling(file.parent) as folder:
+        _write_scene(stage, scene, folder / file.name)
+    return scene.report
+
+
+def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
+    export = _Export(scene, file.parent)
+    # 1. What a scene is rendered with.
+    export.add("integrator", {"type": "path", "max_depth": DEFAULT_BOUNCES + 1})
+    for name, camera in _cameras(stage, scene.report).items():
+        export.add_camera(name, camera, stage_resolution(stage))
+    # 2. Light from far away.
+    if scene.environment is not None:
+        export.add_environment(scene.environment)
+    for sun, weight in zip(scene.suns, export.weights.suns, strict=True):
+        export.add("sun", describe_sun(sun, weight))
+    # 3. Surfaces.
+    for patch in scene.patches:
+        export.add_patch(patch)
+    atomic.write_text(file, scene_text(export.objects))
+
+
+def _cameras(stage: Usd.Stage, report: Report) -> dict[str, PinholeCamera]:
+    width, height = stage_resolution(stage)
+    cameras = {}
+    for prim in list_cameras(stage):
+        try:
+            cameras[str(prim.GetPath())] = read_camera(prim, width, height)
+            loss = clipping_loss(prim)
+            report.add(prim.GetPath(), "approximated" if loss else "translated", loss)
+        except StageError as error:
+            report.add(prim.GetPath(), "skipped", error.message)
+    return cameras or {"/framing": framing_camera(stage, width, height)}
+
+
+@dataclass
+class _Export:
+    """The objects of the scene file, and the files that are written beside it."""
+
+    scene: Scene
+    folder: Path
+    objects: dict[str, Description] = field(default_factory=dict)
+    _files: dict[int, tuple[PurePosixPath, object]] = field(default_factory=dict)
+    _bsdfs: dict[int, str] = field(default_factory=dict)
+    _taken: set[str] = field(default_factory=set)
+
+    def __post_init__(self) -> None:
+        self.weights = light_weights(self.scene)
+        self._origin = np.zeros(3)
+        if np.abs(self.scene.origin).max() > _NEAR_ORIGIN_METRES:
+            self._origin = self.scene.origin
+            moved = f"everything is moved by {(-self._origin).tolist()} m, near the origin"
+            self.scene.report.add("/", "approximated", moved)
+
+    def add(self, path: str, description: Description) -> str:
+        """Add an object and return its identifier."""
+        identifier = self._identifier(path)
+        self.objects[identifier] = description
+        return identifier
+
+    def add_camera(self, path: str, camera: PinholeCamera, size: tuple[int, int]) -> None:
+        sensor = describe_sensor(camera, *size, self._origin)
+        sensor["sampler"] = {"type": "independent", "sample_count": DEFAULT_SAMPLES}
+        self.add(path, sensor)
+
+    def add_environment(self, environment: Environment) -> None:
+        weight = {"sampling_weight": self.weights.sky}
+        if environment.pixels.shape[:2] == (1, 1):
+            color = {"type": "rgb", "value": environment.pixels[0, 0].tolist()}
+            self.add("environment", {"type": "constant", "radiance": color, **weight})
+            return
+        turn = np.eye(4)
+        turn[:3, :3] = environment.world_from_light
+        file = self._picture(environment.pixels, "environment")
+        sky = {"type": "envmap", "filename": file, "to_world": turn, **weight}
+        self.add("environment", sky)
+
+    def add_patch(self, patch: Patch) -> None:
+        for row in np.unique(patch.triangles.pieces):
+            bsdf = self._bsdf(patch)
+            identifier = self._identifier(self.scene.legend.part[self.scene.pieces[row].part])
+            here = patch.triangles.rows(np.flatnonzero(patch.triangles.pieces == row))
+            file = PurePosixPath("meshes", f"{identifier}.ply")
+            atomic.write_bytes(self.folder / file, ply_bytes(here, self._origin))
+            shape: Description = {"type": "ply", "filename": file, "bsdf": bsdf}
+            if patch.radiance is not None:
+                weight = self.weights.patches[patch.name]
+                shape["emitter"] = self._resolved(describe_area(patch.radiance, weight))
+            self.objects[identifier] = shape
+
+    def _bsdf(self, patch: Patch) -> Description:
+        key = id(patch.surface)
+        if key not in self._bsdfs:
+            self._bsdfs[key] = self.add("bsdf", self._resolved(describe_bsdf(patch.surface)))
+        return {"ref": self._bsdfs[key]}
+
+    def _identifier(self, path: str) -> str:
+        """A name for an object: the prim's path, made of plain characters, unlike every other."""
+        plain = re.sub(r"[^A-Za-z0-9]+", "_", path).strip("_") or "object"
+        name, number = plain, 1
+        # Files are named so too, and some file systems take capitals for small letters.
+        while name.lower() in self._taken:
+            number += 1
+            name = f"{plain}_{number}"
+        self._taken.add(name.lower())
+        return name
+
+    def _resolved(self, value: Any) -> Any:
+        """A description with its pictures written to files."""
+        if isinstance(value, dict):
+            return {name: self._resolved(item) for name, item in value.items()}
+        if not isinstance(value, Picture):
+            return value
+        texture: Description = {
+            "type": "bitmap",
+            "filename": self._picture(value.pixels, f"texture_{len(self._files) + 1}"),
+            "raw": True,
+            "wrap_mode": value.wrap,
+        }
+        return texture if value.is_plain else texture | {"to_uv": value.uv}
+
+    def _picture(self, pixels: NDArray[np.floating[Any]], name: str) -> PurePosixPath:
+        """Write pixels as they are, linear; Mitsuba's v grows from the first row, as here."""
+        key = id(pixels)
+        if key not in self._files:
+            file = PurePosixPath("textures", f"{name}.exr")
+            _write_exr(self.folder / file, pixels)
+            # The pixels are kept with it, so that their identity is not given to others.
+            self._files[key] = file, pixels
+        return self._files[key][0]
+
+
+def _write_exr(target: Path, pixels: NDArray[np.floating[Any]]) -> None:
+    kind = "half" if pixels.dtype == np.float16 else "float"
+    with atomic.replacing(target) as beside:
+        # The library would write the time of day.
+        imagefile.write(beside, pixels, kind, {"DateTime": ""})

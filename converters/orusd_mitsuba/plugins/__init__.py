@@ -1,0 +1,10 @@
+"""A scene as objects of Mitsuba, and the plugins of our own among them.
+
+- ``build`` makes all of it for the active variant: meshes, textures, BSDFs, emitters.
+- ``descriptions`` says what becomes of surfaces and lights, ``sensors`` what becomes of cameras, in
+  plugins that XML can name too.
+- ``openrooms_bsdf`` is OpenRooms' reflectance model (its formulas in ``microfacet``), and
+  ``material_table`` makes many materials one of it.
+- ``light_weights`` says how often each light is sampled, and ``portal_environment`` samples the
+  surroundings where they come in.
+"""

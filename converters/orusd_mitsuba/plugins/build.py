@@ -1,0 +1,176 @@
+"""A `Scene` as objects of the active Mitsuba variant."""
+
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+
+from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.render.scene.pictures import Array, Picture
+from openrooms_usd.render.scene.surfaces import Surface
+from orusd_mitsuba.plugins import material_table, openrooms_bsdf
+from orusd_mitsuba.plugins import portal_environment as portals
+from orusd_mitsuba.plugins.descriptions import (
+    Description,
+    describe_area,
+    describe_bsdf,
+    describe_color,
+    describe_sun,
+)
+from orusd_mitsuba.plugins.light_weights import LightWeights, brightest_beam, light_weights
+from orusd_mitsuba.plugins.material_table import MaterialTable
+
+
+class Builder:
+    """Makes Mitsuba objects; each picture and each surface becomes one object.
+
+    Args:
+        origin: (3,) the point of the world that becomes Mitsuba's origin.
+    """
+
+    def __init__(self, origin: Array) -> None:
+        self._origin = origin
+        self._openrooms = openrooms_bsdf.register(str(mi.variant()))
+        self._table: MaterialTable | None = None
+        self._rows: dict[int, int] = {}
+        self._textures: dict[int, Any] = {}
+        self._bsdfs: dict[int, Any] = {}
+
+    def scene(
+        self, scene: Scene, weights: LightWeights | None = None, by_portals: bool = True
+    ) -> Any:
+        """The whole scene, its shapes in the order of its patches.
+
+        Args:
+            scene: The arrays.
+            weights: How often lights are sampled; None: by the flux that they bring.
+            by_portals: Whether the surroundings are sampled where they come in.
+        """
+        weights = weights or light_weights(scene)
+        self._tabulate(scene)
+        objects: Description = {"type": "scene"}
+        for patch in scene.patches:
+            objects[patch.name] = self._mesh(patch, weights)
+        for number, (sun, weight) in enumerate(zip(scene.suns, weights.suns, strict=True)):
+            objects[f"sun_{number}"] = describe_sun(sun, weight)
+        sky = None
+        if scene.environment is not None:
+            sky = self._environment(scene.environment, weights.sky)
+            objects["environment"] = sky
+            if by_portals and portals.worthwhile(scene.portals):
+                objects["environment"] = portals.through_portals(
+                    sky,
+                    scene.portals,
+                    scene.origin,
+                    scene.radius,
+                    weights.sky,
+                    brightest_beam(scene.environment),
+                )
+        # Without optimisation: it would merge shapes, and their numbers are looked up.
+        built = mi.load_dict(objects, optimize=False)
+        self._bind(scene, built)
+        if sky is not None:
+            # What stands before the sky in the scene does not pass this on.
+            sky.set_scene(built)
+        return built
+
+    def _tabulate(self, scene: Scene) -> None:
+        """One BSDF for all surfaces that can share it; scalar variants gain nothing by that."""
+        surfaces = {id(patch.surface): patch.surface for patch in scene.patches}
+        rows = [surface for surface in surfaces.values() if material_table.fits(surface)]
+        if not rows or str(mi.variant()).startswith("scalar"):
+            return
+        self._table = MaterialTable(rows)
+        shared = self._openrooms(mi.Properties(), self._table)
+        self._rows = {id(surface): row for row, surface in enumerate(rows)}
+        self._bsdfs |= dict.fromkeys(self._rows, shared)
+
+    def _bind(self, scene: Scene, built: Any) -> None:
+        if self._table is None:
+            return
+        pairs = zip(built.shapes(), scene.patches, strict=True)
+        found = [(shape, self._rows[id(patch.surface)]) for shape, patch in pairs
+                 if id(patch.surface) in self._rows]  # fmt: skip
+        self._table.bind(*zip(*found, strict=True))
+
+    def _mesh(self, patch: Patch, weights: LightWeights) -> Any:
+        properties = mi.Properties()
+        properties["bsdf"] = self.bsdf(patch.surface)
+        if patch.radiance is not None:
+            area = describe_area(patch.radiance, weights.patches[patch.name])
+            properties["emitter"] = mi.load_dict(self._resolved(area))
+        triangles = patch.triangles
+        count = len(triangles)
+        mesh = mi.Mesh(
+            patch.name,
+            vertex_count=3 * count,
+            face_count=count,
+            has_vertex_normals=True,
+            has_vertex_texcoords=True,
+            props=properties,
+        )
+        arrays = mi.traverse(mesh)
+        arrays["vertex_positions"] = _flat(triangles.corners - self._origin)
+        arrays["vertex_normals"] = _flat(triangles.normals)
+        arrays["vertex_texcoords"] = _flat(triangles.st)
+        arrays["faces"] = np.arange(3 * count, dtype=np.uint32)
+        arrays.update()
+        return mesh
+
+    def bsdf(self, surface: Surface) -> Any:
+        """The BSDF of a surface; equal ones share one."""
+        key = id(surface)
+        if key not in self._bsdfs:
+            self._bsdfs[key] = mi.load_dict(self._resolved(describe_bsdf(surface)))
+        return self._bsdfs[key]
+
+    def _environment(self, environment: Environment, weight: float) -> Any:
+        if environment.pixels.shape[:2] == (1, 1):
+            color = describe_color((*environment.pixels[0, 0].tolist(),))
+            plugin = {"type": "constant", "radiance": color, "sampling_weight": weight}
+            return mi.load_dict(plugin)
+        turn = np.eye(4)
+        turn[:3, :3] = environment.world_from_light
+        return mi.load_dict(
+            {
+                "type": "envmap",
+                "bitmap": mi.Bitmap(environment.pixels),
+                "to_world": _matrix(turn),
+                "sampling_weight": weight,
+            }
+        )
+
+    def _resolved(self, value: Any) -> Any:
+        """A description with its pictures made into textures."""
+        if isinstance(value, dict):
+            return {name: self._resolved(item) for name, item in value.items()}
+        return self._texture(value) if isinstance(value, Picture) else value
+
+    def _texture(self, picture: Picture) -> Any:
+        key = id(picture.texels)
+        if key not in self._textures:
+            plugin = {
+                "type": "bitmap",
+                "bitmap": mi.Bitmap(picture.pixels),
+                "raw": True,
+                "wrap_mode": picture.wrap,
+            }
+            if not picture.is_plain:
+                plugin["to_uv"] = mi.ScalarTransform3f(picture.uv.tolist())
+            # The picture is kept with it, so that its identity is not given to another.
+            self._textures[key] = mi.load_dict(plugin), picture
+        return self._textures[key][0]
+
+
+def _matrix(values: Array) -> Any:
+    return mi.ScalarTransform4f(values.tolist())
+
+
+def _flat(values: Any) -> Any:
+    return np.ascontiguousarray(values, dtype=np.float32).ravel()
+
+
+def load_sensor(description: Description, sampler: Description) -> Any:
+    """A sensor as an object of the active variant."""
+    matrix = _matrix(description["to_world"])
+    return mi.load_dict(description | {"to_world": matrix, "sampler": sampler})

@@ -1,0 +1,68 @@
+"""Cameras as Mitsuba sensors."""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.plugins.descriptions import Description
+
+# OpenCV axes (right, down, forward) in Mitsuba's camera axes (left, up, forward), and back.
+_MITSUBA_FROM_OPENCV: Final = np.diag([-1.0, -1.0, 1.0, 1.0])
+# Nothing is cut away in front of a camera: clipping planes belong to rasterizers.
+_NEAR_CLIP_METRES: Final = 1e-3
+_FAR_CLIP_METRES: Final = 1e6
+
+
+def describe_sensor(
+    camera: PinholeCamera,
+    width: int,
+    height: int,
+    origin: Array,
+    rows: tuple[int, int] | None = None,
+) -> Description:
+    """The sensor of a camera, without its sampler.
+
+    Args:
+        camera: The pinhole; with a lens it is a ``thinlens``.
+        width: Pixels.
+        height: Pixels.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+        rows: The first row and the number of rows of a band; all of them when None.
+    """
+    K, pose = camera.K, camera.world_from_camera @ _MITSUBA_FROM_OPENCV
+    pose[:3, 3] -= origin
+    lens: Description = {"type": "perspective"}
+    if camera.lens_radius > 0.0 and camera.focus_distance > 0.0:
+        lens = {
+            "type": "thinlens",
+            "aperture_radius": camera.lens_radius,
+            "focus_distance": camera.focus_distance,
+        }
+    return lens | {
+        "fov": math.degrees(2.0 * math.atan(width / 2.0 / K[0, 0])),
+        "fov_axis": "x",
+        "principal_point_offset_x": 0.5 - K[0, 2] / width,
+        "principal_point_offset_y": 0.5 - K[1, 2] / height,
+        "near_clip": _NEAR_CLIP_METRES,
+        "far_clip": _FAR_CLIP_METRES,
+        "to_world": pose,
+        "film": {
+            "type": "hdrfilm",
+            "width": width,
+            "height": height,
+            **_band(width, rows),
+            "pixel_format": "rgb",
+            "component_format": "float32",
+            "rfilter": {"type": "box"},
+        },
+    }
+
+
+def _band(width: int, rows: tuple[int, int] | None) -> dict[str, int]:
+    if rows is None:
+        return {}
+    top, count = rows
+    return {"crop_offset_x": 0, "crop_offset_y": top, "crop_width": width, "crop_height": count}

@@ -1,0 +1,169 @@
+"""Which render passes there are, and which channels of light each gives.
+
+A render pass is one integrator with all channels (AOVs) that come of its pictures. Those that a
+request needs share its time; each goes on until its own error is small enough where an error is
+asked for.
+"""
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.channels import CHANNELS, numbered
+from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.scene.pictures import Array
+from orusd_mitsuba.direct.control_variate import PLANES_PER_LIGHT, finish
+from orusd_mitsuba.transport import hemispheres
+from orusd_mitsuba.transport.integrator import Integrator
+from orusd_mitsuba.transport.path_tracing import KINDS
+from orusd_mitsuba.transport.sampling import Halves, Pick, ProgressiveSampler
+
+Progress = Callable[[float], None]
+Images = dict[str, Image]
+
+
+@dataclass(frozen=True)
+class RenderPass:
+    """One integrator, and the channels that it gives.
+
+    Attributes:
+        name: For people.
+        key: Sets its random numbers apart; passes that share them have noise in common, which
+            then cancels in their differences.
+        judged: The picture whose error decides when it is enough.
+        picks: By channel, what makes its picture of a batch's planes and the light's number.
+        fewer: How many samples of a pixel are one of this pass: hemispheres have many cells.
+    """
+
+    name: str
+    key: str
+    judged: Pick
+    picks: dict[str, Callable[[Array, int], Array]]
+    fewer: int = 1
+
+    def gives(self, channels: Iterable[str]) -> tuple[str, ...]:
+        """Those of the channels that it gives."""
+        return tuple(name for name in channels if name in self.picks)
+
+
+def _kinds(*wanted: str, factor: float = 1.0) -> Callable[[Array, int], Array]:
+    rows = [KINDS.index(kind) for kind in wanted]
+    return lambda planes, light: np.asarray(factor * planes[rows].sum(axis=0))
+
+
+def _of_light(factor: float = 1.0) -> Callable[[Array, int], Array]:
+    return lambda planes, light: np.asarray(factor * planes[len(KINDS) + light])
+
+
+def _whole(planes: Array) -> Array:
+    return np.asarray(planes[: len(KINDS)].sum(axis=0))
+
+
+RADIANCE: Final = RenderPass(
+    "radiance",
+    "",
+    _whole,
+    {
+        "radiance": lambda planes, light: _whole(planes),
+        "emission": _kinds("emission"),
+        "direct": _kinds("direct"),
+        "indirect": _kinds("indirect"),
+        "radiance_i": _of_light(),
+    },
+)
+# Of a white surface: radiance x pi is irradiance.
+IRRADIANCE: Final = RenderPass(
+    "irradiance",
+    "",
+    _whole,
+    {
+        "irradiance": _kinds("direct", "indirect", factor=np.pi),
+        "irradiance_direct": _kinds("direct", factor=np.pi),
+        "irradiance_indirect": _kinds("indirect", factor=np.pi),
+        "irradiance_i": _of_light(np.pi),
+    },
+)
+
+
+def _straight(name: str) -> Callable[[Array, int], Array]:
+    def pick(planes: Array, light: int) -> Array:
+        return np.asarray(finish(planes[light :: len(planes) // PLANES_PER_LIGHT])[name][0])
+
+    return pick
+
+
+def _row(number: int) -> Callable[[Array, int], Array]:
+    return lambda planes, light: np.asarray(planes[number])
+
+
+# What each light sends straight.
+DIRECT: Final = RenderPass(
+    "direct light",
+    "direct",
+    lambda planes: np.asarray(planes[: len(planes) // PLANES_PER_LIGHT].sum(axis=0)),
+    {name: _straight(name) for name in ("direct_i", "unoccluded_i", "visibility_i")},
+)
+# What arrives from everywhere.
+ENVIRONMENT: Final = RenderPass(
+    "environment",
+    "environment",
+    lambda planes: np.asarray(planes[hemispheres.PLANES.index("environment")]),
+    {name: _row(row) for row, name in enumerate(hemispheres.PLANES)},
+    fewer=16,
+)
+
+
+def run_pass(
+    render_pass: RenderPass,
+    integrator: Integrator,
+    request: RenderRequest,
+    channels: Sequence[str],
+    lights: int,
+    progress: Progress,
+) -> tuple[Images, Halves]:
+    """Render one pass until the request is met.
+
+    Args:
+        render_pass: What it is.
+        integrator: Renders its batches.
+        request: Says when it is enough.
+        channels: Those that it shall give.
+        lights: How many there are.
+        progress: Called with the finished fraction.
+
+    Returns:
+        The images by name, and what they come from.
+    """
+    start = time.perf_counter()
+    if request.samples is not None:
+        request = replace(request, samples=max(1, request.samples // render_pass.fewer))
+    sampler = ProgressiveSampler(
+        integrator,
+        request,
+        (integrator.planes, *integrator.size),
+        integrator.most,
+        progress,
+        render_pass.judged,
+        render_pass.key,
+    )
+    halves = sampler.run()
+    mean, replaced = halves.mean.astype(np.float64), int(integrator.broken.sum())
+    images: Images = {}
+    for name in channels:
+        of_light = CHANNELS[name].scope == "light"
+        for light in range(lights) if of_light else (0,):
+
+            def pick(planes: Array, name: str = name, light: int = light) -> Array:
+                return render_pass.picks[name](planes, light)
+
+            single = numbered(name, light) if of_light else name
+            pixels = np.asarray(pick(mean), dtype=np.float32)
+            pair = halves.of(pick)
+            error = pair.error if pair else None
+            kept = pair.single if pair and request.halves else None
+            images[single] = Image(pixels, halves.total, 0.0, error, replaced, kept)
+    seconds = time.perf_counter() - start
+    return {name: replace(image, seconds=seconds) for name, image in images.items()}, halves

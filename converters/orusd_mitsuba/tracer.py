@@ -1,0 +1,96 @@
+"""Which triangle a ray meets first, by Mitsuba's own ray tracer."""
+
+from typing import Any, Final
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.rays import RayTracer, Rows
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.plugins.build import load_sensor
+from orusd_mitsuba.plugins.sensors import describe_sensor
+
+# Rays in flight at once: some 100 bytes each.
+_RAYS_IN_FLIGHT: Final = 1 << 22
+
+
+class MitsubaTracer(RayTracer):
+    """Finds triangles of a `Scene` by the ray tracer of the active variant, now and later.
+
+    Args:
+        scene: The arrays.
+        built: The same as a Mitsuba scene, its shapes in the order of the patches.
+    """
+
+    def __init__(self, scene: Scene, built: Any) -> None:
+        self._scene = scene
+        self._built = built
+        self._variant = str(mi.variant())
+
+    def pixels(self, camera: PinholeCamera, width: int, height: int) -> Rows:
+        """See `openrooms_usd.render.scene.rays.RayTracer.pixels`."""
+        mi.set_variant(self._variant)
+        if not len(self._scene.triangles):
+            return np.full((height, width), -1)
+        if not _is_vectorized():
+            return self._by_film(camera, width, height)
+        return super().pixels(camera, width, height)
+
+    def rays(self, origins: Array, directions: Array) -> Rows:
+        """See `RayTracer.rays`; best for few rays where nothing is vectorized."""
+        mi.set_variant(self._variant)
+        local = (origins - self._scene.origin).astype(np.float32)
+        ahead = directions.astype(np.float32)
+        if not _is_vectorized():
+            return np.array([self._one(*ray) for ray in zip(local, ahead, strict=True)], np.int64)
+        parts = [
+            self._batch(
+                local[start : start + _RAYS_IN_FLIGHT], ahead[start : start + _RAYS_IN_FLIGHT]
+            )
+            for start in range(0, len(local), _RAYS_IN_FLIGHT)
+        ]
+        return np.concatenate([np.zeros(0, np.int64), *parts])
+
+    def _batch(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Rows:
+        registered = [_number(mi.ShapePtr(shape)) for shape in self._built.shapes()]
+        patch_of = np.zeros(np.max(registered) + 1, dtype=np.int64)
+        patch_of[np.concatenate(registered)] = np.arange(len(registered))
+        ray = mi.Ray3f(mi.Point3f(origins.T), mi.Vector3f(directions.T))
+        hit = self._built.ray_intersect_preliminary(ray, coherent=True)
+        rows = self._scene.offsets[patch_of[_number(hit.shape)]] + hit.prim_index.numpy()
+        return np.where(hit.is_valid().numpy(), rows, -1)
+
+    def _one(self, origin: NDArray[np.float32], direction: NDArray[np.float32]) -> int:
+        ray = mi.Ray3f(mi.Point3f(origin), mi.Vector3f(direction))
+        hit = self._built.ray_intersect_preliminary(ray)
+        if not hit.is_valid():
+            return -1
+        patch = self._built.shapes().index(hit.shape)
+        return int(self._scene.offsets[patch] + hit.prim_index)
+
+    def _by_film(self, camera: PinholeCamera, width: int, height: int) -> Rows:
+        """By a film of one sample in each pixel's centre: compiled code, where Python is slow."""
+        pinhole = PinholeCamera(camera.K, camera.world_from_camera)
+        description = describe_sensor(pinhole, width, height, self._scene.origin)
+        centre = {"type": "stratified", "sample_count": 1, "jitter": False}
+        integrator = mi.load_dict({"type": "aov", "aovs": "shape:shape_index,prim:prim_index"})
+        film = mi.render(
+            self._built, sensor=load_sensor(description, centre), integrator=integrator, spp=1
+        )
+        # Shapes are numbered from 1 here; 0 is nothing.
+        shapes, prims = np.moveaxis(np.asarray(film).astype(np.int64), 2, 0)
+        return np.where(shapes > 0, self._scene.offsets[shapes - 1] + prims, -1)
+
+
+def _number(shapes: Any) -> NDArray[np.uint32]:
+    """The numbers under which Dr.Jit knows shapes."""
+    numbers: Any = dr.reinterpret_array(mi.UInt32, shapes)
+    return np.asarray(numbers.numpy())
+
+
+def _is_vectorized() -> bool:
+    return not str(mi.variant()).startswith("scalar")

@@ -1,0 +1,10 @@
+"""Light that is followed along paths: what arrives at a camera, or at points, by light and kind.
+
+- ``path_tracing`` follows paths and adds up what they bring, by the lights of ``light_index``.
+- ``lattice`` spreads the first random numbers of a pixel's samples, ``white`` makes the first
+  surface white, for irradiance.
+- ``integrator`` is what estimates a camera's pictures, a batch at a time: ``path_integrator`` by
+  our paths, ``builtin_integrator`` by Mitsuba's, each in ``bands`` of rows; ``hemispheres`` and
+  ``probes`` by ``incident``, the radiance that arrives at points by direction.
+- ``sampling`` goes on with batches until a request is met, and tells the error.
+"""

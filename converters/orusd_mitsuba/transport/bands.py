@@ -1,0 +1,113 @@
+"""Integrators that work in bands of rows, where one sample of all pixels is too much at once."""
+
+from abc import ABC, abstractmethod
+from typing import Any, Final
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.plugins.build import load_sensor
+from orusd_mitsuba.plugins.sensors import describe_sensor
+
+# Sums that one batch may keep, 4 bytes each, and paths that may be in flight.
+_MOST_SUMS: Final = 1 << 27
+_PATHS_IN_FLIGHT: Final = 1 << 21
+
+
+class Band:
+    """Some rows of a picture, with all samples of one batch.
+
+    Attributes:
+        rows: How many.
+        samples: Of each pixel.
+        seed: Of its random numbers.
+        paths: One for each sample of each pixel, those of a pixel in a row.
+    """
+
+    def __init__(self, integrator: "BandedIntegrator", top: int, samples: int, seed: int) -> None:
+        self._integrator, self._top = integrator, top
+        self.samples, self.seed = samples, seed
+        height, self.width = integrator.size
+        self.rows = min(integrator.rows, height - top)
+        self.paths = self.width * self.rows * samples
+
+    def sampler(self, salt: int = 0, count: int | None = None) -> Any:
+        """Independent random numbers for each path, or for as many as are asked for."""
+        sampler = mi.load_dict({"type": "independent"})
+        sampler.seed(self.seed ^ salt, self.paths if count is None else count)
+        return sampler
+
+    def ray(self, within: Any, lens: Any) -> Any:
+        """Rays of the camera.
+
+        Args:
+            within: Where in its pixel each begins, in [0, 1)^2.
+            lens: Where on the lens.
+        """
+        pixel = dr.arange(mi.UInt32, self.paths) // self.samples
+        corner = mi.Point2f(mi.Float(pixel % self.width), mi.Float(pixel // self.width))
+        at = (corner + within) / mi.Point2f(self.width, self.rows)
+        described = self._integrator.sensor((self._top, self.rows))
+        sensor = load_sensor(described, {"type": "independent"})
+        return sensor.sample_ray(0.0, 0.5, at, lens)[0]
+
+    def means(self, entries: Any) -> NDArray[np.float32]:
+        """(N, 3, rows, width) means over the samples of N times three entries a path."""
+        sums = dr.block_sum(entries, self.samples).numpy()
+        return np.asarray(sums.reshape(-1, 3, self.rows, self.width) / np.float32(self.samples))
+
+
+class BandedIntegrator(ABC):
+    """Renders batches of samples of a camera.
+
+    Args:
+        camera: The pinhole or lens.
+        width: Pixels.
+        height: Pixels.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+        planes: How many pictures a batch gives.
+
+    Attributes:
+        planes: How many pictures a batch gives.
+        size: Height and width.
+        rows: Of a band.
+        most: Samples a pixel that one batch may have at most.
+        broken: (height, width) bool, pixels in which a batch gave no number.
+    """
+
+    def __init__(
+        self, camera: PinholeCamera, width: int, height: int, origin: Array, planes: int
+    ) -> None:
+        self._camera, self._origin = camera, origin
+        self.planes, self.size = planes, (height, width)
+        fitting = min(_PATHS_IN_FLIGHT, _MOST_SUMS // (3 * planes))
+        self.rows = max(1, min(height, fitting // width))
+        self.most = max(1, fitting // (width * self.rows))
+        self.broken = np.zeros((height, width), dtype=bool)
+
+    def sensor(self, band: tuple[int, int]) -> dict[str, Any]:
+        """The camera's part of the scene for some rows: the first, and how many."""
+        height, width = self.size
+        return describe_sensor(self._camera, width, height, self._origin, band)
+
+    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch; equal seeds give equal bits.
+
+        Returns:
+            (planes, height, width, 3) means over the samples.
+        """
+        tops = range(0, self.size[0], self.rows)
+        seeds = [(seed + i) & 0xFFFFFFFF for i in range(len(tops))]
+        bands = [Band(self, *band) for band in zip(tops, [samples] * len(tops), seeds, strict=True)]
+        pixels = np.concatenate([self._band(band) for band in bands], axis=1)
+        finite = np.isfinite(pixels)
+        self.broken |= ~finite.all(axis=(0, 3))
+        return np.where(finite, pixels, np.float32(0.0))
+
+    @abstractmethod
+    def _band(self, band: Band) -> NDArray[np.float32]:
+        """(planes, rows, width, 3) means over the samples of a band."""

@@ -1,0 +1,114 @@
+"""Environment maps of what a coarse grid of pixels sees: what arrives there, by direction."""
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.hemisphere import HEMISPHERE, surface_frames, tiled
+from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.first_hits import Hits, first_hits
+from openrooms_usd.render.scene.ground_truth import GroundTruth
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.rays import RayTracer
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.transport.incident import IncidentRadiance, Points
+from orusd_mitsuba.transport.light_index import LightIndex
+
+PLANES: Final = ("environment_direct", "environment")
+_MOST_SAMPLES_A_CELL: Final = 64
+
+
+class HemisphereIntegrator:
+    """Renders batches of samples of the hemispheres of one camera.
+
+    Args:
+        scene: The arrays.
+        built: The Mitsuba scene of a vectorized variant.
+        index: Its lights.
+        tracer: Finds what the pixels see.
+        camera: The camera, its intrinsics for pictures of ``grid``'s size: `coarse`.
+        grid: Columns and rows of hemispheres.
+        depth: At most this many segments of a path from a light to the camera, as of a
+            `PathIntegrator`: the last one leads from the hemisphere's point to the camera.
+
+    Attributes:
+        planes: 2, `PLANES`.
+        size: Height and width of each.
+        most: Samples of each cell that one batch may have at most.
+        broken: (height, width) bool, cells in which a batch gave no number.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        built: Any,
+        index: LightIndex,
+        tracer: RayTracer,
+        camera: PinholeCamera,
+        grid: tuple[int, int],
+        depth: int,
+    ) -> None:
+        columns, rows = grid
+        hits = first_hits(scene, tracer, camera, columns, rows)
+        self._pixels, self._grid = hits.pixels, (rows, columns)
+        points = surface_points(scene, camera, hits)
+        self._incident = IncidentRadiance(built, index, HEMISPHERE, points, depth - 1)
+        self.planes, self.most = len(PLANES), _MOST_SAMPLES_A_CELL
+        self.size = rows * HEMISPHERE.rows, columns * HEMISPHERE.columns
+        self.broken = np.zeros(self.size, dtype=bool)
+
+    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch; equal seeds give equal bits.
+
+        Args:
+            samples: Directions in each cell.
+            seed: Of random numbers.
+
+        Returns:
+            (2, rows elevations, columns azimuths, 3); 0 where nothing is seen.
+        """
+        found = self._incident(samples, seed)
+        finite: NDArray[np.bool_] = np.isfinite(found)
+        if not finite.all():
+            whole: NDArray[np.bool_] = np.all(finite, axis=(0, -1))
+            self.broken |= self._tiles(~whole[..., None])[..., 0]
+            found = np.where(finite, found, np.float32(0.0))
+        return np.stack([self._tiles(plane) for plane in found])
+
+    def _tiles(self, values: NDArray[Any]) -> NDArray[Any]:
+        rows, columns = self._grid
+        grid = np.zeros((rows * columns, *values.shape[1:]), dtype=values.dtype)
+        grid[self._pixels] = values
+        return tiled(grid.reshape(rows, columns, *values.shape[1:]))
+
+
+def coarse(camera: PinholeCamera, size: tuple[int, int], grid: tuple[int, int]) -> Array:
+    """(3, 3) intrinsics of the same view as a picture of another size.
+
+    Args:
+        camera: With intrinsics for pictures of ``size``.
+        size: Width and height, pixels.
+        grid: Columns and rows.
+    """
+    scale = [grid[0] / size[0], grid[1] / size[1], 1.0]
+    return np.asarray(np.diag(scale) @ camera.K)
+
+
+def surface_points(scene: Scene, camera: PinholeCamera, hits: Hits) -> Points:
+    """Where pixels' centres meet surfaces, with the frames that their hemispheres have.
+
+    Args:
+        scene: The arrays.
+        camera: What sees them.
+        hits: What it sees.
+    """
+    truth = GroundTruth(scene, camera, hits)
+    normals, geometric = (
+        unit(truth.channel(name).reshape(-1, 3)[hits.pixels].astype(np.float64))
+        for name in ("normal", "normal_geometric")
+    )
+    R = camera.world_from_camera[:3, :3]
+    frames = surface_frames(normals, -R[:, 1], R[:, 2])
+    return Points(hits.position - scene.origin, frames, geometric)

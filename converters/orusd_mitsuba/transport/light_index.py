@@ -1,0 +1,123 @@
+"""Which light a contribution of a path comes from, by number.
+
+Lamps come first, then openings, then whatever else there is. Light of the surroundings belongs to
+the opening through which it came in: of all rectangles that a path crosses outwards, the one that
+is nearest to the sky. What comes in past all of them, through an open ceiling for instance, is
+``elsewhere``.
+"""
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.sources import GRAZING, Source
+from openrooms_usd.usd.portals import Portal
+
+
+class LightIndex:
+    """The numbers of lights, looked up for arrays of shapes and rays.
+
+    Args:
+        sources: What `sources_of` found.
+        built: The Mitsuba scene, its shapes in the order of the scene's patches.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+    """
+
+    def __init__(self, sources: Sequence[Source], built: Any, origin: Array) -> None:
+        self._sources = sources
+        self._built = built
+        self._origin = origin
+
+    @property
+    def count(self) -> int:
+        """How many lights there are, `ELSEWHERE` included."""
+        return len(self._sources)
+
+    @property
+    def elsewhere(self) -> int:
+        """The number of the light that is none."""
+        return self.count - 1
+
+    @cached_property
+    def _by_shape(self) -> Any:
+        """The light of each registered shape; `elsewhere` where it emits nothing."""
+        shapes = [registered(mi.ShapePtr(shape)) for shape in self._built.shapes()]
+        numbers = np.concatenate([np.zeros(0, np.uint32), *shapes])
+        table = np.full(int(numbers.max(initial=0)) + 1, self.elsewhere, dtype=np.uint32)
+        for light, source in enumerate(self._sources):
+            table[numbers[list(source.patches)]] = light
+        return mi.UInt32(table)
+
+    @cached_property
+    def _rectangles(self) -> list[tuple[int, "Rectangle"]]:
+        return [
+            (light, Rectangle(source.portal, self._origin))
+            for light, source in enumerate(self._sources)
+            if source.portal is not None
+        ]
+
+    def of_shape(self, shape: Any, active: Any) -> Any:
+        """The light that a shape is part of."""
+        number: Any = dr.reinterpret_array(mi.UInt32, shape)
+        return dr.gather(mi.UInt32, self._by_shape, number, active)
+
+    def crossed(self, origin: Any, direction: Any, length: Any, before: Any) -> Any:
+        """The opening that a ray leaves through last, ``before`` where it leaves through none.
+
+        Args:
+            origin: Where the ray begins.
+            direction: Its unit direction.
+            length: Where it ends; infinite for the sky.
+            before: What the path has crossed nearer to the camera.
+        """
+        found, farthest = mi.UInt32(before), mi.Float(-1.0)
+        for light, rectangle in self._rectangles:
+            t, inside = rectangle.meet(origin, direction)
+            through = inside & (t < length) & (t > farthest)
+            found = dr.select(through, light, found)
+            farthest = dr.select(through, t, farthest)
+        return found
+
+
+class Rectangle:
+    """A portal as constants of the active variant."""
+
+    def __init__(self, portal: Portal, origin: Array) -> None:
+        world = portal.world_from_portal
+        self._center = mi.Point3f((world[:3, 3] - origin).tolist())
+        self._right, self._up, self._outwards = (
+            mi.Vector3f(axis) for axis in world[:3, :3].T.tolist()
+        )
+        self._half = 0.5 * portal.width, 0.5 * portal.height
+        self._area = portal.width * portal.height
+
+    def facing(self, direction: Any) -> Any:
+        """Its area as seen from outside along a direction to the sky; 0 from inside."""
+        return self._area * dr.maximum(dr.dot(direction, self._outwards), 0.0)
+
+    def point(self, sample: Any) -> Any:
+        """A point on it, uniform by area."""
+        right, up = self._half
+        across, along = (2.0 * sample.x - 1.0) * right, (2.0 * sample.y - 1.0) * up
+        return self._center + self._right * across + self._up * along
+
+    def meet(self, origin: Any, direction: Any) -> tuple[Any, Any]:
+        """Where a ray meets the plane, and whether it leaves through the rectangle there."""
+        cosine = dr.dot(direction, self._outwards)
+        outwards = cosine > GRAZING
+        t = dr.dot(self._center - origin, self._outwards) / dr.select(outwards, cosine, 1.0)
+        at = origin + direction * t - self._center
+        right, up = self._half
+        within = (dr.abs(dr.dot(at, self._right)) <= right) & (dr.abs(dr.dot(at, self._up)) <= up)
+        return t, outwards & within & (t >= 0.0)
+
+
+def registered(shapes: Any) -> Any:
+    """The numbers under which Dr.Jit knows shapes."""
+    numbers: Any = dr.reinterpret_array(mi.UInt32, shapes)
+    return np.asarray(numbers.numpy())

@@ -1,0 +1,70 @@
+"""Pictures of a camera, each split by the number of scatterings and by light."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.transport.bands import Band, BandedIntegrator
+from orusd_mitsuba.transport.lattice import FirstDimensions
+from orusd_mitsuba.transport.light_index import LightIndex
+from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator, trace
+
+# Sets the seeds of pixels apart from those of paths.
+_SHIFT_SALT: Final = 0x5EED5EED
+
+
+class PathIntegrator(BandedIntegrator):
+    """Renders batches of a camera: what was scattered never, once, more often, then each light.
+
+    Args:
+        built: The Mitsuba scene.
+        index: Its lights.
+        camera: The pinhole or lens.
+        width: Pixels.
+        height: Pixels.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+        depth: At most this many segments of a path.
+        by_light: Whether to split by light too.
+        first: See `orusd_mitsuba.transport.path_tracing.trace`.
+    """
+
+    def __init__(
+        self,
+        built: Any,
+        index: LightIndex,
+        camera: PinholeCamera,
+        width: int,
+        height: int,
+        origin: Array,
+        depth: int,
+        *,
+        by_light: bool = True,
+        first: Callable[[Any], Any] | None = None,
+    ) -> None:
+        self._built, self._index = built, index
+        self._depth, self._first = depth, first
+        self._lights = index.count if by_light else None
+        planes = len(KINDS) + (self._lights or 0)
+        super().__init__(camera, width, height, origin, planes)
+
+    def _band(self, band: Band) -> NDArray[np.float32]:
+        sampler = band.sampler()
+        pixels = band.paths // band.samples
+        numbers = FirstDimensions(band.samples, band.paths, band.sampler(_SHIFT_SALT, pixels))
+        ray = band.ray(numbers.pixel, sampler.next_2d())
+        accumulator = PathAccumulator(band.paths, self._lights)
+        trace(
+            self._built, self._index, sampler, ray, accumulator, self._depth, self._first,
+            numbers=numbers,
+        )  # fmt: skip
+        wanted = (
+            [accumulator.kinds]
+            if accumulator.lights is None
+            else [accumulator.kinds, accumulator.lights]
+        )
+        means = np.concatenate([band.means(entries) for entries in wanted])
+        return np.ascontiguousarray(np.moveaxis(means, 1, 3))

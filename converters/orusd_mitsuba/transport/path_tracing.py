@@ -1,0 +1,156 @@
+"""Path tracing that sums every contribution by its light, and by how often it was scattered.
+
+The estimator is that of Mitsuba's ``path``: light sampling and BSDF sampling, combined by the power
+heuristic (Veach 1997), and Russian roulette after the fifth vertex. At that more paths survive, by
+the square root of what they carry: behind a curtain a path that carries little still meets most of
+the light. The sums add up to what ``path`` would return. No backend adds in another order from run
+to run, because every path has sums of its own.
+"""
+
+from typing import Any, Final
+
+import drjit as dr
+import mitsuba as mi
+
+from orusd_mitsuba.transport.light_index import LightIndex
+
+# What the radiance of a path is made of, by the number of scatterings between light and camera.
+KINDS: Final = ("emission", "direct", "indirect")
+# As in Mitsuba's path integrator.
+_ROULETTE_FROM_SEGMENT: Final = 5
+_MOST_SURVIVAL: Final = 0.95
+
+
+class PathAccumulator:
+    """Sums of the contributions of light paths, one for each path: zero at first.
+
+    Red, green and blue of a row lie side by side.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Attributes:
+        paths: How many paths there are.
+        kinds: (3 * 3 * paths) what was scattered never, once and more often.
+        lights: (lights * 3 * paths) what comes from each light; None where it is not wanted.
+    """
+
+    def __init__(self, paths: int, lights: int | None) -> None:
+        self.paths = paths
+        self.kinds = dr.zeros(mi.Float, len(KINDS) * 3 * paths)
+        self.lights = None if lights is None else dr.zeros(mi.Float, lights * 3 * paths)
+
+    def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
+        """Add a contribution of the path in whose thread this runs."""
+        slot = dr.arange(mi.UInt32, self.paths)
+        kind = dr.minimum(scatterings, len(KINDS) - 1)
+        for entries, row in ((self.lights, light), (self.kinds, kind)):
+            if entries is None:
+                continue
+            for channel in range(3):
+                place = (row * 3 + channel) * self.paths + slot
+                dr.scatter_reduce(
+                    dr.ReduceOp.Add, entries, value[channel], place, active,
+                    mode=dr.ReduceMode.NoConflicts,
+                )  # fmt: skip
+
+
+@dr.syntax
+def trace(
+    built: Any,
+    index: LightIndex,
+    sampler: Any,
+    ray: Any,
+    accumulator: PathAccumulator,
+    depth: int,
+    first: Any = None,
+    active: Any = True,
+    begun: Any = None,
+    numbers: Any = None,
+) -> None:
+    """Follow one path along each ray and add up what it brings.
+
+    Args:
+        built: The Mitsuba scene of a vectorized variant.
+        index: Its lights.
+        sampler: Seeded for as many paths as there are rays.
+        ray: Where the paths begin.
+        accumulator: Receives the contributions.
+        depth: At most this many segments; with at most 7 scatterings 8.
+        first: Gives the BSDF of an interaction with the first surface, for irradiance; None: its
+            own.
+        active: Which rays to follow.
+        begun: Where somebody else looks for lights from the origins of the rays, so that what the
+            rays meet at once counts in part: the interactions there, and how densely the rays'
+            directions were sampled, relative to those of the lights. None: it counts in full.
+        numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
+    """
+    context = mi.BSDFContext()
+    ray = mi.Ray3f(ray)
+    throughput = mi.Color3f(1.0)
+    segments, scatterings = mi.UInt32(0), mi.UInt32(0)
+    before = dr.zeros(mi.SurfaceInteraction3f)
+    density, certain = mi.Float(1.0), mi.Bool(True)
+    if dr.hint(begun is not None, mode="scalar"):
+        before, density, certain = begun[0], mi.Float(begun[1]), mi.Bool(False)
+    crossed = mi.UInt32(index.elsewhere)
+    active = mi.Bool(active)
+    while active:
+        si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
+        hit = si.is_valid()
+        crossed = index.crossed(ray.o, ray.d, dr.select(hit, si.t, dr.inf), crossed)
+        # 1. Light that the ray has met.
+        emitter = si.emitter(built)
+        emits = active & (emitter != None)  # noqa: E711
+        if dr.hint(first is not None, mode="scalar"):
+            # What is received is wanted, not what the surface itself sends out.
+            emits &= scatterings > 0
+        ds = mi.DirectionSample3f(built, si, before)
+        other = dr.select(certain, 0.0, built.pdf_emitter_direction(before, ds, emits & ~certain))
+        met = throughput * emitter.eval(si, emits) * power_heuristic(density, other)
+        light = dr.select(hit, index.of_shape(si.shape, emits & hit), crossed)
+        accumulator.add(met, light, scatterings, emits)
+        # 2. Light that is looked for.
+        onwards = active & hit & (segments + 1 < depth)
+        bsdf = si.bsdf()
+        if dr.hint(first is not None, mode="scalar"):
+            bsdf = dr.select(scatterings == 0, first(si), bsdf)
+        rough = onwards & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+        looking, lobe, turning = sampler.next_2d(), sampler.next_1d(), sampler.next_2d()
+        if dr.hint(numbers is not None, mode="scalar"):
+            looking = dr.select(segments == 0, numbers.light, looking)
+            lobe = dr.select(segments == 0, numbers.lobe, lobe)
+            turning = dr.select(segments == 0, numbers.direction, turning)
+        to, incident = built.sample_emitter_direction(si, looking, True, rough)
+        smooth = rough & (to.pdf != 0.0)
+        value, pdf, sample, weight = bsdf.eval_pdf_sample(
+            context, si, si.to_local(to.d), lobe, turning, onwards
+        )
+        null = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
+        certain = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta) | null
+        onto, density = si.to_world(sample.wo), sample.pdf
+        infinite = mi.has_flag(to.emitter.flags(), mi.EmitterFlags.Infinite)
+        shape = to.emitter.get_shape()
+        share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, pdf))
+        lamp = index.of_shape(shape, smooth & ~infinite)
+        sky = index.crossed(si.p, to.d, mi.Float(dr.inf), crossed)
+        found = throughput * value * incident * share
+        accumulator.add(found, dr.select(infinite, sky, lamp), scatterings + 1, smooth)
+        # 3. Onwards.
+        ray = si.spawn_ray(onto)
+        throughput *= weight
+        before = si
+        scatterings = dr.select(null, scatterings, scatterings + 1)
+        segments += 1
+        strongest = dr.max(throughput)
+        survival = dr.minimum(dr.sqrt(strongest), _MOST_SURVIVAL)
+        roulette = segments >= _ROULETTE_FROM_SEGMENT
+        kept = ~roulette | (sampler.next_1d() < survival)
+        throughput[roulette] /= survival
+        active = onwards & kept & (strongest > 0.0)
+
+
+def power_heuristic(used: Any, other: Any) -> Any:
+    """The power heuristic for two techniques."""
+    squared = dr.square(used)
+    share = squared / (squared + dr.square(other))
+    return dr.select(dr.isfinite(share), share, 0.0)

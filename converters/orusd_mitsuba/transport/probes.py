@@ -1,0 +1,102 @@
+"""Panoramas of what arrives at points in free space."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.hemisphere import PANORAMA, Cells
+from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.probes import ProbeRequest
+from openrooms_usd.render.scene.pictures import Array
+from orusd_mitsuba.transport.incident import IncidentRadiance, Points
+from orusd_mitsuba.transport.light_index import LightIndex
+from orusd_mitsuba.transport.sampling import ProgressiveSampler
+
+# Paths that one batch may follow.
+_PATHS_A_BATCH: Final = 1 << 21
+
+
+class ProbeIntegrator:
+    """Renders batches of samples of the panorama about a point.
+
+    Args:
+        built: The Mitsuba scene of a vectorized variant.
+        index: Its lights.
+        position: (3,) metres, relative to Mitsuba's origin.
+        size: Height and width.
+        depth: At most this many segments of a path from a light to the point.
+
+    Attributes:
+        planes: 1.
+        size: Height and width.
+        most: Samples of each pixel that one batch may have at most.
+        broken: (height, width) bool, pixels in which a batch gave no number.
+    """
+
+    def __init__(
+        self,
+        built: Any,
+        index: LightIndex,
+        position: Array,
+        size: tuple[int, int],
+        depth: int,
+    ) -> None:
+        cells = Cells(*size, np.pi)
+        point = Points(position[None], PANORAMA[None], np.zeros((1, 3)))
+        self._incident = IncidentRadiance(built, index, cells, point, depth)
+        self.planes, self.size = 1, size
+        self.most = max(1, _PATHS_A_BATCH // cells.count)
+        self.broken = np.zeros(size, dtype=bool)
+
+    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch; equal seeds give equal bits.
+
+        Returns:
+            (1, height, width, 3).
+        """
+        pixels = self._incident(samples, seed)[1]
+        finite = np.isfinite(pixels)
+        self.broken |= ~finite.all(axis=(0, 3))
+        return np.where(finite, pixels, np.float32(0.0))
+
+
+def render_probes(
+    built: Any, index: LightIndex, origin: Array, request: ProbeRequest,
+    progress: Callable[[float], None],
+) -> tuple[Image, ...]:  # fmt: skip
+    """The panoramas of a request, in its order.
+
+    Args:
+        built: The Mitsuba scene of a vectorized variant.
+        index: Its lights.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+        request: What to render.
+        progress: Called with the finished fraction.
+    """
+    size, count = (request.height, request.width), len(request.positions)
+    how = RenderRequest(
+        None, (), request.width, request.height, samples=request.samples, seed=request.seed
+    )
+    images = []
+    for number, position in enumerate(request.positions):
+        start = time.perf_counter()
+        integrator = ProbeIntegrator(
+            built, index, np.array(position) - origin, size, request.bounces + 1
+        )
+        part = partial(_part, progress, number, count)
+        halves = ProgressiveSampler(
+            integrator, how, (integrator.planes, *size), integrator.most, part,
+            lambda planes: np.asarray(planes[0]), f"probe {position}",
+        ).run()  # fmt: skip
+        seconds, replaced = time.perf_counter() - start, int(integrator.broken.sum())
+        images.append(Image(halves.mean[0], halves.total, seconds, halves.error, replaced))
+    return tuple(images)
+
+
+def _part(progress: Callable[[float], None], number: int, count: int, done: float) -> None:
+    """One panorama's progress as that of all."""
+    progress((number + done) / count)
