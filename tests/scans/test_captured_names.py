@@ -96,6 +96,8 @@ def test_every_word_has_a_category_that_can_be_built() -> None:
         ("TV Stand", "cabinet"),
         ("bookcase", "bookshelf"),
         ("refridgerator", "refrigerator"),
+        ("Toaster", "toaster"),
+        ("pool table", "pool_table"),
         ("", None),
     ],
 )
