@@ -1,6 +1,7 @@
 """What several modules must say alike is said once."""
 
 import ast
+import re
 from pathlib import Path
 
 from openrooms_usd import names
@@ -12,8 +13,11 @@ ROOT = Path(__file__).parents[2]
 
 def heights(path: Path) -> list[str]:
     """Places that give a height the value of a usual one: constants, defaults, arguments."""
-    found = []
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    found: list[str] = []
+    text = path.read_text("utf-8")
+    if not re.search(r"(?i)height[^\n]*\b(2\.60*|3\.0*|3)\b", text):
+        return found
+    for node in ast.walk(ast.parse(text)):
         given: list[tuple[str, ast.expr | None]] = []
         if isinstance(node, ast.Assign):
             given = [(ast.unparse(target), node.value) for target in node.targets]

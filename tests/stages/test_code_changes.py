@@ -24,6 +24,7 @@ from openrooms_usd.physics.components import Part
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.catalogue import Catalogue
 from openrooms_usd.stages.physics import cache as physics_cache
+from openrooms_usd.stages.physics import stage as physics
 from openrooms_usd.stages.swatches import Swatch
 
 ROOT = Path(__file__).parents[2]
@@ -137,6 +138,12 @@ def test_a_sofa_is_not_named_by_chairs(plant: Plant, tmp_path: Path) -> None:
     after = asset_names(tmp_path)
     assert before["chair"] != after["chair"]
     assert before["sofa"] == after["sofa"]
+
+
+def test_bodies_are_named_by_the_records_of_categories(plant: Plant) -> None:
+    before = physics._code()
+    plant("openrooms_usd/library/furniture/toaster.py")
+    assert physics._code() != before
 
 
 def test_categories_are_built_by_the_modules_that_are_named() -> None:

@@ -79,13 +79,18 @@ def _check_names(context: StageContext, section: Physics, known: Sequence[str]) 
         )
 
 
+def _code() -> str:
+    """Of the code that bodies hang on; how parts are made stands in the records of categories."""
+    return code_digest(__name__, *registry.modules())
+
+
 def _publish(context: StageContext, assets: Iterable[RigidAsset]) -> dict[int, str]:
     """Write the layer of each distinct asset, unless it is there already.
 
     Returns:
         The anchored path of its layer, by ``id`` of the asset.
     """
-    code = code_digest(__name__, *registry.modules())
+    code = _code()
     wanted: dict[int, str] = {}
     missing: dict[Path, RigidAsset] = {}
     for asset in assets:
