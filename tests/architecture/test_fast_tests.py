@@ -1,0 +1,67 @@
+"""The tests' own rules: what takes long is marked, and of many cases few are fast."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+CONFTEST = Path(__file__).parents[1] / "conftest.py"
+SETTINGS = "[pytest]\nmarkers =\n  slow: s\n  one_in(n): n\n  xdist_group(name): g\n"
+TESTS = """
+import subprocess, sys, time
+import pytest
+
+BURN = "import time\\nwhile time.process_time() < {}: pass"
+burn = lambda: exec(BURN.format(time.process_time() + 0.15))
+made = []
+
+@pytest.fixture(scope="module")
+def shared(): burn()
+@pytest.fixture
+def own(): burn()
+
+def test_itself(): burn()
+def test_its_own_fixture(own): pass
+def test_its_process(): subprocess.run([sys.executable, "-c", BURN.format(0.15)], check=True)
+def test_what_is_shared(shared): pass
+def test_first_use():
+    made or burn()
+    made.append(1)
+def test_sleep(): time.sleep(0.3)
+@pytest.mark.slow
+def test_marked(): burn()
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("case", "abcde")
+def test_cases(case): pass
+"""
+TOO_LONG = {"test_itself", "test_its_own_fixture", "test_its_process"}
+
+
+def outcomes(folder: Path, *words: str) -> tuple[set[str], set[str], str]:
+    """Names of tests that passed and that failed, and all that was said."""
+    shutil.copy(CONFTEST, folder)
+    (folder / "pytest.ini").write_text(SETTINGS)
+    (folder / "test_some.py").write_text(TESTS)
+    call = [sys.executable, "-m", "pytest", "-rA", "-p", "no:cacheprovider", *words]
+    said = subprocess.run(call, cwd=folder, capture_output=True, text=True).stdout
+    passed, failed = (
+        {
+            line.split("::")[1].split(" ")[0]
+            for line in said.splitlines()
+            if line.startswith(f"{word} test_some.py")
+        }
+        for word in ("PASSED", "FAILED")
+    )
+    return passed, failed, said
+
+
+def test_what_takes_long_without_the_mark_fails(tmp_path: Path) -> None:
+    passed, failed, said = outcomes(tmp_path, "--cpu-limit", "0.1")
+    assert failed == TOO_LONG, said
+    assert {"test_what_is_shared", "test_first_use", "test_sleep", "test_marked"} <= passed
+    assert said.count("of processor time, more than 0.1 s") >= len(TOO_LONG)
+
+
+def test_of_many_cases_few_are_fast(tmp_path: Path) -> None:
+    passed, _, said = outcomes(tmp_path, "-m", "not slow", "-k", "cases or marked")
+    assert passed == {"test_cases[a]", "test_cases[d]"}, said
