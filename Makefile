@@ -5,8 +5,8 @@ PYTHON ?= $(shell for python in python3.11 python3.12 python3.13 python3.14 pyth
 	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null \
 	&& echo $$python && break; done)
 BIN := .venv/bin
-# One worker a core, one room a worker.
-PYTEST = $(BIN)/pytest -n auto --maxprocesses 4 --dist loadgroup
+# One worker a core, one room a worker; what takes longer than 3 s of processor time is marked.
+PYTEST = $(BIN)/pytest -n auto --maxprocesses 4 --dist loadgroup --cpu-limit 3
 export PIP_ROOT_USER_ACTION := ignore
 
 .DEFAULT_GOAL := help

@@ -20,6 +20,7 @@ def test_ranks_against_scipy():
     assert np.isnan(rank_correlation(np.ones(4), np.arange(4.0)))
 
 
+@pytest.mark.slow
 def test_it_runs(tmp_path):
     target = tmp_path / "f.json"
     command = [sys.executable, "-m", "benchmarks.friction", "--quick", "--json", str(target)]

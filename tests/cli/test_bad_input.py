@@ -500,6 +500,7 @@ def _fill_up(command: str, orusd: Any, lab: Any, folder: Path) -> None:
             assert lab.tree(disk) == before
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("largest", [0, 100, 2000])
 def test_a_disk_that_stops_taking_bytes(

@@ -36,6 +36,7 @@ def slow_room(lab: Any, tmp_path: Path) -> Path:
     return room
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("reached", ["edits", "layout", "alignment", "materials"])
 def test_a_new_composition(reached: str, slow_room: Path, lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
@@ -45,6 +46,7 @@ def test_a_new_composition(reached: str, slow_room: Path, lab: Any, tmp_path: Pa
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_an_earlier_composition_stays(slow_room: Path, lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
     shutil.copytree(lab.composed, out)

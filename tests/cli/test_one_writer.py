@@ -28,6 +28,7 @@ def slow_room(lab: Any, tmp_path: Path) -> Path:
     return room
 
 
+@pytest.mark.slow
 def test_two_rooms_at_once(orusd: Any, lab: Any, slow_room: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     first = lab.start("compose", slow_room, "-o", out)

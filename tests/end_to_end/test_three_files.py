@@ -53,6 +53,7 @@ def first_camera(scene: Path) -> list[str]:
     return [str(stage.GetPrimAtPath("/World/Cameras").GetChildren()[0].GetPath())]
 
 
+@pytest.mark.slow
 def test_every_room_is_the_same_in_one_file(room: Path, tmp_path: Path, show, fastest) -> None:
     home = tmp_path / "room"
     shutil.copytree(room.parent, home)

@@ -83,6 +83,7 @@ def test_composing_sees_the_expanded_room(tmp_path: Path) -> None:
     load_room(tmp_path / "room.yaml")
 
 
+@pytest.mark.slow
 def test_a_room_that_is_written_out_needs_no_generator(tmp_path: Path) -> None:
     """Composing again is quick because little is imported."""
     (tmp_path / "room.yaml").write_text(

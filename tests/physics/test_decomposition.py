@@ -145,6 +145,7 @@ print(digest(collision_shapes([part(l_shape())], {method!r}, 0.03)))
 """
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", ["auto", "coacd", "vhacd"])
 def test_bytes_are_equal_in_other_processes_and_with_other_threads(method: str) -> None:
     here = str(Path(__file__).parent)
