@@ -25,9 +25,9 @@ help:
 	@echo "make clean       remove .venv, out and caches"
 
 demo: .venv/installed
-	@$(BIN)/python -c "import sys; from orusd_mitsuba.variants import choose; sys.exit(choose().variant.startswith('scalar'))" \
-		|| .ci/install-llvm
-	$(BIN)/orusd demo -o out/demo
+	@.ci/install-llvm
+	@$(BIN)/orusd demo -o out/demo
+	@echo && echo "orusd is in .venv/bin:  . .venv/bin/activate"
 
 test: lint types unit
 
@@ -64,17 +64,19 @@ pictures: .venv/installed-dev
 clean:
 	rm -rf .venv out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
-# pip reads dependency groups since 25.1.
 .venv/installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer is needed and none was found:" \
 		"install it (Debian, Ubuntu: apt-get install python3 python3-venv) or say" \
 		"make PYTHON=/path/to/python"; exit 1; }
 	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv || { rm -rf .venv; echo "no virtual" \
 		"environment could be made (Debian, Ubuntu: apt-get install python3-venv)"; exit 1; }
-	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
-	$(BIN)/python -m pip install --quiet --editable .
+	@echo "installing into .venv"
+	@$(BIN)/python -m pip install --quiet --editable ".[denoise]" || { echo "without the denoiser:" \
+		"pictures stay noisy"; $(BIN)/python -m pip install --quiet --editable .; }
 	@touch $@
 
+# pip reads dependency groups since 25.1.
 .venv/installed-dev: .venv/installed
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
 	$(BIN)/python -m pip install --quiet --group dev
 	@touch $@

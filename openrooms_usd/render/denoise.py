@@ -108,6 +108,15 @@ class Denoiser:
         }
 
 
+def is_usable() -> bool:
+    """Whether Open Image Denoise is installed and runs here."""
+    try:
+        _package()
+    except MissingPackageError:
+        return False
+    return True
+
+
 def load_denoiser(available: tuple[str, ...]) -> Denoiser:
     """Load Open Image Denoise.
 
@@ -117,14 +126,18 @@ def load_denoiser(available: tuple[str, ...]) -> Denoiser:
     Raises:
         MissingPackageError: It is not installed, or cannot run here.
     """
+    guides = tuple(guide for guide in GUIDES if guide in available)
+    return Denoiser(_package(), guides)
+
+
+def _package() -> ModuleType:
     try:
-        package = importlib.import_module("pyoidn")
+        return importlib.import_module("pyoidn")
     except (ImportError, OSError) as error:
         raise MissingPackageError(
             f"denoising needs the package 'pyoidn', which cannot be imported ({error})",
             remedy="pip install openrooms-usd[denoise], or leave --denoise away",
         ) from error
-    return Denoiser(package, tuple(guide for guide in GUIDES if guide in available))
 
 
 def _mirrored(pixels: Pixels) -> Pixels:

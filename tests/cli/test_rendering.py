@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -212,20 +213,28 @@ def test_pixels_that_are_no_numbers_are_said():
     assert told == ["2 pixels of radiance were no finite numbers"]
 
 
-def test_the_demo_for_programs(tmp_path, monkeypatch):
+@pytest.fixture
+def asked(monkeypatch):
+    """What the demo asks of the renderer, which does nothing here."""
     compose = import_module("openrooms_usd.compose")
     render = import_module("openrooms_usd.render")
+    words = {}
 
     def compose_room(description, out, **how):
         return compose.ComposeSummary(out / "scene.usda", ())
 
     def render_stage(stage, out, **how):
+        words.update(how)
         report = {"losses": [], "approximated": 0, "skipped": 0}
         said = {"views": {}, "report": report, "renderer": {"backend": "none"}, "stop": {}}
         return render.RenderSummary(out, said, {})
 
     monkeypatch.setattr(compose, "compose_room", compose_room)
     monkeypatch.setattr(render, "render_stage", render_stage)
+    return words
+
+
+def test_the_demo_for_programs(tmp_path, asked):
     result = CliRunner().invoke(orusd, ["demo", "-o", str(tmp_path), "--json"])
     assert json.loads(result.stdout) == {
         "description": str(tmp_path / "source" / "room.yaml"),
@@ -233,6 +242,25 @@ def test_the_demo_for_programs(tmp_path, monkeypatch):
         "render": str(tmp_path / "render"),
     }
     assert "rendered with none" in result.stderr
+
+
+@pytest.mark.parametrize("usable", [True, False])
+def test_the_demo_denoises_where_it_can(tmp_path, asked, monkeypatch, usable):
+    denoise = import_module("openrooms_usd.render.denoise")
+    monkeypatch.setattr(denoise, "is_usable", lambda: usable)
+    said = call("demo", "-o", tmp_path)
+    assert asked["denoise"] is usable
+    assert ("denoised.png" in said) is usable
+    assert ("openrooms-usd[denoise]" in said) is not usable
+
+
+def test_what_the_demo_says_to_do_next_can_be_done(tmp_path, asked):
+    lines = [line.partition("orusd ") for line in call("demo", "-o", tmp_path).splitlines()]
+    commands = [shlex.split(rest) for _, found, rest in lines if found]
+    assert len(commands) == 5
+    for name, *words in commands:
+        command = orusd.get_command(None, name)
+        command.make_context(name, words)
 
 
 def test_init_for_programs(tmp_path):
