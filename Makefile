@@ -29,7 +29,8 @@ demo: .venv/installed
 	@$(BIN)/orusd demo -o out/demo
 	@echo && echo "orusd is in .venv/bin:  . .venv/bin/activate"
 
-test: lint types unit
+test: lint
+	$(MAKE) --jobs 2 types unit
 
 check: lint types
 

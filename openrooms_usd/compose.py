@@ -11,6 +11,7 @@ from openrooms_usd import claims, names
 from openrooms_usd.description import load_room
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
 from openrooms_usd.description.room import Room
+from openrooms_usd.edits.fitting import misfits_of
 from openrooms_usd.edits.foreign import refuse_foreign
 from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, OutputError, StageError, printable
@@ -130,7 +131,12 @@ def compose_room(
                 runner.check(draft)
         files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz, include_outside))
         orphans = orphans_of(out)
-    notes = (*_about_settled(out, summaries), *_about_strangers(out, draft))
+        misfits = misfits_of(out)
+    notes = (
+        *_about_settled(out, summaries),
+        *_about_strangers(out, draft),
+        *(f"{misfit}: see orusd edits fit" for misfit in misfits),
+    )
     return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans, notes)
 
 

@@ -50,6 +50,13 @@ RULES: Final = (
         "rename it to where the prim is now, or remove it",
         advice=True,
     ),
+    Rule(
+        "units",
+        layer_rules.referenced_units,
+        "USD converts no units: orusd edits fit OUT writes the operations that are missing; give a "
+        "file that does not say its units metersPerUnit and upAxis first",
+        advice=True,
+    ),
     Rule("extent", prim_rules.extents, "author extent from the points"),
     Rule(
         "subdivision-scheme",

@@ -1,4 +1,4 @@
-"""The commands ``edits adopt`` and ``edits orphans``."""
+"""The commands ``edits adopt``, ``edits fit`` and ``edits orphans``."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -67,6 +67,33 @@ def _print(adoption: "Adoption", dry_run: bool) -> None:
         echo(f"would move what is said about {count} to {adoption.edits}")
     else:
         echo("nothing to adopt")
+
+
+@edits.command()
+@click.argument("out", type=click.Path(path_type=Path), metavar="OUT")
+@click.option("--dry-run", is_flag=True, help="Say what would be corrected, and write nothing.")
+@json_option
+def fit(out: Path, dry_run: bool, as_json: bool) -> None:
+    """Correct the units and axes of files that OUT/layers/edits.usda refers to.
+
+    A file in centimetres or with Y up gets the scale and the turn that it lacks, as operations of
+    the prim that refers to it.
+    """
+    from openrooms_usd.edits.fitting import fit as correct
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        fitting = correct(out, dry_run=dry_run)
+    if as_json:
+        print_json(fitting.as_dict())
+        return
+    for misfit in (*fitting.fitted, *fitting.left):
+        echo(str(misfit))
+    if fitting.left:
+        echo("remedy: give files without units metersPerUnit and upAxis; they are left as they are")
+    done = "would correct" if dry_run else "corrected"
+    count = len(fitting.fitted)
+    echo(f"{done} {count} in {fitting.edits}" if count else "nothing to correct")
 
 
 @edits.command()

@@ -88,6 +88,7 @@ def render(
     from openrooms_usd.render.reading import read_render
     from openrooms_usd.usd.diagnostics import quiet
 
+    _warn_of_units(stage)
     # What cannot be written should not be rendered first.
     writer: DatasetWriter | None = adapters.load(adapters.DATASETS, "openrooms") if root else None
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
@@ -116,6 +117,18 @@ def render(
     _print_summary(summary)
     if written:
         print_dataset(written)
+
+
+def _warn_of_units(stage: Path) -> None:
+    """Say before the picture what in it is a hundred times too large."""
+    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.metrics import find_misfits
+
+    with quiet():
+        found = find_misfits(open_stage(stage))
+    for misfit in found:
+        echo(f"warning: {misfit}: see orusd edits fit", err=True)
 
 
 def _names(text: str) -> list[str]:

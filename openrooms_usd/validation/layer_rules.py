@@ -7,6 +7,7 @@ from typing import Final
 from pxr import Sdf, UsdGeom
 
 from openrooms_usd.edits.orphans import find_orphans
+from openrooms_usd.usd.metrics import find_misfits
 from openrooms_usd.validation.model import Complaint, Subject
 
 # USD takes these from the root layer alone, so a layer that differs shows something else by itself.
@@ -81,3 +82,9 @@ def no_orphans(subject: Subject) -> Iterator[Complaint]:
             if orphan.reason != "instance":
                 near = f"; near: {orphan.hint}" if orphan.hint else ""
                 yield orphan.path, f"{subject.name(layer)} {orphan.message}{near}"
+
+
+def referenced_units(subject: Subject) -> Iterator[Complaint]:
+    """What is referred to has the stage's units and up axis, or operations that correct it."""
+    for misfit in find_misfits(subject.stage):
+        yield misfit.path, misfit.said

@@ -34,7 +34,7 @@ def main(scene: str, seconds: float) -> None:
         json.dumps(
             {
                 "moved": dict(zip(labels, moved.tolist(), strict=True)),
-                "joints": {name: apart for name, apart in apartness(model, end)},
+                "joints": dict(apartness(model, end)),
                 "shapes": len(builder.shape_type),
             }
         )
@@ -42,7 +42,7 @@ def main(scene: str, seconds: float) -> None:
 
 
 def apartness(model, bodies):
-    """Of each joint that is no free one: its name, how far its anchors are apart across its axis."""
+    """Of each joint but free ones: its name, how far its anchors are apart across its axis."""
     kinds, parents, children = (
         values.numpy() for values in (model.joint_type, model.joint_parent, model.joint_child)
     )

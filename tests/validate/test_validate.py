@@ -41,6 +41,16 @@ class SmallRoom:
         """Write the body of the human layer and return the scene."""
         return self.edit("layers/edits.usda", "\n)\n", "\n)\n" + body)
 
+    def statue(self, content: str = "") -> str:
+        """A prim for the edits that refers to a file of another program: Y up, centimetres."""
+        (self.folder / "statue.usda").write_text(
+            '#usda 1.0\n(\n defaultPrim = "root"\n metersPerUnit = 0.01\n upAxis = "Y"\n)\n'
+            f'def Xform "root"\n{{\n{content}}}\n'
+        )
+        return (
+            'over "World" {\n def Xform "Statue" (prepend references = @../statue.usda@) {\n }\n}\n'
+        )
+
 
 def square(stage: Usd.Stage, path: str) -> UsdGeom.Mesh:
     mesh = UsdGeom.Mesh.Define(stage, path)
@@ -191,6 +201,10 @@ BREAKS: dict[str, tuple[Callable[[SmallRoom], Path], str]] = {
         lambda room: room.edits('over "World" {\n over "Gone" {\n bool x = 1\n }\n}\n'),
         "/World/Gone",
     ),
+    "units": (
+        lambda room: room.edits(room.statue()),
+        "/World/Statue",
+    ),
     "extent": (
         lambda room: room.edit(LAYOUT, "extent = [(0, 0, 0), (1, 1, 0)]", "extent:not = []"),
         names.FLOOR,
@@ -232,7 +246,8 @@ def test_a_rule_finds_what_breaks_it(code: str, small_room: SmallRoom) -> None:
     findings = [f for f in validate_stage(breaks(small_room)) if f.code == code]
     assert place in {finding.place for finding in findings}
     assert all(
-        finding.severity == ("warning" if code == "orphan" else "error") for finding in findings
+        finding.severity == ("warning" if code in ("orphan", "units") else "error")
+        for finding in findings
     )
     assert all(finding.remedy for finding in findings)
 

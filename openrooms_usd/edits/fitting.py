@@ -1,0 +1,125 @@
+"""Brings what the edits refer to from other units and axes to those of the room."""
+
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from openrooms_usd import claims, names, untrusted
+from openrooms_usd.edits.foreign import own_layers
+from openrooms_usd.edits.merging import copied
+from openrooms_usd.errors import InputError
+from openrooms_usd.stages import runner
+from openrooms_usd.stages.draft import drafting
+from openrooms_usd.usd.diagnostics import reading
+from openrooms_usd.usd.layers import open_stage, stacked_files
+from openrooms_usd.usd.metrics import SCALE, TURN, Misfit, find_misfits, is_own
+
+_RESET: Final = "!resetXformStack!"
+_INVERTED: Final = "!invert!"
+_ORDER: Final = str(UsdGeom.Tokens.xformOpOrder)
+_TYPES: Final = {TURN: Sdf.ValueTypeNames.Double, SCALE: Sdf.ValueTypeNames.Double3}
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """What was corrected, or would be.
+
+    Attributes:
+        edits: The layer that receives it.
+        fitted: What got its operations.
+        left: What says nothing of its units, so that nobody can.
+    """
+
+    edits: Path
+    fitted: tuple[Misfit, ...] = ()
+    left: tuple[Misfit, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for ``--json``."""
+        return {**asdict(self), "edits": str(self.edits)}
+
+
+def fit(out: Path, *, dry_run: bool = False) -> Fitting:
+    """Correct the units and axes of the files that a room's edits refer to, by operations there.
+
+    Nothing is touched that somebody has scaled and turned already; a second call finds nothing.
+
+    Args:
+        out: The folder that compose wrote.
+        dry_run: Write nothing.
+
+    Raises:
+        InputError: There is no composed room, or its edits cannot be read.
+        StageError: The room would not compose.
+        OutputError: The edits cannot be written.
+    """
+    with claims.claimed(out) if not dry_run else nullcontext():
+        edits, stage = _opened(out)
+        found = find_misfits(stage) if stage else []
+        fitted = tuple(misfit for misfit in found if misfit.stated)
+        left = tuple(misfit for misfit in found if not misfit.stated)
+        if stage and fitted and not dry_run:
+            with reading(edits), drafting(out) as draft:
+                layer = copied(Sdf.Layer.FindOrOpen(str(edits)))
+                for misfit in fitted:
+                    _correct(layer, stage.GetPrimAtPath(misfit.path), misfit)
+                draft.export(layer, names.EDITS)
+                runner.check(draft)
+    return Fitting(edits, fitted, left)
+
+
+def misfits_of(out: Path) -> list[Misfit]:
+    """What the edits of a composed room refer to in other units or axes, uncorrected.
+
+    Raises:
+        InputError: There is no composed room, or its edits cannot be read.
+    """
+    _, stage = _opened(out)
+    return find_misfits(stage) if stage else []
+
+
+def _opened(out: Path) -> tuple[Path, Usd.Stage | None]:
+    """The file of the edits, and the room with them; no stage where they say nothing."""
+    untrusted.check_path(out)
+    stack = own_layers(out)
+    edits = stack[names.STACK.index(names.EDITS)]
+    if not edits.is_file():
+        raise InputError(
+            "no such file", place=edits, remedy="name the folder that orusd compose wrote"
+        )
+    alone = open_stage(edits).GetRootLayer()
+    if not (alone.rootPrims or alone.subLayerPaths):
+        return edits, None
+    with reading(edits):
+        return edits, stacked_files(stack)
+
+
+def _correct(layer: Sdf.Layer, prim: Usd.Prim, misfit: Misfit) -> None:
+    """Write the missing operations, after those of the room and before those of the file."""
+    spec = Sdf.CreatePrimInLayer(layer, prim.GetPath())
+    for name, value in misfit.operations:
+        attribute = spec.attributes.get(name) or Sdf.AttributeSpec(
+            spec, name, _TYPES[name], declaresCustom=False
+        )
+        attribute.default = Gf.Vec3d(value) if name == SCALE else value
+    missing = [name for name, _ in misfit.operations]
+    order = spec.attributes.get(_ORDER) or Sdf.AttributeSpec(
+        spec, _ORDER, Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform, False
+    )
+    order.default = _ordered(prim, missing)
+
+
+def _ordered(prim: Usd.Prim, missing: Sequence[str]) -> list[str]:
+    said = UsdGeom.Xformable(prim).GetXformOpOrderAttr().Get() or ()
+    order = [name for name in said if name not in missing]
+    own = [
+        number
+        for number, name in enumerate(order)
+        if name == _RESET or is_own(prim.GetAttribute(name.removeprefix(_INVERTED)))
+    ]
+    place = own[-1] + 1 if own else 0
+    return [*order[:place], *missing, *order[place:]]
