@@ -57,14 +57,15 @@ def fit(out: Path, *, dry_run: bool = False) -> Fitting:
         StageError: The room would not compose.
         OutputError: The edits cannot be written.
     """
+    edits = _edits_of(out)
     with claims.claimed(out) if not dry_run else nullcontext():
-        edits, stage = _opened(out)
+        stage = _opened(edits)
         found = find_misfits(stage) if stage else []
         fitted = tuple(misfit for misfit in found if misfit.stated)
         left = tuple(misfit for misfit in found if not misfit.stated)
         if stage and fitted and not dry_run:
             with reading(edits), drafting(out) as draft:
-                layer = copied(Sdf.Layer.FindOrOpen(str(edits)))
+                layer = copied(_root_of(stage, edits))
                 for misfit in fitted:
                     _correct(layer, stage.GetPrimAtPath(misfit.path), misfit)
                 draft.export(layer, names.EDITS)
@@ -78,24 +79,34 @@ def misfits_of(out: Path) -> list[Misfit]:
     Raises:
         InputError: There is no composed room, or its edits cannot be read.
     """
-    _, stage = _opened(out)
+    stage = _opened(_edits_of(out))
     return find_misfits(stage) if stage else []
 
 
-def _opened(out: Path) -> tuple[Path, Usd.Stage | None]:
-    """The file of the edits, and the room with them; no stage where they say nothing."""
+def _edits_of(out: Path) -> Path:
     untrusted.check_path(out)
-    stack = own_layers(out)
-    edits = stack[names.STACK.index(names.EDITS)]
+    edits = own_layers(out)[names.STACK.index(names.EDITS)]
     if not edits.is_file():
         raise InputError(
             "no such file", place=edits, remedy="name the folder that orusd compose wrote"
         )
-    alone = open_stage(edits).GetRootLayer()
-    if not (alone.rootPrims or alone.subLayerPaths):
-        return edits, None
+    return edits
+
+
+def _opened(edits: Path) -> Usd.Stage | None:
+    """The room with its edits; None where they say nothing."""
+    # The stage keeps its layer alive.
+    alone = open_stage(edits)
+    said = alone.GetRootLayer()
+    if not (said.rootPrims or said.subLayerPaths):
+        return None
     with reading(edits):
-        return edits, stacked_files(stack)
+        return stacked_files(own_layers(edits.parents[1]))
+
+
+def _root_of(stage: Usd.Stage, edits: Path) -> Sdf.Layer:
+    """The layer of the edits, which the room has open."""
+    return next(layer for layer in stage.GetLayerStack(False) if layer.realPath == str(edits))
 
 
 def _correct(layer: Sdf.Layer, prim: Usd.Prim, misfit: Misfit) -> None:

@@ -12,6 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd.cli import orusd
 from openrooms_usd.edits.fitting import fit, misfits_of
+from openrooms_usd.errors import InputError
 from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.metrics import SCALE, TURN, find_misfits
 from openrooms_usd.validate import validate_stage
@@ -195,3 +196,9 @@ def test_a_room_without_such_files_is_not_touched(place) -> None:
     assert fit(place.out).fitted == ()
     assert place.tree() == before
     assert find_misfits(Usd.Stage.Open(str(place.scene))) == []
+
+
+def test_what_is_no_room_is_refused_and_left_as_it_is(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="orusd compose"):
+        fit(tmp_path)
+    assert list(tmp_path.iterdir()) == []
