@@ -28,6 +28,12 @@ Point2 = Annotated[tuple[Length, Length], Field(description="x and y, metres")]
 
 DoorStyle = Literal["panelled", "flush", "glazed"]
 WindowStyle = Literal["casement", "grid", "sliding", "fixed"]
+# Width, height and sill of openings of which the description gives none, metres.
+USUAL_OPENINGS: Final = {
+    "window": (1.2, 1.3, 0.9),
+    "door": (0.9, 2.05, 0.0),
+    "opening": (0.9, 2.05, 0.0),
+}
 STYLES: Final = {"door": get_args(DoorStyle), "window": get_args(WindowStyle)}
 
 

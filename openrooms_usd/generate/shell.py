@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.description.layout import Opening, PolygonLayout
+from openrooms_usd.description.layout import USUAL_OPENINGS, Opening, PolygonLayout
 from openrooms_usd.generate.boxes import NONE, Array, box
 from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.geometry.polygons import counter_clockwise
@@ -21,10 +21,6 @@ _APPROACH: Final = 0.9
 _VIEW: Final = 0.4
 # What reaches into the room at a window's sill, metres.
 _NOSE: Final = 0.05
-# Usual width, height and sill, as the layout stage has them.
-_USUAL: Final = {
-    "window": (1.2, 1.3, 0.9), "door": (0.9, 2.05, 0.0), "opening": (0.9, 2.05, 0.0),
-}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +171,7 @@ def _gap(opening: Opening, shell: Shell) -> Gap:
     given = (opening.width, opening.height, opening.sill)
     width, height, sill = (
         usual if value is None else value
-        for value, usual in zip(given, _USUAL[opening.kind], strict=True)
+        for value, usual in zip(given, USUAL_OPENINGS[opening.kind], strict=True)
     )
     at = 0.5 * length if opening.at is None else opening.at
     at = length - at if shell.clockwise else at

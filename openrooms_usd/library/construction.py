@@ -5,13 +5,12 @@ from typing import Final, Literal
 
 from numpy.typing import ArrayLike
 
-from openrooms_usd.categories.makes import ANY, BOARD, Construction, Row
+from openrooms_usd.categories.makes import ANY, BOARD, GENERAL, Construction, Row
 from openrooms_usd.categories.record import Losses, Support, given
 from openrooms_usd.categories.registry import record
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.assignment.kinds import kind_of, known_as
 from openrooms_usd.library.friction.references import density
-from openrooms_usd.library.makes import GENERAL
 from openrooms_usd.physics.inertia import shell, solid
 from openrooms_usd.physics.mass import MassProperties
 

@@ -7,7 +7,7 @@ from typing import Final, Literal
 import numpy as np
 
 from openrooms_usd.capture import CapturedOpening
-from openrooms_usd.description.layout import Opening, named_openings
+from openrooms_usd.description.layout import USUAL_OPENINGS, Opening, named_openings
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.geometry.openings import around, clamped, free_span, misfit, too_close
@@ -16,12 +16,6 @@ from openrooms_usd.geometry.walls import Wall
 
 Kind = Literal["window", "door", "opening"]
 
-# Width, height and sill where the description gives none, metres.
-DEFAULTS: Final = {
-    "window": (1.2, 1.3, 0.9),
-    "door": (0.9, 2.05, 0.0),
-    "opening": (0.9, 2.05, 0.0),
-}
 # How far a captured door stands open when all that is known is that it does, degrees.
 _AJAR_DEG: Final = 60.0
 # Captured doors and passages that begin at most that high reach the floor, metres.
@@ -109,7 +103,7 @@ def _hole(opening: Opening, wall: Wall, clockwise: bool) -> Hole:
     width, height, sill = (
         default if given is None else given
         for given, default in zip(
-            (opening.width, opening.height, opening.sill), DEFAULTS[opening.kind], strict=True
+            (opening.width, opening.height, opening.sill), USUAL_OPENINGS[opening.kind], strict=True
         )
     )
     at = 0.5 * wall.length if opening.at is None else opening.at
@@ -223,7 +217,7 @@ def _merged(
     found: Sequence[tuple[CapturedOpening, Wall, Hole]], notes: list[str]
 ) -> Iterator[tuple[CapturedOpening, Wall, Hole]]:
     """Join openings of one wall that overlap; doors win over windows, windows over openings."""
-    rank = list(DEFAULTS)
+    rank = list(USUAL_OPENINGS)
     groups: list[list[tuple[CapturedOpening, Wall, Hole]]] = []
     for item in found:
         touching = [g for g in groups if g[0][1] is item[1] and too_close(_box(g), item[2])]

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.makes import ANY, GENERAL
 from openrooms_usd.categories.record import given
 from openrooms_usd.categories.registry import records
 from openrooms_usd.geometry.triangulation import triangulate
@@ -22,7 +22,6 @@ from openrooms_usd.library.construction import (
 from openrooms_usd.library.finishes import FINISHES, finishes_of
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.library.furniture import CATEGORIES, make, part_of
-from openrooms_usd.library.makes import GENERAL
 from openrooms_usd.physics.mass import MassProperties, combined
 
 Array = NDArray[np.float64]
