@@ -14,7 +14,7 @@ from pxr import Usd
 
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.diagnostics import quiet, reading
-from openrooms_usd.validation import layer_rules, prim_rules
+from openrooms_usd.validation import layer_rules, physics_rules, prim_rules
 from openrooms_usd.validation.core import core_findings
 from openrooms_usd.validation.model import Finding, Rule, Severity, Subject
 
@@ -67,6 +67,16 @@ RULES: Final = (
     Rule("label", prim_rules.labels, "apply SemanticsLabelsAPI:category to it or above it"),
     Rule("kind", prim_rules.kinds, "give the prims above a component the kind group or assembly"),
     Rule("component", prim_rules.components, "publish it with a class and an extentsHint"),
+    Rule(
+        "nested-body",
+        physics_rules.nested_bodies,
+        "put the bodies beside each other and join them: the standard knows no body in a body",
+    ),
+    Rule(
+        "articulation",
+        physics_rules.articulations,
+        "apply PhysicsArticulationRootAPI to the body that carries the others",
+    ),
     Rule("contract", prim_rules.contract, "keep to the names in openrooms_usd/names.py"),
 )
 

@@ -173,6 +173,28 @@ OVER_SEAT = """over "World" {
 }
 """
 
+
+def bodies(*, nested: bool) -> str:
+    """Two bodies that move, one in the other or beside it."""
+    body = '(prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {'
+    above, beside = (body, "") if nested else ("{", f'over "guide" {body} }}\n')
+    return f'over "World" {{\nover "Room" {above}\nover "Floor" {body} }}\n{beside}}}\n}}\n'
+
+
+def joined(room: SmallRoom) -> Path:
+    room.edits(bodies(nested=False))
+    room.edit(
+        LAYOUT,
+        'def Xform "Room"',
+        """def PhysicsFixedJoint "Joint" {
+            rel physics:body0 = </World/Room/Floor>
+            rel physics:body1 = </World/Room/guide>
+        }
+        def Xform "Room" """,
+    )
+    return room.scene
+
+
 # rule: (what breaks it, where it is found)
 BREAKS: dict[str, tuple[Callable[[SmallRoom], Path], str]] = {
     "equal-metadata": (
@@ -228,6 +250,14 @@ BREAKS: dict[str, tuple[Callable[[SmallRoom], Path], str]] = {
     "component": (
         lambda room: room.edit(CHAIR, "prepend inherits = </__class__/Chair>", ""),
         f"{names.FURNITURE}/chair_0",
+    ),
+    "nested-body": (
+        lambda room: room.edits(bodies(nested=True)),
+        f"{names.ROOM}/Floor",
+    ),
+    "articulation": (
+        joined,
+        "/World/Joint",
     ),
     "contract": (
         lambda room: room.edit(MATERIALS, 'def Scope "Materials"', 'def Xform "Materials"'),
