@@ -21,7 +21,7 @@ from orusd_preview.shading import BACKGROUND, shade
 # Points along each side of a pixel, for smooth edges.
 _POINTS_A_SIDE: Final = 2
 # More rays a pixel than this nobody sees.
-_MOST_RAYS: Final = 64
+_MOST_RAYS: Final = 32
 _MEANING: Final = (
     "a preview without light transport: base colour under a light at the camera and ambient "
     "occlusion; a white surface that faces the camera has 1 / exposure, so that pictures are as "
