@@ -178,6 +178,8 @@ def environment(quick: bool, folder: Path) -> Section:
     truth = np.asarray(mean_around(film, many, _REFERENCE))
     rows = []
 
+    sample_lights = incident._sample_lights
+
     def alone(*args: Any, begun: Any = None, **how: Any) -> None:
         trace(*args, **how)
 
@@ -185,7 +187,7 @@ def environment(quick: bool, folder: Path) -> Section:
         for samples in counts:
             with (
                 patch.object(incident, "trace", alone if only else trace),
-                patch.object(incident, "_ask", _nothing if only else incident._ask),
+                patch.object(incident, "_sample_lights", _nothing if only else sample_lights),
             ):
                 film(samples, 1)
                 seconds: list[float] = []

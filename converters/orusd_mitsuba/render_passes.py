@@ -34,7 +34,8 @@ class RenderPass:
         key: Sets its random numbers apart; passes that share them have noise in common, which
             then cancels in their differences.
         judged: The picture whose error decides when it is enough.
-        picks: By channel, what makes its picture of a batch's planes and the light's number.
+        picks: By channel, what makes its picture of an integrator's planes; of a channel of every
+            light, given the light's number.
         fewer: How many samples of a pixel are one of this pass: hemispheres have many cells.
     """
 

@@ -1,11 +1,11 @@
-"""What each light does straight: irradiance with and without occlusion, and their ratio.
+"""Direct irradiance of each light, with and without occlusion, and visibility, their ratio.
 
-At the first surface, made white, two techniques are combined by the power heuristic (Veach 1997): a
-point on each lamp, or a direction to the surroundings, and one direction from the hemisphere by its
-cosine, which finds what is close by and large. Every sample counts twice: as if nothing stood
-between, and by what does. So their ratio, the visibility, is a mean of numbers in [0, 1] under
-common weights. Of a lamp with few faces the light without occlusion is known in closed form
-besides, and serves as a control variate.
+The first surface is made white. There the power heuristic (Veach 1997) combines two techniques: a
+sample of each light (a point on a lamp, a direction to the surroundings), and one direction of the
+hemisphere by its cosine, which finds lights that are large or close. Both sums, without and with
+what stands between, are over the same samples: the visibility is so a mean of numbers in [0, 1]
+under common weights. For a lamp of few faces the irradiance without occlusion is also known in
+closed form, and serves as a control variate.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""What receives light: the first surface of a path made white, and what reaches it."""
+"""The points that receive direct light: the first surface along each ray, made white."""
 
 from collections.abc import Callable
 from typing import Any, Final
@@ -8,7 +8,8 @@ import mitsuba as mi
 
 from orusd_mitsuba.transport.light_index import LightIndex
 
-# Directions that ask a surface for its normal are this far from the horizon: sine and cosine.
+# A surface's normal is told by its BSDF along the vertical and four directions: sine and cosine of
+# their angle to the vertical.
 _PROBE_SINE: Final = 0.8
 _PROBE_COSINE: Final = 0.6
 

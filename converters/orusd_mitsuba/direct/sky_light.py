@@ -1,4 +1,4 @@
-"""Light of the surroundings that arrives straight, by opening."""
+"""Direct light of the surroundings, by the opening that it comes through."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from orusd_mitsuba.transport.light_index import LightIndex
 
 
 class Sky:
-    """The surroundings, looked for by three techniques: what they are, openings, the hemisphere.
+    """The surroundings, sampled by three techniques: their own importance, openings, the hemisphere.
 
     Args:
         built: The Mitsuba scene, which has an environment.
@@ -25,7 +25,7 @@ class Sky:
         self._emitter, self._openings = built.environment(), openings
 
     def gather(self, at: Receiver, sampler: Any, sums: DirectAccumulator) -> None:
-        """A direction by the surroundings' own sampling, and one through each opening."""
+        """Sample a direction by the surroundings' own importance, and one through each opening."""
         ds, _ = self._emitter.sample_direction(at.si, sampler.next_2d(), at.active)
         self.add(at, ds.d, ds.pdf, at.active & (ds.pdf > 0.0), sums)
         if len(self._openings):

@@ -1,4 +1,4 @@
-"""Environment maps of what a coarse grid of pixels sees: what arrives there, by direction."""
+"""Environment maps at a coarse grid of pixels: incident radiance at the surface, by direction."""
 
 from typing import Any, Final
 

@@ -1,10 +1,9 @@
 """Incident radiance at points: its mean over each of many cells of solid angle.
 
-What lights send straight is estimated in two ways that the power heuristic combines (Veach 1997,
-section 9.2): directions that are spread evenly over each cell, and directions that the lights are
-asked for, each counted in the cell that it falls in. The first find broad light, the second the
-sun in a window and small lamps. What comes by way of other surfaces is found by one path along each
-of the first.
+What lights send straight is estimated by two techniques that the power heuristic combines (Veach
+1997, section 9.2): directions that are spread evenly over each cell, and light samples, each
+counted in the cell that it falls in. The first find broad light, the second the sun in a window and
+small lamps. What comes by way of other surfaces is found by one path along each of the first.
 """
 
 from dataclasses import dataclass
@@ -22,8 +21,8 @@ from orusd_mitsuba.transport.path_tracing import PathAccumulator, power_heuristi
 
 # Paths in flight at once; each takes some 100 bytes of memory.
 _PATHS_IN_FLIGHT: Final = 1 << 21
-# Looks at lights from a point for each path from it: they cost a tenth of the paths.
-_LOOKS_PER_PATH: Final = 2
+# Light samples of a point for each path from it: they cost a tenth of the paths.
+_LIGHT_SAMPLES_PER_PATH: Final = 2
 # 2^32 over the golden ratio: steps of it are spread evenly, however many they are.
 _GOLDEN_STEP: Final = 2654435769
 _BELOW_ONE: Final = 1.0 - 2.0**-24
@@ -53,7 +52,7 @@ class Points:
 
 
 class IncidentRadiance:
-    """Estimates what arrives at points.
+    """Estimates the radiance that arrives at points.
 
     Args:
         built: The Mitsuba scene of a vectorized variant.
@@ -61,15 +60,15 @@ class IncidentRadiance:
         cells: How directions are divided.
         points: Where.
         depth: At most this many segments of a path from a light to a point.
-        looks: Directions that lights are asked for, for each that is spread over the cells.
+        light_samples: For each direction that is spread over the cells.
     """
 
     def __init__(
         self, built: Any, index: LightIndex, cells: Cells, points: Points, depth: int,
-        looks: int = _LOOKS_PER_PATH,
+        light_samples: int = _LIGHT_SAMPLES_PER_PATH,
     ) -> None:  # fmt: skip
         self._built, self._index, self._points = built, index, points
-        self._depth, self._looks = depth, looks * cells.count
+        self._depth, self._light_samples = depth, light_samples * cells.count
         self._cells = _Cells(cells)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
@@ -88,12 +87,12 @@ class IncidentRadiance:
         for number, start in enumerate(range(0, len(self._points), batch)):
             part = slice(start, start + batch)
             points = _Gathered(self._points.rows(part))
-            spread = self._spread(points, samples, seed + 2 * number)
-            found[0, part] = spread[0] + self._asked(points, samples, seed + 2 * number + 1)
+            spread = self._by_cells(points, samples, seed + 2 * number)
+            found[0, part] = spread[0] + self._by_lights(points, samples, seed + 2 * number + 1)
             found[1, part] = found[0, part] + spread[1] + spread[2]
         return found
 
-    def _spread(self, points: "_Gathered", samples: int, seed: int) -> NDArray[np.float32]:
+    def _by_cells(self, points: "_Gathered", samples: int, seed: int) -> NDArray[np.float32]:
         """(3, P, rows, columns, 3) by directions in every cell: scattered never, once, more."""
         cells = self._cells
         tasks = points.count * cells.shape.count
@@ -105,30 +104,35 @@ class IncidentRadiance:
         sampler = mi.load_dict({"type": "independent"})
         sampler.seed(seed & 0xFFFFFFFF, tasks * samples)
         accumulator = PathAccumulator(tasks * samples, None)
-        density = samples / (self._looks * samples * cells.solid_angle(cell))
+        density = samples / (self._light_samples * samples * cells.solid_angle(cell))
         trace(
             self._built, self._index, sampler, at.spawn_ray(d), accumulator, self._depth,
             active=dr.dot(at.n, d) >= 0.0, begun=(at, density),
         )  # fmt: skip
-        return cells.image(dr.block_sum(accumulator.kinds, samples), points.count) / np.float32(
-            samples
-        )
+        sums = dr.block_sum(accumulator.kinds, samples)
+        return cells.image(sums, points.count) / np.float32(samples)
 
-    def _asked(self, points: "_Gathered", samples: int, seed: int) -> NDArray[np.float32]:
-        """(P, rows, columns, 3) what is scattered never, by directions that lights give."""
+    def _by_lights(self, points: "_Gathered", samples: int, seed: int) -> NDArray[np.float32]:
+        """(P, rows, columns, 3) what is scattered never, by light samples."""
         cells = points.count * self._cells.shape.count
-        strands = min(max(1, _PATHS_IN_FLIGHT // cells), self._looks * samples)
+        strands = min(max(1, _PATHS_IN_FLIGHT // cells), self._light_samples * samples)
         sums = dr.zeros(mi.Float, 3 * cells * strands)
-        _ask(self._built, self._cells, points, self._looks * samples // strands, strands,
-             1.0 / self._looks, seed, sums)  # fmt: skip
+        each, rival = self._light_samples * samples // strands, 1.0 / self._light_samples
+        _sample_lights(self._built, self._cells, points, each, strands, rival, seed, sums)
         return np.asarray(self._cells.image(dr.block_sum(sums, strands), points.count)[0])
 
 
 @dr.syntax
-def _ask(
-    built: Any, cells: "_Cells", points: "_Gathered", looks: int, strands: int, rival: float,
-    seed: int, sums: Any,
-) -> None:  # fmt: skip
+def _sample_lights(
+    built: Any,
+    cells: "_Cells",
+    points: "_Gathered",
+    light_samples: int,
+    strands: int,
+    rival: float,
+    seed: int,
+    sums: Any,
+) -> None:
     """Add what lights send to each point to the cell that it comes through.
 
     Each strand has its own cells, so that no two threads add to the same place.
@@ -137,31 +141,31 @@ def _ask(
         built: The Mitsuba scene.
         cells: How directions are divided.
         points: Where.
-        looks: Directions for each strand.
-        strands: Into which the directions of a point are parted.
-        rival: How many directions of a cell there are for each of them.
+        light_samples: For each strand.
+        strands: Parts of the light samples of a point, each a thread.
+        rival: How many directions of a cell there are for each light sample.
         seed: Of random numbers.
         sums: (3 * P * cells * strands) receives the means over the cells.
     """
     thread = dr.arange(mi.UInt32, points.count * strands)
     point, strand = thread // strands, thread % strands
     at, frame = points.at(point)
-    look = mi.UInt32(0)
-    while look < looks:
-        sample = _lattice(look * strands + strand, looks * strands, point, seed)
+    sampled = mi.UInt32(0)
+    while sampled < light_samples:
+        sample = _lattice(sampled * strands + strand, light_samples * strands, point, seed)
         to, incident = built.sample_emitter_direction(at, sample, True)
         cell, inside = cells.containing(frame.to_local(to.d))
         inside &= (to.pdf > 0.0) & (dr.dot(at.n, to.d) >= 0.0)
         size = cells.solid_angle(cell, inside)
         share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, rival / size))
-        value = incident * share / (looks * strands * size)
+        value = incident * share / (light_samples * strands * size)
         for channel in range(3):
             place = (channel * points.count + point) * cells.shape.count + cell
             dr.scatter_reduce(
                 dr.ReduceOp.Add, sums, value[channel], place * strands + strand, inside,
                 mode=dr.ReduceMode.NoConflicts,
             )  # fmt: skip
-        look += 1
+        sampled += 1
 
 
 class _Gathered:

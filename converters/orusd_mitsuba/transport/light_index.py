@@ -20,7 +20,7 @@ from openrooms_usd.usd.portals import Portal
 
 
 class LightIndex:
-    """The numbers of lights, looked up for arrays of shapes and rays.
+    """Looks up the numbers of lights for arrays of shapes and rays.
 
     Args:
         sources: What `sources_of` found.

@@ -76,12 +76,12 @@ def trace(
         ray: Where the paths begin.
         accumulator: Receives the contributions.
         depth: At most this many segments; with at most 7 scatterings 8.
-        first: Gives the BSDF of an interaction with the first surface, for irradiance; None: its
+        first: Gives the BSDF of the first surface, such as a white one for irradiance; None: its
             own.
         active: Which rays to follow.
-        begun: Where somebody else looks for lights from the origins of the rays, so that what the
-            rays meet at once counts in part: the interactions there, and how densely the rays'
-            directions were sampled, relative to those of the lights. None: it counts in full.
+        begun: Where the caller samples lights from the rays' origins too: the interactions there,
+            and the density of the rays' directions relative to that of the light samples. What
+            the first segment meets is then weighted against these. None: it counts in full.
         numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
     """
     context = mi.BSDFContext()
@@ -98,7 +98,7 @@ def trace(
         si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
         hit = si.is_valid()
         crossed = index.crossed(ray.o, ray.d, dr.select(hit, si.t, dr.inf), crossed)
-        # 1. Light that the ray has met.
+        # 1. Light that the ray has met (BSDF sampling).
         emitter = si.emitter(built)
         emits = active & (emitter != None)  # noqa: E711
         if dr.hint(first is not None, mode="scalar"):
@@ -109,7 +109,7 @@ def trace(
         met = throughput * emitter.eval(si, emits) * power_heuristic(density, other)
         light = dr.select(hit, index.of_shape(si.shape, emits & hit), crossed)
         accumulator.add(met, light, scatterings, emits)
-        # 2. Light that is looked for.
+        # 2. Light that is looked for (next event estimation).
         onwards = active & hit & (segments + 1 < depth)
         bsdf = si.bsdf()
         if dr.hint(first is not None, mode="scalar"):

@@ -1,4 +1,4 @@
-"""Panoramas of what arrives at points in free space."""
+"""Light probes: incident radiance at points in free space, as panoramas."""
 
 import time
 from collections.abc import Callable

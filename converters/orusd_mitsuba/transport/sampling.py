@@ -35,7 +35,7 @@ class Halves:
     Attributes:
         sums: Two (..., height, width, 3) sums over samples.
         samples: How many each has.
-        judged: Takes from (..., height, width, 3) the picture whose error counts.
+        judged: Picks from (..., height, width, 3) the picture whose error counts.
     """
 
     sums: Array
@@ -66,7 +66,7 @@ class Halves:
         """The estimated error of one picture; None while one half is empty.
 
         Args:
-            pick: Takes it from (..., height, width, 3).
+            pick: Picks it from (..., height, width, 3).
         """
         found = self.of(pick)
         return found.error if found else None
