@@ -12,7 +12,7 @@ from orusd_mitsuba.transport.light_index import LightIndex
 
 
 class Sky:
-    """The surroundings, sampled by three techniques: their own importance, openings, the hemisphere.
+    """The surroundings, sampled by their own importance, by openings and by the hemisphere.
 
     Args:
         built: The Mitsuba scene, which has an environment.
