@@ -27,6 +27,7 @@ from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.views import sample_views, select_views
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, captured_section
+from openrooms_usd.stages.exposure import room_exposure
 from openrooms_usd.stages.photographs import (
     frame_name,
     intrinsics_for,
@@ -53,7 +54,7 @@ class CamerasStage:
     """Writes ``/World/Cameras`` and ``/Render``."""
 
     name = "cameras"
-    reads = ("layout", "alignment")
+    reads = ("layout", "alignment", "lights")
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The capture, where cameras are those of its photographs."""
@@ -71,6 +72,7 @@ class CamerasStage:
         stage, capture = context.stage, photographs(context)
         UsdGeom.Scope.Define(stage, names.CAMERAS)
         resolution = _resolution(context, capture)
+        estimate = room_exposure(stage)
         paths = []
         for shot in _named(context, capture):
             path = f"{names.CAMERAS}/{shot.name}"
@@ -81,6 +83,7 @@ class CamerasStage:
                 resolution=resolution,
                 K=_intrinsics(shot, resolution),
                 exposure=_exposure(shot.view),
+                estimate=estimate,
             )
             if shot.frame and capture:
                 name_photograph(camera.GetPrim(), shot.frame, capture)

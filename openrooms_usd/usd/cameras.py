@@ -34,6 +34,9 @@ _EXPOSURE: Final = tuple(
     f"exposure{suffix}" for suffix in ("", ":iso", ":time", ":fStop", ":responsivity")
 )
 
+# Custom data of ``exposure``: its value where nobody has asked for one.
+_ESTIMATED: Final = f"{names.NAMESPACE}:estimated"
+
 
 @dataclass(frozen=True, eq=False)
 class PinholeCamera:
@@ -68,6 +71,7 @@ def define_camera(
     fov_degrees: float = FOV_DEG,
     K: Array | None = None,
     exposure: float | None = None,
+    estimate: float | None = None,
 ) -> UsdGeom.Camera:
     """Define a camera on a Z-up stage in metres, below prims without transforms.
 
@@ -79,6 +83,8 @@ def define_camera(
         fov_degrees: Horizontal field of view, centred.
         K: (3, 3) intrinsics for this resolution in its place; pixels count as square.
         exposure: What previews multiply luminance in nits by.
+        estimate: A guess at it, where ``exposure`` is None: other programs begin with it, and
+            `read_camera` reads it as none, so that previews are fitted as ever.
     """
     width, height = resolution
     camera = UsdGeom.Camera.Define(stage, path)
@@ -95,6 +101,9 @@ def define_camera(
     camera.CreateClippingRangeAttr(Gf.Vec2f(*_CLIPPING_M))
     if exposure is not None:
         camera.CreateExposureAttr(math.log2(exposure))
+    elif estimate is not None:
+        guess = camera.CreateExposureAttr(round(math.log2(estimate), 1))
+        guess.SetCustomDataByKey(_ESTIMATED, guess.Get())
     return camera
 
 
@@ -225,7 +234,12 @@ def _pose(prim: Usd.Prim, world: Array) -> Array:
 
 
 def _exposure(camera: UsdGeom.Camera) -> float | None:
-    attributes = (camera.GetPrim().GetAttribute(name) for name in _EXPOSURE)
-    if not any(attribute and attribute.HasAuthoredValue() for attribute in attributes):
+    prim = camera.GetPrim()
+    said = [x for x in map(prim.GetAttribute, _EXPOSURE) if x and x.HasAuthoredValue()]
+    if not said:
+        return None
+    # Whoever changes the guess means it.
+    guess = camera.GetExposureAttr()
+    if said == [guess] and guess.GetCustomDataByKey(_ESTIMATED) == guess.Get(TIME):
         return None
     return float(camera.ComputeLinearExposureScale(TIME))

@@ -16,10 +16,13 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.compose import compose_room
 from openrooms_usd.demo import write_starter
 from openrooms_usd.edits.adopting import adopt
 from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.cameras import FLIP, read_camera
 from openrooms_usd.usd.lights import MeshLight, define_dome, read_lights
 from openrooms_usd.validate import validate_stage
@@ -74,6 +77,8 @@ def test_a_room_arrives_lit_and_seen_as_it_is(blender: Blender, example: Path) -
     glow = sorted(found["glow"].values())
     assert len(glow) == len(lamps) == 3
     np.testing.assert_allclose(glow, sorted(x.tolist() for x in lamps), rtol=1e-5)
+    # Blender passes over the exposure that cameras carry: docs/blender.md says how to set it.
+    assert found["exposure"] == 0.0
     for name, camera in found["cameras"].items():
         ours = read_camera(stage.GetPrimAtPath(f"{names.CAMERAS}/{name}"), 640, 480)
         np.testing.assert_allclose(
@@ -81,6 +86,28 @@ def test_a_room_arrives_lit_and_seen_as_it_is(blender: Blender, example: Path) -
         assert camera["fov"] == pytest.approx(
             np.degrees(2 * np.arctan(320 / ours.K[0, 0])), rel=1e-5
         )
+
+
+def test_cycles_shows_the_light_that_we_show(
+    blender: Blender, example: Path, tmp_path: Path
+) -> None:
+    """Two renderers, one room: walls and furniture are as bright, and the exposure suits both."""
+    mitsuba = pytest.importorskip("orusd_mitsuba")
+    scene, size, samples = example / "scene.usda", (96, 72), 64
+    exr = tmp_path / "cycles.exr"
+    blender("picture", scene, camera="overview", samples=samples, size=size, picture=str(exr))
+    theirs = OpenImageIO.ImageBuf(str(exr)).get_pixels(OpenImageIO.FLOAT)[..., :3]
+    path, (width, height) = f"{names.CAMERAS}/overview", size
+    stage = Usd.Stage.Open(str(scene))
+    request = RenderRequest(path, ("radiance",), width=width, height=height, samples=samples)
+    view = open_with(mitsuba.MitsubaRenderer(), stage, {}).render(request)
+    ours = view.images["radiance"].pixels
+    # What emits is seen as it is; what is lit by it is what two renderers may see differently.
+    lit = np.maximum(luminance(ours), luminance(theirs)) < 3000.0
+    assert lit.mean() > 0.8
+    assert theirs[lit].mean() == pytest.approx(ours[lit].mean(), rel=0.1)
+    exposure = 2.0 ** stage.GetPrimAtPath(path).GetAttribute("exposure").Get()
+    assert 0.05 < float(np.median(luminance(theirs)[lit])) * exposure < 0.6
 
 
 WIDTH, HEIGHT = 64, 32

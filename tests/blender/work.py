@@ -50,7 +50,8 @@ def seen(_: dict[str, Any]) -> dict[str, Any]:
         for found in bpy.data.objects
         if found.type == "CAMERA"
     }
-    return {"kinds": kinds, "glow": glow, "cameras": cameras}
+    exposure = bpy.context.scene.view_settings.exposure
+    return {"kinds": kinds, "glow": glow, "cameras": cameras, "exposure": exposure}
 
 
 def rearranged(job: dict[str, Any]) -> None:
@@ -105,7 +106,7 @@ def photograph(job: dict[str, Any], eye: Any, *, samples: int, sharp: bool = Fal
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = samples, False
     # Lamps of thousands of nits: the default of 10 would cut nearly all that they send.
-    scene.cycles.sample_clamp_indirect = 0.0
+    scene.cycles.sample_clamp_indirect = job.get("clamp", 0.0)
     if sharp:
         scene.cycles.filter_width = 0.01
     width, height = job["size"]
