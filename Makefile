@@ -8,6 +8,7 @@ BIN := .venv/bin
 # One worker a core, one room a worker; what takes longer than 3 s of processor time is marked.
 PYTEST = $(BIN)/pytest -n auto --maxprocesses 4 --dist loadgroup --cpu-limit 3
 export PIP_ROOT_USER_ACTION := ignore
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test slow venv lint types unit check benchmarks fuzz pictures clean

@@ -133,10 +133,10 @@ def demo(ctx: click.Context, out: Path, spp: int, as_json: bool) -> None:
 
 _DEMO_TOLD: Final = """
 made, in {out}:
-  render/contact_sheet.png       two views at a glance: light, geometry, materials, labels
-  render/sitting/{picture}.png   the pictures, also of dining; the numbers are in EXR files beside
-  scene.usda                     the room, for any USD program; scene.usdz is the same in one file
-  source/room.yaml               what it was made from
+  render/contact_sheet.png   two views at a glance: light, geometry, materials, labels
+  render/sitting/            the pictures of one, {picture}.png first; the numbers are in EXR files
+  scene.usda                 the room, for any USD program; scene.usdz is the same in one file
+  source/room.yaml           what it was made from
 
 next:
   change it      edit {out}/source/room.yaml, then

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
 from openrooms_usd.physics.borders import lids
 from openrooms_usd.physics.hulls import finite_points
@@ -120,10 +121,10 @@ def _welded(part: Part) -> tuple[Array, NDArray[np.int64]]:
         raise InputError("a triangle refers to a point that does not exist", place=part.name)
     # Relative to their own place: far from the origin the grid would be coarse.
     grid = np.round((points - points.min(axis=0)) / WELD)
-    _, first, inverse = np.unique(grid, axis=0, return_index=True, return_inverse=True)
-    points, triangles = points[first], inverse.reshape(-1)[triangles]
+    first, which = distinct_rows(grid)
+    points, triangles = points[first], which[triangles]
     triangles = triangles[has_area(points[triangles])]
-    _, once = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    once, _ = distinct_rows(np.sort(triangles, axis=1))
     return points, triangles[np.sort(once)]
 
 
@@ -157,8 +158,10 @@ def _planes_if_convex(corners: Array) -> Array | None:
     sound = lengths > 1e-4 * lengths.max()
     normals = normals[sound] / lengths[sound, None]
     planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, a[sound])])
-    planes = np.unique(np.round(planes, 9), axis=0)
-    points = np.unique(corners.reshape(-1, 3), axis=0)
+    planes = np.round(planes, 9)
+    planes = planes[distinct_rows(planes)[0]]
+    points = corners.reshape(-1, 3)
+    points = points[distinct_rows(points)[0]]
     if len(planes) * len(points) > CHUNK:
         return None
     return planes if (points @ planes[:, :3].T + planes[:, 3]).max() < CONVEX else None

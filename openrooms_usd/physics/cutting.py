@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
 
 Array = NDArray[np.float64]
@@ -128,9 +129,11 @@ def _halves(piece: Array, least: float) -> list[Array] | None:
 
 
 def _best_plane(piece: Array, least: float) -> Array | None:
-    points, rows = np.unique(piece.reshape(-1, 3), axis=0, return_inverse=True)
+    first, rows = distinct_rows(piece.reshape(-1, 3))
+    points = piece.reshape(-1, 3)[first]
     edges = rows.reshape(-1, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    edges = np.unique(np.sort(edges, axis=1), axis=0)
+    edges = np.sort(edges, axis=1)
+    edges = edges[distinct_rows(edges)[0]]
     normals = np.cross(piece[:, 1] - piece[:, 0], piece[:, 2] - piece[:, 0])
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     best, plane = np.inf, None

@@ -111,7 +111,7 @@ def collision_shapes(
         pieces = _decomposed(found, method, tolerance, most, seed)
     else:
         pieces = _whole(found)
-    shapes = _without_hidden(tuple(_shape(piece, method, solid, tolerance) for piece in pieces))
+    shapes = _without_hidden(_shapes(pieces, method, solid, tolerance))
     union = np.concatenate([shape.mesh.points[shape.mesh.triangles] for shape in shapes])
     corners = np.concatenate([component.corners for component in found])
     # Bounds of a crowd are coarse: they would take minutes.
@@ -158,18 +158,29 @@ def _whole(found: Sequence[Component]) -> list[Piece]:
     return pieces
 
 
-def _shape(piece: Piece, method: Method, solid: Solid, tolerance: float) -> ConvexShape:
-    """The shape of a piece; a box where that is asked for or as good."""
-    box = oriented_box(piece.points)
+def _shapes(
+    pieces: Sequence[Piece], method: Method, solid: Solid, tolerance: float
+) -> tuple[ConvexShape, ...]:
+    """The shapes of pieces; boxes where they are asked for or as good."""
+    boxes = [oriented_box(piece.points) for piece in pieces]
     if method == "box":
-        return ConvexShape(box, piece.contact, piece.parts, True)
-    hull = convex_hull(piece.points)
-    off = farthest_corner(box.points, hull)
-    fits = off <= BOX_SHARE * tolerance
-    if fits and off > SAME and method == "auto":
-        faces, limits = box.points[box.triangles], Limits.of(tolerance)
-        fits = protrusions([faces], solid, limits, piece.contact)[0] <= tolerance
-    return ConvexShape(box if fits else hull, piece.contact, piece.parts, fits)
+        pairs = zip(pieces, boxes, strict=True)
+        return tuple(ConvexShape(box, piece.contact, piece.parts, True) for piece, box in pairs)
+    hulls = [convex_hull(piece.points) for piece in pieces]
+    off = [farthest_corner(box.points, hull) for box, hull in zip(boxes, hulls, strict=True)]
+    fits = [each <= BOX_SHARE * tolerance for each in off]
+    if method == "auto":
+        limits = Limits.of(tolerance)
+        asked = [k for k in range(len(pieces)) if fits[k] and off[k] > SAME]
+        for contact in dict.fromkeys(pieces[k].contact for k in asked):
+            mine = [k for k in asked if pieces[k].contact == contact]
+            faces = [boxes[k].points[boxes[k].triangles] for k in mine]
+            for k, out in zip(mine, protrusions(faces, solid, limits, contact), strict=True):
+                fits[k] = out <= tolerance
+    return tuple(
+        ConvexShape(box if is_box else hull, piece.contact, piece.parts, is_box)
+        for piece, box, hull, is_box in zip(pieces, boxes, hulls, fits, strict=True)
+    )
 
 
 def farthest_corner(points: Array, hull: TriangleMesh) -> float:

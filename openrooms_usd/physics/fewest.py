@@ -7,13 +7,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import WELD, Component
 from openrooms_usd.physics.cutting import cut
 from openrooms_usd.physics.hulls import quick_hull
 from openrooms_usd.physics.merging import Cluster, merged
 from openrooms_usd.physics.solid import Solid
-from openrooms_usd.physics.surfaces import FEW, bisected
+from openrooms_usd.physics.surfaces import FEW, bisected, is_level
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -30,8 +31,6 @@ SHORTEST: Final = 0.5
 RELAXED: Final = 1.5
 # How far faces may stick out that look up, where things stand on the solid, metres.
 RISE: Final = 2e-3
-# Faces look up whose unit normal's Z is more.
-UP: Final = 0.98
 
 
 @dataclass(frozen=True)
@@ -56,13 +55,6 @@ class Limits:
         if self.up < self.side:
             return Limits(self.side, min(self.up * 2.0, self.side))
         return Limits(self.side * RELAXED, self.side * RELAXED)
-
-
-def is_level(corners: Array) -> Bools:
-    """(M,) whether (M, 3, 3) triangles look up along +Z."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    normals = np.cross(b - a, c - a)
-    return np.asarray(normals[:, 2] > UP * np.linalg.norm(normals, axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +135,8 @@ def _cut(component: Component, solid: Solid, limits: Limits, most: int) -> list[
         return [Piece(component.corners.reshape(-1, 3), contact, names, 0.0)]
 
     def off(pieces: Sequence[Array]) -> list[float]:
-        hulls = [quick_hull(np.unique(piece.reshape(-1, 3), axis=0))[0] for piece in pieces]
+        points = [piece.reshape(-1, 3) for piece in pieces]
+        hulls = [quick_hull(each[distinct_rows(each)[0]])[0] for each in points]
         return protrusions([_faces(hull) for hull in hulls], solid, limits, contact)
 
     found = cut(component.corners, off, limits.side, limits.side * SHORTEST, most)
@@ -221,7 +214,7 @@ def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> tuple[Ar
         near = surface.near(points[rows], candidates)
         distance[rows], triangle[rows] = near.distance, near.triangle
     # Above a level face, a level face would lift what stands there.
-    lifts = level & is_level(surface.corners)[triangle]
+    lifts = level & surface.level[triangle]
     weight = np.where(lifts, limits.side / limits.up, 1.0)
     off = _outside(points, distance, limits.side / weight, solid, contact) * weight
     whole = surface.farthest(corners, triangle) <= np.where(level, limits.up, limits.side)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.vectors import unit
 
@@ -46,9 +47,9 @@ def convex_hull(
     """
     given = finite_points(points)
     centre = (given.min(axis=0) + given.max(axis=0)) / 2.0
-    local = thickened(np.unique(given, axis=0) - centre, thickness)
+    local = thickened(given[distinct_rows(given)[0]] - centre, thickness)
     size = float(np.linalg.norm(np.ptp(local, axis=0)))
-    _, distinct = np.unique(np.round(local / size / WELD), axis=0, return_index=True)
+    distinct, _ = distinct_rows(np.round(local / size / WELD))
     corners, triangles = _closed(local[distinct] / size)
     if len(corners) > vertices:
         corners, triangles = _closed(_farthest(corners, vertices))

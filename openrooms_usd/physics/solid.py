@@ -126,8 +126,11 @@ class Solid:
             enough: Bounds need be no lower than this, metres.
         """
         lower, upper = 0.0, 0.0
+        corners = corners[~self._swallows(corners)]
         most = np.full(len(corners), np.inf)
         for _ in range(ROUNDS):
+            if not len(most):
+                break
             first = np.argsort(-most, kind="stable")[:BUDGET]
             rest = np.setdiff1d(np.arange(len(most)), first)
             chosen = corners[first]
@@ -140,30 +143,26 @@ class Solid:
             corners = np.concatenate([corners[rest], halved(chosen)])
             open_ = most > floor
             corners, most = corners[open_], most[open_]
-            if not len(most):
-                break
         return lower, max(upper, lower, float(most.max(initial=0.0)))
 
     def _bounds(self, corners: Array, floor: float) -> tuple[Array, Array]:
         """(M,) upper and (M,) lower bounds of each triangle; loose where both are below a floor."""
-        most, least = np.zeros(len(corners)), np.zeros(len(corners))
-        left = np.flatnonzero(~self._swallows(corners))
-        corners = corners[left]
         surface, owners = self._owned(None)
         centres, radii = balls(corners)
         nearest = surface.nearest(centres, floor)
-        ends = surface.farthest(corners, nearest.triangle)
-        upper = np.minimum(nearest.distance + radii, ends)
-        lower = np.where(nearest.least > floor, nearest.least, 0.0)
+        most = np.minimum(nearest.distance + radii, surface.farthest(corners, nearest.triangle))
+        least = np.where(nearest.least > floor, nearest.least, 0.0)
         # The inside matters only where the surface is too far to settle it.
-        asked = np.flatnonzero(upper > floor)
+        asked = np.flatnonzero(most > floor)
         off = self._off_convex(corners[asked], owners[nearest.triangle[asked]])
-        upper[asked] = np.minimum(upper[asked], off)
-        asked = asked[upper[asked] > floor]
+        most[asked] = np.minimum(most[asked], off)
+        asked = asked[most[asked] > floor]
+        swallowed = self._swallows(corners[asked])
+        most[asked[swallowed]] = least[asked[swallowed]] = 0.0
+        asked = asked[~swallowed]
         own = asked[self.inside(centres[asked])]
-        upper[own] = np.minimum(upper[own], np.maximum(radii[own] - nearest.least[own], 0.0))
-        lower[own] = 0.0
-        most[left], least[left] = upper, lower
+        most[own] = np.minimum(most[own], np.maximum(radii[own] - nearest.least[own], 0.0))
+        least[own] = 0.0
         return most, least
 
 

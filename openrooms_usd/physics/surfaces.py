@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 # Samples that a surface is found by: more make distances faster and the surface slower to make.
 SAMPLES: Final = 8_000
@@ -16,6 +18,8 @@ SAMPLES: Final = 8_000
 CANDIDATES: Final = (6, 192)
 # Points times triangles that are compared at once.
 PAIRS: Final = 500_000
+# Faces look up whose unit normal's Z is more.
+UP: Final = 0.98
 # Candidates where the least distance need not be certain.
 FEW: Final = 3
 
@@ -52,6 +56,11 @@ class Surface:
         self._table = _table(corners)
         centres, self._of, self._reach = _cells(corners, _piece_size(corners))
         self._tree = cKDTree(centres, balanced_tree=False, compact_nodes=False)
+
+    @cached_property
+    def level(self) -> Bools:
+        """(M,) which of its triangles look up along +Z."""
+        return is_level(self.corners)
 
     def near(self, points: Array, candidates: int = FEW) -> Nearest:
         """A near triangle of each of (N, 3) points, hardly ever not the nearest.
@@ -119,6 +128,13 @@ class Surface:
     def _squared(self, points: Array, triangles: Rows) -> Array:
         """(N, k) squared distances of each of (N, 3) points to (N, k) triangles."""
         return _squared(points.T[:, :, None], self._table[:, triangles])
+
+
+def is_level(corners: Array) -> Bools:
+    """(M,) whether (M, 3, 3) triangles look up along +Z."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    normals = np.cross(b - a, c - a)
+    return np.asarray(normals[:, 2] > UP * np.linalg.norm(normals, axis=1))
 
 
 def bisected(corners: Array, size: ArrayLike) -> tuple[Array, Rows]:
