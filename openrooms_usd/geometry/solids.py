@@ -12,10 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.geometry.curves import filleted, lengths, signed_area
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
+from openrooms_usd.geometry.topology import weld
 from openrooms_usd.geometry.vectors import UP, unit
 
 Vector = Sequence[float] | NDArray[np.float64]
 _ORIGIN = (0.0, 0.0, 0.0)
+# Corners that are as near are one point, metres.
+_SAME_M = 1e-9
 
 # Outward axis, then the two axes of each side of a box, so that u x v points outwards.
 _SIDES = (
@@ -280,9 +283,8 @@ def _welded(
         normals: (F, 4, 3).
         st: (F, 4, 2).
     """
-    key = np.round(points.reshape(-1, 3), 9) + 0.0
-    _, first, index = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    corners = index.reshape(-1, 4)
+    first, places = weld(points.reshape(-1, 3), _SAME_M)
+    corners = places.reshape(-1, 4)
     kept = corners != np.roll(corners, -1, axis=1)
     counts = kept.sum(axis=1)
     kept &= (counts >= 3)[:, None]

@@ -1,8 +1,71 @@
-"""How the faces of a mesh hang together."""
+"""How the faces of a mesh hang together: by places, by points and by edges."""
+
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.rows import distinct_rows
+
+Ints = NDArray[np.int64]
+
+
+def weld(points: NDArray[np.float64], tolerance: float) -> tuple[Ints, Ints]:
+    """Which points are one.
+
+    Those are that lie in one cell of a grid. It begins at their least coordinates: far from the
+    origin it would be coarse.
+
+    Args:
+        points: (N, D) finite.
+        tolerance: Width of a cell.
+
+    Returns:
+        (K,) the first point of each place, the places in the order of x, then y and so on; and
+        (N,) the number of each point's place.
+    """
+    low = points.min(axis=0) if len(points) else 0.0
+    return distinct_rows(np.round((points - low) / tolerance))
+
+
+def connected(size: int, first: Ints, second: Ints) -> Ints:
+    """(size,) the number of the component of each node of a graph, given the ends of its links."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    links = np.ones(len(first), dtype=np.int8)
+    graph: Any = coo_array((links, (first, second)), shape=(size, size))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def parts(triangles: Ints) -> Ints:
+    """(M,) the number of the part that each of (M, 3) triangles is of, by the points they share."""
+    starts, ends = triangles[:, [0, 0]].ravel(), triangles[:, [1, 2]].ravel()
+    of_points = connected(int(triangles.max(initial=-1)) + 1, starts, ends)
+    return np.unique(of_points[triangles[:, 0]], return_inverse=True)[1]
+
+
+def directed_edges(triangles: Ints) -> Ints:
+    """(3 M, 2) the edges of (M, 3) triangles as they run, three rows for each."""
+    return np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+
+
+def open_edges(triangles: Ints) -> tuple[Ints, Ints, Ints]:
+    """The edges that (M, 3) triangles do not run along equally often in both directions.
+
+    Returns:
+        (E,) a triangle that has the edge, (E,) where it starts and (E,) where it stops; once for
+        each time that the other direction is missing.
+    """
+    ends = directed_edges(triangles)
+    low, high = np.sort(ends, axis=1).T
+    _, first, at = np.unique(low << 32 | high, return_index=True, return_inverse=True)
+    signs = np.where(ends[:, 0] < ends[:, 1], 1, -1)
+    net = np.bincount(at, signs, minlength=len(first)).astype(np.int64)
+    rows, net = np.repeat(first, abs(net)), np.repeat(net, abs(net))
+    starts = np.where(net > 0, low[rows], high[rows])
+    return rows // 3, starts, np.where(net > 0, high[rows], low[rows])
 
 
 def is_closed(mesh: Mesh) -> bool:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.topology import connected, directed_edges, open_edges
+
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -44,7 +46,7 @@ class Lids:
 
 def neighbours(faces: Ints) -> Neighbours:
     """The pairs of (M, 3) triangles that share an edge."""
-    ends, face = _edges(faces), np.repeat(np.arange(len(faces)), 3)
+    ends, face = directed_edges(faces), np.repeat(np.arange(len(faces)), 3)
     forward = ends[:, 0] < ends[:, 1]
     low, high = np.sort(ends, axis=1).T
     keys = low << 32 | high
@@ -68,13 +70,13 @@ def components(faces: Ints) -> tuple[Ints, Bools, Bools]:
         of its component, and (K,) the components that have but one side.
     """
     pairs, count = neighbours(faces), len(faces)
-    labels = joined(count, pairs.first, pairs.second)
+    labels = connected(count, pairs.first, pairs.second)
     if not (pairs.against & pairs.manifold).any():
         return labels, np.zeros(count, dtype=np.bool_), np.zeros(labels.max() + 1, dtype=np.bool_)
     first, second, against = (
         array[pairs.manifold] for array in (pairs.first, pairs.second, pairs.against)
     )
-    copies = joined(
+    copies = connected(
         2 * count,
         np.concatenate([first, first + count]),
         np.concatenate([second + count * against, second + count * ~against]),
@@ -89,12 +91,14 @@ def lids(points: Array, faces: Ints, labels: Ints, count: int) -> Lids:
     What edges are left without their opposite is a closed chain. Each connected piece of it is
     closed by a fan about its mean; that of a crack between triangles has no area.
     """
-    owners, starts, stops = _open_edges(faces, labels)
+    # Components share no edges: that of an edge is that of any triangle that has it.
+    rows, starts, stops = open_edges(faces)
+    owners = labels[rows]
     if not len(owners):
         return Lids(np.zeros((0, 3, 3)), owners, np.zeros(count))
     ends = np.concatenate([owners * len(points) + starts, owners * len(points) + stops])
     nodes = np.unique(ends, return_inverse=True)[1]
-    pieces = joined(int(nodes.max()) + 1, *nodes.reshape(2, -1))[nodes[: len(owners)]]
+    pieces = connected(int(nodes.max()) + 1, *nodes.reshape(2, -1))[nodes[: len(owners)]]
     loops = np.unique(pieces, return_inverse=True)[1]
     number = int(loops.max()) + 1
     means = _sums(loops, points[starts], number) / np.bincount(loops)[:, None]
@@ -103,16 +107,6 @@ def lids(points: Array, faces: Ints, labels: Ints, count: int) -> Lids:
     owner = np.zeros(number, dtype=np.int64)
     owner[loops] = owners
     return Lids(fans, owners, sums(owner, areas, count))
-
-
-def joined(size: int, first: Ints, second: Ints) -> Ints:
-    """(size,) the connected component of each node of a graph."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    links = np.ones(len(first), dtype=np.int8)
-    graph = coo_array((links, (first, second)), shape=(size, size))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def sums(labels: Ints, values: Array, count: int) -> Array:
@@ -130,28 +124,7 @@ def _sums(labels: Ints, vectors: Array, count: int) -> Array:
     return np.stack([sums(labels, vectors[:, axis], count) for axis in range(3)], axis=1)
 
 
-def _edges(faces: Ints) -> Ints:
-    """(3 M, 2) the directed edges of triangles, three rows for each."""
-    return np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
-
-
 def _fewer(labels: Ints, turned: Bools) -> Bools:
     """The same choice or its opposite in each component: what turns the fewer triangles."""
     share = np.bincount(labels, turned) / np.bincount(labels)
     return np.asarray(turned ^ (share > 0.5)[labels])
-
-
-def _open_edges(faces: Ints, labels: Ints) -> tuple[Ints, Ints, Ints]:
-    """The components, starts and stops of the edges that have no opposite in their component."""
-    ends = _edges(faces)
-    low, high = np.sort(ends, axis=1).T
-    # Components share no edges, so an edge is known by its points.
-    _, first, at = np.unique(low << 32 | high, return_index=True, return_inverse=True)
-    signs = np.where(ends[:, 0] < ends[:, 1], 1, -1)
-    net = np.bincount(at, signs, minlength=len(first)).astype(np.int64)
-    rows, net = np.repeat(first, abs(net)), np.repeat(net, abs(net))
-    starts, stops = (
-        np.where(net > 0, low[rows], high[rows]),
-        np.where(net > 0, high[rows], low[rows]),
-    )
-    return labels[rows // 3], starts, stops

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry import topology
 from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
 from openrooms_usd.physics.borders import lids
@@ -89,18 +90,12 @@ def components(parts: Sequence[Part]) -> list[Component]:
 
 
 def _components(part: Part) -> Iterator[Component]:
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     points, triangles = _welded(part)
     if not len(triangles):
         return
-    starts, ends = triangles[:, [0, 0]].ravel(), triangles[:, [1, 2]].ravel()
-    graph = coo_matrix((np.ones(len(starts)), (starts, ends)), shape=(len(points),) * 2)
-    label = connected_components(graph, directed=False)[1][triangles[:, 0]]
+    label = topology.parts(triangles)
     order = np.argsort(label, kind="stable")
-    sizes = np.unique(label, return_counts=True)[1]
-    for rows in np.split(order, np.cumsum(sizes)[:-1]):
+    for rows in np.split(order, np.cumsum(np.bincount(label))[:-1]):
         closed = _is_closed(points, triangles[rows])
         corners = points[triangles[rows]]
         if closed and _signed_volume(corners) < 0.0:
@@ -119,10 +114,8 @@ def _welded(part: Part) -> tuple[Array, NDArray[np.int64]]:
         raise InputError(error.message, place=part.name, remedy=error.remedy) from error
     if triangles.min() < 0 or triangles.max() >= len(points):
         raise InputError("a triangle refers to a point that does not exist", place=part.name)
-    # Relative to their own place: far from the origin the grid would be coarse.
-    grid = np.round((points - points.min(axis=0)) / WELD)
-    first, which = distinct_rows(grid)
-    points, triangles = points[first], which[triangles]
+    first, places = topology.weld(points, WELD)
+    points, triangles = points[first], places[triangles]
     triangles = triangles[has_area(points[triangles])]
     once, _ = distinct_rows(np.sort(triangles, axis=1))
     return points, triangles[np.sort(once)]
@@ -133,11 +126,7 @@ def _is_closed(points: Array, triangles: NDArray[np.int64]) -> bool:
 
     More than two triangles may meet in an edge: so solids touch each other.
     """
-    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    width = int(edges.max()) + 1
-    forward = np.sort(edges[:, 0] * width + edges[:, 1])
-    backward = np.sort(edges[:, 1] * width + edges[:, 0])
-    if np.array_equal(forward, backward):
+    if not len(topology.open_edges(triangles)[0]):
         return True
     size = float(np.ptp(points[triangles].reshape(-1, 3), axis=0).max())
     found = lids(points, triangles, np.zeros(len(triangles), dtype=np.int64), 1)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.topology import weld
 from openrooms_usd.physics.borders import components, lids, sums, vector_areas
 
 Array = NDArray[np.float64]
@@ -122,10 +123,8 @@ def _welded(points: Array, faces: Ints) -> tuple[Array, Array, Ints]:
     if not step > 0:
         raise _nothing()
     local = points[used] - origin
-    # A million cells along the diagonal: twenty-one bits for each axis.
-    x, y, z = np.round((points[used] - low) / step).astype(np.int64).T
-    _, first, place = np.unique(x << 42 | y << 21 | z, return_index=True, return_inverse=True)
-    local, faces = local[first], place.reshape(-1)[rows.reshape(-1, 3)]
+    first, place = weld(points[used], step)
+    local, faces = local[first], place[rows.reshape(-1, 3)]
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     if not np.linalg.norm(vector_areas(local[faces]), axis=1).sum() > 0:
         raise _nothing()

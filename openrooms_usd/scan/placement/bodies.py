@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry import topology
 from openrooms_usd.geometry.vectors import unit
 
 Array = NDArray[np.float64]
@@ -74,56 +75,21 @@ def solid(vertices: Array, faces: NDArray[np.integer]) -> Array:
         (T, 3, 3) triangles.
     """
     triangles = vertices[faces]
-    welded = _welded(triangles)
+    welded = topology.weld(triangles.reshape(-1, 3), _WELD_M)[1].reshape(-1, 3)
     real = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
     triangles, welded = triangles[real], welded[real]
-    part = _parts(welded)
+    part = topology.parts(welded)
     count = int(part.max(initial=-1)) + 1
     volume = np.bincount(part, _volumes(triangles), minlength=count)
-    open_ = _open(welded, part, count)[part]
+    open_ = np.isin(part, part[topology.open_edges(welded)[0]])
     inward = (volume[part] < 0.0) & ~open_
     triangles[inward] = triangles[inward][:, ::-1]
     return np.concatenate([triangles[~open_], _sheets(triangles[open_])])
 
 
-def _welded(triangles: Array) -> NDArray[np.int64]:
-    """(T, 3) the same number for corners at the same place."""
-    cells = np.round(triangles.reshape(-1, 3) / _WELD_M).astype(np.int64)
-    numbers = np.zeros(len(cells), dtype=np.int64)
-    # Column by column: sorting rows would be slow.
-    for column in cells.T:
-        _, rank = np.unique(column, return_inverse=True)
-        _, numbers = np.unique(numbers * (len(cells) + 1) + rank, return_inverse=True)
-    return numbers.reshape(-1, 3)
-
-
-def _parts(corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(T,) the number of the connected part that each triangle belongs to."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    size = int(corners.max(initial=-1)) + 1
-    rows, columns = corners[:, [0, 1]].ravel(), corners[:, [1, 2]].ravel()
-    graph = coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), (size, size))
-    labels = connected_components(graph, directed=False)[1]
-    return np.asarray(labels[corners[:, 0]], dtype=np.int64)
-
-
 def _volumes(triangles: Array) -> Array:
     a, b, c = np.moveaxis(triangles - triangles[:1, :1], 1, 0)
     return np.asarray(np.einsum("ij,ij->i", a, np.cross(b, c)))
-
-
-def _open(corners: NDArray[np.int64], part: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """Which parts have an edge that is not run along equally often in both directions."""
-    start, end = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
-    owner = np.repeat(part, 3)
-    edge = np.minimum(start, end) * (corners.max(initial=0) + 1) + np.maximum(start, end)
-    _, number = np.unique(edge, return_inverse=True)
-    balance = np.bincount(number, np.where(start < end, 1, -1))
-    found = np.zeros(count, dtype=np.bool_)
-    found[owner[balance[number] != 0]] = True
-    return found
 
 
 def _sheets(triangles: Array) -> Array:
