@@ -11,8 +11,14 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.collision_error import RESOLUTION, as_solid
 from openrooms_usd.physics.components import Component, Part, components
+from openrooms_usd.physics.convex_decomposition import (
+    CROWD,
+    Limits,
+    Piece,
+    convex_decomposition,
+    protrusions,
+)
 from openrooms_usd.physics.decomposers import DECOMPOSERS
-from openrooms_usd.physics.fewest import CROWD, Limits, Piece, fewest, protrusions
 from openrooms_usd.physics.hulls import convex_hull, half_spaces, oriented_box
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import squared_distances
@@ -106,7 +112,7 @@ def collision_shapes(
     found = components(parts)
     solid = Solid(found)
     if method == "auto":
-        pieces = fewest(found, solid, tolerance, most)
+        pieces = convex_decomposition(found, solid, tolerance, most)
     elif method in DECOMPOSERS:
         pieces = _decomposed(found, method, tolerance, most, seed)
     else:

@@ -1,4 +1,4 @@
-"""The fewest convex pieces within a tolerance that a greedy search finds."""
+"""Convex decomposition: as few convex pieces within a tolerance as a greedy search finds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -74,7 +74,7 @@ class Piece:
     off: float = np.inf
 
 
-def fewest(
+def convex_decomposition(
     components: Sequence[Component], solid: Solid, tolerance: float, most: int
 ) -> list[Piece]:
     """Hulls of components, cut where they are too coarse, merged where they are too fine.
