@@ -155,7 +155,7 @@ def probe(
     seed: int = 0,
     bounces: int | None = None,
     renderer: str = "mitsuba",
-    options: Mapping[str, Any] | None = None,
+    options: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> Probes:
     """Make light probes in a scene, as real-time engines use them.
@@ -170,7 +170,8 @@ def probe(
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and a probe; 7 by default.
         renderer: A registered renderer.
-        options: What is asked of the renderer.
+        options: What is asked of the renderer, by name: Mitsuba has ``variant``
+            and ``bsdf``.
         progress: Called with what is done and the finished fraction.
 
     Returns:
@@ -198,7 +199,7 @@ def probe(
             seed=seed,
             bounces=DEFAULT_BOUNCES if bounces is None else bounces,
             renderer=renderer,
+            options=options or {},
             progress=progress,
-            **(options or {}),
         )
     return Probes(folder, manifest)

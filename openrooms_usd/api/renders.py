@@ -189,7 +189,7 @@ def render(
     error_maps: bool = False,
     denoise: bool = False,
     renderer: str = "mitsuba",
-    options: Mapping[str, Any] | None = None,
+    options: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> Render:
     """Render the cameras of a scene with their ground truth.
@@ -210,7 +210,8 @@ def render(
         error_maps: Whether to write the estimated standard error of each pixel too.
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``).
         renderer: A registered renderer.
-        options: What is asked of the renderer.
+        options: What is asked of the renderer, by name: Mitsuba has ``variant``
+            and ``bsdf``.
         progress: Called with the view's name and the finished fraction of the whole.
 
     Returns:
@@ -244,8 +245,8 @@ def render(
             bounces=DEFAULT_BOUNCES if bounces is None else bounces,
             renderer=renderer,
             denoise=denoise,
+            options=options or {},
             progress=progress,
-            **(options or {}),
         )
     return read_render(folder)
 

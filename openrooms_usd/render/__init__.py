@@ -1,9 +1,11 @@
 """Renders USD stages: the contract of renderers, and the driver that writes what they give.
 
-``contract`` is what an adapter implements; ``driver`` is the story of a run, ``plan`` what it shall
-render and ``run`` what it has written; the other modules are the files: ``exr``, ``previews`` (with
-``color``) and ``sheet`` (each whole), ``manifest`` and the ``folder`` of them all. ``reading`` and
-``manifest_schema`` give finished renders back and trust no file.
+``driver`` is the story of a run: ``plan`` says what it shall render, ``given`` who gives which
+channel, ``scene`` translates the stage, ``contract`` is what an adapter implements, ``opened`` puts
+its light and the core's exact channels together, ``shading``, ``friction`` and ``denoise`` make
+others of them, and ``run`` writes. The files are ``exr``, ``previews`` (with ``color``), ``sheet``,
+``manifest`` and the ``folder`` of them all. ``reading`` and ``manifest_schema`` give finished
+renders back and trust no file; ``relight``, ``probes``, ``datasets`` and ``coco`` use them.
 """
 
 from openrooms_usd.render.contract import (

@@ -98,6 +98,17 @@ def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:
         ou.render(scene, channels=["dept"])
 
 
+def test_what_a_renderer_can_be_asked_for_reaches_it(scene: ou.Scene, here: Path) -> None:
+    how = {"samples": 1, "resolution": (16, 12)}
+    shown = ou.render(scene, here / "out", channels="radiance", **how,  # type: ignore[arg-type]
+                      options={"variant": "scalar"})  # fmt: skip
+    assert "scalar_rgb" in shown.rendered.manifest.renderer["backend"]
+    for ask in (ou.render, ou.probe):
+        given = {"at": [(1, 1, 1)]} if ask is ou.probe else {}
+        with pytest.raises(InputError, match="no option 'varant'"):
+            ask(scene, here / "none", options={"varant": "llvm"}, **given)  # type: ignore[operator]
+
+
 def test_a_probe_is_read_like_a_render(scene: ou.Scene, here: Path) -> None:
     seen: list[float] = []
     probes = ou.probe(

@@ -111,7 +111,7 @@ class GroundTruth:
         return _facing(unit(normals), unit(hits.directions))
 
     def _tangents(self, here: NDArray[np.bool_], normals: Array) -> Array:
-        """(R, 3, 3) rows: along u, across it, the normal; what Mitsuba's normal maps live in."""
+        """(R, 3, 3) rows: along u, across it, the normal; what normal maps are in."""
         rows = self._hits.rows[here]
         a, b, c = np.moveaxis(self._scene.triangles.corners[rows], 1, 0)
         at, bt, ct = np.moveaxis(self._scene.triangles.st[rows].astype(np.float64), 1, 0)

@@ -65,7 +65,8 @@ def _sky(file: str | None) -> tuple[Floats, tuple[str, ...]]:
 def _pole_to_pole(pixels: Floats) -> Floats:
     """(2 H + 1, W, 3) the same sky with its first and last row at the poles.
 
-    Mitsuba's ``envmap`` takes them to be there, where everybody else has the rows' edges. Rows
+    That is how a `Scene` has it, where everybody else has the rows' edges: between rows at the
+    poles a renderer can interpolate everywhere, as Mitsuba's ``envmap`` does. Rows
     between the old ones make linear interpolation give what it gave before.
     """
     height = len(pixels)

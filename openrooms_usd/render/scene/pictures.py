@@ -1,4 +1,4 @@
-"""Textures as linear arrays, looked up exactly as Mitsuba's ``bitmap`` looks them up.
+"""Textures as linear arrays, and their lookup: bilinear between the centres of texels.
 
 All colour decoding happens here, once, so that every backend and the ground-truth channels see
 the same numbers.
