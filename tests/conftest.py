@@ -34,7 +34,7 @@ alignment:
 """
 
 # Fixtures that compose a room for many tests.
-ROOMS = ("composed_demo", "composed_bodies", "demo", "generated")
+ROOMS = ("composed_demo", "composed_bodies", "demo", "generated", "lab")
 
 # Captures of real rooms, which are not part of the project: where they are missing, so are their
 # tests.
@@ -43,7 +43,7 @@ REAL = Path(os.environ.get("ORUSD_REAL") or Path(__file__).parents[2] / "shared"
 
 @pytest.hookimpl(tryfirst=True)  # before xdist reads the marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests of one room go to one worker, the others file by file; few of many cases are fast."""
+    """Few of many cases are fast, and what shares something goes to one worker."""
     cases: Counter[str] = Counter()
     for item in items:
         if rare := item.get_closest_marker("one_in"):
@@ -51,11 +51,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             if cases[test] % rare.args[0]:
                 item.add_marker(pytest.mark.slow)
             cases[test] += 1
-        if not any(item.iter_markers("xdist_group")):
-            names = getattr(item, "fixturenames", ())
-            rooms = (name for name in ROOMS if name in names)
-            file = item.nodeid.partition("::")[0]
-            item.add_marker(pytest.mark.xdist_group(next(rooms, file)))
+        grouped = item.get_closest_marker("xdist_group")
+        if isinstance(item, pytest.Function) and not grouped and (group := shared_by(item)):
+            item.add_marker(pytest.mark.xdist_group(group))
+
+
+def shared_by(test: pytest.Function) -> str | None:
+    """The room that a test looks at, else its file; slow ones that share nothing go one by one."""
+    for room in ROOMS:
+        if room in test.fixturenames:
+            return room
+    file = test.nodeid.partition("::")[0]
+    fixtures = [found[-1] for found in test._fixtureinfo.name2fixturedefs.values()]
+    shares = any(one.scope != "function" and one.baseid == file for one in fixtures)
+    return None if test.get_closest_marker("slow") and not shares else file
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
