@@ -108,8 +108,8 @@ _EXTRA = """\
 #usda 1.0
 (
     defaultPrim = "Extra"
-    metersPerUnit = 1
-    upAxis = "Z"
+    metersPerUnit = 0.01
+    upAxis = "Y"
 )
 
 def Mesh "Extra" (
@@ -277,7 +277,8 @@ KINDS = (
     Kind(
         "usd.edits", _plant_composed,
         (
-            (4, "validate {out}/scene.usda"), (4, "edits orphans {out}"),
+            (4, "validate {out}/scene.usda"), (2, "edits orphans {out}"),
+            (2, "edits fit {out}"),
             (2, partial(_packaged, "scene.usdz")), (2, partial(_packaged, "scene.usdc")),
             (1, _COMPOSE),
         ),

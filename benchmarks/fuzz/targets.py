@@ -30,7 +30,8 @@ _READERS = (
     "import arkitscenes * -o {out}",
     *(f"import scan *.{end} -o {{out}}" for end in ("ply", "pcd", "xyz", "npz", "glb", "e57")),
     "compose *.yaml -o {out}", "validate *.usda", "validate *.usdz", "edits orphans *",
-    "edits adopt */scene.usda", "edits adopt {in}/scene.usda --from *.usdc", "annotate * -o {out}",
+    "edits fit *", "edits adopt */scene.usda", "edits adopt {in}/scene.usda --from *.usdc",
+    "annotate * -o {out}",
     "relight * -o {out} --light lamp=1", "dataset * -o {out}", "convert *.usda {out}",
     "render *.usda -o {out} --renderer fake", "simulate *.usda",
 )  # fmt: skip

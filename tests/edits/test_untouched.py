@@ -1,4 +1,4 @@
-"""No command but ``edits adopt`` writes the layer of the edits; stages read it."""
+"""No command but ``edits adopt`` and ``fit`` writes the layer of the edits; stages read it."""
 
 from typing import Any
 
@@ -42,6 +42,7 @@ def test_bytes_and_time_stay_over_all_commands(place: Any) -> None:
         (*compose, "--only", "alignment"),
         ("validate", place.scene),
         ("edits", "orphans", place.out),
+        ("edits", "fit", place.out),
         ("edits", "adopt", place.scene),
         ("render", place.scene, "-o", place.out / "pictures", "--spp", 1),
     ):
