@@ -1,6 +1,7 @@
 """What tests of all areas share: is a stage valid, a room composed once, the time they may take."""
 
 import os
+import signal
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
@@ -192,3 +193,17 @@ def composed_bodies(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bodies")
     (folder / "room.yaml").write_text(f"{SMALL_ROOM}physics: {{}}\n")
     return compose_room(folder / "room.yaml", folder / "out").scene
+
+
+@pytest.fixture
+def in_time() -> Iterator[None]:
+    """What hangs fails, instead of holding all other tests up."""
+
+    def late(*given: object) -> None:
+        raise AssertionError("it hangs")
+
+    before = signal.signal(signal.SIGALRM, late)
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)

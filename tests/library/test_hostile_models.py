@@ -3,9 +3,7 @@
 import json
 import logging
 import os
-import signal
 import struct
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,18 +23,7 @@ ENDINGS = (".obj", ".glb", ".ply", ".usd", ".usda", ".usdc", ".usdz")
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
 
 
-@pytest.fixture(autouse=True)
-def in_time() -> Iterator[None]:
-    """What hangs fails, instead of holding all other tests up."""
-
-    def late(*given: object) -> None:
-        raise AssertionError("it hangs")
-
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(60)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
+pytestmark = pytest.mark.usefixtures("in_time")
 
 
 @pytest.mark.parametrize("ending", ENDINGS)

@@ -14,6 +14,7 @@ from openrooms_usd.render import RenderRequest, View
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import MitsubaRenderer, variants
+from orusd_mitsuba.plugins import openrooms_bsdf
 from tests.handmade import Build
 
 Open = Callable[[Usd.Stage], Any]
@@ -54,6 +55,23 @@ def variant(request: pytest.FixtureRequest) -> str:
     if variants.choose("auto").variant == "scalar_rgb" and request.param != "scalar":
         pytest.skip(f"no usable {request.param}: {variants.diagnose()[request.param]}")
     return str(request.param)
+
+
+@pytest.fixture
+def prepare() -> Callable[[str], Any]:
+    """Switch to a backend, and give Mitsuba."""
+
+    def switch(name: str) -> Any:
+        # The faster one chooses the library, which must happen before Mitsuba is imported.
+        if variants.choose("auto").variant == "scalar_rgb" and name != "scalar":
+            pytest.skip("no usable llvm")
+        import mitsuba as mi
+
+        mi.set_variant(variants.choose(name).variant)
+        openrooms_bsdf.register(str(mi.variant()))
+        return mi
+
+    return switch
 
 
 @pytest.fixture

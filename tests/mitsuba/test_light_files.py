@@ -15,15 +15,7 @@ from openrooms_usd.render.exr import read_channels
 from orusd_mitsuba import session as mitsuba_session
 from orusd_mitsuba.direct import integrator as direct_integrator
 from orusd_mitsuba.transport import incident, path_integrator
-
-# One of each kind of pass, and all that each gives.
-PASSES = {
-    "radiance": ("radiance", "emission", "direct", "indirect", "radiance_i"),
-    "irradiance": ("irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i"),
-    "direct light": ("direct_i", "unoccluded_i", "visibility_i"),
-    "environment": ("environment", "environment_direct"),
-}
-LIT = tuple(name for names in PASSES.values() for name in names)
+from tests.mitsuba.passes import LIT, PASSES
 
 
 @pytest.fixture(scope="module")

@@ -12,16 +12,9 @@ from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.transport import bands, incident
+from tests.mitsuba.passes import LIT, PASSES
 
 SIZE = {"width": 24, "height": 18, "grid": (6, 4)}
-# One of each kind of pass, and all that each gives.
-PASSES = {
-    "radiance": ("radiance", "emission", "direct", "indirect", "radiance_i"),
-    "irradiance": ("irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i"),
-    "direct light": ("direct_i", "unoccluded_i", "visibility_i"),
-    "environment": ("environment", "environment_direct"),
-}
-LIT = tuple(name for names in PASSES.values() for name in names)
 
 
 @pytest.fixture(scope="module")

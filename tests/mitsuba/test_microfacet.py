@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from orusd_mitsuba import variants
-from orusd_mitsuba.plugins import openrooms_bsdf
-
 Array = np.ndarray
 Prepare = Callable[[str], Any]
 
@@ -59,23 +56,6 @@ def hemisphere(count: int, seed: int) -> Array:
     random = np.random.default_rng(seed).normal(size=(count, 3))
     random[:, 2] = np.abs(random[:, 2])
     return random / np.linalg.norm(random, axis=1, keepdims=True)
-
-
-@pytest.fixture
-def prepare() -> Prepare:
-    """Switch to a backend, and give Mitsuba."""
-
-    def switch(name: str) -> Any:
-        # The faster one chooses the library, which must happen before Mitsuba is imported.
-        if variants.choose("auto").variant == "scalar_rgb" and name != "scalar":
-            pytest.skip("no usable llvm")
-        import mitsuba as mi
-
-        mi.set_variant(variants.choose(name).variant)
-        openrooms_bsdf.register(str(mi.variant()))
-        return mi
-
-    return switch
 
 
 class Plate:

@@ -10,24 +10,9 @@ from pxr import UsdLux
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
-from orusd_mitsuba import MitsubaExporter, MitsubaRenderer, variants
-from orusd_mitsuba.plugins import openrooms_bsdf
+from orusd_mitsuba import MitsubaExporter, MitsubaRenderer
 
 Prepare = Callable[[str], Any]
-
-
-@pytest.fixture
-def prepare() -> Prepare:
-    def switch(name: str) -> Any:
-        if variants.choose("auto").variant == "scalar_rgb" and name != "scalar":
-            pytest.skip("no usable llvm")
-        import mitsuba as mi
-
-        mi.set_variant(variants.choose(name).variant)
-        openrooms_bsdf.register(str(mi.variant()))
-        return mi
-
-    return switch
 
 
 def unit(*vector: float) -> np.ndarray:

@@ -3,11 +3,9 @@
 import io
 import json
 import os
-import signal
 import struct
 import tracemalloc
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -26,18 +24,7 @@ from orusd_scans.sunrgbd.files import read_matrix
 POINTS = np.random.default_rng(0).random((300, 3))
 
 
-@pytest.fixture(autouse=True)
-def in_time() -> Iterator[None]:
-    """What hangs fails, instead of holding all other tests up."""
-
-    def late(*given: object) -> None:
-        raise AssertionError("it hangs")
-
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(60)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
+pytestmark = pytest.mark.usefixtures("in_time")
 
 
 NO_FILES = {"pipe": "a pipe", "endless": "a device", "folder": "a folder"}

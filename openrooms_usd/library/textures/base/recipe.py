@@ -11,6 +11,7 @@ from openrooms_usd.library.textures.base.noise import (
     standardized,
     white_spectrum,
 )
+from openrooms_usd.library.textures.base.tints import around, mean_color, tinted
 
 Index = NDArray[np.int64]
 
@@ -121,3 +122,28 @@ def finished(
     if order.color is not None:
         albedo = with_mean(albedo, np.array(order.color))
     return Maps(albedo, height, np.clip(rough, *ROUGHNESS_RANGE), metallic)
+
+
+def dyed(
+    order: Order,
+    shade: Field,
+    height: Field,
+    rough: tuple[float, float],
+    wear: Field,
+    usual: tuple[Color, ...],
+) -> Maps:
+    """A material of one colour all through.
+
+    Args:
+        order: What is asked for.
+        shade: (N, N) brightness.
+        height: (N, N) metres.
+        rough: Range of its mean roughness.
+        wear: (N, N) where it is rougher than its mean, and by how much.
+        usual: Its usual mean colours.
+    """
+    return Maps(
+        albedo=tinted(np.maximum(shade, 0.05), mean_color(order, usual)),
+        height=height,
+        roughness=around(drawn_roughness(order, *rough), wear),
+    )

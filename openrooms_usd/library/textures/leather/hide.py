@@ -9,8 +9,12 @@ from openrooms_usd.library.textures.base.fibres import fibres
 from openrooms_usd.library.textures.base.lattice import Cells, cells, diagonal, spacing, whole
 from openrooms_usd.library.textures.base.maps import Maps
 from openrooms_usd.library.textures.base.noise import Field, band_noise, smoothstep
-from openrooms_usd.library.textures.base.recipe import displaced, drawn_roughness, fractal, noise
-from openrooms_usd.library.textures.base.tints import around, mean_color, tinted
+from openrooms_usd.library.textures.base.recipe import (
+    displaced,
+    dyed,
+    fractal,
+    noise,
+)
 
 # Tan, cognac, browns, black, cream, grey, oxblood, navy, olive, white.
 COLORS: Final[tuple[Color, ...]] = (
@@ -36,21 +40,8 @@ def leather(
     wear: Field,
     colors: tuple[Color, ...] = COLORS,
 ) -> Maps:
-    """A dyed hide.
-
-    Args:
-        order: What is asked for.
-        shade: (N, N) brightness.
-        height: (N, N) metres.
-        rough: Range of its mean roughness.
-        wear: (N, N) where it is rougher than its mean, and by how much.
-        colors: Usual mean colours.
-    """
-    return Maps(
-        albedo=tinted(np.maximum(shade, 0.05), mean_color(order, colors)),
-        height=height,
-        roughness=around(drawn_roughness(order, *rough), wear),
-    )
+    """A dyed hide; see `dyed`."""
+    return dyed(order, shade, height, rough, wear, colors)
 
 
 def grain(order: Order, width: float, jitter: float = 1.0) -> Cells:

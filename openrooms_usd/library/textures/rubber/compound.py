@@ -8,9 +8,9 @@ from openrooms_usd.library.textures.base.family import Color, Order
 from openrooms_usd.library.textures.base.lattice import Index, cells, spacing, whole
 from openrooms_usd.library.textures.base.maps import Maps
 from openrooms_usd.library.textures.base.noise import Field, apart, band_noise, smoothstep
-from openrooms_usd.library.textures.base.recipe import drawn_roughness, fractal, noise
+from openrooms_usd.library.textures.base.recipe import drawn_roughness, dyed, fractal, noise
 from openrooms_usd.library.textures.base.strewn import lines
-from openrooms_usd.library.textures.base.tints import around, mean_color, tinted
+from openrooms_usd.library.textures.base.tints import around, tinted
 from openrooms_usd.library.textures.leather.hide import bent
 
 # Carbon black, whatever else is in it.
@@ -55,21 +55,8 @@ def rubber(
     wear: Field,
     colors: tuple[Color, ...] = COLORS,
 ) -> Maps:
-    """Rubber of one colour.
-
-    Args:
-        order: What is asked for.
-        shade: (N, N) brightness.
-        height: (N, N) metres.
-        rough: Range of its mean roughness.
-        wear: (N, N) where it is rougher than its mean, and by how much.
-        colors: Usual mean colours.
-    """
-    return Maps(
-        albedo=tinted(np.maximum(shade, 0.05), mean_color(order, colors)),
-        height=height,
-        roughness=around(drawn_roughness(order, *rough), wear),
-    )
+    """Rubber of one colour; see `dyed`."""
+    return dyed(order, shade, height, rough, wear, colors)
 
 
 def smooth(order: Order) -> Maps:
