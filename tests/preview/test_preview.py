@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import OpenImageIO
 import pytest
 import trimesh
 from click.testing import CliRunner
@@ -182,6 +183,17 @@ def test_the_command_writes_what_it_writes_with_any_renderer(tmp_path: Path) -> 
     assert said == ["radiance: a preview, no light"]
     assert {"radiance", "depth", "semantic", "friction"} <= manifest["channels"].keys()
     assert (out / "contact_sheet.png").is_file()
+
+
+@pytest.mark.usefixtures("installed")
+def test_it_draws_the_thumbnails_of_the_catalogue(tmp_path: Path) -> None:
+    words = ["library", "sheet", "-o", str(tmp_path / "sheet.png"), "--category", "plant_pot"]
+    done = CliRunner().invoke(orusd, [*words, "--size", "32", "--renderer", "preview"])
+    assert done.exit_code == 0, done.output
+    sheet = OpenImageIO.ImageBuf(str(tmp_path / "sheet.png")).get_pixels()
+    # Green leaves before the grey of the studio, above the caption.
+    green = sheet[:40, :, 1] - np.maximum(sheet[:40, :, 0], sheet[:40, :, 2])
+    assert (green > 0.05).sum() > 20
 
 
 @pytest.mark.usefixtures("installed")
