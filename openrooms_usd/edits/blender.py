@@ -121,11 +121,18 @@ def named(prim: Usd.Prim, kind: str = OBJECT) -> str:
     return _COUNTED.sub("", str(attribute.Get())) if attribute else prim.GetName()
 
 
+def is_named(prim: Usd.Prim, name: str, kind: str = OBJECT) -> bool:
+    """Whether an exported prim had a name before Blender counted it."""
+    if prim.GetAttribute(kind):
+        return bool(Tf.MakeValidIdentifier(named(prim, kind)) == name)
+    return re.fullmatch(rf"{re.escape(name)}(_\d+)*", prim.GetName()) is not None
+
+
 def _objects(parent: Usd.Prim) -> list[Usd.Prim]:
     """The children of an exported prim that are objects."""
     return [
         prim
-        for prim in parent.GetChildren()
+        for prim in _children(parent)
         if UsdGeom.Imageable(prim)
         and prim.GetName() != MATERIALS
         and not prim.IsA(UsdLux.DomeLight)
@@ -200,14 +207,14 @@ def _known(theirs: Usd.Prim, known: set[str]) -> str:
 
 def _shows(theirs: Usd.Prim) -> bool | None:
     """Whether an object has data that can be seen; None where Blender does not say."""
-    data = [child for child in theirs.GetChildren() if child.GetAttribute(DATA)]
+    data = [child for child in _children(theirs) if child.GetAttribute(DATA)]
     if theirs.GetAttribute(DATA) or any(not child.GetAttribute(OBJECT) for child in data):
         return True
     return False if theirs.GetAttribute(OBJECT) else None
 
 
 def _data(theirs: Usd.Prim, shape: Usd.Prim) -> Usd.Prim:
-    return next((child for child in theirs.GetChildren() if _is_data(child, shape)), theirs)
+    return next((child for child in _children(theirs) if _is_data(child, shape)), theirs)
 
 
 def _local(prim: Usd.Prim) -> Gf.Matrix4d:

@@ -11,11 +11,11 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.edits.blender import DATA, Pair, Pairing, container, named
+from openrooms_usd.edits.blender import DATA, Pair, Pairing, container, is_named, named
 from openrooms_usd.edits.blender_objects import adopt_object
 from openrooms_usd.edits.flattened import Differences
 from openrooms_usd.usd.frames import TIME
@@ -106,8 +106,8 @@ class BlenderDifferences(Differences):
         shader, seen = (material and preview_shader(material) for material in (ours, theirs))
         if not (ours and theirs and shader and seen):
             return
-        worn = Tf.MakeValidIdentifier(named(theirs.GetPrim(), DATA))
-        if worn != ours.GetPrim().GetName():
+        if not is_named(theirs.GetPrim(), ours.GetPrim().GetName(), DATA):
+            worn = named(theirs.GetPrim(), DATA)
             self.left.append(f"{pair.shape.GetPath()} wears {worn} now: bind it by hand")
             return
         self._compare_color(shader, seen, _DIFFUSE)

@@ -6,7 +6,7 @@ from typing import Final
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.edits.blender import DATA, PROPERTIES, named
+from openrooms_usd.edits.blender import DATA, PROPERTIES, is_named, named
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.placements import author_placed
 
@@ -37,8 +37,8 @@ def adopt_object(
     path = _free(base, opinions, parent.GetPath(), added)
     for above in filter(Usd.Prim.IsInstance, map(base.GetPrimAtPath, path.GetPrefixes()[:-1])):
         Sdf.CreatePrimInLayer(opinions, above.GetPath()).instanceable = False
-    original = base.GetPrimAtPath(parent.GetPath().AppendChild(named(added)))
-    if original and _is_copy(original, added):
+    original = next((x for x in parent.GetChildren() if _is_copy(x, added)), None)
+    if original is not None:
         spec = _defined(opinions, path, original.GetTypeName())
         spec.referenceList.Prepend(Sdf.Reference("", original.GetPath()))
         spec.instanceable = original.IsInstanceable()
@@ -76,8 +76,13 @@ def _defined(opinions: Sdf.Layer, path: Sdf.Path, kind: str) -> Sdf.PrimSpec:
 
 def _is_copy(original: Usd.Prim, added: Usd.Prim) -> bool:
     """Whether an object has the parts of another one: then somebody has duplicated it."""
-    parts = {prim.GetName() for prim in original.GetFilteredChildren(Usd.TraverseInstanceProxies())}
-    return bool(parts) and {named(prim) for prim in added.GetChildren()} == parts
+    parts = [x.GetName() for x in original.GetFilteredChildren(Usd.TraverseInstanceProxies())]
+    copies = added.GetChildren()
+    return (
+        is_named(added, original.GetName())
+        and len(copies) == len(parts) > 0
+        and all(any(is_named(copy, part) for copy in copies) for part in parts)
+    )
 
 
 def _specs(spec: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:

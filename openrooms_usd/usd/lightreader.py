@@ -88,7 +88,9 @@ class _Reader:
     # Kinds: each reads what is its own, and what all have in common at the end.
 
     def dome(self) -> Light:
-        pole = self.value("poleAxis", UsdGeom.Tokens.y)
+        # The pole of a plain DomeLight is +Y, whatever else is written there.
+        known = self.prim.IsA(UsdLux.DomeLight_1)
+        pole = self.value("poleAxis", UsdGeom.Tokens.y) if known else UsdGeom.Tokens.y
         if pole == UsdLux.Tokens.scene:
             pole = UsdGeom.GetStageUpAxis(self.prim.GetStage())
         frame = self.world @ Z_UP_FROM_Y_UP if pole == UsdGeom.Tokens.z else self.world

@@ -155,7 +155,7 @@ def exports(blender: Blender, example: Path, tmp_path_factory: pytest.TempPathFa
     return folder
 
 
-@pytest.mark.parametrize("form", ["root", "bare", "merged"])
+@pytest.mark.parametrize("form", ["root", "bare", "merged", "instanced", "unnamed", "matrices"])
 def test_a_room_that_was_only_looked_at_comes_back_unchanged(
     example: Path, exports: Path, form: str
 ) -> None:
@@ -164,7 +164,7 @@ def test_a_room_that_was_only_looked_at_comes_back_unchanged(
     assert adoption.compared > 100
 
 
-@pytest.mark.parametrize("form", ["root", "bare", "merged"])
+@pytest.mark.parametrize("form", ["root", "bare", "merged", "unnamed"])
 def test_what_was_done_in_blender_comes_back(exports: Path, tmp_path: Path, form: str) -> None:
     described = write_starter(tmp_path)[0]
     out = tmp_path / "out"

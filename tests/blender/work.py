@@ -79,6 +79,8 @@ def export(job: dict[str, Any]) -> None:
     """One file for each of the forms."""
     forms: dict[str, dict[str, Any]] = {
         "root": {}, "bare": {"root_prim_path": ""}, "merged": {"merge_parent_xform": True},
+        "instanced": {"use_instancing": True}, "unnamed": {"author_blender_name": False},
+        "matrices": {"xform_op_mode": "MAT", "export_materials": False},
     }  # fmt: skip
     for name, options in forms.items():
         bpy.ops.wm.usd_export(filepath=str(Path(job["folder"]) / f"{name}.usda"), **options)

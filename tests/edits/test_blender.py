@@ -444,3 +444,42 @@ def test_another_material_on_a_part_is_named(place: Any) -> None:
     adoption = adopt(place.scene, exported(place, change))
     assert changed(adoption) == {}
     assert len(adoption.left) == 1 and "/World/Room/Walls/wall_0 wears bulb_" in adoption.left[0]
+
+
+NESTED = """
+over "World"
+{
+    def Xform "Stand"
+    {
+        double3 xformOp:translate = (1, 2, 0)
+        float3 xformOp:rotateXYZ = (0, 0, 90)
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateXYZ"]
+
+        def Mesh "Plate"
+        {
+            int[] faceVertexCounts = [3]
+            int[] faceVertexIndices = [0, 1, 2]
+            point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+            float3[] extent = [(0, 0, 0), (1, 1, 0)]
+            uniform token subdivisionScheme = "none"
+            double3 xformOp:translate = (0.5, 0.25, 1)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+        }
+    }
+}
+"""
+
+
+@pytest.mark.parametrize("by", [0.0, 0.75])
+def test_what_has_become_one_object_is_two_prims_again(place: Any, by: float) -> None:
+    place.write_edits(NESTED)
+
+    def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
+        assert not any(prim.GetName() == "Stand" for prim in stage.Traverse())
+        moved(find("Plate"), by, 0.0, 0.0)
+
+    adoption = adopt(place.scene, exported(place, change))
+    assert changed(adoption) == ({"/World/Stand": ("xformOp:translate",)} if by else {})
+    stage = place.stage()
+    stand = local(stage.GetPrimAtPath("/World/Stand")).ExtractTranslation()
+    np.testing.assert_allclose(stand, [1.0 + by, 2.0, 0.0], atol=1e-6)

@@ -165,7 +165,9 @@ def test_domes_that_stand_upright_all_look_alike(kind: str, up: str, pole: str) 
 
 
 def test_other_poles_are_turned(stage: Usd.Stage) -> None:
-    UsdLux.DomeLight.Define(stage, "/Legacy")
+    legacy = UsdLux.DomeLight.Define(stage, "/Legacy").GetPrim()
+    # A word that only DomeLight_1 knows.
+    legacy.CreateAttribute("poleAxis", Sdf.ValueTypeNames.Token).Set("Z")
     UsdLux.DomeLight_1.Define(stage, "/New").CreatePoleAxisAttr("Y")
     domes = read_lights(stage)
     assert len(domes) == 2
