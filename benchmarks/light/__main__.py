@@ -79,13 +79,15 @@ def radiance(quick: bool, folder: Path) -> Section:
     rows = []
     for name in first(tuple(ROOMS), quick):
         room = Room(ROOMS[name].build(folder), *size)
-        films = {
+        integrators = {
             "path": room.theirs(tuned=False),
             "path, tuned": room.theirs(tuned=True),
             "ours": room.ours,
         }
         reference = mean_of(room.ours, many, _REFERENCE)
-        found = {key: _paced(film, counts, reference) for key, film in films.items()}
+        found = {
+            key: _paced(integrator, counts, reference) for key, integrator in integrators.items()
+        }
         cost = {key: measured[-1][2] * measured[-1][1] for key, measured in found.items()}
         for key, measured in found.items():
             ratio = cost["ours"] / min(cost["path"], cost["path, tuned"]) if key == "ours" else None
@@ -98,18 +100,18 @@ def radiance(quick: bool, folder: Path) -> Section:
 
 
 def _paced(
-    film: Any, counts: tuple[int, ...], reference: Pictures, repeats: int = 4
+    integrator: Any, counts: tuple[int, ...], reference: Pictures, repeats: int = 4
 ) -> list[tuple[int, float, float]]:
     """Samples, seconds and error, the mean of several pictures."""
-    film(1, 0)
+    integrator(1, 0)
     found = []
     for samples in counts:
-        mean_of(film, samples, 0)  # Compiles what depends on the size.
+        mean_of(integrator, samples, 0)  # Compiles what depends on the size.
         seconds: list[float] = []
         errors = []
         for number in range(repeats):
             with stopwatch(seconds):
-                picture = mean_of(film, samples, 1000 * samples + 100 * number)
+                picture = mean_of(integrator, samples, 1000 * samples + 100 * number)
             errors.append(relative_mse(picture, reference))
         found.append((samples, float(np.mean(seconds)), float(np.mean(errors))))
     return found
@@ -174,8 +176,8 @@ def environment(quick: bool, folder: Path) -> Section:
     grid, counts, many = ((3, 2), (1,), 4) if quick else ((12, 9), (1, 4), 128)
     stage = ROOMS["plain"].build(folder) if quick else generated("bedroom", 1, folder)
     room = Room(stage, 64, 48)
-    film = _hemispheres(room, grid)
-    truth = np.asarray(mean_around(film, many, _REFERENCE))
+    integrator = _hemispheres(room, grid)
+    truth = np.asarray(mean_around(integrator, many, _REFERENCE))
     rows = []
 
     sample_lights = incident._sample_lights
@@ -189,10 +191,10 @@ def environment(quick: bool, folder: Path) -> Section:
                 patch.object(incident, "trace", alone if only else trace),
                 patch.object(incident, "_sample_lights", _nothing if only else sample_lights),
             ):
-                film(samples, 1)
+                integrator(samples, 1)
                 seconds: list[float] = []
                 with stopwatch(seconds):
-                    planes = film(samples, 2)
+                    planes = integrator(samples, 2)
             for row, name in enumerate(("environment_direct", "environment")):
                 error = relative_mse(planes[row], truth[row])
                 rows.append({"estimator": title, "channel": name, "samples a cell": samples,
@@ -212,12 +214,12 @@ def _hemispheres(room: Room, grid: tuple[int, int]) -> Any:
 
     seen = replace(room.camera, K=coarse(room.camera, room.size, grid))
     tracer = MitsubaTracer(room.scene, room.built)
-    return HemisphereIntegrator(room.scene, room.built, room.filing, tracer, seen, grid, 8)
+    return HemisphereIntegrator(room.scene, room.built, room.index, tracer, seen, grid, 8)
 
 
-def mean_around(film: Any, samples: int, seed: int) -> Pictures:
+def mean_around(integrator: Any, samples: int, seed: int) -> Pictures:
     """Both planes of hemispheres."""
-    passes = [film(min(samples, 8), seed + n) for n in range(max(1, samples // 8))]
+    passes = [integrator(min(samples, 8), seed + n) for n in range(max(1, samples // 8))]
     return np.asarray(np.mean(passes, axis=0, dtype=np.float64))
 
 

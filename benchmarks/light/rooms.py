@@ -1,4 +1,4 @@
-"""Rooms that light is measured in, opened for films of their own, and Mitsuba's `path` in them."""
+"""Rooms that light is measured in, opened for our integrators and for Mitsuba's `path`."""
 
 import re
 import time
@@ -77,7 +77,7 @@ ROOMS: Final = {
 
 
 class Room:
-    """A stage with all that films need, for the fastest backend here.
+    """A stage with all that integrators need, for the fastest backend here.
 
     Args:
         stage: The stage.
@@ -101,18 +101,18 @@ class Room:
         self.stage, self.size, self._bounces = stage, (width, height), bounces
         self.scene = translate(stage)
         self.built = Builder(self.scene.origin).scene(self.scene)
-        self.filing = LightIndex(sources_of(self.scene), self.built, self.scene.origin)
+        self.index = LightIndex(sources_of(self.scene), self.built, self.scene.origin)
         prims = {str(prim.GetPath()): prim for prim in list_cameras(stage)}
         self.path = f"/World{CAMERA}" if f"/World{CAMERA}" in prims else min(prims)
         self.camera = read_camera(prims[self.path], width, height)
 
     @cached_property
     def ours(self) -> Any:
-        """Our film of radiance."""
+        """Our integrator of radiance."""
         from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
         return PathIntegrator(
-            self.built, self.filing, self.camera, *self.size, self.scene.origin,
+            self.built, self.index, self.camera, *self.size, self.scene.origin,
             self._bounces + 1, by_light=False,
         )  # fmt: skip
 
@@ -137,12 +137,12 @@ def radiance(planes: NDArray[np.float32]) -> Pictures:
     return np.asarray(planes.sum(axis=0), dtype=np.float64)
 
 
-def mean_of(film: Any, samples: int, seed: int) -> Pictures:
+def mean_of(integrator: Any, samples: int, seed: int) -> Pictures:
     """The mean of so many passes that they have ``samples`` together."""
     left, total, number = samples, 0.0, 0
     while left:
-        now = min(left, film.most)
-        total = total + now * radiance(film(now, seed + number))
+        now = min(left, integrator.most)
+        total = total + now * radiance(integrator(now, seed + number))
         left, number = left - now, number + 1
     return np.asarray(total / samples)
 

@@ -110,7 +110,7 @@ def save_picture() -> Callable[[Path, NDArray[Any]], str]:
 
 
 class Lit:
-    """A stage with all that the films of light need, for the fastest backend here."""
+    """A stage with all that the integrators of light need, for the fastest backend here."""
 
     def __init__(self, stage: Usd.Stage) -> None:
         import mitsuba as mi
@@ -127,7 +127,7 @@ class Lit:
         builder = Builder(self.scene.origin)
         self.built = builder.scene(self.scene)
         self.sources = sources_of(self.scene)
-        self.filing = LightIndex(self.sources, self.built, self.scene.origin)
+        self.index = LightIndex(self.sources, self.built, self.scene.origin)
         self.first = white_first(self.scene, self.built, builder)
         self._builder = builder
 
@@ -142,9 +142,9 @@ class Lit:
         """(4 L, height, width, 3) of `DirectIntegrator`."""
         from orusd_mitsuba.direct.integrator import DirectIntegrator
 
-        film = DirectIntegrator(self.scene, self.built, self.sources, self.filing, self.first,
+        integrator = DirectIntegrator(self.scene, self.built, self.sources, self.index, self.first,
                           self.camera(*size), *size)  # fmt: skip
-        return film(samples, seed)
+        return integrator(samples, seed)
 
     def lights(self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)) -> Any:
         """The channels that `finish` makes of it, without the picture's axes."""

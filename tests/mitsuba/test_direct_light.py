@@ -97,9 +97,11 @@ def test_the_lights_add_up_to_the_path_tracer(build: Any, lit: Any) -> None:
     scene = lit(made.stage)
     ours = np.stack([scene.direct(16, seed) for seed in range(6)]).astype(np.float64)
     lights = len(scene.sources)
-    film = PathIntegrator(scene.built, scene.filing, scene.camera(16, 16), 16, 16,
+    integrator = PathIntegrator(scene.built, scene.index, scene.camera(16, 16), 16, 16,
                           scene.scene.origin, 2, by_light=False, first=scene.first)  # fmt: skip
-    theirs = np.stack([film(64, 100 + seed)[1] for seed in range(6)]).astype(np.float64) * np.pi
+    theirs = (
+        np.stack([integrator(64, 100 + seed)[1] for seed in range(6)]).astype(np.float64) * np.pi
+    )
     total = ours[:, :lights].sum(axis=1).mean(axis=(1, 2, 3))
     assert total.mean() > 1.0
     assert abs(z_score(total, theirs.mean(axis=(1, 2, 3)))) < 4.0
@@ -154,13 +156,13 @@ def _mean_over(scene: Any, middle: Array, normal: Array, patch: Array) -> float:
     at = patch[0] + rng.random((count, 1)) * (patch[1] - patch[0])
     at = at + rng.random((count, 1)) * (patch[3] - patch[0]) + 0.01 * normal - scene.scene.origin
     ray = mi.Ray3f(mi.Point3f(at.T.astype(np.float32)), mi.Vector3f(*(-normal).tolist()))
-    film = DirectIntegrator(scene.scene, scene.built, scene.sources, scene.filing, scene.first,
+    integrator = DirectIntegrator(scene.scene, scene.built, scene.sources, scene.index, scene.first,
                       scene.camera(8, 8), 8, 8)  # fmt: skip
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(3, count)
-    tallies = DirectAccumulator(count, len(scene.sources), 1)
-    film._gather(ray, sampler, tallies)
-    sums = dr.block_sum(tallies.entries, count).numpy()
+    accumulator = DirectAccumulator(count, len(scene.sources), 1)
+    integrator._gather(ray, sampler, accumulator)
+    sums = dr.block_sum(accumulator.entries, count).numpy()
     return float(sums[0]) / count
 
 

@@ -12,15 +12,13 @@ from openrooms_usd.usd.lights import define_mesh_light
 NITS = 1000.0
 
 
-def film_of(lit: Any, grid: tuple[int, int] = (4, 3), depth: int = 8, **how: Any) -> Any:
+def integrator_of(lit: Any, grid: tuple[int, int] = (4, 3), depth: int = 8, **how: Any) -> Any:
     from orusd_mitsuba.tracer import MitsubaTracer
     from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator
 
     tracer = MitsubaTracer(lit.scene, lit.built)
     camera = lit.camera(*grid)
-    return HemisphereIntegrator(
-        lit.scene, lit.built, lit.filing, tracer, camera, grid, depth, **how
-    )
+    return HemisphereIntegrator(lit.scene, lit.built, lit.index, tracer, camera, grid, depth, **how)
 
 
 def solid_angle(triangle: np.ndarray, at: np.ndarray) -> float:
@@ -48,8 +46,8 @@ def test_even_light_fills_every_cell(build: Any, lit: Any) -> None:
     room.quad("/Card", [(-1, 3, -1), (1, 3, -1), (1, 3, 1), (-1, 3, 1)])
     room.dome(radiance=NITS)
     room.camera((0, 0, 0), (0.3, 3, 0.2), fov=20.0)
-    film = film_of(lit(room.stage))
-    passes = np.stack([film(4, seed) for seed in range(8)])
+    integrator = integrator_of(lit(room.stage))
+    passes = np.stack([integrator(4, seed) for seed in range(8)])
     for plane in np.moveaxis(passes, 1, 0):
         grids = np.stack([untiled(picture) for picture in plane])
         over_points = grids.mean(axis=(0, 1, 2))
@@ -63,7 +61,7 @@ def test_a_small_lamp_is_in_its_cell(
     build: Any, lit: Any, lamp_at: tuple[float, float, float]
 ) -> None:
     stage, corners = facing_wall(build, lamp_at, 0.01)
-    picture = np.mean([film_of(lit(stage), (1, 1))(4, seed)[0] for seed in range(4)], axis=0)
+    picture = np.mean([integrator_of(lit(stage), (1, 1))(4, seed)[0] for seed in range(4)], axis=0)
     (cells,) = untiled(picture)[0]
     # Seen from the wall's middle: x is the camera's left, y its up, z towards the camera.
     to = np.array(lamp_at) - [0, 3, 0]
@@ -80,7 +78,7 @@ def test_a_small_lamp_is_in_its_cell(
 
 def test_light_from_behind_the_surface_does_not_arrive(build: Any, lit: Any) -> None:
     stage, _ = facing_wall(build, (0.4, 3.5, 0.3), 0.2)
-    assert not film_of(lit(stage), (1, 1))(2, 0).any()
+    assert not integrator_of(lit(stage), (1, 1))(2, 0).any()
 
 
 @pytest.mark.parametrize("behind", [True, False])
@@ -98,7 +96,7 @@ def test_where_normals_lean_light_from_behind_the_face_does_not_arrive(
     lamp = [(x, y - 0.2, -0.2), (x, y - 0.2, 0.2), (x, y + 0.2, 0.2), (x, y + 0.2, -0.2)]
     define_mesh_light(room.quad("/Lamp", lamp, material=black).GetPrim(), nits=NITS)
     room.camera((0, 0, 0), (0, 3, 0), fov=0.1, aspect=1.0)
-    arriving = film_of(lit(room.stage), (1, 1))(8, 0)
+    arriving = integrator_of(lit(room.stage), (1, 1))(8, 0)
     assert arriving.any() != behind
 
 
@@ -121,15 +119,15 @@ def test_cells_times_cosine_are_irradiance(
     room = convex_room(build)
     room.camera((-0.5, -0.6, 0.1), target, fov=0.05, aspect=1.0)
     made = lit(room.stage)
-    film = film_of(made, (1, 1))
+    integrator = integrator_of(made, (1, 1))
     white = PathIntegrator(
-        made.built, made.filing, made.camera(4, 4), 4, 4, made.scene.origin, 8, by_light=False,
+        made.built, made.index, made.camera(4, 4), 4, 4, made.scene.origin, 8, by_light=False,
         first=made.first,
     )  # fmt: skip
-    ours = np.array([[irradiance(untiled(p))[0, 0] for p in film(8, s)] for s in range(8)])
+    ours = np.array([[irradiance(untiled(p))[0, 0] for p in integrator(8, s)] for s in range(8)])
     theirs = np.pi * np.array([white(128, 90 + s).mean(axis=(1, 2)) for s in range(8)])
     theirs = np.stack([theirs[:, 1], theirs[:, 1] + theirs[:, 2]], axis=1)
-    bound = np.array([irradiance_bound(untiled(p))[0, 0] for p in film(8, 20)])
+    bound = np.array([irradiance_bound(untiled(p))[0, 0] for p in integrator(8, 20)])
     spread = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / 8)
     off = np.abs(ours.mean(axis=0) - theirs.mean(axis=0))
     assert (off <= bound + 4.0 * spread).all(), (ours.mean(axis=0), theirs.mean(axis=0), bound)
@@ -147,7 +145,7 @@ def test_parallel_light_falls_into_one_cell_with_all_that_it_brings(build: Any, 
     sun.AddRotateXYZOp().Set((60.0, 0.0, 20.0))
     room.camera((0, 0, 0), (0, 3, 0), fov=0.1, aspect=1.0)
     made = lit(room.stage)
-    (cells,) = untiled(film_of(made, (1, 1))(1, 0)[0])[0]
+    (cells,) = untiled(integrator_of(made, (1, 1))(1, 0)[0])[0]
     (sun_found,) = made.scene.suns
     lit_cells = np.argwhere(cells[..., 1] > 0)
     assert len(lit_cells) == 1
@@ -159,10 +157,10 @@ def test_parallel_light_falls_into_one_cell_with_all_that_it_brings(build: Any, 
 def test_equal_seeds_give_equal_bits_and_others_do_not(build: Any, lit: Any) -> None:
     room = convex_room(build)
     room.camera((-0.5, -0.6, 0.1), (0.3, 0.2, -1.0), fov=40.0)
-    film = film_of(lit(room.stage))
-    assert film.size == (3 * 16, 4 * 32)
-    assert film(2, 5).tobytes() == film(2, 5).tobytes()
-    assert film(2, 5).tobytes() != film(2, 6).tobytes()
+    integrator = integrator_of(lit(room.stage))
+    assert integrator.size == (3 * 16, 4 * 32)
+    assert integrator(2, 5).tobytes() == integrator(2, 5).tobytes()
+    assert integrator(2, 5).tobytes() != integrator(2, 6).tobytes()
 
 
 def test_where_nothing_is_seen_nothing_arrives(build: Any, lit: Any) -> None:
@@ -170,7 +168,7 @@ def test_where_nothing_is_seen_nothing_arrives(build: Any, lit: Any) -> None:
     room.quad("/Card", [(-1, 3, -1), (0, 3, -1), (0, 3, 1), (-1, 3, 1)])
     room.dome(radiance=NITS)
     room.camera((0, 0, 0), (0, 3, 0), fov=30.0)
-    grid = untiled(film_of(lit(room.stage))(1, 0)[1])
+    grid = untiled(integrator_of(lit(room.stage))(1, 0)[1])
     assert grid[:, :2].any(axis=(2, 3, 4)).all()
     assert not grid[:, 2:].any()
 

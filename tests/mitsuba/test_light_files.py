@@ -112,10 +112,10 @@ def test_time_is_spread_over_the_kinds_of_passes(
     shares: list[float] = []
     real = mitsuba_session.run_pass
 
-    def recorded(take: Any, film: Any, request: RenderRequest, *rest: Any) -> Any:
+    def recorded(render_pass: Any, integrator: Any, request: RenderRequest, *rest: Any) -> Any:
         assert request.samples is None and request.seconds is not None
         shares.append(request.seconds)
-        return real(take, film, request, *rest)
+        return real(render_pass, integrator, request, *rest)
 
     monkeypatch.setattr(mitsuba_session, "run_pass", recorded)
     _, said = rendered(file, tmp_path / "out", channels=[*LIT], seconds=0.8)

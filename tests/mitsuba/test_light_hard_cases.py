@@ -17,7 +17,7 @@ Passes = NDArray[np.float64]
 
 @pytest.fixture
 def case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lit: Any) -> Any:
-    """Gives by name an opened room and the film of its camera."""
+    """Gives by name an opened room and the integrator of its camera."""
     monkeypatch.syspath_prepend(str(ROOT))
     from benchmarks.light.hard import CASES
     from orusd_mitsuba.transport.path_integrator import PathIntegrator
@@ -26,17 +26,17 @@ def case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lit: Any) -> Any:
         chosen = CASES[name]
         room = lit(chosen.build(tmp_path))
         camera = room.camera(*SIZE, path=EYE)
-        film = PathIntegrator(
-            room.built, room.filing, camera, *SIZE, room.scene.origin, chosen.bounces + 1
+        integrator = PathIntegrator(
+            room.built, room.index, camera, *SIZE, room.scene.origin, chosen.bounces + 1
         )
-        return room, film
+        return room, integrator
 
     return open_case
 
 
-def passes(film: Any, count: int = 8, samples: int = 8, seed: int = 0) -> Passes:
+def passes(integrator: Any, count: int = 8, samples: int = 8, seed: int = 0) -> Passes:
     """(count, planes, height, width, 3)."""
-    return np.stack([film(samples, seed + n) for n in range(count)]).astype(np.float64)
+    return np.stack([integrator(samples, seed + n) for n in range(count)]).astype(np.float64)
 
 
 def assert_alike(a: Passes, b: Passes) -> None:
@@ -57,13 +57,13 @@ def assert_alike(a: Passes, b: Passes) -> None:
 def test_it_is_what_mitsubas_own_integrator_gives(case: Any, name: str, bounces: int) -> None:
     from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
 
-    room, film = case(name)
+    room, integrator = case(name)
     request = RenderRequest(EYE, ("radiance",), *SIZE, samples=1, bounces=bounces)
     theirs = BuiltinIntegrator(room.built, room.camera(*SIZE, path=EYE), request, room.scene.origin)
-    found = passes(film)
+    found = passes(integrator)
     assert_alike(found[:, :3].sum(axis=1), passes(theirs, seed=500)[:, 0])
     np.testing.assert_allclose(found[:, :3].sum(axis=1), found[:, 3:].sum(axis=1), rtol=1e-4)
-    assert not film.broken.any()
+    assert not integrator.broken.any()
 
 
 @pytest.fixture
@@ -75,10 +75,10 @@ def plain(case: Any) -> Passes:
 def test_neither_size_nor_place_nor_winding_changes_what_is_seen(
     case: Any, plain: Passes, name: str
 ) -> None:
-    _, film = case(name)
-    found = passes(film)
+    _, integrator = case(name)
+    found = passes(integrator)
     assert_alike(found[:, :3].sum(axis=1), plain[:, :3].sum(axis=1))
-    assert not film.broken.any()
+    assert not integrator.broken.any()
 
 
 def test_a_point_is_as_bright_as_the_lamp_of_its_flux(case: Any, plain: Passes) -> None:
@@ -87,7 +87,7 @@ def test_a_point_is_as_bright_as_the_lamp_of_its_flux(case: Any, plain: Passes) 
     from openrooms_usd.render.scene.ground_truth import GroundTruth
     from orusd_mitsuba.tracer import MitsubaTracer
 
-    room, film = case("point lamp")
+    room, integrator = case("point lamp")
     camera = room.camera(*SIZE, path=EYE)
     hits = first_hits(room.scene, MitsubaTracer(room.scene, room.built), camera, *SIZE)
     truth = GroundTruth(room.scene, camera, hits)
@@ -99,7 +99,7 @@ def test_a_point_is_as_bright_as_the_lamp_of_its_flux(case: Any, plain: Passes) 
     cosine = np.maximum((way * normal).sum(axis=-1), 0.0) / np.sqrt(squared)
     intensity = 6e6 * 1e-6 * np.maximum(way[..., 2], 0.0) / np.sqrt(squared)
     expected = color / np.pi * (intensity * cosine / squared)[..., None]
-    found = passes(film)[:, 1].mean(axis=0)
+    found = passes(integrator)[:, 1].mean(axis=0)
     seen = (expected.min(axis=-1) > 0.02) & (found.min(axis=-1) > 0.0)
     assert seen.mean() > 0.4
     assert np.median(found[seen] / expected[seen]) == pytest.approx(1.0, abs=0.01)
@@ -125,8 +125,8 @@ def test_a_sun_leaves_the_lamp_its_own_picture(case: Any) -> None:
 
 
 def test_the_wall_around_a_window_gets_nothing_from_it_at_once(case: Any) -> None:
-    room, film = case("window's plane")
-    planes = passes(film, count=2).mean(axis=0)
+    room, integrator = case("window's plane")
+    planes = passes(integrator, count=2).mean(axis=0)
     sky_seen = planes[0].mean(axis=-1) > 0.0
     assert 0.05 < sky_seen.mean() < 0.95
     # Whole pixels of the wall: none of their neighbours sees the sky or another wall.

@@ -59,17 +59,17 @@ def sun(save_picture: Any, tmp_path: Path) -> str:
     return save_picture(tmp_path / "sky.exr", pixels)
 
 
-def film_of(room: Any, depth: int = 8, size: tuple[int, int] = SIZE, **how: Any) -> Any:
+def integrator_of(room: Any, depth: int = 8, size: tuple[int, int] = SIZE, **how: Any) -> Any:
     from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
     return PathIntegrator(
-        room.built, room.filing, room.camera(*size), *size, room.scene.origin, depth, **how
+        room.built, room.index, room.camera(*size), *size, room.scene.origin, depth, **how
     )
 
 
-def passes(film: Any, count: int = 12, samples: int = 16, seed: int = 100) -> Passes:
+def passes(integrator: Any, count: int = 12, samples: int = 16, seed: int = 100) -> Passes:
     """(count, planes, height, width, 3)."""
-    return np.stack([film(samples, seed + n) for n in range(count)]).astype(np.float64)
+    return np.stack([integrator(samples, seed + n) for n in range(count)]).astype(np.float64)
 
 
 def blocks(pictures: Passes) -> Passes:
@@ -98,14 +98,14 @@ def test_the_sum_is_what_mitsubas_own_integrator_gives(build: Any, lit: Any, sun
     room = lit(little_room(build, sun))
     request = RenderRequest("/Camera", ("radiance",), *SIZE, samples=1, bounces=7)
     theirs = BuiltinIntegrator(room.built, room.camera(*SIZE), request, room.scene.origin)
-    ours = passes(film_of(room, by_light=False)).sum(axis=1)
+    ours = passes(integrator_of(room, by_light=False)).sum(axis=1)
     assert_alike(ours, passes(theirs, seed=900)[:, 0])
 
 
 def test_kinds_and_lights_are_two_ways_to_add_up_the_same(build: Any, lit: Any, sun: str) -> None:
     from orusd_mitsuba.transport.path_tracing import KINDS
 
-    planes = film_of(lit(little_room(build, sun)))(16, 1).astype(np.float64)
+    planes = integrator_of(lit(little_room(build, sun)))(16, 1).astype(np.float64)
     kinds, lights = planes[: len(KINDS)], planes[len(KINDS) :]
     assert len(lights) == 3 and (planes >= 0).all()
     np.testing.assert_allclose(kinds.sum(axis=0), lights.sum(axis=0), rtol=2e-5, atol=1e-6)
@@ -115,15 +115,15 @@ def test_kinds_and_lights_are_two_ways_to_add_up_the_same(build: Any, lit: Any, 
 
 
 def test_a_light_that_is_off_is_dark_and_changes_no_other(build: Any, lit: Any) -> None:
-    both, one = (passes(film_of(lit(little_room(build, lamp=nits)))) for nits in (50.0, 0.0))
+    both, one = (passes(integrator_of(lit(little_room(build, lamp=nits)))) for nits in (50.0, 0.0))
     # After the three kinds: the lamp, the window, the rest.
     assert_alike(both[:, 4], one[:, 4])
     assert one[:, 3].max() == 0.0 and both[:, 3].max() > 0.0
 
 
 def test_equal_seeds_give_equal_bits_and_others_do_not(build: Any, lit: Any, sun: str) -> None:
-    film = film_of(lit(little_room(build, sun)))
-    first, again, other = (film(4, seed) for seed in (5, 5, 6))
+    integrator = integrator_of(lit(little_room(build, sun)))
+    first, again, other = (integrator(4, seed) for seed in (5, 5, 6))
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)
 
@@ -135,9 +135,9 @@ def test_bands_and_passes_agree_within_their_noise(
     from orusd_mitsuba.transport import bands
 
     room = lit(little_room(build, sun))
-    whole = passes(film_of(room))
+    whole = passes(integrator_of(room))
     monkeypatch.setattr(bands, "_PATHS_IN_FLIGHT", 32 * 5)
-    banded = film_of(room)
+    banded = integrator_of(room)
     assert banded.most == 1
     many = passes(banded, count=48, samples=1, seed=700)
     assert_alike(whole[:, 3:].sum(axis=1), many[:, :3].sum(axis=1))
@@ -153,8 +153,8 @@ def test_a_white_first_surface_receives_what_lambert_sends(build: Any, lit: Any,
     camera = room.camera(*SIZE)
     hits = first_hits(room.scene, MitsubaTracer(room.scene, room.built), camera, *SIZE)
     color = GroundTruth(room.scene, camera, hits).channel("base_color").astype(np.float64)
-    received = passes(film_of(room, first=room.first))[:, 1:3].sum(axis=1)
-    sent = passes(film_of(room), seed=400)[:, 1:3].sum(axis=1)
+    received = passes(integrator_of(room, first=room.first))[:, 1:3].sum(axis=1)
+    sent = passes(integrator_of(room), seed=400)[:, 1:3].sum(axis=1)
     # Blocks of one colour alone: at edges the centre's colour is not the pixel's.
     even = color.reshape(3, 8, 4, 8, 3)
     pure = (even.max(axis=(1, 3)) - even.min(axis=(1, 3))).max(axis=-1).ravel() < 1e-6
@@ -172,7 +172,7 @@ def test_a_glowing_room_adds_one_power_of_the_albedo_for_each_bounce(
     glowing = made.material("/Glow", base_color=(albedo,) * 3, emissive=(1.0, 1.0, 1.0))
     made.box("/Room", 4.0, inside=True, material=glowing)
     made.camera((0.3, -0.5, 0.2), (1, 1, 0.1))
-    found = passes(film_of(lit(made.stage), bounces + 1, by_light=False), 4, 16)
+    found = passes(integrator_of(lit(made.stage), bounces + 1, by_light=False), 4, 16)
     powers = albedo ** np.arange(bounces + 1)
     expected = [powers[0], powers[1], powers[2:].sum()]
     means = found.mean(axis=(0, 2, 3, 4))
