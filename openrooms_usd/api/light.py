@@ -170,8 +170,7 @@ def probe(
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and a probe; 7 by default.
         renderer: A registered renderer.
-        options: What is asked of the renderer, by name: Mitsuba has ``variant``
-            and ``bsdf``.
+        options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with what is done and the finished fraction.
 
     Returns:

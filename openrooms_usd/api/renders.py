@@ -210,8 +210,7 @@ def render(
         error_maps: Whether to write the estimated standard error of each pixel too.
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``).
         renderer: A registered renderer.
-        options: What is asked of the renderer, by name: Mitsuba has ``variant``
-            and ``bsdf``.
+        options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with the view's name and the finished fraction of the whole.
 
     Returns:
