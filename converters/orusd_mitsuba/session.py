@@ -110,6 +110,19 @@ class MitsubaSession:
             self._note(request, render_pass.name, halves, int(integrator.broken.sum()))
         return images
 
+    def move(self, scene: Scene) -> None:
+        """Render from now on what stands elsewhere; see the core's `MovingSession`.
+
+        Lights are sampled as often as before: a rigid motion changes no flux.
+
+        Args:
+            scene: The scene that was opened, but for where triangles are.
+        """
+        self._activate()
+        moved = self._scene.placed([patch.triangles for patch in scene.patches])
+        self._builder.move(self._built, self._scene, moved)
+        self._scene = moved
+
     def probe(
         self, request: ProbeRequest, progress: ViewProgress = lambda fraction: None
     ) -> tuple[Image, ...]:

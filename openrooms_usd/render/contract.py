@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,6 +142,19 @@ class RenderSession(Protocol):
 
         Raises:
             RenderError: The renderer cannot do it.
+        """
+        ...
+
+
+@runtime_checkable
+class MovingSession(Protocol):
+    """A session that can follow what moves, where building the scene anew would take longer."""
+
+    def move(self, scene: "Scene") -> None:
+        """Render from now on what stands elsewhere.
+
+        Args:
+            scene: The scene that was opened, but for where triangles are (`Scene.placed`).
         """
         ...
 

@@ -16,6 +16,7 @@ from openrooms_usd.errors import RenderError
 from openrooms_usd.render.contract import (
     NO_OPTIONS,
     Image,
+    MovingSession,
     Renderer,
     RenderRequest,
     RenderSession,
@@ -30,6 +31,8 @@ from openrooms_usd.render.scene.ground_truth import GroundTruth
 from openrooms_usd.render.scene.light_masks import light_masks
 from openrooms_usd.render.scene.light_records import light_records
 from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.render.scene.moving import MovingScene
+from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.rays import CastingTracer
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.render.scene.translate import translate
@@ -53,8 +56,7 @@ def open_with(
         InputError: The renderer has no such option, or an option no such value.
         RenderError: The renderer's backend is not available.
     """
-    scene = translate(stage)
-    return OpenedStage(stage, scene, renderer.channels, renderer.open(scene, options))
+    return OpenedStage(stage, translate(stage), renderer, options)
 
 
 class OpenedStage:
@@ -63,8 +65,8 @@ class OpenedStage:
     Args:
         stage: The composed stage.
         scene: The same as arrays.
-        channels: Those that the session gives.
-        session: What a renderer made of the scene.
+        renderer: What opens the scene.
+        options: What is asked of the renderer.
 
     Attributes:
         session: What a renderer made of the scene.
@@ -75,10 +77,12 @@ class OpenedStage:
     """
 
     def __init__(
-        self, stage: Usd.Stage, scene: Scene, channels: tuple[str, ...], session: RenderSession
+        self, stage: Usd.Stage, scene: Scene, renderer: Renderer, options: Mapping[str, str]
     ) -> None:
-        self.session = session
-        self._stage, self._scene, self._channels = stage, scene, channels
+        self.session: RenderSession = renderer.open(scene, options)
+        self._stage, self._moving = stage, MovingScene(scene)
+        self._renderer, self._options = renderer, options
+        self._channels = renderer.channels
         self._sources = sources_of(scene)
         cameras = list_cameras(stage)
         self.cameras = tuple(str(prim.GetPath()) for prim in cameras)
@@ -105,8 +109,26 @@ class OpenedStage:
             StageError: The camera cannot make a picture.
         """
         _check(request, self._channels)
+        return self.picture(self._camera(request), request, progress)
+
+    def picture(
+        self,
+        camera: PinholeCamera,
+        request: RenderRequest,
+        progress: ViewProgress = lambda done: None,
+    ) -> View:
+        """Render what a camera sees that need not be one of the stage's.
+
+        Args:
+            camera: For the request's size.
+            request: What to render; its camera is a name for random numbers and messages.
+            progress: Called with the finished fraction, from 0 to 1.
+
+        Raises:
+            RenderError: A channel does not exist, or the renderer cannot do it.
+        """
+        _check(request, self._channels)
         progress(0.0)
-        camera = self._camera(request)
         lit = tuple(name for name in request.channels if name in self._channels)
         exact = [name for name in request.channels if name not in lit]
         images: dict[str, Image] = {}
@@ -131,6 +153,30 @@ class OpenedStage:
             exposure=camera.exposure,
             images={name: images[name] for name in wanted},
         )
+
+    def move(self, motions: Mapping[str, Array]) -> None:
+        """Render from now on what stands elsewhere; the stage is not translated again.
+
+        A renderer that cannot follow opens the scene anew. `lights` stay as the stage has them.
+
+        Args:
+            motions: (4, 4) rigid by prim path, of the world to the world, metres, since the stage
+                was opened; prims that are not named stay where they are.
+
+        Raises:
+            RenderError: The renderer's backend is not available.
+        """
+        if not self._moving.move(motions):
+            return
+        self.__dict__.pop("_caster", None)
+        if isinstance(self.session, MovingSession):
+            self.session.move(self._scene)
+        else:
+            self.session = self._renderer.open(self._scene, self._options)
+
+    @property
+    def _scene(self) -> Scene:
+        return self._moving.scene
 
     def _camera(self, request: RenderRequest) -> PinholeCamera:
         if request.camera is None:

@@ -1,7 +1,12 @@
-"""What is seen of a simulation: any camera, through any renderer, with ground truth."""
+"""What a robot's cameras see of a simulation: through any renderer, with ground truth.
+
+The room is translated and opened once. Before each picture what has moved is moved in the arrays
+that the renderer holds, so that only the picture itself takes time.
+"""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -12,23 +17,22 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 from openrooms_usd import adapters, names
 from openrooms_usd.errors import MissingPackageError
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Body, World
 from openrooms_usd.render.contract import Renderer, RenderRequest, View
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
 from openrooms_usd.render.given import rendered
-from openrooms_usd.render.opened import open_with
+from openrooms_usd.render.opened import OpenedStage, open_with
 from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import CAMERA, COLORS
 from openrooms_usd.simulation.settledlayer import choose_look
 from openrooms_usd.simulation.settling import motions
 from openrooms_usd.usd import layers, semantics
-from openrooms_usd.usd.cameras import define_camera
+from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
 from openrooms_usd.usd.meshes import define_mesh
-from openrooms_usd.usd.settled import author_motions
-from openrooms_usd.usd.transforms import author_matrix
 
 Array = NDArray[np.float64]
 
@@ -43,8 +47,8 @@ _CAMERA_FROM_LINK: Final = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0
 class RobotCameras:
     """Pictures of a room while it is simulated.
 
-    Bodies without a prim, such as robots, are added to the stage; all that moves is moved in a
-    layer in memory. The file is never touched.
+    Bodies without a prim, such as robots, are added to the stage in a layer in memory. The file is
+    never touched.
     """
 
     def __init__(
@@ -75,12 +79,11 @@ class RobotCameras:
         self._samples = samples
         self._world = world
         self._denoiser = _denoiser(rendered(self._renderer.channels))
-        self._poses = Sdf.Layer.CreateAnonymous(".usda")
         self._robots = Sdf.Layer.CreateAnonymous(".usda")
         layers.apply_metadata(self._robots)
         root = Sdf.Layer.CreateAnonymous(".usda")
         layers.apply_metadata(root)
-        root.subLayerPaths = [self._poses.identifier, self._robots.identifier, os.fspath(path)]
+        root.subLayerPaths = [self._robots.identifier, os.fspath(path)]
         self._stage = Usd.Stage.Open(root)
         if look is not None:
             choose_look(self._stage, look, Path(path))
@@ -108,51 +111,51 @@ class RobotCameras:
             RenderError: The renderer cannot do it.
         """
         wanted = tuple(channels)
-        self._pose(simulation, cameras, fov_degrees)
-        opened = open_with(self._renderer, self._stage)
-        self.legend: Mapping[int, str] = opened.legend.semantic
+        self._opened.move(dict(self._motions(simulation)))
         width, height = self._resolution
         needed = FrictionMap.needs(wanted) if FRICTION in wanted else wanted
         denoiser = self._denoiser if RGB in wanted else None
         if denoiser is not None:
             needed = denoiser.needs(needed)
         found = {}
-        for name in cameras:
-            request = RenderRequest(_eye(name), needed, width, height, samples=self._samples)
-            view = opened.render(request)
+        for name, pose in cameras.items():
+            request = RenderRequest(_key(name), needed, width, height, samples=self._samples)
+            view = self._opened.picture(self._pinhole(pose, fov_degrees), request)
             if denoiser is not None:
                 view = denoiser.complete(view, needed)
             if FRICTION in wanted:
-                view = _with_friction(view, self._stage, opened.legend.material)
+                view = self._friction.complete(view, (*view.images, FRICTION))
             found[name] = view
         return found
 
-    def _pose(self, simulation: Simulation, cameras: Mapping[str, Array], fov: float) -> None:
-        self._poses.Clear()
-        layers.apply_metadata(self._poses)
-        with Usd.EditContext(self._stage, self._poses):
-            author_motions(self._stage, motions(self._world, simulation))
-            for body in self._world.bodies:
-                for link, pose in simulation.links(body.name).items() if not body.path else ():
-                    prim = self._stage.GetPrimAtPath(f"{_ROBOTS}/{body.name}/{link}")
-                    author_matrix(prim, pose)
-            for name, camera in cameras.items():
-                define_camera(
-                    self._stage,
-                    _eye(name),
-                    world_from_camera=camera,
-                    resolution=self._resolution,
-                    fov_degrees=fov,
-                )
+    @property
+    def legend(self) -> Mapping[int, str]:
+        """What the numbers of the channel ``semantic`` mean."""
+        return self._opened.legend.semantic
+
+    @cached_property
+    def _opened(self) -> OpenedStage:
+        """The room with its robots, translated and opened once, when the first picture is asked."""
+        return open_with(self._renderer, self._stage)
+
+    @cached_property
+    def _friction(self) -> FrictionMap:
+        return FrictionMap(read_materials(self._stage, self._opened.legend.material))
+
+    def _motions(self, simulation: Simulation) -> Iterator[tuple[str, Array]]:
+        """By prim path, how everything has moved since the stage; robots since the origin."""
+        yield from ((row.path, row.world_motion) for row in motions(self._world, simulation))
+        for body in self._world.bodies:
+            for link, pose in simulation.links(body.name).items() if not body.path else ():
+                yield f"{_ROBOTS}/{body.name}/{link}", pose
+
+    def _pinhole(self, world_from_camera: Array, fov_degrees: float) -> PinholeCamera:
+        return PinholeCamera(intrinsics(fov_degrees, *self._resolution), world_from_camera)
 
 
-def _eye(name: str) -> str:
-    return f"{_ROBOTS}/Eye_{name}"
-
-
-def _with_friction(view: View, stage: Usd.Stage, materials: Mapping[int, str]) -> View:
-    made = FrictionMap(read_materials(stage, materials))
-    return made.complete(view, (*view.images, FRICTION))
+def _key(name: str) -> str:
+    """What a camera's random numbers depend on, beside the seed."""
+    return f"{_ROBOTS}/{name}"
 
 
 def _denoiser(available: tuple[str, ...]) -> Denoiser | None:

@@ -74,6 +74,22 @@ class Builder:
             sky.set_scene(built)
         return built
 
+    def move(self, built: Any, before: Scene, after: Scene) -> None:
+        """Let a built scene's triangles stand elsewhere.
+
+        Args:
+            built: What `scene` made.
+            before: Where they stand now.
+            after: Where they shall stand; patches that do not move are the same objects.
+        """
+        arrays = mi.traverse(built)
+        for old, new in zip(before.patches, after.patches, strict=True):
+            if old is not new:
+                corners = new.triangles.corners - self._origin
+                arrays[f"{new.name}.vertex_positions"] = _flat(corners)
+                arrays[f"{new.name}.vertex_normals"] = _flat(new.triangles.normals)
+        arrays.update()
+
     def _tabulate(self, scene: Scene) -> None:
         """One BSDF for all surfaces that can share it; scalar variants gain nothing by that."""
         surfaces = {id(patch.surface): patch.surface for patch in scene.patches}

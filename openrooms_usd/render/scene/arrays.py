@@ -1,7 +1,7 @@
 """A stage as arrays: what renderers receive, and what ground truth is looked up in."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -133,6 +133,22 @@ class Scene:
     legend: Legend
     owners: tuple[tuple[str, Surface], ...] = ()
     report: Report = field(default_factory=Report)
+
+    def placed(self, triangles: Sequence[Triangles]) -> "Scene":
+        """The same with the triangles of its patches elsewhere; the origin stays.
+
+        Args:
+            triangles: Of each patch; those that are the patch's own leave it the same object.
+        """
+        pairs = zip(self.patches, triangles, strict=True)
+        patches = tuple(
+            patch if patch.triangles is own else replace(patch, triangles=own)
+            for patch, own in pairs
+        )
+        found = replace(self, patches=patches)
+        # The property is cached: what others hold relative to the origin stays true.
+        found.__dict__["origin"] = self.origin
+        return found
 
     @cached_property
     def triangles(self) -> Triangles:
