@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -55,6 +56,17 @@ def variant(request: pytest.FixtureRequest) -> str:
     if variants.choose("auto").variant == "scalar_rgb" and request.param != "scalar":
         pytest.skip(f"no usable {request.param}: {variants.diagnose()[request.param]}")
     return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def mi() -> ModuleType:
+    """Mitsuba with its fastest backend, which vectorizes."""
+    if variants.choose("auto").variant == "scalar_rgb":
+        pytest.skip("no vectorized backend works here")
+    import mitsuba
+
+    mitsuba.set_variant(variants.choose("auto").variant)
+    return mitsuba
 
 
 @pytest.fixture

@@ -8,7 +8,6 @@ import pytest
 
 from openrooms_usd.render.scene.arrays import Environment
 from openrooms_usd.usd.portals import Portal
-from orusd_mitsuba import variants
 from orusd_mitsuba.plugins.light_weights import Beam, brightest_beam
 
 # A window in the plane y = 1, half a metre about the axis, that looks along +Y.
@@ -21,16 +20,6 @@ def sky(sun: float, row: int = 20, column: int = 0) -> np.ndarray:
     pixels = np.ones((65, 128, 3), dtype=np.float32)
     pixels[row, column] = sun
     return pixels
-
-
-@pytest.fixture(scope="module")
-def mi() -> ModuleType:
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
-    import mitsuba
-
-    mitsuba.set_variant(variants.choose("auto").variant)
-    return mitsuba
 
 
 def emitter(mi: ModuleType, pixels: np.ndarray, beam: Beam | None) -> tuple[Any, Any]:

@@ -7,20 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from orusd_mitsuba import variants
-
 Array = NDArray[np.float64]
 UP = (0.0, 0.0, 1.0)
-
-
-@pytest.fixture(scope="module")
-def mi() -> ModuleType:
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
-    import mitsuba
-
-    mitsuba.set_variant(variants.choose("auto").variant)
-    return mitsuba
 
 
 def by_dr(mi: ModuleType, corners: ArrayLike, at: Any, cosine: Any, horizon: Any = None) -> Array:

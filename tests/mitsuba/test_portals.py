@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from pxr import UsdLux
 
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal, read_portals
-from orusd_mitsuba import variants
 
 NITS = 1000.0
 # A window in the wall y = 1 of a room about the origin: x and z from, x and z to.
@@ -82,16 +81,6 @@ def test_portals_lower_the_error(build: Any, open_stage: Any, shoot: Any, varian
         for portals in (False, True)
     ]
     assert errors[1] < 0.25 * errors[0]
-
-
-@pytest.fixture(scope="module")
-def mi() -> ModuleType:
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
-    import mitsuba
-
-    mitsuba.set_variant(variants.choose("auto").variant)
-    return mitsuba
 
 
 def emitter(mi: ModuleType) -> Any:

@@ -12,15 +12,12 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.pictures import write_png
-from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
-from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
 from openrooms_usd.stages.materials import MaterialsStage
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.materials import PreviewSurface, Texture, bound_material
 from openrooms_usd.usd.materials import read_preview_surface as read
 from openrooms_usd.usd.textures import read_texture
+from tests.stages.dressed import compose
 
 THING = f"{names.FURNITURE}/thing/Geometry"
 
@@ -35,17 +32,6 @@ def room(source: str = "", **materials: object) -> Room:
             "materials": {"resolution": 16, **materials},
         }
     )
-
-
-def compose(folder: Path, described: Room) -> Usd.Stage:
-    with drafting(folder) as draft:
-        runner.create_edits(draft)
-        for stage in (LayoutStage(), AlignmentStage(), MaterialsStage()):
-            runner.run(stage, described, folder, draft, "fingerprint", 1)
-        runner.write_scene(draft)
-    stage = Usd.Stage.Open(str(folder / names.SCENE))
-    stage.Reload()
-    return stage
 
 
 def material(stage: Usd.Stage, path: str) -> Usd.Prim:

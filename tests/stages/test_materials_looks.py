@@ -7,12 +7,8 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
-from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
-from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.materials import MaterialsStage
 from openrooms_usd.usd.materials import bound_material, read_preview_surface
+from tests.stages.dressed import compose
 
 CHAIRS = [f"{names.FURNITURE}/chair_{x}" for x in "abc"]
 
@@ -36,17 +32,6 @@ def room(**materials: object) -> Room:
             "materials": {"resolution": 16, "looks": 3, **materials},
         }
     )
-
-
-def compose(folder: Path, described: Room) -> Usd.Stage:
-    with drafting(folder) as draft:
-        runner.create_edits(draft)
-        for stage in (LayoutStage(), AlignmentStage(), MaterialsStage()):
-            runner.run(stage, described, folder, draft, "fingerprint", 1)
-        runner.write_scene(draft)
-    stage = Usd.Stage.Open(str(folder / names.SCENE))
-    stage.Reload()
-    return stage
 
 
 @pytest.fixture(scope="module")
