@@ -1,7 +1,8 @@
 """The physics stage: bodies, masses, joints and collision shapes, for rooms that ask for them.
 
 - `parts`: the parts of an object and their materials; `assets`: an object before computation;
-- `cache`: collision shapes that were searched before; `colliders`: shapes and masses of an asset;
+- `cache`: collision shapes that were searched before; `ahead`: and those that will be needed, by
+  several processes; `colliders`: shapes and masses of an asset;
 - `objects`: all objects of a room, each of those that are alike once;
 - `room`: walls, floor and fixtures; `authoring`: what is written; `stage`: all of it.
 """

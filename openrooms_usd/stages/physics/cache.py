@@ -39,10 +39,9 @@ def cached_shapes(parts: Sequence[Part], method: Method, tolerance: float) -> Sh
     Raises:
         InputError: A coordinate is not finite, or nothing has an area.
     """
-    textures = cache_folder()
-    if textures is None:
+    entry = _entry(parts, method, tolerance)
+    if entry is None:
         return collision_shapes(parts, method, tolerance)
-    entry = textures.with_name(_FOLDER) / f"{_digest(parts, method, tolerance)}.npz"
     found = _taken(entry, parts)
     if found is None:
         found = collision_shapes(parts, method, tolerance)
@@ -51,6 +50,19 @@ def cached_shapes(parts: Sequence[Part], method: Method, tolerance: float) -> Sh
             unfinished.sweep(entry.parent)
             atomic.write_bytes(entry, _bytes(found, parts))
     return found
+
+
+def is_missing(parts: Sequence[Part], method: Method, tolerance: float) -> bool:
+    """Whether there is a cache, and the shapes are not in it."""
+    entry = _entry(parts, method, tolerance)
+    return entry is not None and not entry.is_file()
+
+
+def _entry(parts: Sequence[Part], method: Method, tolerance: float) -> Path | None:
+    textures = cache_folder()
+    if textures is None:
+        return None
+    return textures.with_name(_FOLDER) / f"{_digest(parts, method, tolerance)}.npz"
 
 
 def _digest(parts: Sequence[Part], method: Method, tolerance: float) -> str:

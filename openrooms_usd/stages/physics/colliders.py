@@ -10,9 +10,9 @@ from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.library.construction import mass_of_part
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.physics.components import Part
-from openrooms_usd.physics.decomposition import Shapes as FoundShapes
 from openrooms_usd.physics.mass import MassProperties, combined
-from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset
+from openrooms_usd.stages.physics.ahead import Search
+from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.cache import cached_shapes
 from openrooms_usd.stages.physics.parts import RigidLink, Solid
 
@@ -81,14 +81,8 @@ def scaled(mesh: TriangleMesh, scale: Array) -> TriangleMesh:
 def _link_colliders(
     asset: RigidAsset, link: RigidLink, masses: tuple[MassProperties, ...]
 ) -> LinkColliders:
-    names = _stems(link)
-    found = convex_shapes(
-        [scaled(solid.mesh, asset.scale) for solid in link.solids],
-        names,
-        [repr(solid.substances) for solid in link.solids],
-        asset.settings,
-    )
-    by_name = dict(zip(names, link.solids, strict=True))
+    found = cached_shapes(*_search_of(asset, link))
+    by_name = dict(zip(_stems(link), link.solids, strict=True))
     colliders: list[Collider] = []
     count: dict[str, int] = {}
     for shape in found.shapes:
@@ -99,29 +93,24 @@ def _link_colliders(
     return LinkColliders(link, tuple(colliders), masses, found.error)
 
 
+def searches_of(asset: RigidAsset) -> list[Search]:
+    """What is searched for an object: the shapes of each of its links."""
+    return [_search_of(asset, link) for link in asset.links]
+
+
+def _search_of(asset: RigidAsset, link: RigidLink) -> Search:
+    parts = []
+    for name, solid in zip(_stems(link), link.solids, strict=True):
+        mesh = scaled(solid.mesh, asset.scale)
+        parts.append(Part(name, mesh.points, mesh.triangles, repr(solid.substances)))
+    return Search(parts, asset.settings.shapes, asset.settings.tolerance)
+
+
 def _stems(link: RigidLink) -> list[str]:
     """A name for each part that no number behind it makes that of another."""
     last = [solid.path.rpartition("/")[2] for solid in link.solids]
     unique = len(set(last)) == len(last)
     return last if unique else [f"{name}_p{i}" for i, name in enumerate(last)]
-
-
-def convex_shapes(
-    meshes: list[TriangleMesh], names: list[str], contacts: list[str], settings: ColliderSettings
-) -> FoundShapes:
-    """The convex shapes of surfaces that move as one, metres.
-
-    Args:
-        meshes: In one frame, after all scales.
-        names: One for each.
-        contacts: What each is made of: shapes never mix two.
-        settings: How they are made.
-    """
-    parts = [
-        Part(name, mesh.points, mesh.triangles, contact)
-        for mesh, name, contact in zip(meshes, names, contacts, strict=True)
-    ]
-    return cached_shapes(parts, settings.shapes, settings.tolerance)
 
 
 def _masses(asset: RigidAsset) -> list[tuple[MassProperties, ...]]:

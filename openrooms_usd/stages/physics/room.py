@@ -13,12 +13,14 @@ from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.library.friction.references import SUBSTANCES
+from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.panels import panel_pieces, slab_hull
 from openrooms_usd.stages.appearance import texels
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.authoring import author_physics
-from openrooms_usd.stages.physics.colliders import Collider, LinkColliders, convex_shapes
+from openrooms_usd.stages.physics.cache import cached_shapes
+from openrooms_usd.stages.physics.colliders import Collider, LinkColliders
 from openrooms_usd.stages.physics.objects import Objects, search_colliders
 from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
 from openrooms_usd.usd.materials import read_preview_surface
@@ -79,7 +81,8 @@ def _shapes(context: StageContext, room: RigidAsset, solid: Solid) -> list[Trian
     exact = panel_pieces(solid.mesh) if category == "wall" else []
     if exact:
         return exact
-    found = convex_shapes([solid.mesh], [solid.name], [""], room.settings)
+    part = Part(solid.name, solid.mesh.points, solid.mesh.triangles)
+    found = cached_shapes([part], room.settings.shapes, room.settings.tolerance)
     return [shape.mesh for shape in found.shapes]
 
 

@@ -1,0 +1,120 @@
+"""Collision shapes are searched ahead in several processes, which leave them in the cache.
+
+Python's threads would wait for each other. What a process does not leave there is searched where
+it is needed: so nothing depends on how many there are, or whether any can be had.
+"""
+
+import io
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from openrooms_usd.description.physics import Shapes as Method
+from openrooms_usd.errors import InputError
+from openrooms_usd.physics.components import Part
+from openrooms_usd.stages.physics.cache import cached_shapes, is_missing
+
+# Triangles for which it is worth to start another process: they take some seconds.
+_WORTH: Final = 10_000
+
+
+class Search(NamedTuple):
+    """What `cached_shapes` is asked for."""
+
+    parts: Sequence[Part]
+    method: Method
+    tolerance: float
+
+    @property
+    def triangles(self) -> int:
+        """About how long it takes."""
+        return sum(len(part.triangles) for part in self.parts)
+
+
+def search_ahead(searches: Sequence[Search], workers: int) -> None:
+    """Search what is not in the cache yet, here and in other processes.
+
+    Args:
+        searches: What will be needed.
+        workers: The most processes, this one included.
+    """
+    missing = [search for search in searches if is_missing(*search)]
+    count = min(workers, sum(search.triangles for search in missing) // _WORTH, len(missing))
+    if count < 2:
+        return
+    mine, *others = _shared(missing, count)
+    processes = [process for share in others if (process := _started(share))]
+    try:
+        _search(mine)
+        for process in processes:
+            process.wait()
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+def _shared(searches: Sequence[Search], count: int) -> list[list[Search]]:
+    """Shares that take about equally long: the longest first, to who has the least."""
+    shares: list[list[Search]] = [[] for _ in range(count)]
+    for search in sorted(searches, key=lambda search: -search.triangles):
+        min(shares, key=lambda share: sum(each.triangles for each in share)).append(search)
+    return shares
+
+
+def _started(searches: Sequence[Search]) -> subprocess.Popen[bytes] | None:
+    """A process that searches; None where none can be had."""
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    nowhere = subprocess.DEVNULL
+    with tempfile.TemporaryFile() as told:
+        told.write(_bytes(searches))
+        told.seek(0)
+        with suppress(OSError, ValueError):
+            command = [sys.executable, "-m", __name__]
+            return subprocess.Popen(command, stdin=told, stdout=nowhere, stderr=nowhere, env=env)
+    return None
+
+
+def _search(searches: Sequence[Search]) -> None:
+    for search in searches:
+        with suppress(InputError):  # comes up again where the shapes are needed
+            cached_shapes(*search)
+
+
+def _bytes(searches: Sequence[Search]) -> bytes:
+    told: list[Any] = []
+    arrays: dict[str, Any] = {}
+    for i, (parts, method, tolerance) in enumerate(searches):
+        told.append([[[part.name, part.contact] for part in parts], method, tolerance])
+        for k, part in enumerate(parts):
+            arrays[f"points_{i}_{k}"] = part.points
+            arrays[f"triangles_{i}_{k}"] = part.triangles
+    buffer = io.BytesIO()
+    np.savez(buffer, searches=np.array(json.dumps(told)), **arrays)
+    return buffer.getvalue()
+
+
+def _taken(data: bytes) -> list[Search]:
+    with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+        return [
+            Search(
+                [
+                    Part(name, arrays[f"points_{i}_{k}"], arrays[f"triangles_{i}_{k}"], contact)
+                    for k, (name, contact) in enumerate(parts)
+                ],
+                method,
+                tolerance,
+            )
+            for i, (parts, method, tolerance) in enumerate(json.loads(str(arrays["searches"])))
+        ]
+
+
+if __name__ == "__main__":
+    _search(_taken(sys.stdin.buffer.read()))
