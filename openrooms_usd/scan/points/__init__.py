@@ -1,7 +1,7 @@
-"""The points of a scan, and what can be told of them alone.
+"""Point clouds, and what follows from the points alone.
 
 - `cloud`: points with colours, normals, labels and sensor origins; `fusion`: of depth frames;
-- `thinning`, `voxels`: fewer points that say the same, in a bounded amount of memory;
-- `normals`, `planes`, `surfels`: directions, planes in noise, small flat pieces;
-- `visibility`, `sightlines`: how far the sensors looked, and what they looked through.
+- `thinning`, `voxels`: voxel-grid downsampling, and accumulation in bounded memory;
+- `normals`, `planes`, `surfels`: estimated normals, MSAC plane fits, one surfel a voxel;
+- `visibility`, `sightlines`: range panoramas of the sensors, and unoccluded lines of sight.
 """

@@ -1,4 +1,4 @@
-"""The points of a scanned room, and what is known of each."""
+"""A point cloud with its optional attributes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
@@ -12,16 +12,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """Points of a scan, metres; what is None is not known.
+    """Points of a scan, metres; None: the scan has no such attribute.
 
     Attributes:
         points: (N, 3) double precision, because scans may lie a million metres from the origin.
-        normals: (N, 3) unit vectors, to the side that was seen where that is known.
+        normals: (N, 3) unit vectors, towards the sensor where that is known.
         colors: (N, 3) uint8, sRGB.
         label: (N,) NYU40 classes; 0 where there is none.
-        instance: (N,) numbers of objects; 0 where there is none.
+        instance: (N,) instance numbers; 0 where there is none.
         confidence: (N,) from 0 to 1.
-        sensor_origins: (V, 3) where the scanner stood, not of each point.
+        sensor_origins: (V, 3) positions of the sensor, V being unrelated to N.
     """
 
     points: Array
@@ -36,7 +36,7 @@ class Cloud:
         return len(self.points)
 
     def take(self, rows: NDArray[Any]) -> "Cloud":
-        """Some of the points: numbers of rows, or a mask."""
+        """Some of the points, by row numbers or a mask."""
         return self._each(lambda values: values[rows])
 
     def moved(self, matrix: Array) -> "Cloud":

@@ -1,9 +1,8 @@
-"""Posed depth frames become one cloud, frame by frame, in a bounded amount of memory.
+"""Fuses posed depth frames into one cloud, frame by frame, in bounded memory.
 
 Each frame is averaged over voxels first and then counts as one observation of each, because the
-errors of its pixels belong together; observations are weighted by the inverse variance of their
-depth. The sums of the voxels are kept in `voxels.VoxelSums`, which makes voxels larger before it
-takes more memory than it may.
+errors of its pixels are correlated; observations are weighted by the inverse variance of their
+depth. The sums are kept in `voxels.VoxelSums`, which doubles the voxel size where memory runs out.
 """
 
 from collections.abc import Iterable, Iterator
@@ -21,13 +20,13 @@ from openrooms_usd.scan.points.voxels import Samples, VoxelSums
 
 Array = NDArray[np.float64]
 
-# Confidence is one half where the standard error is this, metres.
+# The standard error of a voxel's mean at which its confidence is one half, metres.
 _HALF_CONFIDENCE_M: Final = 0.005
-# Surfaces that are seen flatter than this have no reliable depth: the tangent of 80 degrees.
+# At larger angles of incidence depth is not reliable: the tangent of 80 degrees.
 _GRAZING_TAN: Final = 5.67
-# A jump between neighbouring pixels is none while noise explains it, in standard deviations.
+# Neighbouring depths that differ by no more than this differ by noise, in standard deviations.
 _JUMP_SIGMAS: Final = 3.0
-# Pixels are left out where they lie closer than this part of a voxel at that distance, metres.
+# Pixels are skipped such that at the typical depth they lie this part of a voxel apart.
 _MIN_SPACING_VOXELS: Final = 0.66
 _TYPICAL_DEPTH_M: Final = 3.0
 _MAX_STRIDE: Final = 4
@@ -36,14 +35,14 @@ _RIGID_TOLERANCE: Final = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class DepthFrame:
-    """A depth picture and where its camera stood.
+    """A depth picture with intrinsics and extrinsics.
 
     Attributes:
-        depth: (H, W) metres along the optical axis; 0 or not finite where nothing returned.
+        depth: (H, W) metres along the optical axis; 0 or not finite where there is no return.
         K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
         world_from_camera: (4, 4) rigid, from the OpenCV frame (x right, y down, z forward).
         label: (H, W) NYU40 classes; 0 where there is none.
-        instance: (H, W) numbers of objects; 0 where there is none.
+        instance: (H, W) instance numbers; 0 where there is none.
         color: (H, W, 3) uint8.
     """
 
@@ -63,8 +62,8 @@ class FusionOptions:
         voxel: Edge length of the voxels, metres.
         near: Nearer returns are dropped, metres.
         far: Farther returns are dropped, metres.
-        frames: Voxels that fewer frames saw are dropped.
-        memory: What the voxels may take, bytes; frames and the final cloud come on top.
+        frames: Voxels with returns from fewer frames are dropped.
+        memory: Limit of the voxels alone, bytes; frames and the final cloud come on top.
     """
 
     voxel: float = 0.02
@@ -79,11 +78,11 @@ DEFAULTS: Final = FusionOptions()
 
 @dataclass(frozen=True, eq=False)
 class Fused:
-    """What came of the frames.
+    """The fused cloud and how it was made.
 
     Attributes:
-        cloud: One point a voxel, with normals, confidence and sensors.
-        voxel: Edge length of the voxels in the end, metres.
+        cloud: One point a voxel, with normals, confidence and sensor origins.
+        voxel: Final edge length of the voxels, metres.
         frames: Frames that were used.
         lost: Frames without a usable pose.
         notes: What was dropped or changed, one sentence each.
@@ -109,18 +108,18 @@ def depth_noise(depth: Array) -> Array:
 
 
 def fuse(frames: Iterable[DepthFrame], options: FusionOptions = DEFAULTS) -> Fused:
-    """Fuse posed depth frames; one frame is held at a time.
+    """Fuse posed depth frames; one frame is in memory at a time.
 
     Args:
-        frames: In the order that they were taken; frames whose pose is not finite are passed over.
-        options: See there.
+        frames: In the order of capture; frames whose pose is not finite are skipped.
+        options: Voxel size, depth range and limits.
 
     Returns:
         The cloud in the frame of the poses. Its confidence is W / (W + 1 / (5 mm)^2), where 1 / W
         is the squared standard error of the voxel's mean; each frame counts once.
 
     Raises:
-        InputError: A frame is no depth picture, or its camera is none.
+        InputError: A frame has wrong shapes, intrinsics that are not positive, or no rigid pose.
     """
     sums = VoxelSums(options.voxel, options.memory)
     sensor_origins, lost = list[Array](), 0
@@ -172,11 +171,11 @@ def _check(frame: DepthFrame, number: int) -> None:
 
 
 def _samples(frame: DepthFrame, options: FusionOptions) -> Samples:
-    """The pixels of a frame that can be trusted, as weighted points of the world."""
+    """The reliable pixels of a frame, back-projected to weighted world points."""
     depth = np.where(np.isfinite(frame.depth), frame.depth, 0.0).astype(np.float64)
     depth[(depth < options.near) | (depth > options.far)] = 0.0
     step = _stride(options.voxel, float(frame.K[0, 0]))
-    good = _steady(depth, float(frame.K[0, 0]))[::step, ::step]
+    good = _without_discontinuities(depth, float(frame.K[0, 0]))[::step, ::step]
     v, u = np.nonzero(good)
     u, v = u * step, v * step
     z = depth[v, u]
@@ -199,15 +198,15 @@ def _samples(frame: DepthFrame, options: FusionOptions) -> Samples:
 
 
 def _stride(voxel: float, focal: float) -> int:
-    """Every how many pixels one suffices for a voxel that is some metres away."""
+    """The pixel stride at which samples still fill the voxels at the typical depth."""
     return int(np.clip(_MIN_SPACING_VOXELS * voxel * focal / _TYPICAL_DEPTH_M, 1, _MAX_STRIDE))
 
 
-def _steady(depth: Array, focal: float) -> NDArray[np.bool_]:
-    """(H, W) pixels with a depth that jumps to none of their neighbours.
+def _without_discontinuities(depth: Array, focal: float) -> NDArray[np.bool_]:
+    """(H, W) pixels without a depth discontinuity to any neighbour.
 
-    At a jump sensors mix both sides ("flying pixels"); surfaces that are seen flatter than 80
-    degrees jump as well.
+    At discontinuities sensors mix both sides ("flying pixels"); angles of incidence above 80
+    degrees count as discontinuities, too.
     """
     good = depth > 0.0
     allowed = _GRAZING_TAN * depth / focal + _JUMP_SIGMAS * np.sqrt(2.0) * depth_noise(depth)

@@ -1,7 +1,7 @@
-"""Planes in noisy points: found by MSAC, refined by reweighted total least squares.
+"""Plane fits to noisy points: MSAC, refined by iteratively reweighted total least squares.
 
-MSAC (Torr and Zisserman, "MLESAC", 2000) scores a plane by the sum of truncated squared distances,
-so that points near it count more than points at the edge of what is accepted.
+MSAC (Torr and Zisserman, "MLESAC", 2000) scores a plane by the sum of truncated squared distances:
+unlike RANSAC's count of inliers, it prefers inliers that are near.
 """
 
 from dataclasses import dataclass
@@ -26,9 +26,9 @@ class Plane:
 
     Attributes:
         normal: (3,) unit.
-        point: (3,) the weighted middle of its points.
-        residual: Root of the mean squared distance of its inliers, metres.
-        inliers: (N,) which of the given points lie on it.
+        point: (3,) the weighted mean of its points.
+        residual: Root mean squared distance of its inliers, metres.
+        inliers: (N,) mask of the given points.
     """
 
     normal: Array
@@ -42,12 +42,12 @@ class Plane:
 
 
 def fit_plane(points: Array, up: Array, tolerance: float, max_tilt: float) -> Plane | None:
-    """The plane with the most support whose normal is near a direction.
+    """The plane of the best MSAC score whose normal is near a direction.
 
     Args:
         points: (N, 3) metres.
         up: (3,) unit; the result points to its side.
-        tolerance: Distance at which a point stops counting, metres.
+        tolerance: Distance at which a point becomes an outlier, metres.
         max_tilt: Largest angle between the normal and ``up``, degrees.
 
     Returns:
@@ -74,7 +74,7 @@ def fit_plane(points: Array, up: Array, tolerance: float, max_tilt: float) -> Pl
 
 
 def total_least_squares(points: Array, weight: Array, up: Array) -> tuple[Array, Array]:
-    """Normal (3,) to the side of ``up`` and middle (3,) of the plane of weighted points."""
+    """Normal (3,) on the side of ``up`` and centroid (3,) of the plane of weighted points."""
     middle = np.average(points, axis=0, weights=weight)
     away = points - middle
     normal = np.linalg.eigh((away * weight[:, None]).T @ away)[1][:, 0]
@@ -89,7 +89,7 @@ def _msac(points: Array, up: Array, tolerance: float, least: float) -> tuple[Arr
     a, b, c = some[rng.integers(len(some), size=(3, _MSAC_TRIES))]
     normals = np.cross(b - a, c - a)
     length = np.linalg.norm(normals, axis=1)
-    # A triangle of small area says nothing about a direction.
+    # The normal of a triangle of nearly no area is arbitrary.
     upright = np.abs(normals @ up) >= least * np.maximum(length, 1e-3)
     if not upright.any():
         return None

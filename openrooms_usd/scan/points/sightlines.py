@@ -1,4 +1,4 @@
-"""Which places the sensors of a scan look at without anything in between."""
+"""Lines of sight from the sensors of a scan to places, tested against an occupancy grid."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -11,27 +11,27 @@ from openrooms_usd.scan.points.visibility import likely_sensor_origins
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-# Voxels that hold points block sight; metres.
+# Edge of the voxels, metres; occupied ones occlude.
 VOXEL: Final = 0.05
 _MOST_SENSORS: Final = 24
-# Sensors see surfaces up to this far, metres, and at this cosine of incidence or more.
+# Greatest range of the sensors, metres, and least cosine of incidence.
 _MAX_SIGHT_M: Final = 5.5
 _MIN_INCIDENCE_COS: Final = 0.3
-# A line of sight begins this far before the surface, so that its own returns do not block it.
+# A line of sight ends this far before the surface, whose own returns would occlude it.
 _CLEAR_BEFORE_SURFACE_M: Final = 0.12
-# Voxels with this part of the points of usual ones, or less, hold strays.
+# Voxels with at most this part of the usual number of points hold outliers.
 _STRAY_SHARE: Final = 0.15
 _MAX_POINTS: Final = 100_000
 
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """What blocks the view in a scan.
+    """Sensors of a scan and the occupancy grid that occludes their views.
 
     Attributes:
-        sensor_origins: (V, 3) places far from each other where the scanner stood, or may have.
-        low: (3,) the corner of the voxels.
-        full: Which voxels block, one layer of free ones around them.
+        sensor_origins: (V, 3) positions of the sensor, known or likely, far from each other.
+        low: (3,) least corner of the grid, metres.
+        full: Occupancy of the voxels, with a layer of free ones around.
     """
 
     sensor_origins: Array
@@ -39,11 +39,11 @@ class Sight:
     full: Mask
 
     def sensors_looking_at(self, places: Array, outward: Array) -> NDArray[np.int64]:
-        """(N,) how many sensors look at places of a surface with nothing in between.
+        """(N,) the number of sensors with an unoccluded line of sight to places on a surface.
 
         Args:
             places: (N, 3) metres.
-            outward: (3,) unit vector from the side of the sensors through the surface.
+            outward: (3,) unit normal of the surface, away from the sensors' side.
         """
         seen = np.zeros(len(places), dtype=np.int64)
         for origin in self.sensor_origins:
@@ -76,11 +76,11 @@ class Sight:
 
 
 def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
-    """What blocks the view in a scan.
+    """The occupancy grid of a scan and its sensors.
 
     Args:
         points: (N, 3) in the level frame, metres.
-        sensor_origins: (V, 3) where the scanner stood; None: wherever somebody could have stood.
+        sensor_origins: (V, 3); None: likely ones, over bare floor.
     """
     some = points[:: max(1, len(points) // _MAX_POINTS)]
     low, high = np.quantile(some, (0.001, 0.999), axis=0)
@@ -89,7 +89,7 @@ def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
     cells = np.clip((points - low) / VOXEL, 0, np.array(shape) - 1).astype(np.int64)
     flat = (cells[:, 0] * shape[1] + cells[:, 1]) * shape[2] + cells[:, 2]
     counts = np.bincount(flat, minlength=shape[0] * shape[1] * shape[2]).reshape(shape)
-    # What lies far outside was put into the outermost voxels.
+    # Points far outside were clamped to the outermost voxels.
     for axis in range(3):
         np.moveaxis(counts, axis, 0)[[0, -1]] = 0
     usual = float(np.median(counts[counts > 0]))

@@ -1,8 +1,8 @@
-"""Small flat pieces of a scan: one a voxel, each with a normal and how flat it is.
+"""Surfels of a scan: one a voxel, each with a normal and the residual of its plane fit.
 
-Everything that looks for planes counts these pieces and not points, so that a wall that was seen a
-hundred times weighs as much as one that was seen once. Normals are the least axis of the points in
-the 27 voxels around a piece (principal components); where a scan is sparse, larger voxels serve.
+Whatever looks for planes counts surfels and not points, so that a wall that was scanned a hundred
+times weighs as much as one that was scanned once. Normals are the least principal axis of the
+points in the 27 voxels around; where a scan is sparse, larger voxels serve.
 """
 
 from dataclasses import dataclass, replace
@@ -19,32 +19,32 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 VOXEL: Final = 0.05
-# Points are first thinned to this part of a voxel, so that each piece is known from up to 16.
+# Points are first downsampled to this part of a voxel.
 _THINNING_VOXELS: Final = 0.5
-# A plane needs some points; where there are fewer, the next larger voxels are asked.
+# Least points of a plane fit; where there are fewer, the next larger voxels are tried.
 _MIN_POINTS: Final = 6
 _COARSER_VOXELS: Final = (2.0, 4.0)
 _WIDEST_VOXELS: Final = 4
-# In those, stray points are many, but do not lie in a plane: this far from it at most, metres.
+# Largest residual in those, which would else pass outliers for surfels, metres.
 _MAX_OFF_PLANE_M: Final = 0.03
-# Neighbourhoods with less than this part of the usual number of points are stray points.
+# Neighbourhoods with less than this part of the usual number of points are outliers.
 _STRAY_SHARE: Final = 0.2
-# Within cubes of this size pieces are compared, metres.
+# Edge of the cubes within which numbers of points are compared, metres.
 _COMPARED_CUBE_M: Final = 0.4
-# Farther than this from the middle lies no room, metres.
+# Points farther than this from the middle are of no room, metres.
 _MAX_DISTANCE_M: Final = 60.0
 
 
 @dataclass(frozen=True, eq=False)
 class Surfels:
-    """M flat pieces.
+    """M surfels.
 
     Attributes:
-        points: (M, 3) their middles, metres.
-        normals: (M, 3) unit vectors; the sign says nothing.
-        rough: (M,) root of the mean squared distance of the points around to the plane, metres.
-        share: (M,) how many points a piece has, weighted by their confidence, relative to the
-            pieces around it: a noisy wall is several pieces thick, and most points are near it.
+        points: (M, 3) their centres, metres.
+        normals: (M, 3) unit vectors; the sign is arbitrary.
+        rough: (M,) root mean squared residual of the plane fit, metres.
+        share: (M,) number of points, weighted by confidence, relative to the surfels around: low
+            at the edges of a noisy wall, which is several voxels thick.
         label: (M,) NYU40 classes; None where the scan has none.
     """
 
@@ -58,29 +58,29 @@ class Surfels:
         return len(self.points)
 
     def take(self, rows: NDArray[Any]) -> "Surfels":
-        """Some of the pieces: numbers of rows, or a mask."""
+        """Some of the surfels, by row numbers or a mask."""
         label = None if self.label is None else self.label[rows]
         return Surfels(
             self.points[rows], self.normals[rows], self.rough[rows], self.share[rows], label
         )
 
     def moved(self, matrix: Array) -> "Surfels":
-        """The pieces after a rigid motion (4, 4)."""
+        """The surfels after a rigid motion (4, 4)."""
         turn = matrix[:3, :3]
         points = self.points @ turn.T + matrix[:3, 3]
         return Surfels(points, self.normals @ turn.T, self.rough, self.share, self.label)
 
 
 def surfels(cloud: Cloud, voxel: float = VOXEL) -> Surfels:
-    """The flat pieces of a scan.
+    """The surfels of a scan.
 
     Args:
         cloud: Finite points near the origin, metres.
-        voxel: The size of a piece, metres.
+        voxel: Edge length, metres.
 
     Returns:
-        One piece for each occupied voxel that has enough neighbours, in the order of the voxels.
-        What the scan gives as normals is not used: it may be missing, or noisy.
+        One surfel for each occupied voxel with enough points around, in the order of the voxels.
+        The scan's own normals are not used: they may be missing, or noisy.
     """
     near = np.abs(cloud.points - np.median(cloud.points, axis=0)).max(axis=1) < _MAX_DISTANCE_M
     bare = Cloud(cloud.points, label=cloud.label, confidence=cloud.confidence).take(near)
@@ -103,7 +103,7 @@ def surfels(cloud: Cloud, voxel: float = VOXEL) -> Surfels:
 
 
 def _filled(pieces: Surfels, spread: Rows, voxel: float) -> Surfels:
-    """Where pieces lie several voxels apart, as many on their planes as lie between them."""
+    """Coarse surfels resampled on their planes at the fine spacing."""
     wide = np.clip(spread, 1, _WIDEST_VOXELS)
     parts = [pieces.take(wide == 1)]
     for size in range(2, _WIDEST_VOXELS + 1):
@@ -125,7 +125,7 @@ def _joined(parts: list[Surfels]) -> Surfels:
 
 
 def _shares(cloud: Cloud, places: Array, voxel: float) -> Array:
-    """(M,) confident points in the voxel of each place, relative to its block's mean, at most 2."""
+    """(M,) confidence-weighted points a voxel, relative to the mean of its cube, at most 2."""
     origin = cloud.points.min(axis=0)
     mass = _counts(cloud.points - origin, places - origin, voxel, cloud.confidence)
     blocks = _counts(places - origin, places - origin, _COMPARED_CUBE_M, mass)
@@ -134,7 +134,7 @@ def _shares(cloud: Cloud, places: Array, voxel: float) -> Array:
 
 
 def _counts(points: Array, places: Array, size: float, weight: NDArray[Any] | None) -> Array:
-    """(M,) the number, or weight, of the points in the cube of each place."""
+    """(M,) the number, or total weight, of the points in the cube of each place."""
     spans = np.floor(points.max(axis=0) / size).astype(np.int64) + 1
     strides = np.array([spans[1] * spans[2], spans[2], 1])
     cubes, cube = np.unique(np.floor(points / size).astype(np.int64) @ strides, return_inverse=True)
@@ -144,7 +144,7 @@ def _counts(points: Array, places: Array, size: float, weight: NDArray[Any] | No
 
 
 def _planes(points: Array, places: Array, voxel: float) -> tuple[Array, Array, Array]:
-    """Normals (M, 3), roughness (M,) and numbers of points (M,) in the 27 voxels around places."""
+    """Normals (M, 3), residuals (M,) and point counts (M,) of plane fits to 27 voxels each."""
     origin = points.min(axis=0)
     points, places = points - origin, places - origin
     low = -2.0 * voxel
@@ -161,7 +161,7 @@ def _planes(points: Array, places: Array, voxel: float) -> tuple[Array, Array, A
     for offset in offsets:
         at = np.minimum(np.searchsorted(cells, asked + offset), len(cells) - 1)
         total += np.where((cells[at] == asked + offset)[:, None], moments[at], 0.0)
-    normals, rough = _least_axes(total)
+    normals, rough = _least_principal_axes(total)
     return normals[place], rough[place], total[place, 0]
 
 
@@ -170,8 +170,8 @@ def _columns(points: Array) -> list[Array]:
     return [np.ones(len(points)), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z]
 
 
-def _least_axes(moments: Array) -> tuple[Array, Array]:
-    """Normals and root mean squared distances of the planes of moments (M, 10)."""
+def _least_principal_axes(moments: Array) -> tuple[Array, Array]:
+    """Normals and root mean squared residuals of plane fits, from moments (M, 10)."""
     count = np.maximum(moments[:, :1], 1.0)
     mean = moments[:, 1:4] / count
     second = (moments[:, 4:] / count)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)

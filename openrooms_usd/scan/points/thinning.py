@@ -1,7 +1,6 @@
-"""Fewer points that say the same: broken ones and duplicates dropped, the others one a voxel.
+"""Cleaning (invalid points, duplicates) and voxel-grid downsampling of clouds.
 
-Both steps sort once, so that their time is nearly linear in the points; their memory is a few
-columns of them.
+Both sort once: time is nearly linear in the points, memory a few columns of them.
 """
 
 from dataclasses import dataclass, replace
@@ -15,11 +14,11 @@ from openrooms_usd.scan.points.cloud import Cloud
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-# Coordinates beyond this are no place on Earth, in any map projection, metres.
+# Larger coordinates occur in no map projection of the Earth, metres.
 _MAX_COORDINATE_M: Final = 1e8
-# Up to this part of the points may lack a normal and be dropped; else all normals are.
+# Up to this part of the points is dropped for invalid normals; if more are, all normals go.
 _MAX_LACKING_SHARE: Final = 0.01
-# Mean normals shorter than this come from both sides of a sheet.
+# Shorter mean normals average opposite sides of a sheet.
 _MIN_MEAN_NORMAL: Final = 1e-3
 _MIN_NORMAL: Final = 1e-6
 
@@ -29,10 +28,10 @@ class Cleaned:
     """What was dropped.
 
     Attributes:
-        broken: Points with a coordinate that is no number, or no place on Earth.
-        duplicates: Points at exactly the place of an earlier one.
-        normals: Points whose normal was broken.
-        normals_dropped: Whether therefore all normals were dropped, and not these points.
+        broken: Points with a coordinate that is not finite or absurdly large.
+        duplicates: Points with exactly the coordinates of an earlier one.
+        normals: Points with an invalid normal.
+        normals_dropped: Whether all normals were dropped for it, instead of these points.
     """
 
     broken: int
@@ -41,7 +40,7 @@ class Cleaned:
     normals_dropped: bool = False
 
     def notes(self) -> tuple[str, ...]:
-        """A sentence for each thing that was dropped."""
+        """A sentence for each kind of dropped data."""
         normals = (
             "all normals were dropped" if self.normals_dropped else "their points were dropped"
         )
@@ -54,13 +53,13 @@ class Cleaned:
 
 
 def clean(cloud: Cloud) -> tuple[Cloud, Cleaned]:
-    """Drop points that are no numbers, and repetitions of exactly the same place.
+    """Drop points with invalid coordinates, and exact duplicates.
 
     Args:
         cloud: N points, in the order that the result keeps.
 
     Returns:
-        The cloud, its normals of unit length, and the counts of what was dropped. Of equal points
+        The cloud, its normals of unit length, and the counts of what was dropped. Of duplicates
         the first stays, with its label.
     """
     placed = np.asarray((np.abs(cloud.points) <= _MAX_COORDINATE_M).all(axis=1))
@@ -77,11 +76,10 @@ def clean(cloud: Cloud) -> tuple[Cloud, Cleaned]:
 
 
 def thin(cloud: Cloud, voxel: float) -> Cloud:
-    """One point for each occupied voxel: the mean of its points.
+    """Voxel-grid downsampling: one point for each occupied voxel, the mean of its points.
 
-    The voxels' corners are multiples of their size, so that a part of a scan thins as the whole
-    does. Normals and colours are means, labels and instances the most frequent (of equally frequent
-    ones the lowest), the confidence is the mean.
+    The grid is aligned with the origin, so that a crop of a scan thins as the whole does. Normals,
+    colours and confidences are means, labels and instances majorities (the lowest of ties).
 
     Args:
         cloud: N finite points.
@@ -98,7 +96,7 @@ def thin(cloud: Cloud, voxel: float) -> Cloud:
     counts = np.bincount(group).astype(np.float64)
 
     def mean(values: NDArray[Any]) -> Array:
-        # Differences to one of the points: nothing is lost far from the origin.
+        # Relative to one of the points: no digits are lost far from the origin.
         base = values[0].astype(np.float64)
         sums = [np.bincount(group, values[:, i] - base[i]) for i in range(values.shape[1])]
         means = base + np.column_stack(sums) / counts[:, None]
@@ -120,13 +118,13 @@ def thin(cloud: Cloud, voxel: float) -> Cloud:
 
 
 def _keys(cells: Array) -> Rows:
-    """(N,) numbers that order whole-numbered cells (N, 3) by x, then y, then z."""
+    """(N,) sort keys of integer cells (N, 3): by x, then y, then z."""
     cells = cells - cells.min(axis=0)
     spans = [int(span) + 1 for span in cells.max(axis=0)]
     if spans[0] * spans[1] * spans[2] < 2**63:
         x, y, z = (cells[:, axis].astype(np.int64) for axis in range(3))
         return np.asarray((x * spans[1] + y) * spans[2] + z)
-    # Far outliers: ranks of the cells that are in use, of which there are no more than points.
+    # Far outliers would overflow the key: ranks of the occupied cells instead.
     key = _ranks(cells[:, 0])
     for axis in (1, 2):
         rank = _ranks(cells[:, axis])
@@ -149,7 +147,7 @@ def groups(keys: Rows) -> tuple[Rows, Rows]:
 
 
 def majority(group: Rows, values: NDArray[np.int32]) -> NDArray[np.int32]:
-    """(G,) the most frequent value of each group 0..G-1; of equally frequent ones the lowest."""
+    """(G,) the most frequent value of each group 0..G-1; the lowest of ties."""
     low = int(values.min())
     span = int(values.max()) - low + 1
     pairs, votes = np.unique(group * span + (values - np.int64(low)), return_counts=True)
@@ -170,7 +168,7 @@ def _first_of_equal(points: Array) -> NDArray[np.bool_]:
     first = np.ones(len(points), bool)
     if len(points) < 2:
         return first
-    mixed = _mixed(points)
+    mixed = _hashed(points)
     order = np.argsort(mixed, kind="stable")
     earlier, later = order[:-1], order[1:]
     near = mixed[earlier] == mixed[later]
@@ -179,8 +177,8 @@ def _first_of_equal(points: Array) -> NDArray[np.bool_]:
     return first
 
 
-def _mixed(points: Array) -> NDArray[np.uint64]:
-    """(N,) a number that equal points share, and others hardly ever (Fibonacci hashing)."""
+def _hashed(points: Array) -> NDArray[np.uint64]:
+    """(N,) a hash of each point's coordinates (Fibonacci hashing)."""
     mixed = np.zeros(len(points), np.uint64)
     for axis in range(3):
         bits = (points[:, axis] + 0.0).view(np.uint64)  # -0.0 becomes 0.0
@@ -191,7 +189,7 @@ def _mixed(points: Array) -> NDArray[np.uint64]:
 
 
 def _unit_normals(cloud: Cloud) -> tuple[Cloud, int, bool]:
-    """Normals of length one; broken ones go with their points if they are few, else all go."""
+    """Normals scaled to unit length; few invalid ones drop their points, many drop all normals."""
     if cloud.normals is None:
         return cloud, 0, False
     length = np.linalg.norm(cloud.normals, axis=1)

@@ -1,4 +1,4 @@
-"""What the scanner saw: how far it could look in every direction from where it stood."""
+"""Visibility of surfaces from the sensors, by range panoramas of the scan."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -8,16 +8,17 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Cells of a panorama: about the angle of two centimetres in two metres.
+# Size of a panorama: a cell subtends two to three centimetres at two metres.
 _PANORAMA_COLUMNS: Final = 512
 _PANORAMA_ROWS: Final = 256
 _MOST_SENSORS: Final = 20
-# A surface is seen if nothing lies nearer to the sensor than this much before it, metres and share.
+# A surface is occluded by points nearer than it by more than this, metres plus share of its range.
 _SEEN_MARGIN_M: Final = 0.03
 _SEEN_MARGIN_SHARE: Final = 0.01
-# Cosine between line of sight and normal below which scanners see nothing.
+# Least cosine of incidence.
 _GRAZING_COS: Final = 0.15
-# Where people hold a scanner, metres above the floor, and how far from anything, metres.
+# Height above the floor at which people hold a scanner, their clearance, and the heights between
+# which their bodies are.
 _SENSOR_HEIGHT_M: Final = 1.5
 _SENSOR_CLEARANCE_M: Final = 0.6
 _BODY_HEIGHTS_M: Final = (0.3, 1.9)
@@ -25,7 +26,7 @@ _BODY_HEIGHTS_M: Final = (0.3, 1.9)
 
 @dataclass(frozen=True, eq=False)
 class Panoramas:
-    """The nearest point of a scan in every direction from some sensors.
+    """Range images of a scan from some of its sensors, in all directions.
 
     Attributes:
         sensor_origins: (V, 3) metres.
@@ -38,15 +39,15 @@ class Panoramas:
     def visible(
         self, points: Array, normals: Array, two_sided: NDArray[np.bool_]
     ) -> NDArray[np.bool_]:
-        """(N,) whether a scanner would have seen a surface there.
+        """(N,) whether some sensor has an unoccluded view of surface points.
 
-        It would if from one sensor the scan has a point behind it or about as far, and none well
-        before it; where the scan has nothing at all in that direction, nothing is known.
+        That is, the range in their direction is finite and not well below their distance; a
+        direction without any return proves nothing.
 
         Args:
             points: (N, 3) metres.
             normals: (N, 3) unit, outward.
-            two_sided: (N,) whether the other side may be seen too.
+            two_sided: (N,) whether the back may be seen too.
         """
         seen = np.zeros(len(points), dtype=np.bool_)
         for origin, nearest in zip(self.sensor_origins, self.range, strict=True):
@@ -61,11 +62,11 @@ class Panoramas:
 
 
 def look_around(points: Array, sensor_origins: Array) -> Panoramas:
-    """What a scan shows from some of the places where the scanner stood.
+    """The range panoramas of a scan.
 
     Args:
         points: (N, 3) metres.
-        sensor_origins: (V, 3) metres; of many, those far from each other are taken.
+        sensor_origins: (V, 3) metres; of many, a farthest-point sample is used.
     """
     chosen = sensor_origins[_far_apart(sensor_origins, _MOST_SENSORS)]
     nearest = np.full((len(chosen), _PANORAMA_ROWS * _PANORAMA_COLUMNS), np.inf, dtype=np.float32)
@@ -76,7 +77,7 @@ def look_around(points: Array, sensor_origins: Array) -> Panoramas:
 
 
 def likely_sensor_origins(points: Array) -> Array:
-    """(V, 3) where somebody could have stood: over bare floor, clear of everything.
+    """(V, 3) likely sensor positions: over bare floor, clear of everything.
 
     Args:
         points: (N, 3) metres, floor at z = 0.
@@ -96,7 +97,7 @@ def likely_sensor_origins(points: Array) -> Array:
 
 
 def _cells(sight: NDArray[np.floating]) -> NDArray[np.intp]:
-    """The cell of a panorama in which directions of any length lie."""
+    """(N,) the panorama's cell of each direction (N, 3) of any length."""
     x, y, z = sight.astype(np.float32).T
     column = (
         np.arctan2(y, x) * np.float32(_PANORAMA_COLUMNS / (2.0 * np.pi)) + _PANORAMA_COLUMNS / 2

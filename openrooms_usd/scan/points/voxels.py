@@ -1,4 +1,4 @@
-"""Sums over the voxels that a growing set of points occupies, in a bounded amount of memory."""
+"""A sparse voxel grid that accumulates weighted observations in bounded memory."""
 
 from dataclasses import dataclass, fields
 from typing import Any, Final
@@ -13,14 +13,14 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Columns = dict[str, NDArray[Any]]
 
-# Three cell numbers of 21 bits make a key; the origin's cell is in the middle.
+# A key packs three cell indices of 21 bits; the origin is in the middle of their range.
 _CELL_BITS: Final = 21
 _ORIGIN_CELL: Final = 1 << (_CELL_BITS - 1)
 _MASK: Final = (1 << _CELL_BITS) - 1
-# What one voxel takes: a row of `Table`; and how often, while rows are merged.
+# Memory of a voxel: a row of `Table`, in so many copies while rows are merged.
 _ROW_BYTES: Final = 88
 _MERGE_COPIES: Final = 4
-# However large voxels become, they never join across the origin.
+# The grid has a corner at the origin: however large voxels are, at least eight remain.
 _OCTANTS: Final = 8
 
 
@@ -33,7 +33,7 @@ class Samples:
         weights: (N,) inverse variances, per square metre.
         views: (N, 3) unit directions from the point to the sensor.
         label: (N,) classes; 0 where there is none.
-        instance: (N,) numbers of objects; 0 where there is none.
+        instance: (N,) instance numbers; 0 where there is none.
         colors: (N, 3) from 0 to 255.
     """
 
@@ -47,21 +47,21 @@ class Samples:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A row a voxel, in the order of the keys; sums are weighted.
+    """A row a voxel, ascending by key; sums are weighted.
 
     Attributes:
-        key: (M,) the packed numbers of its cell.
-        origin: (3,) what the positions are relative to, metres.
+        key: (M,) its packed cell indices.
+        origin: (3,) of the positions, metres.
         weight: (M,) the sum of the observations' weights.
         place: (M, 3) the sum of positions.
         views: (M, 3) the sum of directions to the sensors.
         color: (M, 3) the sum of colours.
         color_weight: (M,) the weight of those observations that had colours.
         label: (M,) the class with the most votes.
-        label_votes: (M,) by how many votes it leads.
-        instance: (M,) the object with the most votes.
-        instance_votes: (M,) by how many votes it leads.
-        seen: (M,) how many observations there were.
+        label_votes: (M,) its lead over the second, in votes.
+        instance: (M,) the instance with the most votes.
+        instance_votes: (M,) its lead over the second, in votes.
+        seen: (M,) the number of observations.
     """
 
     key: Rows
@@ -93,11 +93,11 @@ _COLUMNS: Final = tuple(field.name for field in fields(Table) if field.name != "
 
 
 class VoxelSums:
-    """Adds observations up; voxels double in size where they would take too much memory.
+    """Accumulates observations; the voxel size doubles where memory would run out.
 
     Args:
-        voxel: Edge length, metres.
-        memory: What all rows may take while they are merged, bytes. One observation comes on top.
+        voxel: Initial edge length, metres.
+        memory: Limit of all rows while they are merged, bytes. One observation comes on top.
     """
 
     def __init__(self, voxel: float, memory: int) -> None:
@@ -108,7 +108,7 @@ class VoxelSums:
         self._rows: list[Columns] = [_no_rows()]
 
     def add(self, samples: Samples) -> None:
-        """Take in one observation: it counts once for each voxel, however many points it has.
+        """Add one observation, which counts once a voxel, however many points it has there.
 
         Raises:
             InputError: It lies a million voxels away from the first one.
@@ -151,7 +151,7 @@ def _no_rows() -> Columns:
 
 
 def _observed(samples: Samples, origin: Array, voxel: float) -> Columns:
-    """The rows of one observation: means over each voxel's points, with the points' mean weight."""
+    """The rows of one observation: mean of each voxel's points, times their mean weight."""
     local = samples.points - origin
     group, first = groups(keys := _keys(local, voxel))
     count: Array = np.bincount(group).astype(np.float64)
@@ -199,7 +199,7 @@ def _coarser(key: Rows) -> Rows:
 
 
 def _by_key(rows: Columns) -> Columns:
-    """One row a key, in their order."""
+    """Rows of equal keys merged, ascending by key."""
     order = np.argsort(rows["key"], kind="stable")
     ordered = rows["key"][order]
     starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]])[: len(ordered)])
@@ -212,25 +212,25 @@ def _by_key(rows: Columns) -> Columns:
     owner[order] = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(order)))
     for name in _VOTES:
         votes = rows[f"{name}_votes"]
-        merged[name], merged[f"{name}_votes"] = _elected(owner, rows[name], votes, len(starts))
+        merged[name], merged[f"{name}_votes"] = _majorities(owner, rows[name], votes, len(starts))
     return merged
 
 
-def _elected(
-    owner: Rows, names: NDArray[np.int32], votes: NDArray[np.float32], count: int
+def _majorities(
+    owner: Rows, numbers: NDArray[np.int32], votes: NDArray[np.float32], count: int
 ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-    """The name that leads in each voxel, and by how much.
+    """The number that leads in each voxel, and by how many votes.
 
-    A name with more than half of all votes leads in the end, in whatever order they come (Misra and
-    Gries, "Finding repeated elements", 1982).
+    A number with more than half of all votes leads in the end, in whatever order they come (Misra
+    and Gries, "Finding repeated elements", 1982).
     """
     best, lead = np.zeros(count, np.int32), np.zeros(count, np.float32)
-    rows = np.flatnonzero(names)
+    rows = np.flatnonzero(numbers)
     if len(rows) == 0:
         return best, lead
-    low = int(names[rows].min())
-    span = int(names[rows].max()) - low + 1
-    pairs, place = np.unique(owner[rows] * span + (names[rows] - low), return_inverse=True)
+    low = int(numbers[rows].min())
+    span = int(numbers[rows].max()) - low + 1
+    pairs, place = np.unique(owner[rows] * span + (numbers[rows] - low), return_inverse=True)
     total = np.bincount(place.reshape(-1), votes[rows])
     voxel = pairs // span
     order = np.lexsort((pairs, -total, voxel))
