@@ -45,15 +45,15 @@ class FoundLayout:
     @property
     def notes(self) -> list[str]:
         """What people should know, one sentence each."""
-        told = list(self.level.notes)
+        notes = list(self.level.notes)
         for number, room in enumerate(self.rooms):
             if room.guessed:
                 walls = ", ".join(map(str, room.guessed))
-                told.append(f"room {number}: the scan does not show the walls {walls}: guessed")
+                notes.append(f"room {number}: the scan does not show the walls {walls}: guessed")
             if room.ceiling is None:
                 slopes = f", but {len(room.slopes)} slopes" if room.slopes else ""
-                told.append(f"room {number}: no level ceiling was seen{slopes}")
-        return told
+                notes.append(f"room {number}: no level ceiling was seen{slopes}")
+        return notes
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ import pytest
 
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import surfels
-from openrooms_usd.scan.rooms.directions import apart, wall_directions
+from openrooms_usd.scan.rooms.directions import angle_between, wall_directions
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.outline import outline_of
@@ -52,7 +52,7 @@ def test_a_column_that_stands_free_before_a_wall_is_no_block():
 @pytest.mark.parametrize("yaw", [8.0, 21.0, 37.0])
 def test_directions_of_noisy_walls_are_those_of_their_places(yaw):
     cloud = RoomScan(SQUARE, spacing=0.025, noise=0.02).cloud().moved(motion(0.0, yaw, (3, 1, 0)))
-    assert float(apart(wall_directions(surfels(cloud))[0], yaw)) < 0.15
+    assert float(angle_between(wall_directions(surfels(cloud))[0], yaw)) < 0.15
 
 
 def test_a_wall_of_which_strays_were_seen_keeps_its_direction():

@@ -9,7 +9,7 @@ from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.doorleaves import open_leaves
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.planmap import PIXEL, at_sensor_height, overlooked
+from openrooms_usd.scan.rooms.occupancy import PIXEL, at_sensor_height, free_space
 from openrooms_usd.scan.rooms.spaces import _markers, _rooms
 from tests.scan.scanned_rooms import DOOR, RoomScan, corner_error
 
@@ -103,7 +103,7 @@ def test_nobody_looks_through_what_stands_at_the_height_of_the_eyes():
     barrier[round(4.7 / PIXEL), 10:72] = True
     sensor_origins = (np.array([[0.6, 1.5]]) - low) / PIXEL
     behind = round(3.5 / PIXEL), round(2.0 / PIXEL)
-    assert overlooked(barrier, sensor_origins)[behind]
-    assert not overlooked(barrier | at_sensor_height(pieces, 1.5, low, shape), sensor_origins)[
+    assert free_space(barrier, sensor_origins)[behind]
+    assert not free_space(barrier | at_sensor_height(pieces, 1.5, low, shape), sensor_origins)[
         behind
     ]

@@ -77,20 +77,20 @@ def test_a_pier_is_added_around_wall_that_stands_inside():
     pieces = surfels(RoomScan(PIER).cloud())
     walls = upright(pieces)
     spaces = find_spaces(pieces, walls)
-    worth = np.zeros(spaces.seen.size)
-    cost = Cost(walls, spaces.centres(), worth, spaces.standing.ravel(), 0.1)
+    gain = np.zeros(spaces.seen.size)
+    cost = Cost(walls, spaces.centres(), gain, spaces.standing.ravel(), 0.1)
     found = with_piers(outline_of(SQUARE), spaces, walls.thickness, cost)
     assert corner_error(found.corners(), np.array(PIER, dtype=float)) < 0.06
-    dear = Cost(walls, spaces.centres(), worth, spaces.standing.ravel(), 5.0)
+    dear = Cost(walls, spaces.centres(), gain, spaces.standing.ravel(), 5.0)
     assert len(with_piers(outline_of(SQUARE), spaces, walls.thickness, dear)) == 4
 
 
 def test_an_outline_without_the_places_where_people_stood_is_dear():
     scan = RoomScan(SQUARE)
     walls = upright(surfels(scan.cloud()))
-    stood = np.array([[1.0, 1.0], [3.5, 1.0], [3.6, 2.0], [3.7, 1.5]])
+    sensors = np.array([[1.0, 1.0], [3.5, 1.0], [3.6, 2.0], [3.7, 1.5]])
     nothing = np.zeros(0)
-    costs = [Cost(walls, np.zeros((0, 2)), nothing, nothing, 0.1, (), s) for s in (None, stood)]
+    costs = [Cost(walls, np.zeros((0, 2)), nothing, nothing, 0.1, (), s) for s in (None, sensors)]
     half = outline_of(SQUARE * [0.5, 1.0])
     whole = outline_of(SQUARE)
     free, dear = ([cost(outline) for cost in costs] for outline in (whole, half))

@@ -8,7 +8,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.rooms.layout import LayoutOptions
-from openrooms_usd.scan.rooms.planmap import sighted
+from openrooms_usd.scan.rooms.occupancy import free_along_rays
 
 # The corner is the origin; the camera stands five metres before one wall and looks at it.
 SENSOR_ORIGIN = np.array([3.0, 5.0, 1.4])
@@ -57,7 +57,7 @@ def test_it_is_refused_where_a_whole_room_is_expected() -> None:
 
 def test_what_lies_before_the_camera_is_space() -> None:
     origin = np.array([[0.0, 0.0]])
-    seen = sighted(np.array([[2.0, 1.0]]), origin, np.array([-0.5, -0.5]), (60, 40))
+    seen = free_along_rays(np.array([[2.0, 1.0]]), origin, np.array([-0.5, -0.5]), (60, 40))
     x, y = np.meshgrid(*(0.05 * (np.arange(n) + 0.5) - 0.5 for n in seen.shape), indexing="ij")
     line = shapely.LineString([(0.0, 0.0), (2.0, 1.0)])
     away = shapely.distance(line, shapely.points(x[seen], y[seen]))

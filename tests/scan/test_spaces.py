@@ -8,7 +8,7 @@ from openrooms_usd.scan.rooms.borders import moved_behind
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.outline import outline_of
-from openrooms_usd.scan.rooms.spaces import _flooded, _rooms
+from openrooms_usd.scan.rooms.spaces import _rooms, _watershed
 from tests.scan.scanned_rooms import RoomScan, corner_error
 
 SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
@@ -53,7 +53,7 @@ def test_pixels_go_where_the_way_is_widest():
     width = np.minimum(0.2 + np.abs(x - 0.6), 0.5)[:, None] * np.ones(9)
     markers = np.zeros((41, 9), np.int32)
     markers[0, 4], markers[-1, 4] = 1, 2
-    flooded = _flooded(width, markers, 2)
+    flooded = _watershed(width, markers, 2)
     assert (flooded[x < 0.59] == 1).all()
     assert (flooded[x > 0.61] == 2).all()
 

@@ -111,10 +111,10 @@ def test_the_cut_is_the_cheapest_of_all_labellings(seed):
 
 
 def test_a_wall_that_nobody_saw_runs_as_the_others_do() -> None:
-    from openrooms_usd.scan.rooms.directions import dearness
+    from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 
     turns = np.deg2rad([0.0, 92.0, 185.0, 20.0, 45.0, 110.0])
     normals = np.column_stack([np.cos(turns), np.sin(turns)])
-    dear = dearness(normals, (0.0, 20.0))
+    dear = unseen_wall_cost(normals, (0.0, 20.0))
     assert dear.tolist() == [1.0, 1.0, 1.0, 1.0, 1.5, 1.0]
-    assert (dearness(normals, ()) == 1.0).all()
+    assert (unseen_wall_cost(normals, ()) == 1.0).all()

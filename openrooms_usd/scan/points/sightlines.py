@@ -93,10 +93,10 @@ def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
     for axis in range(3):
         np.moveaxis(counts, axis, 0)[[0, -1]] = 0
     usual = float(np.median(counts[counts > 0]))
-    stood = (
+    origins = (
         likely_sensor_origins(points)
         if sensor_origins is None or not len(sensor_origins)
         else sensor_origins
     )
-    chosen = np.unique(np.linspace(0, len(stood) - 1, _MOST_SENSORS).round().astype(np.int64))
-    return Sight(stood[chosen], low, counts > _STRAY_SHARE * usual)
+    chosen = np.unique(np.linspace(0, len(origins) - 1, _MOST_SENSORS).round().astype(np.int64))
+    return Sight(origins[chosen], low, counts > _STRAY_SHARE * usual)

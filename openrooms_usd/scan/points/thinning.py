@@ -44,12 +44,12 @@ class Cleaned:
         normals = (
             "all normals were dropped" if self.normals_dropped else "their points were dropped"
         )
-        told = (
+        counts = (
             (self.broken, "points without a finite place were dropped"),
             (self.duplicates, "duplicated points were dropped"),
             (self.normals, f"normals are broken: {normals}"),
         )
-        return tuple(f"{count} {what}" for count, what in told if count)
+        return tuple(f"{count} {what}" for count, what in counts if count)
 
 
 def clean(cloud: Cloud) -> tuple[Cloud, Cleaned]:

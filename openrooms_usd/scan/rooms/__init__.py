@@ -4,9 +4,10 @@ In the order of the work:
 
 - `ground`, `levelling`, `directions`: gravity, the floor, the directions of walls;
 - `ceilings`: their heights and slopes; `doorleaves`: open doors, which are no walls;
-- `walls`, `candidates`: evidence of walls and the lines that they lie on;
-- `planmap`, `spaces`: what lies in each pixel of the plan, cut into rooms at narrow places;
-- `cells`, `costs`, `outline`: a minimum cut of an arrangement of lines, made plain;
-- `borders`, `piers`, `refit`, `shown`: ends of partial scans, piers, fitted lines, what was seen;
-- `roomcut`: one room; `layout`: all of them.
+- `walls`, `candidates`: surfels of walls, and line hypotheses for them;
+- `occupancy`, `spaces`: occupancy and free space of the plan, a watershed into rooms;
+- `cells`, `costs`, `outline`: minimum cut of a line arrangement, simplification by cost;
+- `borders`, `piers`, `refit`: walls that a scan missed, piers, robust line fits;
+- `coverage`: how much of each wall was scanned, and its residuals;
+- `roomoutline`: one room; `layout`: all of them.
 """

@@ -1,4 +1,4 @@
-"""Where the scan of a room ends along a straight line, though no wall was seen there."""
+"""Wall hypotheses without surfels of a wall: where the scanned plan ends along a straight line."""
 
 from typing import Final
 
@@ -6,38 +6,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import Surfels
+from openrooms_usd.scan.rooms.occupancy import PIXEL
 from openrooms_usd.scan.rooms.outline import Outline
-from openrooms_usd.scan.rooms.planmap import PIXEL
 from openrooms_usd.scan.rooms.spaces import Spaces
 from openrooms_usd.scan.rooms.walls import COLUMN_M, Line
 
 Array = NDArray[np.float64]
 
-_MIN_EDGE_M: Final = 0.6  # metres of straight border
-_BLUR_PIXELS: Final = 1.5  # pixels
-_MIN_SLOPE: Final = 0.12  # slope of the blurred map, a pixel
-_FACING_COS: Final = 0.9  # cosine
-_WALL_COVER_SHARE: Final = 0.4  # of the cover
-_MIN_RUN_M: Final = 0.3  # metres
+_MIN_EDGE_M: Final = 0.6  # of straight border
+_BLUR_PIXELS: Final = 1.5
+_MIN_SLOPE: Final = 0.12  # of the blurred map, a pixel
+_FACING_COS: Final = 0.9
+_WALL_COVER_SHARE: Final = 0.4
+_MIN_RUN_M: Final = 0.3
 _MAX_ENDS: Final = 30
-# Of a wall that was missed: how far from its first place what was seen may end, metres;
+# A missed wall is looked for this far around its hypothesis, metres,
 _SEARCH_M: Final = 0.3
-# which part of its columns, of this width, metres, must show such an end; and which of the ends
-# is taken, because a scan that ends in a wavering line reached the wall at its farthest.
+# if the scan ends there in this part of its columns, of this width; it is put at this quantile
+# of the ends, because a scan with a ragged border reached the wall where it is widest.
 _ENDED_SHARE: Final = 0.4
 _STRIP_M: Final = 0.1
 _END_QUANTILE: Final = 0.8
-# The wall itself stands behind what was seen, never before it, metres.
+# The wall stands this far behind those surfels, metres.
 _BEHIND_SEEN_M: Final = 0.03
 
 
 def border_lines(spaces: Spaces, directions: tuple[float, ...]) -> list[tuple[Array, float]]:
-    """Normals (2,) and offsets where what was seen ends along a straight line.
+    """Normals (2,) and offsets of straight borders of the scanned plan.
 
     Where a scan misses a wall, the floor and ceiling before it still end there.
 
     Args:
-        spaces: The map.
+        spaces: The map of the plan.
         directions: Degrees modulo 90.
     """
     from scipy import ndimage
@@ -56,10 +56,10 @@ def border_lines(spaces: Spaces, directions: tuple[float, ...]) -> list[tuple[Ar
 
 
 def end_lines(lines: list[Line], directions: tuple[float, ...]) -> list[tuple[Array, float]]:
-    """Normals (2,) and offsets across the places where walls end: another may begin there.
+    """Normals (2,) and offsets of lines across the ends of walls: another may begin there.
 
     Args:
-        lines: On which walls were seen.
+        lines: Wall lines.
         directions: Degrees modulo 90.
     """
     if not directions:
@@ -76,12 +76,12 @@ def end_lines(lines: list[Line], directions: tuple[float, ...]) -> list[tuple[Ar
 
 
 def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -> Outline:
-    """Walls that were missed moved behind the floor, ceiling and furniture before them.
+    """Move walls without surfels behind the floor, ceiling and furniture before them.
 
     Args:
         outline: The room.
-        unseen: (N,) which of its walls were missed.
-        pieces: All of the level scan.
+        unseen: (N,) which of its walls have no surfels.
+        pieces: All surfels of the level scan.
 
     Returns:
         The outline; the one that was given where the moved walls bound no simple polygon.
@@ -101,10 +101,10 @@ def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -
 
 
 def _end(place: Array, away: Array, columns: int) -> float:
-    """How far the wall behind what ends in so many columns stands; 0 where too little ends."""
+    """The offset of a wall behind surfels; 0 where they end in too few of the columns."""
     farthest = np.full(columns + 1, -np.inf)
     np.maximum.at(farthest, np.minimum((place / _STRIP_M).astype(int), columns), away)
-    # Where the view goes on, as through a door, nothing ends.
+    # Columns that go on beyond, as through a door, have no end here.
     ending = farthest[np.abs(farthest) < _SEARCH_M]
     if len(ending) < max(_ENDED_SHARE * columns, 3):
         return 0.0

@@ -1,7 +1,7 @@
-"""The straight lines in the plan on which walls were seen.
+"""Line hypotheses for walls in the plan.
 
-Along the prevailing directions they are maxima of the density of upright pieces across them; what
-is left is explained by lines at any angle, by MSAC.
+Along the prevailing directions they are maxima of a kernel density of vertical surfels over the
+offset; to the rest, lines of any angle are fitted one after the other by MSAC.
 """
 
 from typing import Final
@@ -24,11 +24,11 @@ Rows = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 _OFFSET_BIN_M: Final = 0.01
-_MIN_RUN_M: Final = 0.12  # of evidence on a line, metres
+_MIN_RUN_M: Final = 0.12  # least length of surfels on a line, metres
 _MAX_LINES: Final = 70
-# Within so many times their reach of a line that was found, others are its noise.
+# Surfels within so many times their reach of a line are explained by it.
 _EXPLAINED_REACHES: Final = 2.5
-# Lines that differ by less than 8 degrees may be the same, as a cosine.
+# Lines that differ by less than 8 degrees may be duplicates.
 _SAME_LINE_COS: Final = 0.99
 _ODD_TRIES: Final = 200
 _ODD_SAMPLE: Final = 2000
@@ -37,14 +37,14 @@ _ODD_REACH: Final = 2.0
 
 
 def wall_lines(walls: Walls, directions: tuple[float, ...]) -> list[Line]:
-    """Lines on which walls were seen: along the prevailing directions, and the odd ones.
+    """Wall lines: along the prevailing directions, and oblique ones.
 
     Args:
-        walls: The evidence.
+        walls: The surfels of walls.
         directions: Degrees modulo 90.
 
     Returns:
-        At most 70 lines, those with the most evidence first.
+        At most 70 lines, those with the most cover first.
     """
     free = np.ones(len(walls.points), bool)
     found: list[tuple[float, float]] = []
@@ -66,7 +66,7 @@ def _unit(degrees: float) -> Array:
 
 
 def _offsets(walls: Walls, angle: float) -> list[float]:
-    """Where many pieces that face a direction lie: maxima of their smoothed density."""
+    """Offsets of lines with a normal direction: maxima of the surfels' kernel density."""
     normal = _unit(angle)
     facing = np.abs(walls.normals @ normal) > FACES_ACROSS_COS
     if not facing.any():
@@ -91,7 +91,7 @@ def _offsets(walls: Walls, angle: float) -> list[float]:
 
 
 def _odd_lines(walls: Walls, free: Mask) -> list[tuple[float, float]]:
-    """Lines through what no other line explains, by MSAC, one after the other."""
+    """Lines of any angle through surfels without a line, by sequential MSAC."""
     rng = np.random.default_rng(0)
     found: list[tuple[float, float]] = []
     least = 2.0 * _MIN_RUN_M / COLUMN_M * walls.courses
@@ -101,7 +101,7 @@ def _odd_lines(walls: Walls, free: Mask) -> list[tuple[float, float]]:
             break
         some = rows[rng.permutation(len(rows))[:_ODD_SAMPLE]]
         seed = _best_seed(walls, some, rng.integers(len(some), size=_ODD_TRIES))
-        normal, offset = _grown(walls, rows, seed)
+        normal, offset = _refitted(walls, rows, seed)
         taken = rows[on_line(walls, normal, offset, rows=rows)]
         free[taken] = False
         free[seed] = False
@@ -112,7 +112,7 @@ def _odd_lines(walls: Walls, free: Mask) -> list[tuple[float, float]]:
 
 
 def _repeats(walls: Walls, odd: Line, straight: list[Line]) -> bool:
-    """Whether an odd line is the noise of one along a prevailing direction, slightly turned."""
+    """Whether an oblique line duplicates one along a prevailing direction, slightly turned."""
     total = np.concatenate([[0.0], np.cumsum(odd.cover)]) / max(float(odd.cover.sum()), 1e-9)
     a, b = odd.start + COLUMN_M * np.interp([0.1, 0.9], total, np.arange(len(total)))
     middle = odd.offset * odd.normal + (a + b) / 2.0 * odd.along
@@ -127,7 +127,7 @@ def _repeats(walls: Walls, odd: Line, straight: list[Line]) -> bool:
 
 
 def _best_seed(walls: Walls, some: Rows, tries: Rows) -> int:
-    """The piece whose own line has the most other pieces on it, within two metres."""
+    """The surfel whose own line has the best MSAC score within two metres."""
     points, normals = walls.points[some], walls.normals[some]
     seeds, axes = points[tries], normals[tries]
     across = points @ axes.T - (seeds * axes).sum(axis=1)
@@ -141,8 +141,8 @@ def _quarter(axes: Array) -> Array:
     return np.column_stack([-axes[:, 1], axes[:, 0]])
 
 
-def _grown(walls: Walls, rows: Rows, seed: int) -> tuple[Array, float]:
-    """The line of the pieces around a seed, by reweighted least squares."""
+def _refitted(walls: Walls, rows: Rows, seed: int) -> tuple[Array, float]:
+    """The line through the surfels around a seed, by iteratively reweighted least squares."""
     points, normals, weight = walls.points[rows], walls.normals[rows], walls.weight[rows]
     close = ((points - walls.points[seed]) ** 2).sum(axis=1) < _ODD_REACH**2
     normal = walls.normals[seed]

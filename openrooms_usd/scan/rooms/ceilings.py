@@ -10,16 +10,16 @@ from openrooms_usd.scan.points.surfels import VOXEL, Surfels
 
 Array = NDArray[np.float64]
 
-_MIN_CEILING_M: Final = 1.9  # metres
-# Normals nearer to the vertical are of level surfaces; up to the other, of slopes; as cosines.
+_MIN_CEILING_M: Final = 1.9
+# Least vertical components of normals: of level surfaces, and of slopes.
 _LEVEL_COS: Final = float(np.cos(np.deg2rad(8.0)))
 _SLOPED_COS: Final = 0.35
 _HEIGHT_BIN_M: Final = 0.02
-_MIN_AREA_M2: Final = 0.5  # square metres
-# Walls do not go on for this much above the ceiling, metres.
+_MIN_AREA_M2: Final = 0.5
+# A level that walls exceed by this much is no ceiling, metres.
 _WALL_ABOVE_CEILING_M: Final = 0.12
-# Slopes begin at this height; their pieces lie this near to them, metres, and face as they do, as
-# a cosine; each has this area, square metres. A shed roof has one, a gable roof two.
+# Least height of slopes, tolerances of their inliers and least area of each. A shed roof has one
+# slope, a gable roof two.
 _MIN_EAVES_M: Final = 1.0
 _ON_SLOPE_M: Final = 0.06
 _ON_SLOPE_COS: Final = 0.97
@@ -29,13 +29,13 @@ _MAX_SLOPE_DEG: Final = 70.0
 
 
 def ceiling_height(pieces: Surfels) -> float | None:
-    """How high the ceiling is.
+    """The height of a level ceiling.
 
     Args:
-        pieces: Of a room, in the level frame.
+        pieces: Surfels of a room, in the level frame.
 
     Returns:
-        Metres above the floor; None where no ceiling was seen, or where most of it slopes.
+        Metres above the floor; None where no ceiling was scanned, or where most of it slopes.
     """
     high = pieces.take(pieces.points[:, 2] > _MIN_CEILING_M)
     steep = np.abs(high.normals[:, 2])
@@ -58,7 +58,7 @@ def ceiling_slopes(pieces: Surfels) -> tuple[tuple[Array, Array], ...]:
     """The planes of a sloping ceiling, the largest first.
 
     Args:
-        pieces: Of a room, in the level frame.
+        pieces: Surfels of a room, in the level frame.
 
     Returns:
         At most two, each with its unit normal (3,) into the room and a point (3,) of it.
@@ -82,7 +82,7 @@ def ceiling_slopes(pieces: Surfels) -> tuple[tuple[Array, Array], ...]:
 
 
 def _peak(heights: Array) -> tuple[float, int]:
-    """The height where most pieces lie, within five centimetres, and their number."""
+    """The mode of heights in a window of five centimetres, and its count."""
     counts = np.bincount((heights / _HEIGHT_BIN_M).astype(int))
     density = np.convolve(np.append(counts, np.zeros(5)), np.ones(5), "same")
     peak = (int(density.argmax()) + 0.5) * _HEIGHT_BIN_M

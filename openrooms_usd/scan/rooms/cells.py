@@ -1,10 +1,9 @@
-"""The cells of an arrangement of lines, and which of them lie inside: a minimum cut.
+"""The cells of a line arrangement, labelled inside or outside by a minimum cut.
 
-Every cell is a node, every piece of line between two cells an edge that is dear where no wall
-stands. The cut that separates inside from outside is then a closed outline along the walls, which
-crosses gaps in the evidence the cheapest way (Boykov and Kolmogorov's graph cuts, on a graph of
-cells as in Oesau et al., "Indoor scene reconstruction using feature sensitive primitive
-extraction and graph-cut", 2014).
+Cells are nodes; the line segment between two cells is an edge whose capacity is its length without
+a wall. The minimum cut is then a closed outline along the walls that bridges gaps in the scan at
+least cost (Boykov and Kolmogorov's graph cuts, on a graph of cells as in Oesau et al., "Indoor
+scene reconstruction using feature sensitive primitive extraction and graph-cut", 2014).
 """
 
 from dataclasses import dataclass
@@ -14,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.scan.rooms.directions import dearness
+from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.walls import Line
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-# Capacities are whole numbers: tenths of a millimetre of wall.
+# Capacities are integers: tenths of a millimetre of wall.
 _CAPACITY_PER_M: Final = 1e4
 _SEALED_CAPACITY: Final = 10**8
 
@@ -31,9 +30,9 @@ class Cells:
 
     Attributes:
         shapes: Polygons (shapely) that tile a box.
-        pairs: (E, 2) cells on the two sides of a piece of line.
-        missing: (E,) what that piece costs in an outline: metres of it where no wall was seen, more
-            where it runs as no wall does.
+        pairs: (E, 2) cells on the two sides of a segment.
+        missing: (E,) its cost in an outline: metres without a wall, more off the prevailing
+            directions.
         rim: (C,) whether a cell touches the box's border.
     """
 
@@ -46,7 +45,7 @@ class Cells:
         return len(self.shapes)
 
     def owners(self, points: Array) -> Rows:
-        """(N,) the cell that each point (N, 2) lies in; -1 outside the box."""
+        """(N,) the cell of each point (N, 2); -1 outside the box."""
         import shapely
 
         tree = shapely.STRtree(self.shapes)
@@ -62,10 +61,10 @@ def cut_plan(
     """Cut a box into cells by lines.
 
     Args:
-        lines: Each with the walls along it.
+        lines: Each with its cover by walls.
         low: (2,) the box's least corner.
         high: (2,) its greatest.
-        directions: In which walls run, degrees modulo 90.
+        directions: Of walls, degrees modulo 90.
     """
     import shapely
 
@@ -80,7 +79,7 @@ def cut_plan(
     sides, rim = _sides(ends, shapes)
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     missing = length - _covered(lines, ends, length)
-    missing *= dearness(_normals(ends), directions)
+    missing *= unseen_wall_cost(_normals(ends), directions)
     inner = (sides >= 0).all(axis=1) & (sides[:, 0] != sides[:, 1])
     return Cells(shapes, sides[inner], missing[inner], rim)
 
@@ -93,7 +92,7 @@ def _string(line: Line, middle: Array, reach: float) -> Any:
 
 
 def _segments(parts: NDArray[Any]) -> Array:
-    """(E, 2, 2) the straight pieces of line strings."""
+    """(E, 2, 2) the segments of line strings."""
     import shapely
 
     points, owner = shapely.get_coordinates(parts, return_index=True)
@@ -102,7 +101,7 @@ def _segments(parts: NDArray[Any]) -> Array:
 
 
 def _sides(ends: Array, shapes: NDArray[Any]) -> tuple[Rows, NDArray[np.bool_]]:
-    """(E, 2) cells left and right of each piece, -1 for none, and (C,) which touch the border."""
+    """(E, 2) cells left and right of each segment, -1 for none, and (C,) which touch the border."""
     import shapely
 
     middle = ends.mean(axis=1)
@@ -119,7 +118,7 @@ def _sides(ends: Array, shapes: NDArray[Any]) -> tuple[Rows, NDArray[np.bool_]]:
 
 
 def _normals(ends: Array) -> Array:
-    """(E, 2) to the left of each piece."""
+    """(E, 2) unit normals to the left of each segment."""
     onward = ends[:, 1] - ends[:, 0]
     across = np.column_stack([-onward[:, 1], onward[:, 0]])
     return unit(across)
@@ -139,16 +138,17 @@ def _covered(lines: list[Line], ends: Array, length: Array) -> Array:
 def inside_by_cut(
     cells: Cells, gain: Array, inner: NDArray[np.bool_], outer: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Which cells lie inside.
+    """Label cells inside or outside by a minimum cut.
 
     Args:
         cells: All of them.
-        gain: (C,) what is won when a cell is inside, in metres of missing wall; may be negative.
-        inner: (C,) cells that certainly are inside.
-        outer: (C,) cells that certainly are outside.
+        gain: (C,) by how much an inside label lowers the cost, metres of missing wall; may be
+            negative.
+        inner: (C,) cells that are inside for certain.
+        outer: (C,) cells that are outside for certain.
 
     Returns:
-        (C,) the labels of least total: missing wall along the outline, less gains.
+        (C,) whether inside, at the least cost: missing wall along the outline, less gains.
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow

@@ -1,46 +1,45 @@
-"""What an outline of a room costs: one number for simplicity against fit."""
+"""The cost of a room's outline: data terms and a penalty for corners, in metres of wall."""
 
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.rooms.directions import dearness
+from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.walls import Line, Walls, profile
 
 Array = NDArray[np.float64]
 
 
-# What a metre of wall that stands inside, away from the outline, costs, metres.
+# Of a metre of wall inside, away from the outline, in metres of missing wall.
 _WALL_INSIDE_COST: Final = 2.5
-# Walls shorter than this are rather window reveals, or drift of the scan, and cost so much more,
-# metres.
+# Walls shorter than the first are likely window reveals or drift, and cost the second more, metres.
 _SHORT_WALL_COSTS_M: Final = ((0.2, 0.4), (0.08, 2.0))
-# What it costs if everybody who scanned the room stood outside, metres.
+# If all sensors are outside, metres of missing wall; in proportion if some are.
 _SENSORS_OUTSIDE_COST_M: Final = 30.0
 
 
 class Cost:
-    """What an outline costs: missing wall, corners and walls inside, less what it holds.
+    """The cost of an outline: missing wall, corners and walls inside, less gains of its pixels.
 
     Args:
-        walls: The evidence.
+        walls: The surfels of walls.
         centres: (P, 2) the middles of pixels.
-        worth: (P,) what each is worth inside.
-        standing: (P,) metres of wall as high as the room that stand there.
-        simplicity: What a corner costs, metres.
-        directions: In which walls run, degrees modulo 90.
-        stood: (E, 2) where people stood while they scanned the room.
+        gain: (P,) of each pixel inside.
+        standing: (P,) metres of full-height wall in each.
+        simplicity: Penalty of a corner, metres.
+        directions: Of walls, degrees modulo 90.
+        sensors: (E, 2) sensor origins in the room.
     """
 
     def __init__(
-        self, walls: Walls, centres: Array, worth: Array, standing: Array, simplicity: float,
-        directions: tuple[float, ...] = (), stood: Array | None = None,
+        self, walls: Walls, centres: Array, gain: Array, standing: Array, simplicity: float,
+        directions: tuple[float, ...] = (), sensors: Array | None = None,
     ) -> None:  # fmt: skip
-        self._stood = np.zeros((0, 2)) if stood is None else stood
+        self._sensors = np.zeros((0, 2)) if sensors is None else sensors
         self._walls, self._simplicity, self._directions = walls, simplicity, directions
-        self._centres, self._worth = centres[worth != 0.0], worth[worth != 0.0]
+        self._centres, self._gain = centres[gain != 0.0], gain[gain != 0.0]
         self._tall, self._standing = centres[standing > 0.0], standing[standing > 0.0]
         self._lines: dict[tuple[float, ...], Line] = {}
 
@@ -49,27 +48,24 @@ class Cost:
         import shapely
 
         corners = outline.corners()
-        missing, dear = 0.0, dearness(outline.normals, self._directions)
+        missing, rate = 0.0, unseen_wall_cost(outline.normals, self._directions)
         for i in range(len(outline)):
             line = self._line(outline.normals[i], float(outline.offsets[i]))
             a, b = corners[i] @ line.along, corners[(i + 1) % len(corners)] @ line.along
-            missing += float(abs(b - a) - line.covered(a, b)) * float(dear[i])
+            missing += float(abs(b - a) - line.covered(a, b)) * float(rate[i])
             missing += sum(cost for length, cost in _SHORT_WALL_COSTS_M if abs(b - a) < length)
         polygon = shapely.Polygon(corners)
         shapely.prepare(polygon)
-        held = self._worth[shapely.contains_xy(polygon, self._centres)].sum()
-        if len(self._stood):
+        won = self._gain[shapely.contains_xy(polygon, self._centres)].sum()
+        if len(self._sensors):
             missing += _SENSORS_OUTSIDE_COST_M * float(
-                (~shapely.contains_xy(polygon, self._stood)).mean()
+                (~shapely.contains_xy(polygon, self._sensors)).mean()
             )
         inner = polygon.buffer(-self._walls.thickness, join_style="mitre")
         shapely.prepare(inner)
         left = self._standing[shapely.contains_xy(inner, self._tall)].sum()
         return (
-            missing
-            + self._simplicity * len(outline)
-            + _WALL_INSIDE_COST * float(left)
-            - float(held)
+            missing + self._simplicity * len(outline) + _WALL_INSIDE_COST * float(left) - float(won)
         )
 
     def _line(self, normal: Array, offset: float) -> Line:

@@ -1,4 +1,4 @@
-"""The directions in which a room's walls run: one pair (Manhattan), several (Atlanta), or none."""
+"""Prevailing directions of walls: one pair (Manhattan world), several (Atlanta world), or none."""
 
 from typing import Final
 
@@ -9,22 +9,21 @@ from openrooms_usd.scan.points.surfels import Surfels
 
 Array = NDArray[np.float64]
 
-# Normals of walls stand less than this off the horizontal, as a sine.
+# Largest sine of the angle between a wall's normal and the horizontal.
 UPRIGHT_SINE: Final = 0.25
 _ANGLE_BINS: Final = 360  # a quarter of a degree each, over 90 degrees
-_SMOOTHING_DEG: Final = 1.5  # of the smoothing, degrees
-_MIN_SEPARATION_DEG: Final = 12.0  # degrees
+_SMOOTHING_DEG: Final = 1.5
+_MIN_SEPARATION_DEG: Final = 12.0
 _MIN_STRENGTH_SHARE: Final = 0.12  # of the strongest direction
-# A direction prevails where it holds this many times the mean.
+# A direction prevails where the histogram is this many times its mean.
 _MIN_PROMINENCE: Final = 2.0
 _MAX_DIRECTIONS: Final = 4
-# Pieces that face a direction up to this angle, degrees, are projected on it, turned by up to so
-# much in such steps, into bins of this width, metres.
+# Refinement: surfels that face a direction within this angle are projected on it, turned by each
+# of these, into bins of this width.
 _FACING_DEG: Final = 12.0
 _TURNS_DEG: Final = np.linspace(-3.0, 3.0, 31)
 _OFFSET_BIN_M: Final = 0.02
-# Walls that turn off all directions by more than this, degrees, cost so much more where they were
-# not seen.
+# Unseen walls farther than this from all directions, degrees, cost this share more.
 _OBLIQUE_DEG: Final = 6.0
 _OBLIQUE_COST: Final = 0.5
 
@@ -33,11 +32,11 @@ def wall_directions(pieces: Surfels) -> tuple[float, ...]:
     """Find the walls' directions.
 
     Args:
-        pieces: Of a scan whose Z axis is up.
+        pieces: Surfels of a scan whose Z axis is up.
 
     Returns:
-        Angles of walls (or, which is the same, of their normals) in degrees modulo 90, strongest
-        first. Empty where no direction prevails.
+        Angles of walls, and so of their normals, in degrees modulo 90, strongest first. Empty
+        where no direction prevails.
     """
     walls = pieces.take(np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE)
     if not len(walls):
@@ -56,30 +55,30 @@ def wall_directions(pieces: Surfels) -> tuple[float, ...]:
         ):
             break
         local = density[peak] >= max(density[peak - 1], density[(peak + 1) % _ANGLE_BINS])
-        if local and all(apart(angle, other) > _MIN_SEPARATION_DEG for other in found):
+        if local and all(angle_between(angle, other) > _MIN_SEPARATION_DEG for other in found):
             found.append(_sharpest(_refined(angle, angles, weight), walls))
         if len(found) == _MAX_DIRECTIONS:
             break
     return tuple(found)
 
 
-def apart(a: float | Array, b: float | Array, period: float = 90.0) -> Array:
-    """The angle between directions that repeat after a period, degrees."""
+def angle_between(a: float | Array, b: float | Array, period: float = 90.0) -> Array:
+    """The angle between directions modulo a period, degrees."""
     half = period / 2.0
     return np.abs((np.asarray(a) - b + half) % period - half)
 
 
-def dearness(normals: Array, directions: tuple[float, ...]) -> Array:
-    """(N,) what a metre of wall costs that nobody saw: it more likely runs as the others do.
+def unseen_wall_cost(normals: Array, directions: tuple[float, ...]) -> Array:
+    """(N,) the cost of a metre of unseen wall: lower along the prevailing directions.
 
     Args:
         normals: (N, 2) of the walls.
-        directions: Of those that were seen, degrees modulo 90; none: every wall costs the same.
+        directions: Prevailing ones, degrees modulo 90; none: every wall costs the same.
     """
     if not directions:
         return np.ones(len(normals))
     angles = np.rad2deg(np.arctan2(normals[:, 1], normals[:, 0]))
-    off = np.min([apart(angles, direction) for direction in directions], axis=0)
+    off = np.min([angle_between(angles, direction) for direction in directions], axis=0)
     return np.where(off > _OBLIQUE_DEG, 1.0 + _OBLIQUE_COST, 1.0)
 
 
@@ -92,7 +91,7 @@ def _smoothed(counts: Array) -> Array:
 
 
 def _refined(angle: float, angles: Array, weight: Array) -> float:
-    """The mean shift of a direction to the middle of the normals around it."""
+    """Mean shift of a direction over the normals around it."""
     for width in (4.0, 3.0, 2.0, 2.0, 2.0):
         off = (angles - angle + 45.0) % 90.0 - 45.0
         kernel = weight * np.clip(1.0 - (off / (2.0 * width)) ** 2, 0.0, None) ** 2
@@ -101,15 +100,15 @@ def _refined(angle: float, angles: Array, weight: Array) -> float:
 
 
 def _sharpest(angle: float, walls: Surfels) -> float:
-    """A direction turned to where the pieces that face it fall on the fewest lines.
+    """A direction refined to where the projections of its surfels are the most concentrated.
 
-    Normals of noisy pieces err towards the axes of their voxels, alike on all walls; the places of
-    pieces along walls of metres do not.
+    Normals of noisy surfels are biased towards the voxels' axes, alike on all walls; positions
+    along metres of wall are not.
     """
     scores = np.zeros(len(_TURNS_DEG))
     facing = np.rad2deg(np.arctan2(walls.normals[:, 1], walls.normals[:, 0]))
     for axis in (angle, angle + 90.0):
-        plan = walls.points[apart(facing, axis, 180.0) < _FACING_DEG, :2]
+        plan = walls.points[angle_between(facing, axis, 180.0) < _FACING_DEG, :2]
         if len(plan):
             scores += [_concentration(plan, axis + turn) for turn in _TURNS_DEG]
     best = int(scores.argmax())
@@ -121,7 +120,7 @@ def _sharpest(angle: float, walls: Surfels) -> float:
 
 
 def _concentration(plan: Array, angle: float) -> float:
-    """The sum of squared counts of places projected on a direction, in blurred bins."""
+    """The sum of squares of the blurred histogram of points projected on a direction."""
     turn = np.deg2rad(angle)
     place = plan @ np.array([np.cos(turn), np.sin(turn)])
     counts = np.bincount(((place - place.min()) / _OFFSET_BIN_M).astype(int))

@@ -1,7 +1,6 @@
-"""Leaves of doors that stand open: they are upright and as high as walls, but no walls.
+"""Leaves of open doors, found by their labels: as high as walls, but no walls.
 
-A leaf turns about one of its sides, so while it is open it runs neither as walls do nor in one
-line with a wall, and one of its ends is free.
+An open leaf is parallel to no prevailing direction and collinear with no wall.
 """
 
 from typing import Final
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import VOXEL, Surfels
-from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE, apart
+from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE, angle_between
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -18,25 +17,25 @@ Mask = NDArray[np.bool_]
 # NYU40.
 _WALL_LABEL: Final = 1
 _DOOR_LABEL: Final = 8
-# Lower than this, skirting boards and thresholds are called door as well, metres.
+# Below this, skirting boards and thresholds are labelled door, too, metres.
 _SKIRTING_M: Final = 0.1
-# Within this distance the pieces of a leaf, or of a wall, give its direction, metres.
+# Radius of the neighbourhood whose principal axis is the direction of a leaf or wall, metres.
 _DIRECTION_RADIUS_M: Final = 0.35
 _MIN_PIECES: Final = 8
-# Leaves that are open by less move no wall, degrees.
+# Leaves open by less do no harm, degrees.
 _MIN_OPEN_DEG: Final = 4.0
-# A wall goes on in the line of a closed door: so far, in this band, in so many columns.
+# A closed door continues a wall: within this range and band, in so many columns.
 _WALL_ONWARD_M: Final = 1.5
 _WALL_BAND_M: Final = 0.08
 _MIN_COLUMNS: Final = 6
 
 
 def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
-    """Which pieces of a level scan are called door and stand off the walls.
+    """The surfels of open leaves: labelled door, and continuing no wall.
 
     Args:
-        pieces: With labels, or none is found.
-        directions: In which walls run, degrees modulo 90.
+        pieces: Surfels of a level scan; without labels no leaf is found.
+        directions: Of walls, degrees modulo 90.
     """
     none = np.zeros(len(pieces), dtype=np.bool_)
     if pieces.label is None or not directions:
@@ -47,8 +46,8 @@ def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
     if not len(doors) or not len(walls):
         return none
     places, column = _columns(pieces.points[doors, :2])
-    angle = _runs(places)
-    off = np.min([apart(angle, direction) for direction in directions], axis=0)
+    angle = _normal_directions(places)
+    off = np.min([angle_between(angle, direction) for direction in directions], axis=0)
     rows = np.flatnonzero(off > _MIN_OPEN_DEG)
     leaf = np.zeros(len(places), bool)
     if len(rows):
@@ -58,15 +57,15 @@ def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
 
 
 def _columns(plan: Array) -> tuple[Array, NDArray[np.int64]]:
-    """(C, 2) middles of the columns that pieces stand in, and (N,) the column of each."""
+    """(C, 2) centroids of occupied cells of the plan, and (N,) the cell of each surfel."""
     cells = np.floor((plan - plan.min(axis=0)) / VOXEL).astype(np.int64)
     _, column = np.unique(cells @ [1 << 32, 1], return_inverse=True)
     count = np.bincount(column)
     return np.column_stack([np.bincount(column, axis) / count for axis in plan.T]), column
 
 
-def _runs(places: Array) -> Array:
-    """(C,) the directions of the normals of what stands around places, degrees; NaN: of little."""
+def _normal_directions(places: Array) -> Array:
+    """(C,) normal directions of line fits around places, degrees; NaN where there is too little."""
     from scipy.spatial import KDTree
 
     near = KDTree(places).query_pairs(_DIRECTION_RADIUS_M, output_type="ndarray")
@@ -83,14 +82,14 @@ def _runs(places: Array) -> Array:
 
 
 def _in_line(places: Array, angles: Array, walls: Array) -> Mask:
-    """(N,) whether walls go on where what stands at places ends, in the same direction."""
+    """(N,) whether a wall is collinear with the leaf at each place."""
     from scipy.spatial import KDTree
 
     found = np.zeros(len(places), bool)
-    runs = _runs(walls)
+    runs = _normal_directions(walls)
     for row, near in enumerate(KDTree(walls).query_ball_point(places, _WALL_ONWARD_M)):
         turn = np.deg2rad(angles[row])
         away = np.abs((walls[near] - places[row]) @ np.array([np.cos(turn), np.sin(turn)]))
-        alike = apart(runs[near], angles[row], 180.0) < _MIN_OPEN_DEG
+        alike = angle_between(runs[near], angles[row], 180.0) < _MIN_OPEN_DEG
         found[row] = ((away < _WALL_BAND_M) & alike).sum() >= _MIN_COLUMNS
     return found

@@ -1,9 +1,9 @@
 """Gravity and the floor of a scan.
 
-A scan whose poses drift bends its floor: places are off by centimetres where the scanner stood for
-a while, and a plane through them leans. Normals do not suffer that much: each surface was seen from
-many poses whose turns are off to all sides. So gravity is what level surfaces face and walls are
-square to, and the floor's own plane is believed as far as it agrees.
+Pose drift bends the floor by centimetres, and a plane fit to it tilts. Normals suffer less: the
+orientation errors of the many poses that saw a surface average out. So gravity is estimated from
+normals, parallel to those of level surfaces and perpendicular to those of walls, and the floor's
+plane fit counts as far as it agrees.
 """
 
 from dataclasses import dataclass
@@ -18,31 +18,31 @@ from openrooms_usd.scan.points.surfels import VOXEL, Surfels
 Array = NDArray[np.float64]
 
 MIN_PIECES: Final = 200
-# Normals this near to the vertical, degrees, are of floors, tops and ceilings.
+# Largest tilt of level surfaces (floors, tops, ceilings) and of walls, degrees.
 LEVEL_DEG: Final = 8.0
 UPRIGHT_DEG: Final = 15.0
-# What is farther than this from level or upright says nothing of gravity, degrees: so many times
-# the median, within limits.
+# Normals farther than this from level or upright are outliers: so many times the median angle,
+# within limits.
 _OUTLIER_MEDIANS: Final = 2.0
 _OUTLIER_LIMITS_DEG: Final = (3.0, 10.0)
 _REWEIGHTING_ROUNDS: Final = 8
-# The floor's plane counts fully up to this angle to gravity, not at all from twice this, degrees;
+# The floor's plane counts fully up to this angle to gravity, not at all from twice this; or up to
+# so many standard errors of gravity. Each point counts in the normals of so many surfels.
 _FLOOR_AGREES_DEG: Final = 0.1
-# larger where gravity itself is less sure. Pieces share their points with those around them.
 _GRAVITY_SIGMAS: Final = 2.0
 _SHARED_PIECES: Final = 27.0
-# The floor is the lowest level with this part of the largest one's area,
+# The floor is the lowest level with at least this part of the largest one's area,
 _MIN_FLOOR_SHARE: Final = 0.15
-# and with this area, square metres;
+# and at least this area,
 _MIN_FLOOR_M2: Final = 0.15
-# walls do not go on for this much below it, metres.
+# that walls do not exceed downwards by this much.
 _WALLS_BELOW_M: Final = 0.35
-# Less than this part of the normals' spread is noise of a single wall.
+# Smaller eigenvalues of the normals' scatter are noise of a single wall.
 _ONE_WALL_SHARE: Final = 0.05
 _HEIGHT_BIN_M: Final = 0.02
 _SLAB_M: Final = 0.12
 _LEVEL_TOLERANCE_M: Final = 0.03
-# NYU40: the floor, which mats and carpets lie on; that much of it tells where it is.
+# NYU40; mats have another label. Least part of a level that is labelled floor, to use it alone.
 _FLOOR_LABEL: Final = 2
 _BARE_FLOOR_SHARE: Final = 0.1
 _PIECE_M2: Final = VOXEL**2
@@ -55,10 +55,10 @@ class Ground:
     Attributes:
         normal: (3,) unit, upwards.
         point: (3,) metres.
-        residual: Root of the mean squared distance of the floor's pieces to it, metres; NaN where
-            no floor was seen.
-        seen: Whether the floor itself was seen; else it is at the walls' lowest points.
-        trust: How far the floor's own plane agrees with gravity, from 0 (it is bent) to 1.
+        residual: Root mean squared distance of the floor's surfels to it, metres; NaN where no
+            floor was scanned.
+        seen: Whether the floor was scanned; else it is put at the walls' lowest points.
+        trust: Weight of the floor's plane fit against gravity, from 0 (it is bent) to 1.
     """
 
     normal: Array
@@ -72,32 +72,32 @@ def find_ground(pieces: Surfels, guess: Array, tilt: float) -> Ground:
     """Find gravity and the floor.
 
     Args:
-        pieces: Near the origin.
+        pieces: Surfels near the origin.
         guess: (3,) unit, roughly upwards.
-        tilt: How far off that may be, degrees.
+        tilt: Its largest error, degrees.
     """
-    up, sigma = _squared(pieces.normals, _gravity(pieces, guess, tilt))
+    up, sigma = _refined_gravity(pieces.normals, _gravity(pieces, guess, tilt))
     facing = np.abs(pieces.normals @ up)
     flat = pieces.take(facing > np.cos(np.deg2rad(LEVEL_DEG)))
-    foot = _foot(pieces.points[facing < np.sin(np.deg2rad(UPRIGHT_DEG))] @ up)
+    foot = _lowest_wall(pieces.points[facing < np.sin(np.deg2rad(UPRIGHT_DEG))] @ up)
     height = _floor_level(flat.points @ up, flat.label)
     if height is not None and height - foot < _WALLS_BELOW_M:
         slab = _bare(flat.take(np.abs(flat.points @ up - height) < _SLAB_M))
         plane = fit_plane(slab, up, _LEVEL_TOLERANCE_M, max_tilt=3.0)
         if plane is not None:
-            return _between(slab, plane, up, max(_FLOOR_AGREES_DEG, _GRAVITY_SIGMAS * sigma))
+            return _blended(slab, plane, up, max(_FLOOR_AGREES_DEG, _GRAVITY_SIGMAS * sigma))
     middle = np.median(pieces.points, axis=0)
     return Ground(up, middle + (foot - middle @ up) * up, float("nan"), False, 1.0)
 
 
 def _bare(slab: Surfels) -> Array:
-    """(P, 3) the pieces that are labelled floor, where there are enough; else all."""
+    """(P, 3) the surfels labelled floor, where there are enough; else all."""
     named = np.zeros(len(slab), bool) if slab.label is None else slab.label == _FLOOR_LABEL
     return slab.points[named] if named.mean() > _BARE_FLOOR_SHARE else slab.points
 
 
-def _between(slab: Array, plane: Plane, up: Array, agrees: float) -> Ground:
-    """The floor's plane as far as it is square to gravity, else a level one at its mean height."""
+def _blended(slab: Array, plane: Plane, up: Array, agrees: float) -> Ground:
+    """The floor's plane fit blended with the level plane at its mean height, by agreement."""
     off = np.rad2deg(np.arccos(min(1.0, float(plane.normal @ up))))
     trust = float(np.clip(2.0 - off / agrees, 0.0, 1.0))
     if trust == 1.0:
@@ -111,7 +111,7 @@ def _between(slab: Array, plane: Plane, up: Array, agrees: float) -> Ground:
 
 
 def _gravity(pieces: Surfels, guess: Array, tilt: float) -> Array:
-    """(3,) the direction that most level surfaces face, or that all walls are upright to."""
+    """(3,) the mode of level surfaces' normals; without any, the direction square to walls'."""
     toward = pieces.normals * np.sign(pieces.normals @ guess)[:, None]
     near = toward @ guess > np.cos(np.deg2rad(tilt + 2.0))
     flat = toward[near]
@@ -132,18 +132,19 @@ def _gravity(pieces: Surfels, guess: Array, tilt: float) -> Array:
 
 
 def _square_to(walls: Array, guess: Array) -> Array:
-    """(3,) the direction that is upright to walls' normals (N, 3); one wall leaves it half open."""
+    """(3,) the direction perpendicular to walls' normals (N, 3); of one wall, nearest the guess."""
     values, axes = np.linalg.eigh(walls.T @ walls / len(walls))
     free = axes[:, values < _ONE_WALL_SHARE]
     up = free @ (free.T @ guess) if free.shape[1] > 1 else free[:, 0] * np.sign(free[:, 0] @ guess)
     return np.asarray(up / np.linalg.norm(up))
 
 
-def _squared(normals: Array, up: Array) -> tuple[Array, float]:
-    """(3,) what level normals (N, 3) are along and upright ones square to, and its error, degrees.
+def _refined_gravity(normals: Array, up: Array) -> tuple[Array, float]:
+    """(3,) gravity from the normals (N, 3) of level surfaces and walls, and its error, degrees.
 
-    Reweighted least squares: the sum of the squared sines of level normals to it, and of the
-    squared cosines of upright ones, is least for the first eigenvector of their difference.
+    Iteratively reweighted least squares: the sum of the squared sines of level normals to it and
+    of the squared cosines of walls' is least for the largest eigenvector of the difference of
+    their scatter matrices.
     """
     off = np.rad2deg(np.arccos(np.minimum(np.abs(normals @ up), 1.0)))
     usual = float(np.median(off[off < UPRIGHT_DEG])) if (off < UPRIGHT_DEG).any() else 0.0
@@ -164,8 +165,8 @@ def _squared(normals: Array, up: Array) -> tuple[Array, float]:
     return up, float(np.rad2deg(np.sqrt(mean * _SHARED_PIECES / max(float(kernel.sum()), 1.0))))
 
 
-def _foot(heights: Array) -> float:
-    """Where walls end below: the lowest height at which they are a tenth as dense as usual."""
+def _lowest_wall(heights: Array) -> float:
+    """The lowest height at which walls have 15 % of their usual density."""
     if len(heights) < MIN_PIECES:
         return float("inf")
     low = np.quantile(heights, 0.001)

@@ -1,8 +1,7 @@
-"""Where down is: the floor, gravity and the walls' directions of a scan, and the level frame.
+"""The level frame of a scan, from gravity, the floor and the prevailing wall directions.
 
-In the *level frame* the floor is z = 0, Z points up, the x axis runs along the strongest wall
-direction, and the origin lies near the middle of what was scanned. Everything else that reads a
-scan works there.
+In the *level frame* the floor is z = 0, Z points up, the x axis is the strongest wall direction,
+and the origin is near the middle of the scan. All later steps work in it.
 """
 
 from dataclasses import dataclass
@@ -21,28 +20,28 @@ from openrooms_usd.scan.rooms.ground import LEVEL_DEG, MIN_PIECES, UPRIGHT_DEG, 
 
 Array = NDArray[np.float64]
 
-# How far the given up direction may be off, degrees, and the same where none is given.
+# Largest error of a given up direction, and of Z where none is given, degrees.
 _MAX_GIVEN_TILT_DEG: Final = 8.0
 _MAX_FREE_TILT_DEG: Final = 15.0
-# A floor that is farther from its plane was bent by drift, metres.
+# A floor with a larger residual was bent by drift, metres.
 _BENT_FLOOR_M: Final = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """How a scan stands.
+    """The level frame of a scan.
 
     Attributes:
         level_from_scan: (4, 4) rigid, to the level frame.
         normal: (3,) unit, of the floor, upwards, in the scan's frame.
         point: (3,) of the floor, in the scan's frame.
-        residual: Root of the mean squared distance of the floor's pieces to its plane, metres;
-            NaN where no floor was seen.
-        floor_seen: Whether the floor itself was seen; else it is at the walls' lowest points.
-        ceiling: Height of a level ceiling above the floor, metres; None where none was seen.
+        residual: Root mean squared distance of the floor's surfels to its plane, metres; NaN where
+            no floor was scanned.
+        floor_seen: Whether the floor was scanned; else it is put at the walls' lowest points.
+        ceiling: Height of a level ceiling above the floor, metres; None where none was scanned.
         directions: Of the walls, degrees from the level frame's x axis modulo 90, strongest
             first; empty where no direction prevails.
-        coverage: The part of the directions around the middle in which a wall was seen.
+        coverage: The part of the azimuths around the middle in which a wall was scanned.
         notes: What people should know.
     """
 
@@ -58,7 +57,7 @@ class Level:
 
     @property
     def scan_from_level(self) -> Array:
-        """(4, 4) the way back."""
+        """(4, 4) rigid, from the level frame."""
         return inverse(self.level_from_scan)
 
 
@@ -70,7 +69,7 @@ def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
         up: (3,) roughly upwards, up to 5 degrees off; None: Z, up to 10 degrees off.
 
     Returns:
-        The level frame and what is known of it.
+        The level frame.
 
     Raises:
         InputError: There are too few points, or they show too little of a room.
@@ -84,10 +83,10 @@ def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
     if len(pieces) < MIN_PIECES:
         raise _too_little("the scan shows hardly any surface")
     ground = find_ground(pieces, guess, _MAX_FREE_TILT_DEG if up is None else _MAX_GIVEN_TILT_DEG)
-    stood = _upright(ground.normal, ground.point)
-    upright = pieces.moved(stood)
+    gravity_aligned = _upright(ground.normal, ground.point)
+    upright = pieces.moved(gravity_aligned)
     directions = wall_directions(upright)
-    frame = _turned(directions[0] if directions else 0.0) @ stood
+    frame = _turned(directions[0] if directions else 0.0) @ gravity_aligned
     frame[:2, 3] -= np.median(pieces.moved(frame).points[:, :2], axis=0)
     still = pieces.moved(frame)
     coverage = _coverage(still)
@@ -126,7 +125,7 @@ def _shifted(cloud: Cloud, middle: Array) -> Cloud:
 
 
 def _coverage(pieces: Surfels) -> float:
-    """The part of 72 directions around the middle of the level surfaces that walls stand in."""
+    """The part of 72 azimuths around the middle of the level surfaces that have walls."""
     slope = np.abs(pieces.normals[:, 2])
     flat = pieces.points[slope > np.cos(np.deg2rad(LEVEL_DEG)), :2]
     walls = pieces.points[slope < np.sin(np.deg2rad(UPRIGHT_DEG)), :2]
@@ -136,7 +135,7 @@ def _coverage(pieces: Surfels) -> float:
 
 
 def _upright(normal: Array, point: Array) -> Array:
-    """(4, 4) the least turn that makes a normal vertical, the point at height zero."""
+    """(4, 4) the least rotation that makes a normal vertical, the point at height zero."""
     matrix = np.eye(4)
     axis = np.array([normal[1], -normal[0], 0.0])
     skew = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
@@ -149,5 +148,5 @@ def _upright(normal: Array, point: Array) -> Array:
 
 
 def _turned(degrees: float) -> Array:
-    """(4, 4) that brings a direction in the plan to the x axis by less than 45 degrees."""
+    """(4, 4) the yaw that aligns a direction with the x axis or its normal, at most 45 degrees."""
     return pose(about_z(np.deg2rad(-((degrees + 45.0) % 90.0 - 45.0))))

@@ -1,4 +1,4 @@
-"""The outline of a room as the lines of its walls, and plainer ones that cost less."""
+"""The outline of a room as the lines of its walls, and its greedy simplification by cost."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Neighbouring walls meet at an angle of more than this, degrees; else they are one.
+# Least angle at which neighbouring walls may meet in a corner, degrees.
 _SAME_WALL_DEG: Final = 6.0
 # Neighbours that meet at less than this may be one wall, degrees.
 _MAYBE_SAME_WALL_DEG: Final = 15.0
@@ -32,7 +32,7 @@ class Outline:
         return len(self.offsets)
 
     def corners(self) -> Array:
-        """(N, 2) where wall i - 1 meets wall i: the start of wall i."""
+        """(N, 2) intersections of wall i - 1 and wall i: the start of wall i."""
         before, earlier = np.roll(self.normals, 1, axis=0), np.roll(self.offsets, 1)
         n, c = self.normals, self.offsets
         cross = before[:, 0] * n[:, 1] - before[:, 1] * n[:, 0]
@@ -42,12 +42,12 @@ class Outline:
         return np.column_stack([x, y])
 
     def without(self, rows: list[int]) -> "Outline":
-        """The outline when some of its walls are dropped and their neighbours meet."""
+        """The outline without some of its walls, whose neighbours then meet."""
         keep = np.setdiff1d(np.arange(len(self)), rows)
         return Outline(self.normals[keep], self.offsets[keep])
 
     def joined(self, i: int, j: int, start: Array, end: Array) -> "Outline":
-        """The outline when two neighbours become the straight wall between two places."""
+        """The outline with two neighbours replaced by the straight wall between two places."""
         along = (end - start) / np.linalg.norm(end - start)
         normals, offsets = self.normals.copy(), self.offsets.copy()
         normals[i] = along[1], -along[0]
@@ -88,7 +88,7 @@ def outline_of(corners: Array) -> Outline:
 
 
 def _merged(outline: Outline) -> Outline:
-    """One wall for neighbours on the same line."""
+    """Collinear neighbours merged."""
     keep = []
     for i in range(len(outline)):
         before = i - 1
@@ -101,8 +101,7 @@ def _merged(outline: Outline) -> Outline:
 def simplified(outline: Outline, cost: Callable[[Outline], float]) -> Outline:
     """Drop walls, up to three in a row, as long as that lowers the cost.
 
-    A bay, niche or pier goes when its sides and back are dropped and the wall on both sides becomes
-    one; a jog when two walls are dropped and the others meet.
+    That removes bays, niches and piers (two sides and a back) and jogs (two walls).
 
     Args:
         outline: The first outline.

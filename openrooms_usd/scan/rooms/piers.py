@@ -1,7 +1,7 @@
-"""Piers: walls that stand out into a room, of which a scan may miss a side.
+"""Piers: walls that protrude into a room, with a side that a scan may miss.
 
-The minimum cut charges for the side that was not seen and may leave a pier out. Wall that reaches
-as high as the room and stands inside the outline is the sign of one.
+The minimum cut charges for the missed side and may leave a pier out; full-height wall inside the
+outline then shows where it is.
 """
 
 from collections.abc import Callable
@@ -10,29 +10,29 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.scan.rooms.occupancy import PIXEL
 from openrooms_usd.scan.rooms.outline import Outline
-from openrooms_usd.scan.rooms.planmap import PIXEL
 from openrooms_usd.scan.rooms.spaces import Spaces
 
 Array = NDArray[np.float64]
 
 _MAX_DEPTH_M: Final = 2.0
-# What stands free shows its far side or floor in more than this part of its place.
-_MAX_SHOWN_SHARE: Final = 0.3
-_MIN_WALL_M: Final = 0.1  # metres of wall
+# A freestanding wall has surfels, of its back or the floor, in more than this part of its pier.
+_MAX_SCANNED_SHARE: Final = 0.3
+_MIN_WALL_M: Final = 0.1
 _MIN_EVIDENCE_PIXELS: Final = 0.25  # of a pixel's width
 
 
 def with_piers(
     outline: Outline, spaces: Spaces, away: float, cost: Callable[[Outline], float]
 ) -> Outline:
-    """Add rectangular piers around wall that stands inside, where that lowers the cost.
+    """Add rectangular piers around full-height wall inside, where that lowers the cost.
 
     Args:
         outline: The room so far.
-        spaces: The map, with the wall that stands there.
-        away: Nearer to the outline than this, wall is its noise, metres.
-        cost: What an outline costs.
+        spaces: The map of the plan.
+        away: Wall nearer to the outline than this is the outline's own, metres.
+        cost: Of an outline.
     """
     for places in _standing_inside(outline, spaces, away):
         tries = [_pier(outline, wall, places) for wall in range(len(outline))]
@@ -45,7 +45,7 @@ def with_piers(
 
 
 def _standing_inside(outline: Outline, spaces: Spaces, away: float) -> list[Array]:
-    """(P, 2) the places of each connected piece of wall inside an outline."""
+    """(P, 2) the pixels of each connected component of wall inside an outline."""
     import shapely
     from scipy import ndimage
 
@@ -61,16 +61,16 @@ def _standing_inside(outline: Outline, spaces: Spaces, away: float) -> list[Arra
 
 
 def _is_solid(outline: Outline, other: Outline, spaces: Spaces, away: float) -> bool:
-    """Whether little was seen of what an outline takes away: else the wall stands free."""
+    """Whether the area that an outline cuts off has few surfels: else the wall is freestanding."""
     import shapely
 
     whole, rest = (shapely.Polygon(shape.corners()) for shape in (outline, other))
     within = shapely.contains_xy(whole.difference(rest).buffer(-away), spaces.centres())
-    return not within.any() or float(spaces.shown.ravel()[within].mean()) < _MAX_SHOWN_SHARE
+    return not within.any() or float(spaces.scanned.ravel()[within].mean()) < _MAX_SCANNED_SHARE
 
 
 def _pier(outline: Outline, wall: int, places: Array) -> Outline | None:
-    """The outline with a rectangle that holds some places standing out from one of its walls."""
+    """The outline with a rectangle around some places cut off at one of its walls."""
     corners = outline.corners()
     start, end = corners[wall], corners[(wall + 1) % len(outline)]
     normal = outline.normals[wall]

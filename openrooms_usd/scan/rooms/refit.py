@@ -1,4 +1,4 @@
-"""Walls moved to where their points lie: robust line fits, corners where they meet."""
+"""Robust line fits of walls; corners are their intersections."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -11,30 +11,30 @@ from openrooms_usd.scan.rooms.walls import FACES_ACROSS_COS, Walls, line_fit
 
 Array = NDArray[np.float64]
 
-# Where a wall's points may lie from its first place, metres.
+# Largest distance of a wall's surfels from its initial line, metres.
 _SEARCH_M: Final = 0.08
-# The fit looks at what is within these distances, one after the other, metres.
+# Annealing: widths of the kernel, one after the other, metres.
 _REACHES_M: Final = (0.08, 0.06, 0.045)
 _REWEIGHTING_ROUNDS: Final = 8
-_COLUMN_M: Final = 0.1  # of the columns that count alike, metres
+_COLUMN_M: Final = 0.1  # of the columns that have equal weight
 _MIN_WEIGHT: Final = 20.0
-# Shorter walls keep the direction of their first place, metres.
+# Shorter walls keep their initial direction, metres.
 _MIN_TURNING_WALL_M: Final = 0.6
-# Walls of which a smaller part was seen keep it as well: strays and furniture would turn them.
+# So do walls of which a smaller part was scanned: outliers and furniture would turn them.
 _MIN_SEEN_SHARE: Final = 0.25
-# A wall turns to a prevailing direction that it misses by less, degrees.
+# Walls within this angle of a prevailing direction snap to it, degrees.
 _SNAP_DEG: Final = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class _Evidence:
-    """The pieces near one wall, weighted so that every ten centimetres of it count alike.
+    """The surfels near one wall, weighted such that every ten centimetres of it count alike.
 
     Attributes:
         points: (P, 2) metres.
         weight: (P,) of each.
-        whole: How long the wall is, metres.
-        length: Along how much of it the pieces stand, metres.
+        whole: Length of the wall, metres.
+        length: Length of it that has surfels, metres.
     """
 
     points: Array
@@ -44,14 +44,14 @@ class _Evidence:
 
 
 def refitted(outline: Outline, walls: Walls, directions: tuple[float, ...]) -> Outline:
-    """Move every wall to where its points lie, and turn it along them.
+    """Fit every wall's line to the vertical surfels near it.
 
-    Each is fitted by reweighted least squares to the upright pieces near it. Walls that miss a
-    prevailing direction by less than 1.5 degrees share the mean direction of those that do.
+    Fits are iteratively reweighted least squares. Walls within 1.5 degrees of a prevailing
+    direction share the mean direction of all these.
 
     Args:
-        outline: Its walls lie within 8 cm of their place.
-        walls: The evidence.
+        outline: Its walls are within 8 cm of the truth.
+        walls: The surfels of walls.
         directions: Degrees modulo 90.
 
     Returns:
@@ -98,12 +98,12 @@ def _near(walls: Walls, normal: Array, offset: float, start: Array, end: Array) 
 
 
 def _turned(seen: _Evidence, normal: Array, offset: float) -> Array:
-    """(2,) the normal of the line through the pieces, fitted within ever smaller reaches."""
+    """(2,) the normal of the fitted line; the kernel is narrowed step by step."""
     fitted, shift = normal, offset
     for reach in _REACHES_M:
         across = seen.points @ fitted
         shift = _mode(across, seen.weight, shift, reach)
-        kernel = seen.weight * _bell((across - shift) / reach)
+        kernel = seen.weight * _tukey((across - shift) / reach)
         if kernel.sum() > 0.0:
             fitted, shift = line_fit(seen.points, kernel, normal)
     return fitted
@@ -118,28 +118,28 @@ def _shifted(seen: _Evidence, normal: Array) -> float:
 
 
 def _mode(offsets: Array, weight: Array, place: float, reach: float) -> float:
-    """The mean shift of a place to the middle of the weighted offsets around it."""
+    """Mean shift of an offset over the weighted offsets around it."""
     for _ in range(_REWEIGHTING_ROUNDS):
-        kernel = weight * _bell((offsets - place) / reach)
+        kernel = weight * _tukey((offsets - place) / reach)
         if kernel.sum() <= 0.0:
             break
         place = float((kernel * offsets).sum() / kernel.sum())
     return place
 
 
-def _bell(ratio: Array) -> Array:
+def _tukey(ratio: Array) -> Array:
     """Tukey's biweight."""
     return np.clip(1.0 - ratio**2, 0.0, None) ** 2
 
 
 def _snapped(normals: Array, lengths: Array, directions: tuple[float, ...]) -> Array:
-    """(N, 2) normals, those near a direction turned to the mean of those near it."""
+    """(N, 2) normals; those near the same direction become their mean."""
     angles = np.rad2deg(np.arctan2(normals[:, 1], normals[:, 0]))
     free = np.ones(len(angles), bool)
     for direction in directions:
         off = (angles - direction + 45.0) % 90.0 - 45.0
         near = free & (np.abs(off) < _SNAP_DEG)
-        # The error of a wall's direction falls with its length.
+        # The longer a wall, the smaller the error of its direction.
         weight = np.where(lengths > _MIN_TURNING_WALL_M, lengths, 0.0) ** 2
         total = float(weight[near].sum())
         mean = float((weight * off)[near].sum()) / total if total > 0.0 else 0.0

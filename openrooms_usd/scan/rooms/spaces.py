@@ -1,4 +1,4 @@
-"""Where a scan shows space to walk in: a map of pixels, cut into rooms at narrow places."""
+"""The free space of a scan's plan, segmented into rooms at narrow places by a watershed."""
 
 from dataclasses import dataclass
 from typing import Any, Final
@@ -7,30 +7,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import Surfels
-from openrooms_usd.scan.rooms.planmap import (
+from openrooms_usd.scan.rooms.occupancy import (
     PIXEL,
     at_sensor_height,
     disc,
-    overlooked,
+    free_along_rays,
+    free_space,
     plan_map,
-    sighted,
 )
 from openrooms_usd.scan.rooms.walls import Walls
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-# Nothing narrower than twice this is a room, and rooms end where they are narrower, metres.
+# Half the least width of a room, metres; narrower places separate rooms.
 _ROOM_HALF_WIDTH_M: Final = 0.5
-# What lies behind a gap narrower than twice this is of no room, metres: nobody passes there.
+# Half the least width of a gap that people pass, metres; space behind narrower ones is separate.
 _GAP_HALF_WIDTH_M: Final = 0.2
 _MIN_AREA_M2: Final = 1.0
-# Columns and lamps are smaller, metres.
+# Freestanding things larger than this may separate rooms, metres; columns and lamps are smaller.
 _FREESTANDING_M: Final = 0.8
 _MAP_MARGIN_M: Final = 0.6
 _COURSE_M: Final = 0.1
 _WALL_TOP_M: Final = 0.5
-# Above this height a wall is taller than doors.
+# Above this height only walls reach, no doors.
 _DOOR_HEIGHT_M: Final = 2.15
 _SMALL_HOLE_M2: Final = 1.5
 
@@ -41,16 +41,16 @@ class Spaces:
 
     Attributes:
         low: (2,) the corner of pixel (0, 0), metres.
-        seen: (X, Y) whether the scan shows anything there, or sensors looked over it.
-        shown: (X, Y) whether the scan shows anything there.
-        standing: (X, Y) metres of wall there that reach as high as walls were seen.
+        seen: (X, Y) whether there are surfels, or free space on the sensors' rays.
+        scanned: (X, Y) whether there are surfels.
+        standing: (X, Y) metres of full-height wall.
         rooms: (X, Y) the number of the room, from 1; 0 where there is none.
         middles: (R, 2) for each room the place farthest from its borders.
     """
 
     low: Array
     seen: Mask
-    shown: Mask
+    scanned: Mask
     standing: Array
     rooms: NDArray[np.int32]
     middles: Array
@@ -69,7 +69,7 @@ class Spaces:
         return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
 
     def numbers(self, places: Array) -> NDArray[np.int32]:
-        """(N,) in which room each place (N, 2) lies; 0 in none."""
+        """(N,) the room of each place (N, 2); 0 for none."""
         pixel = np.floor((places - self.low) / PIXEL).astype(int)
         within = ((pixel >= 0) & (pixel < self.rooms.shape)).all(axis=1)
         numbers = np.zeros(len(places), np.int32)
@@ -78,45 +78,47 @@ class Spaces:
 
 
 def find_spaces(
-    pieces: Surfels, walls: Walls, sensor_origins: Array | None = None, held: Array | None = None
+    pieces: Surfels,
+    walls: Walls,
+    sensor_origins: Array | None = None,
+    included: Array | None = None,
 ) -> Spaces:
-    """Map what a level scan shows and cut it into rooms.
+    """Map the plan of a level scan and segment it into rooms.
 
     Args:
-        pieces: In the level frame.
-        walls: Its upright pieces.
-        sensor_origins: (V, 3) where the scanner stood; what it could see from there, up to the
-            walls, is space too.
-        held: (H, 2) places that the map must reach.
+        pieces: Surfels in the level frame.
+        walls: The vertical ones.
+        sensor_origins: (V, 3) metres; free space on their rays counts as seen.
+        included: (H, 2) places that the map must contain.
     """
     from scipy import ndimage
 
     plan = pieces.points[:, :2]
     inner = np.quantile(plan, (0.0005, 0.9995), axis=0)
-    if held is not None:
-        reach = np.concatenate([inner, held])
+    if included is not None:
+        reach = np.concatenate([inner, included])
         inner = np.stack([reach.min(axis=0), reach.max(axis=0)])
     low = np.floor((inner[0] - _MAP_MARGIN_M) / PIXEL) * PIXEL
     shape = tuple(np.ceil((inner[1] + _MAP_MARGIN_M - low) / PIXEL).astype(int))
     evidence = plan_map(plan, low, shape) > 0
-    shown = ndimage.binary_closing(evidence, disc(3), border_value=0)
-    if held is not None and len(held) == 1:
-        shown |= sighted(plan, held, low, shape)
-    seen = shown.copy()
+    scanned = ndimage.binary_closing(evidence, disc(3), border_value=0)
+    if included is not None and len(included) == 1:
+        scanned |= free_along_rays(plan, included, low, shape)
+    seen = scanned.copy()
     barrier = _barrier(walls, low, shape)
     if sensor_origins is not None:
         blocked = barrier | at_sensor_height(
             pieces, float(np.median(sensor_origins[:, 2])), low, shape
         )
-        seen |= overlooked(blocked, (sensor_origins[:, :2] - low) / PIXEL)
+        seen |= free_space(blocked, (sensor_origins[:, :2] - low) / PIXEL)
     seen |= _holes(seen, barrier)
     free = ndimage.binary_opening(seen & ~barrier, disc(1))
     rooms, middles = _rooms(free, barrier, low)
-    return Spaces(low, seen, shown, _standing(walls, low, shape), rooms, middles)
+    return Spaces(low, seen, scanned, _standing(walls, low, shape), rooms, middles)
 
 
 def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
-    """Where something stands higher than doors are, or, if nothing was seen there, anything."""
+    """(X, Y) pixels with surfels above doors, or, if walls were not scanned so high, with any."""
     from scipy import ndimage
 
     tall = walls.top > _DOOR_HEIGHT_M + 0.15
@@ -129,7 +131,7 @@ def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
 
 
 def _holes(seen: Mask, barrier: Mask) -> Mask:
-    """Holes in what was seen that are small, or that more space than walls surrounds."""
+    """Holes in the seen area that are small, or that border more on space than on walls."""
     from scipy import ndimage
 
     holes, count = ndimage.label(~(seen | barrier))
@@ -145,7 +147,7 @@ def _holes(seen: Mask, barrier: Mask) -> Mask:
 
 
 def _standing(walls: Walls, low: Array, shape: tuple[int, ...]) -> Array:
-    """Metres of wall a pixel: what stands up to the top, nothing where that is lower than doors."""
+    """(X, Y) metres of full-height wall a pixel; 0 if walls were not scanned above doors."""
     if walls.top < _DOOR_HEIGHT_M + 0.15:
         return np.zeros(shape)
     base = max(walls.top - _WALL_TOP_M, _DOOR_HEIGHT_M)
@@ -154,14 +156,14 @@ def _standing(walls: Walls, low: Array, shape: tuple[int, ...]) -> Array:
     return np.asarray(pieces * PIXEL**2 / (walls.top - base))
 
 
-def _flooded(distance: Array, markers: NDArray[np.integer[Any]], count: int) -> NDArray[np.int32]:
-    """Each pixel's marker: that which it reaches without passing a narrower place than needed.
+def _watershed(distance: Array, markers: NDArray[np.integer[Any]], count: int) -> NDArray[np.int32]:
+    """Watershed: each pixel gets the marker to which its path is the widest.
 
-    A watershed as a minimum spanning forest (Cousty et al., "Watershed cuts", 2009).
+    Computed as a minimum spanning forest (Cousty et al., "Watershed cuts", 2009).
 
     Args:
         distance: (X, Y) to the nearest border, metres; 0 where there is no space.
-        markers: (X, Y) numbers from 1 in connected pieces; else 0.
+        markers: (X, Y) numbers from 1, each connected; else 0.
         count: Of the markers.
     """
     from scipy.sparse import csr_array
@@ -173,10 +175,10 @@ def _flooded(distance: Array, markers: NDArray[np.integer[Any]], count: int) -> 
     narrow = np.minimum(distance.ravel()[a], distance.ravel()[b])
     a, b, narrow = a[narrow > 0], b[narrow > 0], narrow[narrow > 0]
     chosen = [int((markers == i).argmax()) for i in range(1, count + 1)]
-    # A root that is nearest to all markers: the tree falls into their pieces without it.
+    # A root joined to all markers by the lightest edges: without it the tree becomes the forest.
     root = np.full(count, distance.size)
     rows, columns = np.concatenate([a, root]), np.concatenate([b, chosen])
-    # Among ways that are as narrow, the one towards the wider place.
+    # Ties are broken towards the wider place.
     wide = np.maximum(distance.ravel()[a], distance.ravel()[b])
     steep = 1.0 + 2.0 * distance.max() - narrow - 1e-3 * wide
     weights = np.concatenate([steep, np.full(count, 0.5)])
@@ -190,8 +192,8 @@ def _flooded(distance: Array, markers: NDArray[np.integer[Any]], count: int) -> 
     return np.asarray(np.where(distance > 0, names[piece[:-1]].reshape(distance.shape), 0))
 
 
-def _parting(barrier: Mask) -> Mask:
-    """The barriers that may part rooms: what stands free and is small does not, nor what hangs."""
+def _separating(barrier: Mask) -> Mask:
+    """The barriers that may separate rooms: without small freestanding or hanging things."""
     from scipy import ndimage
 
     groups, count = ndimage.label(barrier, np.ones((3, 3)))
@@ -202,7 +204,7 @@ def _parting(barrier: Mask) -> Mask:
 
 
 def _markers(width: Array) -> tuple[NDArray[np.integer[Any]], int]:
-    """Pieces of plan, one for each space: the wide ones, and what only a slit joins to them."""
+    """Watershed markers: wide parts of the plan, and parts that only narrow gaps join to them."""
     from scipy import ndimage
 
     markers, count = ndimage.label(width > _ROOM_HALF_WIDTH_M)
@@ -216,12 +218,12 @@ def _markers(width: Array) -> tuple[NDArray[np.integer[Any]], int]:
 def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Array]:
     from scipy import ndimage
 
-    # Rooms end where walls leave little way, not where little was seen.
-    walls = _parting(barrier)
+    # The width is measured to walls, not to the border of the scan.
+    walls = _separating(barrier)
     walled = ndimage.distance_transform_edt(~walls) * PIXEL if walls.any() else 1e3 * free
     width = np.where(free, walled, 0.0)
     markers, count = _markers(width)
-    flooded = _flooded(width, markers, count)
+    flooded = _watershed(width, markers, count)
     area = np.bincount(flooded.ravel(), minlength=count + 1) * PIXEL**2
     wide = ndimage.maximum(width, flooded, np.arange(count + 1)) > _ROOM_HALF_WIDTH_M
     large = [n for n in range(1, count + 1) if area[n] > _MIN_AREA_M2 and wide[n]]

@@ -1,4 +1,4 @@
-"""Evidence of walls: the upright pieces of a scan, and how far a wall stands along a line."""
+"""The vertical surfels of a scan, and the cover of lines in the plan by walls."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -14,36 +14,36 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-# Pieces of a wall lie near its line, by so many times the noise and within these limits, metres,
-# and face across it up to this angle, degrees.
+# Inliers of a line: within so many standard deviations, clipped to these limits, with normals
+# within 20 degrees of the line's.
 _REACH_SIGMAS: Final = 3.0
 _REACH_LIMITS_M: Final = (0.06, 0.1)
-_SLAB_REACHES: Final = 2.5  # times their reach
+_SLAB_REACHES: Final = 2.5
 FACES_ACROSS_COS: Final = float(np.cos(np.deg2rad(20.0)))
 COLUMN_M: Final = 0.05
 _COURSE_M: Final = 0.1  # height of a bin
-_WALL_TOP_M: Final = 0.5  # metres below the highest that was seen, where furniture rarely reaches
+_WALL_TOP_M: Final = 0.5  # below the highest surfels, where furniture rarely reaches
 _WALL_FOOT_M: Final = 0.1
-# NYU40: what hangs on walls counts as wall, what is unknown counts less, furniture hardly.
+# NYU40 classes: things on walls count as wall, unknown ones less, furniture hardly.
 _ON_WALLS_LABELS: Final = (1, 8, 11, 19, 30)
 _UNKNOWN_LABELS: Final = (0, 9, 38, 40)
 _LABEL_WEIGHTS: Final = {"wall": 1.0, "unknown": 0.7, "furniture": 0.12}
-# Walls do not run along the fronts of furniture.
+# Fronts of furniture are evidence against a wall.
 _FURNITURE_FRONT_WEIGHT: Final = -0.4
 
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """Upright pieces of a level scan.
+    """Vertical surfels of a level scan.
 
     Attributes:
-        points: (M, 2) in the plan.
-        normals: (M, 2) unit; the sign says nothing.
-        height: (M,) above the floor.
-        weight: (M,) how far a piece counts as wall, by its label.
-        share: (M,) how many points it has, relative to its neighbours.
-        top: Up to where walls were seen, metres.
-        reach: Pieces of a wall lie this near to its line, metres.
+        points: (M, 2) in the plan, metres.
+        normals: (M, 2) unit; the sign is arbitrary.
+        height: (M,) above the floor, metres.
+        weight: (M,) as evidence of a wall, by the label.
+        share: (M,) number of points, relative to the surfels around.
+        top: Height up to which walls were scanned, metres.
+        reach: Inlier distance of lines, metres.
     """
 
     points: Array
@@ -56,7 +56,7 @@ class Walls:
 
     @property
     def thickness(self) -> float:
-        """Farther than this from a wall, nothing is its noise, metres."""
+        """Distance beyond which no surfel is a wall's own, metres."""
         return _SLAB_REACHES * self.reach
 
     @property
@@ -72,9 +72,9 @@ class Line:
     Attributes:
         normal: (2,) unit.
         offset: Metres.
-        start: Where its first column begins, along the direction (-n_y, n_x).
-        cover: (U,) for columns of 5 cm along the line, how far a wall stands there, 0 to 1.
-        seen: (U,) the same without regard to what height the evidence lies at.
+        start: Where its first column begins, along the direction (-n_y, n_x), metres.
+        cover: (U,) for columns of 5 cm along the line, the evidence of a wall, from 0 to 1.
+        seen: (U,) the evidence of anything vertical, at whatever height, from 0 to 1.
     """
 
     normal: Array
@@ -92,8 +92,8 @@ class Line:
         """Metres of wall between places along the line."""
         return _between(self.cover, self.start, a, b)
 
-    def shown(self, a: float | Array, b: float | Array) -> Array:
-        """Metres of anything upright between places along the line."""
+    def seen_length(self, a: float | Array, b: float | Array) -> Array:
+        """Metres of anything vertical between places along the line."""
         return _between(self.seen, self.start, a, b)
 
 
@@ -104,12 +104,12 @@ def _between(values: Array, start: float, a: float | Array, b: float | Array) ->
 
 
 def upright(pieces: Surfels) -> Walls:
-    """The upright pieces of a level scan, and how far each counts as wall."""
+    """The vertical surfels of a level scan, weighted as evidence of walls."""
     standing = np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE
     walls = pieces.take(standing & (pieces.points[:, 2] > _WALL_FOOT_M))
     normals = unit(walls.normals[:, :2])
     height = walls.points[:, 2]
-    weight = _trust(walls.label, len(walls))
+    weight = _label_weights(walls.label, len(walls))
     counts = np.bincount((height / _COURSE_M).astype(int), weight, 4)
     dense = np.flatnonzero(counts >= 0.25 * np.quantile(counts, 0.75))
     top = float((dense[-1] + 1) * _COURSE_M)
@@ -127,7 +127,7 @@ def upright(pieces: Surfels) -> Walls:
     )
 
 
-def _trust(label: NDArray[np.int32] | None, count: int) -> Array:
+def _label_weights(label: NDArray[np.int32] | None, count: int) -> Array:
     if label is None or not np.isin(label, (*_ON_WALLS_LABELS,)).any():
         return np.full(count, _LABEL_WEIGHTS["wall"])
     return np.where(
@@ -146,14 +146,14 @@ def on_line(
     rows: Rows | slice = slice(None),
     spread: float = 1.0,
 ) -> Mask:
-    """Which upright pieces lie on a line and face across it.
+    """The inliers of a line, by distance and normal.
 
     Args:
-        walls: The pieces.
+        walls: The vertical surfels.
         normal: (2,) unit, of the line.
         offset: Of the line, metres.
-        rows: Only some of the pieces.
-        spread: How far away they may lie, in units of their reach.
+        rows: Only some of the surfels.
+        spread: Largest distance, in units of their reach.
     """
     near = np.abs(walls.points[rows] @ normal - offset) < spread * walls.reach
     return np.asarray(near & (np.abs(walls.normals[rows] @ normal) > FACES_ACROSS_COS))
@@ -169,7 +169,7 @@ def line_fit(points: Array, weight: Array, toward: Array) -> tuple[Array, float]
 
 
 def profile(walls: Walls, normal: Array, offset: float) -> Line:
-    """How far a wall stands along a line."""
+    """The cover of a line by walls."""
     on = on_line(walls, normal, offset)
     along = np.array([-normal[1], normal[0]])
     places = walls.points @ along
@@ -191,7 +191,7 @@ def profile(walls: Walls, normal: Array, offset: float) -> Line:
 
 
 def _closed(values: Array) -> Array:
-    """Gaps of two columns filled: the running maximum, then the running minimum, of three."""
+    """Morphological closing: gaps of two columns are filled."""
     wide = np.pad(values, 2, mode="edge")
     dilated = np.max([wide[i : i + len(wide) - 2] for i in range(3)], axis=0)
     return np.asarray(np.min([dilated[i : i + len(dilated) - 2] for i in range(3)], axis=0))

@@ -1,4 +1,4 @@
-"""How far an outline is borne out by what was seen of its walls."""
+"""How much of an outline's walls was scanned, and the residuals of their surfels."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,18 +9,20 @@ from openrooms_usd.scan.rooms.walls import Walls, profile
 Array = NDArray[np.float64]
 
 
-def shown_parts(outline: Outline, walls: Walls) -> Array:
-    """(N,) the part of each wall that was seen."""
+def seen_shares(outline: Outline, walls: Walls) -> Array:
+    """(N,) the part of each wall with vertical surfels."""
     corners = outline.corners()
-    shown = np.zeros(len(outline))
+    seen = np.zeros(len(outline))
     for i, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
         line = profile(walls, outline.normals[i], float(outline.offsets[i]))
-        shown[i] = line.shown(start @ line.along, end @ line.along) / np.linalg.norm(end - start)
-    return shown
+        seen[i] = line.seen_length(start @ line.along, end @ line.along) / np.linalg.norm(
+            end - start
+        )
+    return seen
 
 
 def covered_lengths(outline: Outline, walls: Walls) -> Array:
-    """(N,) along how many metres of each wall something stands that counts as wall."""
+    """(N,) metres of each wall with surfels that count as wall."""
     corners = outline.corners()
     found = np.zeros(len(outline))
     for i, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
@@ -29,8 +31,8 @@ def covered_lengths(outline: Outline, walls: Walls) -> Array:
     return found
 
 
-def distances(outline: Outline, walls: Walls) -> Array:
-    """(P,) metres from each wall to its pieces, outwards."""
+def residuals(outline: Outline, walls: Walls) -> Array:
+    """(P,) signed distances of surfels to their walls, outwards, metres."""
     starts = outline.corners()
     ends = np.roll(starts, -1, axis=0)
     found = []

@@ -1,4 +1,4 @@
-"""Maps of the plan: what lies in each pixel, and what sensors looked over without a return."""
+"""Grids of the plan: occupancy, and free space along the sensors' rays."""
 
 from typing import Final
 
@@ -12,8 +12,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 PIXEL: Final = 0.05
-# So far above and below the sensors things block their view, metres, where they fill this part
-# of it.
+# Half the height of the slab at the sensors that is tested for occlusion, metres, and the part of
+# it that must be filled.
 _VIEW_HALF_HEIGHT_M: Final = 0.25
 _BLOCKING_SHARE: Final = 0.5
 _MOST_SENSORS: Final = 60
@@ -23,13 +23,13 @@ _MAX_SIGHT_M: Final = 10.0
 
 
 def disc(radius: int) -> Mask:
-    """A disc of pixels."""
+    """A disc as a structuring element."""
     x, y = np.mgrid[-radius : radius + 1, -radius : radius + 1]
     return np.asarray(x * x + y * y <= radius * radius + 0.5)
 
 
 def plan_map(plan: Array, low: Array, shape: tuple[int, ...], weight: Array | None = None) -> Array:
-    """How much of some places (N, 2) lies in each pixel of a map with its corner at low (2,)."""
+    """(X, Y) number, or total weight, of points (N, 2) a pixel; the grid begins at low (2,)."""
     pixel = np.floor((plan - low) / PIXEL).astype(int)
     within = ((pixel >= 0) & (pixel < shape)).all(axis=1)
     flat = np.ravel_multi_index(tuple(pixel[within].T), shape)
@@ -38,7 +38,7 @@ def plan_map(plan: Array, low: Array, shape: tuple[int, ...], weight: Array | No
 
 
 def at_sensor_height(pieces: Surfels, origin: float, low: Array, shape: tuple[int, ...]) -> Mask:
-    """Where something stands at the height of the sensors: nobody looks through it."""
+    """(X, Y) pixels with occluders at the height of the sensors."""
     from scipy import ndimage
 
     upright = np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE
@@ -48,8 +48,8 @@ def at_sensor_height(pieces: Surfels, origin: float, low: Array, shape: tuple[in
     return np.asarray((filled > 0) & (across > _BLOCKING_SHARE * 2.0 * _VIEW_HALF_HEIGHT_M / PIXEL))
 
 
-def overlooked(barrier: Mask, sensor_origins: Array) -> Mask:
-    """What lies before the barrier as seen from places in the map; rays that meet none are void."""
+def free_space(barrier: Mask, sensor_origins: Array) -> Mask:
+    """(X, Y) pixels on rays from sensors (pixels) up to a barrier; others do not count."""
     from scipy import ndimage
 
     some = sensor_origins[:: max(1, len(sensor_origins) // _MOST_SENSORS)]
@@ -68,8 +68,8 @@ def overlooked(barrier: Mask, sensor_origins: Array) -> Mask:
     return np.asarray(ndimage.binary_closing(seen, disc(1))[1:-1, 1:-1])
 
 
-def sighted(plan: Array, sensor_origins: Array, low: Array, shape: tuple[int, ...]) -> Mask:
-    """What lies between places (N, 2) and the only sensors (E, 2) that can have seen them."""
+def free_along_rays(plan: Array, sensor_origins: Array, low: Array, shape: tuple[int, ...]) -> Mask:
+    """(X, Y) pixels on the segments between points (N, 2) and sensors (E, 2)."""
     some = plan[:: max(1, len(plan) // _MOST_SIGHTS)]
     seen = np.zeros(shape, bool)
     for origin in sensor_origins:
