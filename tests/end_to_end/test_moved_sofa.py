@@ -41,7 +41,7 @@ def cameras(scene: Path) -> dict[str, np.ndarray]:
     }
 
 
-@pytest.mark.parametrize("pinned", [False, True])
+@pytest.mark.parametrize("pinned", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_the_next_pictures_show_it(tmp_path: Path, show: Any, fastest: str, pinned: bool) -> None:
     (tmp_path / "room.yaml").write_text(ROOM)
     scene = compose_room(tmp_path / "room.yaml", tmp_path / "out").scene
