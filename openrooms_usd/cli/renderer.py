@@ -30,7 +30,10 @@ def renderer_options(**shorthands: str) -> Callable[[Command], Command]:
             "--option", "pairs", multiple=True, callback=_pairs, metavar="NAME=VALUE",
             help="Something that this renderer can be asked for. Repeatable.",
         )(found)  # fmt: skip
-        return click.option("--renderer", default="mitsuba", show_default=True)(found)
+        return click.option(
+            "--renderer", default="mitsuba", show_default=True,
+            help="mitsuba, preview (quick, without light), or another that is installed.",
+        )(found)  # fmt: skip
 
     return decorate
 
