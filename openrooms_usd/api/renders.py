@@ -1,5 +1,6 @@
 """Pictures with ground truth: what was rendered reads like mappings from names to arrays."""
 
+import logging
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from openrooms_usd.render.datasets import DatasetSummary
     from openrooms_usd.render.reading import RenderedScene, RenderedView
 
+_LOG: Final = logging.getLogger("openrooms_usd")
 _MASKS: Final = ("valid", "mask_i")
 _RENDER: Final = "render"
 
@@ -229,7 +231,7 @@ def render(
     file = usd_file(scene)
     folder = file.parent / _RENDER if out is None else path_of(out)
     with quiet():
-        render_stage(
+        summary = render_stage(
             file,
             folder,
             cameras=[cameras] if isinstance(cameras, str) else list(cameras),
@@ -247,6 +249,10 @@ def render(
             options=options or {},
             progress=progress,
         )
+    if summary.advice:
+        _LOG.warning(summary.advice)
+    for path in summary.stay:
+        _LOG.warning("%s stays: it is no view of this run, and holds what no run wrote", path)
     return read_render(folder)
 
 

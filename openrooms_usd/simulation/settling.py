@@ -130,7 +130,7 @@ def settle(
     with settling(path, out) as room:
         if look is not None:
             choose_look(room.stage, look, path)
-        world = read_world(room.stage)
+        world = read_world(room.stage, path)
         if all(body.fixed and not body.joints for body in world.bodies):
             raise StageError(
                 "nothing in this stage can move",

@@ -7,6 +7,7 @@ import pytest
 
 import openrooms_usd as ou
 from openrooms_usd.errors import InputError, UnknownNameError
+from openrooms_usd.render import driver
 from openrooms_usd.render.exr import read_channels
 
 
@@ -85,6 +86,16 @@ def test_the_same_render_is_read_back(rendered: ou.Render) -> None:
     assert np.array_equal(again["left"]["radiance"], rendered["left"]["radiance"])
     with pytest.raises(InputError, match="no finished render"):
         ou.read_render(rendered.folder.parent)
+
+
+def test_advice_is_logged(
+    rendered: ou.Render, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    told = driver.RenderSummary(rendered.folder, {}, {}, "install more", (Path("old"),))
+    monkeypatch.setattr(driver, "render_stage", lambda *_, **__: told)
+    ou.render("scene.usda", rendered.folder)
+    assert [record.name for record in caplog.records] == ["openrooms_usd"] * 2
+    assert "install more" in caplog.text and "old stays" in caplog.text
 
 
 def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:

@@ -83,6 +83,13 @@ def test_a_room_in_the_place_of_a_scene_is_explained() -> None:
         assert "ou.compose" in (refused.value.remedy or "")
 
 
+def test_what_has_no_physics_is_named(scene: ou.Scene) -> None:
+    for simulate in (ou.simulate, ou.robots.read_world):
+        with pytest.raises(StageError, match="nothing of physics") as refused:
+            simulate(scene)
+        assert refused.value.place == str(scene.path)
+
+
 def test_edits_are_kept_and_dropped(here: Path) -> None:
     scene = ou.compose(ROOM, "out")
     untouched = scene.edits.read_bytes()

@@ -50,7 +50,7 @@ _PARSE: Final = (
 )
 
 
-def read_world(stage: Usd.Stage) -> World:
+def read_world(stage: Usd.Stage, place: object = None) -> World:
     """Read the physics of a stage, ours or a foreign one.
 
     What moves is a body with RigidBodyAPI that is enabled and not kinematic. What collides and does
@@ -60,6 +60,7 @@ def read_world(stage: Usd.Stage) -> World:
 
     Args:
         stage: The composed stage.
+        place: What people call it, for messages; its root layer where nothing else is said.
 
     Returns:
         Everything in metres, kilograms and radians with Z up; scales and mirrors are in the points.
@@ -73,7 +74,7 @@ def read_world(stage: Usd.Stage) -> World:
     if not any(parsed.get(kind) for kind in (_Type.RigidBody, *_SHAPES)):
         raise StageError(
             "this stage says nothing of physics: it has no rigid bodies and no colliders",
-            place=stage.GetRootLayer().identifier,
+            place=place or stage.GetRootLayer().identifier,
             remedy="compose the room again with its physics stage, or apply UsdPhysics schemas",
         )
     return _Reading(stage, parsed).world()
