@@ -221,7 +221,7 @@ def _box(label: str, center: Any, size: Any, yaw: float = 0.0, key: str = "id") 
 class _Importer:
     """Gives a capture without any file format."""
 
-    options: Mapping[str, str] = {}  # noqa: RUF012
+    options: Mapping[str, str] = {}
 
     def __init__(self, *boxes: CapturedBox) -> None:
         self.boxes = boxes
