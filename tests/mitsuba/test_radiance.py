@@ -31,6 +31,23 @@ def test_a_glowing_room_adds_one_power_of_the_albedo_for_each_bounce(build, shoo
     assert (np.abs(means - expected) <= 4 * deviation + 1e-5 * expected).all()
 
 
+def test_light_comes_from_where_a_camera_off_its_axis_sees_the_surface(build, shoot):
+    made = build()
+    glowing = made.material("/Glow", base_color=(0, 0, 0), emissive=(1, 1, 1))
+    corners = [(-0.4, -0.3, 0), (0.5, -0.3, 0), (0.5, 0.2, 0), (-0.4, 0.2, 0)]
+    made.quad("/Patch", corners, material=glowing)
+    made.camera((0, -1.2, 1.0), (0, 0, 0), fov=60)
+    camera = UsdGeom.Camera(made.stage.GetPrimAtPath("/Camera"))
+    aperture = camera.GetHorizontalApertureAttr().Get()
+    camera.CreateHorizontalApertureOffsetAttr(0.15 * aperture)
+    camera.CreateVerticalApertureOffsetAttr(-0.1 * aperture)
+    images = shoot(made.stage, "radiance", "valid", samples=64, bounces=0).images
+    seen = images["valid"].pixels[..., 0] == 1
+    assert 0.05 < seen.mean() < 0.6
+    # Pixels on the edges are lit in part.
+    assert ((images["radiance"].pixels[..., 0] > 0.5) == seen).mean() > 0.98
+
+
 def corner_factor(a, b, h):
     """Form factor from a point to a parallel rectangle a by b whose corner is h above it.
 
