@@ -227,10 +227,14 @@ def render(
     from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID
     from openrooms_usd.render.driver import render_stage
     from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.metrics import find_misfits
 
     file = usd_file(scene)
     folder = file.parent / _RENDER if out is None else path_of(out)
     with quiet():
+        for misfit in find_misfits(open_stage(file)):
+            _LOG.warning("%s: see orusd edits fit", misfit)
         summary = render_stage(
             file,
             folder,

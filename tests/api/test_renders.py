@@ -89,11 +89,14 @@ def test_the_same_render_is_read_back(rendered: ou.Render) -> None:
 
 
 def test_advice_is_logged(
-    rendered: ou.Render, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    scene: ou.Scene,
+    rendered: ou.Render,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     told = driver.RenderSummary(rendered.folder, {}, {}, "install more", (Path("old"),))
     monkeypatch.setattr(driver, "render_stage", lambda *_, **__: told)
-    ou.render("scene.usda", rendered.folder)
+    ou.render(scene, rendered.folder)
     assert [record.name for record in caplog.records] == ["openrooms_usd"] * 2
     assert "install more" in caplog.text and "old stays" in caplog.text
 

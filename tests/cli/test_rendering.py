@@ -221,6 +221,7 @@ def asked(monkeypatch):
     words = {}
 
     def compose_room(description, out, **how):
+        (out / "scene.usda").write_text("#usda 1.0\n")
         return compose.ComposeSummary(out / "scene.usda", ())
 
     def render_stage(stage, out, **how):
