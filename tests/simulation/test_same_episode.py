@@ -122,6 +122,7 @@ def test_another_light_shows_the_same_episode(
     np.testing.assert_allclose(b, a, rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_a_recorded_episode_in_another_look(
     composed_bodies: Path, world: World, tmp_path: Path
 ) -> None:
@@ -138,6 +139,7 @@ def test_a_recorded_episode_in_another_look(
     assert ratios[1] > 1.05 * ratios[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_recorded_episode_on_another_floor(world: World, engine: str) -> None:
     """The same actions: equal bits on the same floor; wheels that slip on ice get less far."""
