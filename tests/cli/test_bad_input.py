@@ -466,6 +466,7 @@ def test_a_read_only_disk(command: str, orusd: Any, lab: Any, tmp_path: Path) ->
         assert lab.tree(disk) == before
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("command", ["init", "import", "compose", "render", "convert"])
 def test_a_full_disk(command: str, orusd: Any, lab: Any, tmp_path: Path) -> None:
     """However small the disk is: everything is there, or nothing."""

@@ -89,6 +89,7 @@ def test_a_picture_of_another_size_is_no_grid(tmp_path: Path) -> None:
         read_environments(tmp_path / "imenv_1.hdr")
 
 
+@pytest.mark.slow
 def test_the_sizes_of_the_release(tmp_path: Path) -> None:
     """640x480, hemispheres on 160x120 points; what is direct on 40x30."""
     render = make_render(tmp_path / "full", (640, 480), (120, 160), views=1)

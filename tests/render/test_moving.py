@@ -83,7 +83,7 @@ def test_the_nearest_prim_above_leads() -> None:
     assert corners_of(moving.scene, "/AB")[..., 0].min() == 0.0
 
 
-@pytest.mark.parametrize("renderer", ["mitsuba", "preview"])
+@pytest.mark.parametrize("renderer", [pytest.param("mitsuba", marks=pytest.mark.slow), "preview"])
 def test_a_moved_scene_renders_as_a_stage_that_was_moved(
     composed_demo: Path, renderer: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -67,6 +67,7 @@ def prims_off(stage: Usd.Stage) -> list[str]:
     ]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     "path",
     [

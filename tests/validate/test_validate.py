@@ -392,6 +392,7 @@ def test_what_is_no_stage_is_refused(tmp_path: Path) -> None:
             validate_stage(tmp_path / name)
 
 
+@pytest.mark.slow
 def test_ten_thousand_instances_are_looked_at_once(small_room: SmallRoom) -> None:
     from openrooms_usd.validation.model import Subject
 
