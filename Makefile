@@ -15,7 +15,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 help:
 	@echo "make demo        compose and render the bundled example into out/demo"
-	@echo "make test        ruff, mypy --strict and pytest without the slow tests: 5 minutes"
+	@echo "make test        ruff, mypy --strict and pytest without the slow tests"
 	@echo "make slow        the slow tests"
 	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
 	@echo "make check       ruff and mypy"
