@@ -10,8 +10,8 @@ from openrooms_usd.scan.registration.alignment import align
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.hypotheses import from_box, plain
+from openrooms_usd.scan.registration.supportheights import supports
 from openrooms_usd.scan.registration.template import template_of
-from openrooms_usd.scan.registration.undersides import supports
 from openrooms_usd.scan.registration.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, SENSOR_ORIGINS, Placed, cad, room, scan
 

@@ -1,10 +1,11 @@
-"""CADs put where a scan shows furniture: which one, where, how turned and how large.
+"""Retrieval and registration of CADs to the objects of a scan.
 
 In the order of the work:
 
-- `hints`: what is known before; `evidence`, `selection`: the points of one object;
-- `retrieval`: CADs that are alike; `template`: one of them with its seven parameters;
-- `wallsides`, `undersides`, `surroundings`, `truesize`: what else speaks for a pose;
-- `hypotheses`: where fits begin; `priors`, `discs`, `fitting`: one fit;
-- `competition`: hypotheses against each other; `alignment`: all objects of a scan.
+- `hints`: given poses, boxes and categories; `evidence`, `selection`: the points of one object;
+- `retrieval`: CADs ranked by shape; `template`: one of them with its seven parameters;
+- `wallsides`, `supportheights`, `surroundings`: walls, supports, the residuals of contacts;
+- `hypotheses`, `priors`: initial poses and their covariance; `discs`, `fitting`: robust ICP;
+- `posesearch`: hypotheses from coarse to fine; `truesize`: a prior of scale over all objects;
+- `alignment`: all objects of a scan.
 """

@@ -1,4 +1,4 @@
-"""Puts CADs where a scan shows furniture: which one, where, how turned and how large."""
+"""Aligns CADs to all objects of a scan: retrieval, pose search, and a test of the result."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,28 +11,29 @@ from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.models.symmetry import symmetry_of
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
-from openrooms_usd.scan.registration.competition import best_sizes, surveyed_candidates
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, from_pose
+from openrooms_usd.scan.registration.posesearch import best_sizes, surveyed_candidates
 from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS, RefusedError, Selection
+from openrooms_usd.scan.registration.supportheights import supports
 from openrooms_usd.scan.registration.surroundings import Surroundings
 from openrooms_usd.scan.registration.template import directions, posed, template_of, unposed
 from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
-from openrooms_usd.scan.registration.undersides import supports
 from openrooms_usd.scan.registration.wallsides import Walls, walls_of
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
 Array = NDArray[np.float64]
 
-# Points nearer to the CAD than this lie on it, metres; fits with less of either are refused.
+# Inlier distances, from points to the CAD and from the CAD's visible surface to points, metres; and
+# the least share of inliers each way.
 _ON_CAD_M: Final = 0.05
 _COVERED_M: Final = 0.04
 _MIN_INLIER_SHARE: Final = 0.3
 _MIN_COVERAGE_SHARE: Final = 0.15
-# Points for what was seen from where; more say the same.
+# Points of the range panoramas; more change nothing.
 _MAX_VISIBILITY_POINTS: Final = 300_000
-# What standing on anything but the likeliest support must save.
+# Energy of the prior against any support but the likeliest.
 _OTHER_SUPPORT_ENERGY: Final = 9.0
 
 
@@ -42,7 +43,7 @@ class Rejected:
 
     Attributes:
         instance: Its number.
-        category: Where known.
+        category: Empty where it is not known.
         reason: A sentence for people.
     """
 
@@ -53,7 +54,7 @@ class Rejected:
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """What was found, and what was not."""
+    """Aligned objects, and those without a CAD."""
 
     objects: tuple[FoundObject, ...]
     rejected: tuple[Rejected, ...]
@@ -72,7 +73,7 @@ def align(
         cloud: Level: floor at z = 0, Z up, metres.
         hints: The objects; None: every labelled instance.
         models: CADs to choose from.
-        rooms: Rooms in the frame of the cloud, whose walls hold hidden sides.
+        rooms: Rooms in the frame of the cloud; hidden sides are drawn to their walls.
         categories: The CADs' categories that a label of the cloud may mean, best first.
     """
     scene = _Scene.of(cloud, models, rooms, categories or {})
@@ -122,7 +123,7 @@ class _Scene:
         return [Hint(int(number)) for number in numbers[numbers > 0]]
 
     def fitted(self, hint: Hint) -> tuple[Evidence, Sizes]:
-        """The points of an object, and its best fits."""
+        """The points of an object, and its best fits of free and of true size."""
         cloud, models = self.selection.cloud, self.selection.models
         rows = self.selection.rows(hint)
         bounds = bounds_of(hint, models)
@@ -141,13 +142,13 @@ class _Scene:
             candidate
             for model, upright in chosen
             for rank, support in enumerate(possible)
-            for candidate in self._tried(
+            for candidate in self._candidates(
                 hint, model, upright, evidence, box, support, _OTHER_SUPPORT_ENERGY * (rank > 0)
             )
         ]
         return evidence, best_sizes(candidates, evidence)
 
-    def _tried(
+    def _candidates(
         self,
         hint: Hint,
         model: CadModel,
@@ -157,7 +158,7 @@ class _Scene:
         support: float | None,
         doubt: float,
     ) -> list[Candidate]:
-        """The best hypotheses of one CAD, roughly refined."""
+        """Roughly refined pose hypotheses of one CAD."""
         if hint.pose is not None and hint.cad is not None:
             template = template_of(model, upright, hint.pose.scale)
             hypotheses = from_pose(template, hint.pose)

@@ -1,7 +1,7 @@
-"""Distances between points and small discs, and what they ask of a pose.
+"""Point-to-disc residuals and their normal equations.
 
-They are along the normal where there is surface and towards its edge beyond it; the kernel is that
-of Geman and McClure.
+A residual is point-to-plane above the disc and point-to-edge beside it, with the robust kernel of
+Geman and McClure.
 """
 
 from typing import NamedTuple
@@ -15,12 +15,12 @@ Array = NDArray[np.float64]
 
 
 class System(NamedTuple):
-    """Normal equations about a pose.
+    """Normal equations of a Gauss-Newton step.
 
     Attributes:
         matrix: (7, 7).
         vector: (7,) half the gradient of the energy.
-        energy: Of all terms, with their robust kernels.
+        energy: Sum of all terms, robust kernels included.
     """
 
     matrix: Array
@@ -29,15 +29,15 @@ class System(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Points of a template against discs.
+    """Correspondences of template points and discs.
 
     Attributes:
         across: (N, 3) unit, normal to the disc.
-        height: (N,) along it, metres.
-        along: (N, 3) unit, in the disc; 0 where the point is above it.
-        beyond: (N,) from its edge, metres.
-        lever: (N, 3) of the template's points about its origin, turned.
-        local: (N, 3) the same, not turned.
+        height: (N,) signed point-to-plane distance, metres.
+        along: (N, 3) unit, in the disc's plane; 0 where the point is above the disc.
+        beyond: (N,) distance from its edge in the plane, metres.
+        lever: (N, 3) the template's points about its origin, rotated.
+        local: (N, 3) the same, not rotated.
         turn: (3, 3) about the vertical.
     """
 
@@ -50,7 +50,7 @@ class Pairs(NamedTuple):
     turn: Array
 
     def robust(self, weights: Array, width: float) -> System:
-        """Their equations under a kernel of some width, metres, with weights (N,)."""
+        """Normal equations with weights (N,) and a kernel of some width, metres."""
         squared = self.height**2 + self.beyond**2
         kernel = width**2 / (width**2 + squared)
         w = weights * kernel**2
@@ -69,14 +69,14 @@ class Pairs(NamedTuple):
 def paired(
     points: Array, normals: Array, targets: Array, radius: float, parameters: Array
 ) -> Pairs:
-    """Pairs of a template's points and points of the scan.
+    """Correspondences of template points and scan points, which become discs.
 
     Args:
         points: (N, 3) of the template, in its own frame.
         normals: (N, 3) unit, there.
         targets: (N, 3) points of the scan.
         radius: Of the discs, metres.
-        parameters: (7,) where the template is.
+        parameters: (7,) pose of the template.
     """
     turn = turn_of(parameters)
     local = points * np.exp(parameters[4:])

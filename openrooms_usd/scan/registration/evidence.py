@@ -1,4 +1,4 @@
-"""The points of one object: those of its instance, or what lies in its box, without strays."""
+"""The points of one object, by instance or box, without outliers."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,24 +15,25 @@ from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls
 
 Array = NDArray[np.float64]
 
-# Points farther apart than this do not hang together, metres.
+# Largest distance between neighbours in a cluster, metres.
 _CLUSTER_GAP_M: Final = 0.08
-# Pieces of less than this part of the largest one are strays, where it is known about where the
-# object is, and where not.
+# Clusters smaller than this part of the largest one are outliers: where the object's place is
+# roughly known, and where not.
 _STRAY_SHARE_LOCATED: Final = 0.1
 _STRAY_SHARE: Final = 0.3
-# Points so near to the floor are the floor's, where the object is not as flat itself, metres.
+# Points this near to the floor are the floor's, unless the object itself is flatter than the other,
+# metres.
 _NEAR_FLOOR_M: Final = 0.025
 _FLAT_OBJECT_M: Final = 0.12
-# Points so near to a wall that face as it does are the wall's, metres and cosine, and so are those
-# beyond it; unless that is most of what there is, as of a picture.
+# Points this near to a wall with its normal are the wall's, and so are those behind it; unless most
+# points are, as of a picture.
 _NEAR_WALL_M: Final = 0.05
 _BEYOND_WALL_M: Final = (-0.5, -0.03)
 _FACES_WALL_COS: Final = 0.85
 _MAX_WALL_SHARE: Final = 0.5
 _WALL_MARGIN_M: Final = 0.1
 _NORMAL_NEIGHBOURS: Final = 12
-# Between points: coarser for large objects, metres, and for how many points.
+# Finest spacing of points, metres; coarser where an object would have more points than this.
 _MIN_SPACING_M: Final = 0.012
 _MAX_POINTS: Final = 5000
 _SEED: Final = 20100607
@@ -43,8 +44,8 @@ class Evidence:
     """The points of an object.
 
     Attributes:
-        points: (N, 3) metres, of about even density, in no order that matters.
-        spacing: Between them, metres.
+        points: (N, 3) metres, of about uniform density, in random order.
+        spacing: Between neighbours, metres.
     """
 
     points: Array
@@ -52,25 +53,25 @@ class Evidence:
 
     @cached_property
     def tree(self) -> "KDTree[None]":
-        """Of all points."""
+        """k-d tree of all points."""
         return KDTree(self.points)
 
     def part(self, count: int) -> Array:
-        """About so many of the points."""
+        """A uniform sample of about so many points."""
         return self.points[:: max(len(self.points) // count, 1)]
 
 
 def gathered(points: Array, bounds: Array | None = None, walls: Walls = NO_WALLS) -> Evidence:
-    """The points that belong together, thinned evenly.
+    """The largest clusters of an object's points, downsampled.
 
     Args:
-        points: (N, 3) of one instance, floor at z = 0; some are wrong.
-        bounds: (2, 3) least and greatest coordinates that they may have; None: any.
+        points: (N, 3) of one instance, floor at z = 0, with outliers.
+        bounds: (2, 3) least and greatest coordinates of inliers; None: any.
         walls: Of the room, whose points may be among them.
     """
     if bounds is not None:
         points = points[((points >= bounds[0]) & (points <= bounds[1])).all(axis=1)]
-    points = _together(points, _STRAY_SHARE_LOCATED if bounds is not None else _STRAY_SHARE)
+    points = _clustered(points, _STRAY_SHARE_LOCATED if bounds is not None else _STRAY_SHARE)
     if len(points) and np.quantile(points[:, 2], 0.95) > _FLAT_OBJECT_M:
         points = points[points[:, 2] > _NEAR_FLOOR_M]
     spacing = _MIN_SPACING_M
@@ -84,7 +85,7 @@ def gathered(points: Array, bounds: Array | None = None, walls: Walls = NO_WALLS
 
 
 def _off_walls(points: Array, walls: Walls) -> Array:
-    """Without points of the walls, which wrong labels give to what stands before them."""
+    """Without points of the walls, which labels that bleed over borders bring in."""
     if not len(walls.starts) or len(points) <= _NORMAL_NEIGHBOURS:
         return points
     normals = _normals(points)
@@ -102,14 +103,14 @@ def _off_walls(points: Array, walls: Walls) -> Array:
 
 
 def _normals(points: Array) -> Array:
-    """(N, 3) least axes of the nearest points."""
+    """(N, 3) least principal axes of the nearest points."""
     _, near = KDTree(points).query(points, k=_NORMAL_NEIGHBOURS)
     off = points[near] - points[near].mean(axis=1, keepdims=True)
     return np.asarray(np.linalg.eigh(np.einsum("nki,nkj->nij", off, off))[1][:, :, 0])
 
 
-def _together(points: Array, share: float) -> Array:
-    """Without pieces that are apart and smaller than this share of the largest one."""
+def _clustered(points: Array, share: float) -> Array:
+    """Without clusters smaller than this share of the largest one."""
     if not len(points):
         return points
     cells = np.floor((points - points.min(axis=0)) / _CLUSTER_GAP_M).astype(np.int64)

@@ -1,9 +1,8 @@
-"""Fits a CAD to the points of an object: where it stands, how it is turned, and its scale.
+"""Robust ICP of a CAD to the points of an object, over translation, yaw and three scales.
 
-Both ways between the points and the CAD count, truncated: from every point to the CAD, and from
-what a scanner must have seen of the CAD to the points, which is what holds its silhouette and
-keeps it out of space that was seen to be free. Kernels are narrowed step by step (graduated
-non-convexity); the priors of start and contacts are least squares.
+Residuals run both ways: from every point to the CAD, and from the CAD's visible surface to the
+points, which keeps it out of free space. The robust kernel is narrowed step by step (graduated
+non-convexity); priors and contacts are least squares.
 """
 
 from collections.abc import Sequence
@@ -21,33 +20,33 @@ from openrooms_usd.scan.registration.template import Template, directions, posed
 
 Array = NDArray[np.float64]
 
-# Distances that are as likely as one standard deviation of the priors, metres, and how many
-# independent ones the points of one object amount to.
+# Standard deviation of a residual, metres, and the effective number of independent ones that the
+# correlated points of one object amount to.
 _DISTANCE_SIGMA_M: Final = 0.02
 _INDEPENDENT_DISTANCES: Final = 250.0
-# Weight of what a scanner must have seen, against the points that it gave.
+# Weight of residuals from the CAD's visible surface, against those from points.
 _SEEN_WEIGHT: Final = 0.7
-# The same where it is not known what a scanner saw.
+# The same where visibility is not known.
 _UNKNOWN_WEIGHT: Final = 0.35
-# How high a support reaches into the points of what stands on it, metres, and at most which share
-# of its height.
+# Height above its support below which a CAD's points are ignored, metres, and as a share of the
+# CAD's height.
 _SUPPORT_REACH_M: Final = 0.04
 _MAX_SUPPORT_SHARE: Final = 0.3
-# How much of one step is taken again with the next one.
+# Part of the previous step that is added to the next one.
 _STEP_MOMENTUM: Final = 0.6
-# The farthest that one step goes: metres, radians, logarithm of scale.
+# Largest step: metres, radians, logarithm of scale.
 _MAX_STEP: Final = np.array([0.06, 0.06, 0.06, 0.12, 0.06, 0.06, 0.06])
 
 
 class AnnealingLevel(NamedTuple):
-    """One step of narrowing.
+    """One level of the annealing schedule.
 
     Attributes:
         width: Of the kernel, metres.
-        points: Of each side.
-        steps: How many.
-        disc: Radius of the disc that a point stands for, over the spacing of points: wide ones let
-            surfaces slide along each other, narrow ones hold their edges.
+        points: Sampled from either side.
+        steps: Gauss-Newton steps.
+        disc: Radius of a point's disc, over the spacing of points: large ones approach
+            point-to-plane residuals, small ones point-to-point.
     """
 
     width: float
@@ -70,7 +69,7 @@ class Fit:
 
     Attributes:
         parameters: (7,).
-        energy: Half of it is the negative logarithm of how likely it is; for comparison only.
+        energy: Twice the negative logarithm of the likelihood, up to a constant.
     """
 
     parameters: Array
@@ -85,15 +84,15 @@ def refined(
     parameters: Array,
     schedule: Sequence[AnnealingLevel],
 ) -> Fit:
-    """Improve a pose by Gauss-Newton steps.
+    """Refine a pose by Gauss-Newton steps.
 
     Args:
-        template: What is fitted.
-        evidence: To these points.
-        around: What else it touches.
-        prior: What is known before.
-        parameters: (7,) where to begin.
-        schedule: Widths of the kernel, narrowing.
+        template: The CAD.
+        evidence: The points.
+        around: Support, walls and visibility.
+        prior: Of the pose.
+        parameters: (7,) initial pose.
+        schedule: Annealing levels.
     """
     for level in schedule:
         part, scan = template.part(level.points), evidence.part(level.points)
@@ -103,7 +102,7 @@ def refined(
             system = _system(
                 template, part, evidence, scan, around, prior, parameters, level, weights, hidden
             )
-            # Nearest points hold surfaces back along themselves: what goes on is sped up.
+            # ICP converges slowly where surfaces slide along each other: momentum speeds it up.
             velocity = _step(system) + _STEP_MOMENTUM * velocity
             parameters = prior.bounded(parameters + velocity)
     return Fit(parameters, energy(template, evidence, around, prior, parameters, schedule[-1]))
@@ -117,7 +116,7 @@ def energy(
     parameters: Array,
     level: AnnealingLevel,
 ) -> float:
-    """How bad a pose is, as a level sees it."""
+    """The energy of a pose at an annealing level."""
     part, scan = template.part(level.points), evidence.part(level.points)
     weights, hidden = _seen(part, around, parameters)
     return _system(
@@ -135,9 +134,9 @@ def _step(system: System) -> Array:
 def _seen(
     template: Template, around: Surroundings, parameters: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """(N,) weights of the points of a template by what a scanner saw, and (4,) its hidden sides."""
+    """(N,) weights of a template's points by visibility, and (4,) its hidden sides."""
     places = posed(template.points, parameters)
-    # Where it stands, its points cannot be told from those of what is below it.
+    # Near the support, its points cannot be distinguished from the support's.
     foot = min(
         _SUPPORT_REACH_M, _MAX_SUPPORT_SHARE * float(template.size[2] * np.exp(parameters[6]))
     )
@@ -163,7 +162,7 @@ def _system(
     hidden: NDArray[np.bool_],
 ) -> System:
     """Normal equations of all terms about a pose."""
-    # Among few points of a template the nearest may lie on another of its surfaces.
+    # Nearest neighbours in all points: those in a sample may be on another surface of the CAD.
     _, nearest = whole.tree.query(unposed(scan, parameters))
     one = paired(
         whole.points[nearest],

@@ -1,4 +1,4 @@
-"""What is known of an object before it is aligned: its number, category, CAD, pose or box."""
+"""Prior knowledge of an object: its instance number, category, CAD, pose or box."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from openrooms_usd.scan.results import Pose
 
 Array = NDArray[np.float64]
 
-# How far around a hint points of its instance may lie: metres, and share of its size.
+# Margin around a hint for points of its instance: metres, plus share of its size.
 _AROUND_HINT_M: Final = 0.2
 _AROUND_HINT_SHARE: Final = 0.15
 _CORNERS: Final = np.array(
@@ -36,7 +36,7 @@ class Box:
     rotation: Array
 
     def upright(self) -> tuple[Array, Array, float]:
-        """Middle of its base (3,), lengths along its level axes and its height (3,), heading."""
+        """Middle of its base (3,); lengths along its level axes, and height (3,); yaw, radians."""
         axes = Rotation.from_quat(self.rotation, scalar_first=True).as_matrix()
         k = int(np.abs(axes[2]).argmax())
         right = axes[:, (k + 1) % 3]
@@ -55,16 +55,16 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Hint:
-    """What is known of one object.
+    """Prior knowledge of one object.
 
     Attributes:
-        instance: Its number in the cloud; its points are looked for around the pose or the box
-            where the cloud has none of this number.
-        category: Of the CADs to choose from; None: as the points are labelled.
+        instance: Its number in the cloud; where the cloud has no such points, those around the
+            pose or the box are taken.
+        category: Of the CADs to choose from; None: by the points' labels.
         cad: The CAD's id; None: one of the category.
-        pose: A first guess of where the CAD is.
-        box: A box around it, whose heading is known to a quarter turn.
-        support: What carries it: ``floor``, ``wall``, ``ceiling`` or the number of an instance, as
+        pose: Initial pose of the CAD.
+        box: A box around it, whose yaw is known up to quarter turns.
+        support: Its support: ``floor``, ``wall``, ``ceiling`` or the number of an instance, as
             text; empty where that is to be found.
     """
 
@@ -107,7 +107,7 @@ def corners_of(hint: Hint, models: Sequence[CadModel]) -> Array | None:
 
 
 def bounds_of(hint: Hint, models: Sequence[CadModel]) -> Array | None:
-    """(2, 3) where points of a hinted object may be; None: anywhere."""
+    """(2, 3) bounds of a hinted object's points; None: anywhere."""
     corners = corners_of(hint, models)
     if corners is None:
         return None

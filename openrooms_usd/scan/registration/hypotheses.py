@@ -1,4 +1,4 @@
-"""Where a fit begins: what a hint, a box or the points themselves say, and what varies it."""
+"""Pose hypotheses from a hint, a box or the points themselves, and their variations."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -16,26 +16,26 @@ from openrooms_usd.scan.results import Pose
 
 Array = NDArray[np.float64]
 
-# Units of one metre in which CADs come, and the logarithm of scale within which one is believed.
+# Units that CADs are in, and the largest log scale error at which one is accepted.
 _CAD_UNITS_M: Final = (1.0, 0.001, 0.01, 0.0254)
 _UNIT_LOG_TOLERANCE: Final = 0.25
-# Deviations of a given hypothesis and of a given box: metres, radians, logarithms of scale.
+# Standard deviations of a given pose or box: metres, radians, logarithms of scale.
 _GIVEN_POSE_SIGMAS: Final = np.array([0.12, 0.12, 0.12, 0.2, 0.12, 0.12, 0.12])
-# Those of a box about the points, which show only a part of the object.
+# The same of a box around the points, which cover only a part of the object.
 _SEEN_BOX_SIGMAS: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25])
-# How much a CAD may be stretched to fill a box, logarithms of scale, and how much at most to fill
-# what points fill, among which may be strays.
+# Standard deviation of anisotropic scale, and its limit where only points, perhaps outliers, give
+# the box.
 _BOX_STRETCH_LOG: Final = 0.18
 _POINTS_STRETCH_LOG: Final = 0.3
 _TURNS_RAD: Final = (0.0, 0.14, -0.14)
 _STRETCHES_LOG: Final = (-0.18, -0.1, 0.1, 0.18)
-# Which end of an axis is moved, with the other one held: the base is where it stands.
+# Axis and direction of the end that moves while the other one stays; the base always stays.
 _ENDS: Final = ((0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 0.0))
 _SHIFTS_M: Final = ((0.0, 0.0), (0.08, 0.0), (-0.08, 0.0), (0.0, 0.08), (0.0, -0.08))
 
 
 def box_of(evidence: Evidence, support: float | None) -> Box:
-    """The smallest upright box around most of some points, down to what they stand on."""
+    """The smallest upright box around most of some points, extended down to their support."""
     points = evidence.points
     low_z, high_z = np.quantile(points[:, 2], [0.01, 0.99])
     low_z = low_z if support is None else support
@@ -57,18 +57,18 @@ def box_of(evidence: Evidence, support: float | None) -> Box:
 
 
 def from_pose(template: Template, pose: Pose) -> list[PoseHypothesis]:
-    """What a noisy pose says."""
+    """The hypothesis of a noisy pose."""
     known = template.parameters(pose)
     return [PoseHypothesis(known, _GIVEN_POSE_SIGMAS, plain(template))]
 
 
 def from_box(template: Template, box: Box, *, given: bool) -> list[PoseHypothesis]:
-    """What a box says: one hypothesis for each side that may be its front.
+    """The hypotheses of a box: one for each side that may be its front.
 
     Args:
-        template: What is to be fitted.
-        box: Where it is.
-        given: Whether somebody drew it; else it is only what the points fill.
+        template: The CAD.
+        box: Around the object.
+        given: Whether it was annotated; else it bounds the points.
     """
     base, size, heading = box.upright()
     hypotheses = []
@@ -91,14 +91,14 @@ def from_box(template: Template, box: Box, *, given: bool) -> list[PoseHypothesi
 
 
 def plain(template: Template) -> Array:
-    """(3,) the logarithms of scale at which a CAD has its own size in metres."""
+    """(3,) log scales at which a CAD has its own size, its unit being metres."""
     return np.asarray(-np.abs(template.upright) @ np.log(template.reference))
 
 
 def true_size(hypothesis: PoseHypothesis) -> Array | None:
-    """(3,) the logarithms of scale at which a CAD has the size that its unit says.
+    """(3,) log scales at which a CAD has its own size in the likeliest unit.
 
-    The unit is the one that leads nearest to the hypothesis' size; None where none comes near.
+    That is the unit with the size nearest to the hypothesis; None where none is near.
     """
     mean = float(np.mean(hypothesis.parameters[4:] - hypothesis.plain))
     nearest = min((np.log(unit) for unit in _CAD_UNITS_M), key=lambda log: abs(log - mean))
@@ -110,7 +110,7 @@ def true_size(hypothesis: PoseHypothesis) -> Array | None:
 
 
 def varied(hypothesis: PoseHypothesis) -> Iterator[Array]:
-    """(7,) parameters about a hypothesis: turned and shifted, at its size and at the true one."""
+    """(7,) parameters around a hypothesis: turned and shifted, at its size and at the true one."""
     true = true_size(hypothesis)
     known = hypothesis.parameters[4:]
     for turn, shift in product(_TURNS_RAD, _SHIFTS_M):
@@ -127,7 +127,7 @@ def _moved(parameters: Array, turn: float, shift: tuple[float, float], size: Arr
 
 
 def stretched(template: Template, parameters: Array) -> Iterator[Array]:
-    """(7,) parameters with one side moved outward or inward, so that the other one stays."""
+    """(7,) parameters with one side moved outward or inward while the opposite one stays."""
     turn = turn_of(parameters)
     for (axis, end), stretch in product(_ENDS, _STRETCHES_LOG):
         moved = parameters.copy()

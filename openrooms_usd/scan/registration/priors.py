@@ -1,4 +1,4 @@
-"""What is known of a pose before it is fitted."""
+"""Gaussian priors of a pose."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -10,22 +10,22 @@ from openrooms_usd.scan.registration.discs import System
 
 Array = NDArray[np.float64]
 
-# Logarithms of scale that are as good as equal.
+# Standard deviation of a log scale that is known.
 _EQUAL_SCALE_LOG: Final = 0.003
-# No scale is more than so many deviations from what is known.
+# Scales are clipped to so many standard deviations.
 _MAX_SCALE_SIGMAS: Final = 2.5
-_EVEN: Final = np.eye(3) - 1.0 / 3.0
+_ANISOTROPIC: Final = np.eye(3) - 1.0 / 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class PoseHypothesis:
-    """What is known before.
+    """A Gaussian prior of the seven parameters.
 
     Attributes:
-        parameters: (7,) of the template.
-        deviation: (7,) how far from them the truth may be.
-        plain: (3,) the last three parameters at the CAD's own size in metres.
-        stretch: How much the axes may be stretched against each other, logarithms of scale.
+        parameters: (7,) mean.
+        deviation: (7,) standard deviations.
+        plain: (3,) log scales of the CAD's own size in metres.
+        stretch: Standard deviation of anisotropic log scale.
     """
 
     parameters: Array
@@ -34,27 +34,27 @@ class PoseHypothesis:
     stretch: float = np.inf
 
     def rows(self, parameters: Array) -> System:
-        """Its normal equations about some parameters."""
+        """Its normal equations at some parameters."""
         off = parameters - self.parameters
         off[3] = wrapped(float(off[3]))
         weight = self.deviation**-2.0
-        # A CAD is rather scaled than stretched.
-        stretch = _EVEN @ (parameters[4:] - self.plain)
+        # Isotropic scale is likelier than anisotropic.
+        stretch = _ANISOTROPIC @ (parameters[4:] - self.plain)
         matrix = np.diag(weight)
-        matrix[4:, 4:] += _EVEN / self.stretch**2
+        matrix[4:, 4:] += _ANISOTROPIC / self.stretch**2
         vector = weight * off
         vector[4:] += stretch / self.stretch**2
         energy = float(weight @ off**2 + stretch @ stretch / self.stretch**2)
         return System(matrix, vector, energy)
 
     def bounded(self, parameters: Array) -> Array:
-        """The parameters with a scale within sane limits of what is known."""
+        """The parameters with scales clipped around the mean."""
         reach = _MAX_SCALE_SIGMAS * self.deviation[4:]
         scale = np.clip(parameters[4:], self.parameters[4:] - reach, self.parameters[4:] + reach)
         return np.concatenate([parameters[:4], scale])
 
     def at(self, scale: Array) -> "PoseHypothesis":
-        """The same, but the last three parameters are known."""
+        """The same prior with known scales."""
         parameters = np.concatenate([self.parameters[:4], scale])
         return PoseHypothesis(
             parameters,

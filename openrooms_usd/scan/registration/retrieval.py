@@ -1,4 +1,4 @@
-"""Which CADs may be what a scan shows: of its category, and alike in proportions and shape."""
+"""Ranks CADs by similarity with an object's points, in proportions and a shape descriptor."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -12,23 +12,23 @@ from openrooms_usd.scan.registration.hints import Box
 
 Array = NDArray[np.float64]
 
-# Bins of the descriptor over distance from the vertical and height, both in shares of the box.
+# Bins of the descriptor over distance from the vertical axis and height, relative to the box.
 _RADIAL_BINS: Final = 6
 _HEIGHT_BINS: Final = 10
-# Logarithms of a length's ratio that are as bad as a wholly different descriptor.
+# Log ratio of lengths that weighs as much as a wholly different descriptor.
 _LENGTH_RATIO_LOG: Final = 0.5
 
 
 def ranked(
     models: Sequence[CadModel], uprights: Sequence[Array], evidence: Evidence, box: Box
 ) -> list[int]:
-    """Rows of the models, most similar first.
+    """Rows of the models, the most similar first.
 
     Args:
         models: Candidates.
         uprights: (3, 3) of each, to Z up.
         evidence: The points of the object.
-        box: Around them.
+        box: Around the points.
     """
     base, size, _ = box.upright()
     seen = _descriptor(evidence.points - base, size)
@@ -41,7 +41,7 @@ def ranked(
 def _unlike(model: CadModel, upright: Array, size: Array, seen: Array) -> float:
     low, high = np.sort(model.extent @ upright.T, axis=0)
     own = high - low
-    # A CAD without a unit has its mean size; one that has its own stays near it.
+    # Proportions, plus a bounded penalty of the scale: a CAD may come without a unit.
     ratio = np.log(np.maximum(_level_sorted(own), 1e-9) / np.maximum(_level_sorted(size), 1e-9))
     lengths = float(np.abs(ratio - np.median(ratio)).mean() + min(abs(np.median(ratio)), 0.5))
     base = np.array([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), low[2]])
@@ -54,9 +54,9 @@ def _level_sorted(size: Array) -> Array:
 
 
 def _descriptor(points: Array, size: Array) -> Array:
-    """(R * L,) shares of the surface by distance from the vertical and by height.
+    """(R * L,) histogram of the surface over distance from the vertical axis and height.
 
-    The same however the object is turned about the vertical.
+    Invariant under rotations about the vertical.
     """
     radius = np.linalg.norm(points[:, :2], axis=1) / max(0.5 * float(np.hypot(*size[:2])), 1e-9)
     height = points[:, 2] / max(float(size[2]), 1e-9)

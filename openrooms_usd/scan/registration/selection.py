@@ -1,4 +1,4 @@
-"""What of a scan belongs to a hint, and which CADs may show it."""
+"""Selects the points of a hinted object and the CADs that may fit it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,13 +20,13 @@ Rows = NDArray[np.intp]
 
 # Objects of fewer points are not aligned.
 MIN_OBJECT_POINTS: Final = 60
-# How far around a hint points are looked for that have no numbers of objects, metres: neighbours
-# would come along. The labels (NYU40) of what is no object: wall, floor, ceiling.
+# Margin of the crop around a hint in clouds without instances, metres: small, or neighbours would
+# be cropped, too; and the labels (NYU40) that are cut away: wall, floor, ceiling.
 _CROP_MARGIN_M: Final = 0.08
 _ROOM_LABELS: Final = (1, 2, 22)
-# Classes (NYU40) that the layout finds.
+# Classes (NYU40) that belong to the layout.
 _LAYOUT_LABELS: Final = {1: "wall", 2: "floor", 8: "door", 9: "window", 22: "ceiling"}
-# CADs that are tried.
+# CADs that are fitted to one object.
 _MAX_CADS: Final = 4
 
 
@@ -36,7 +36,7 @@ class RefusedError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """What there is to choose from.
+    """Points and CADs to select from.
 
     Attributes:
         cloud: Level: floor at z = 0, Z up, metres.
@@ -49,10 +49,10 @@ class Selection:
     categories: Mapping[int, Sequence[str]]
 
     def rows(self, hint: Hint) -> Rows:
-        """The points of an object, by its number or else by its place.
+        """Rows of an object's points, by its instance number or else by its pose or box.
 
         Raises:
-            RefusedError: There are none of this number, and nothing says where they may be.
+            RefusedError: No points have this number, and there is neither a pose nor a box.
         """
         if self.cloud.instance is not None:
             rows = np.flatnonzero(self.cloud.instance == hint.instance)
@@ -76,7 +76,7 @@ class Selection:
     def candidates(
         self, hint: Hint, rows: Rows, evidence: Evidence, box: Box
     ) -> list[tuple[CadModel, Array]]:
-        """CADs with the ways in which they may stand upright, most similar first.
+        """CADs with their possible upright orientations, the most similar first.
 
         Raises:
             RefusedError: There is none.
@@ -107,7 +107,7 @@ class Selection:
         return self.categories.get(self._label(rows), ())
 
     def _label(self, rows: Rows) -> int:
-        """The class of most points of an object; 0 without labels."""
+        """The majority class of an object's points; 0 without labels."""
         if self.cloud.label is None:
             return 0
         return int(np.bincount(np.maximum(self.cloud.label[rows], 0)).argmax())

@@ -1,4 +1,4 @@
-"""What stands around an object: the floor or what it stands on, the walls, what was seen."""
+"""Contact residuals of an object with its support and walls, and its visibility."""
 
 from dataclasses import dataclass, field
 from typing import Final
@@ -12,31 +12,31 @@ from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls
 
 Array = NDArray[np.float64]
 
-# Standard deviations of contacts, metres: the base on its support, a hidden side at a wall, and
-# what is behind a wall.
+# Standard deviations of contacts, metres: base to support, hidden side to wall, and penetration
+# into a wall.
 _STANDING_SIGMA_M: Final = 0.01
 _TOUCHING_SIGMA_M: Final = 0.03
 _BEHIND_WALL_SIGMA_M: Final = 0.01
-# A hidden side is at the wall if it is about so near to it, metres.
+# Width of the robust kernel of a hidden side's gap to a wall, metres.
 _AT_WALL_M: Final = 0.08
-# Cosine of the angle within which a side is parallel to a wall.
+# Least cosine at which a side is parallel to a wall.
 _PARALLEL_COS: Final = 0.94
-# A side is hidden if less than this part of it was visible.
+# A side is hidden if at most this part of it was visible.
 _MAX_VISIBLE_SHARE: Final = 0.15
-# What belongs to a side: within this part of the extent, normals within 45 degrees.
+# Points of a side: within this part of the extent, normals within 45 degrees.
 _SIDE_SHARE: Final = 0.15
-# How much likelier a side that is flat is at the wall than one with handles and corners.
+# Energy against a side at the wall that is not flat, as one with handles.
 _FLAT_BACK_ODDS: Final = 10.0
 
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Linearised residuals, each over its standard deviation.
+    """Linearised residuals, each divided by its standard deviation.
 
     Attributes:
         residual: (K,).
-        slope: (K, 7) by the parameters of the template.
-        energy: Of all, with their robust kernels.
+        slope: (K, 7) Jacobian by the template's parameters.
+        energy: Sum of all, robust kernels included.
     """
 
     residual: Array
@@ -46,13 +46,13 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What an object touches.
+    """The surroundings of an object.
 
     Attributes:
-        panoramas: What was seen; None: not known.
-        support: Height of what it stands on, metres; None: not known, or it hangs.
+        panoramas: Visibility from the sensors; None: not known.
+        support: Height of its support, metres; None: not known, or it hangs.
         walls: Those near it.
-        doubt: What that support costs because another one is likelier, in the energy's unit.
+        doubt: Energy of the prior against this support where another one is likelier.
     """
 
     panoramas: Panoramas | None = None
@@ -61,12 +61,12 @@ class Surroundings:
     doubt: float = 0.0
 
     def rows(self, template: Template, parameters: Array, hidden: NDArray[np.bool_]) -> Rows:
-        """Contacts of a template.
+        """Contact residuals of a template.
 
         Args:
             template: The template.
-            parameters: (7,) where it is.
-            hidden: (4,) which of its sides no camera saw (see `hidden_sides`).
+            parameters: (7,) its pose.
+            hidden: (4,) which of its sides are hidden (see `hidden_sides`).
         """
         residuals, slopes, energy = [0.0], [np.zeros(7)], self.doubt
         if self.support is not None:
@@ -79,7 +79,7 @@ class Surroundings:
             n = np.array([*inward, 0.0])
             room = float(n[:2] @ (parameters[:2] - start))
             local = turn.T @ n
-            # The corner that is deepest in the wall.
+            # The corner that penetrates the wall deepest.
             corner = -half * np.sign(local)
             depth = room + float(local @ corner)
             if depth < 0.0:
@@ -103,7 +103,7 @@ def hidden_sides(template: Template, visible: NDArray[np.bool_]) -> NDArray[np.b
 
     Args:
         template: The template.
-        visible: (N,) which of its points were not.
+        visible: (N,) which of its points are visible from some sensor.
     """
     reach = template.points @ SIDES.T / np.maximum(0.5 * np.abs(SIDES) @ template.size, 1e-9)
     of_side = (reach > 1.0 - 2.0 * _SIDE_SHARE) & (template.normals @ SIDES.T > np.sqrt(0.5))
@@ -112,6 +112,6 @@ def hidden_sides(template: Template, visible: NDArray[np.bool_]) -> NDArray[np.b
 
 
 def _slope(n: Array, turn: Array, local: Array) -> Array:
-    """(7,) how a point of a template (scaled, not turned) moves along a direction."""
+    """(7,) derivative of a template point's coordinate along a direction, by the parameters."""
     lever = turn @ local
     return np.array([*n, n[1] * lever[0] - n[0] * lever[1], *((n @ turn) * local)])

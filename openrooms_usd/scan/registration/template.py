@@ -1,4 +1,4 @@
-"""A CAD that stands upright, near its true size: seven numbers then say where it is."""
+"""An upright CAD as points with seven pose parameters: translation, yaw and three log scales."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 # Outward directions of the sides of a template's box.
 SIDES: Final = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
-# What lies in a side: within this share of the extent, and looks outward (cosine).
+# Points on a side of the box: within this share of the extent, with an outward normal.
 _SIDE_SHARE: Final = 0.02
 _OUTWARD_COS: Final = 0.9
 
@@ -27,8 +27,8 @@ _OUTWARD_COS: Final = 0.9
 class Template:
     """Points of an upright CAD at a reference scale, metres, origin in the middle of its base.
 
-    Where it is, is said by seven parameters: the base's middle in the scan (3), the turn about the
-    vertical (radians), and the logarithms of the scale along its upright axes over the reference.
+    Its pose has seven parameters: the base's middle in the scan (3), the yaw (radians), and the
+    log scales along its upright axes relative to the reference (3).
 
     Attributes:
         model: The CAD.
@@ -54,12 +54,12 @@ class Template:
 
     @cached_property
     def tree(self) -> "KDTree[None]":
-        """Of its points."""
+        """k-d tree of its points."""
         return KDTree(self.points)
 
     @cached_property
     def flat(self) -> Array:
-        """(4,) how much of the sides +x, -x, +y and -y of its box is surface, from 0 to 1."""
+        """(4,) share of the sides +x, -x, +y and -y of its box that is surface, from 0 to 1."""
         reach = self.points @ SIDES.T / np.maximum(0.5 * np.abs(SIDES) @ self.size, 1e-9)
         on = (reach > 1.0 - 2.0 * _SIDE_SHARE) & (self.normals @ SIDES.T > _OUTWARD_COS)
         areas = self.size[2] * self.size[[1, 1, 0, 0]]
@@ -67,7 +67,7 @@ class Template:
         return np.asarray(np.minimum(filled, 1.0))
 
     def part(self, count: int) -> "Template":
-        """The template with about so many of its points, evenly chosen."""
+        """The template with a uniform sample of about so many points."""
         step = max(len(self.points) // count, 1)
         return Template(
             self.model,
@@ -92,7 +92,7 @@ class Template:
         )
 
     def parameters(self, pose: Pose) -> Array:
-        """(7,) of a pose, made upright about the middle of its box."""
+        """(7,) parameters of a pose, tilt removed about the middle of its box."""
         rotation = Rotation.from_quat(pose.rotation, scalar_first=True).as_matrix()
         turn = rotation @ self.upright.T
         stretch = np.abs(self.upright) @ (pose.scale / self.reference)
@@ -136,21 +136,21 @@ def upright_of(rotation: Array) -> Array:
 
 
 def turn_of(parameters: Array) -> Array:
-    """(3, 3) the turn about the vertical."""
+    """(3, 3) the rotation about the vertical."""
     return about_z(parameters[3])
 
 
 def posed(points: Array, parameters: Array) -> Array:
-    """(..., 3) points of a template in the scan."""
+    """(..., 3) points from the template's frame to the scan's."""
     return np.asarray((points * np.exp(parameters[4:])) @ turn_of(parameters).T + parameters[:3])
 
 
 def unposed(points: Array, parameters: Array) -> Array:
-    """(..., 3) points of the scan in the frame of a template."""
+    """(..., 3) points from the scan's frame to the template's."""
     return np.asarray(((points - parameters[:3]) @ turn_of(parameters)) / np.exp(parameters[4:]))
 
 
 def directions(normals: Array, parameters: Array) -> Array:
-    """(N, 3) unit normals of a template in the scan."""
+    """(N, 3) unit normals from the template's frame to the scan's."""
     turned = (normals / np.exp(parameters[4:])) @ turn_of(parameters).T
     return np.asarray(turned / np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None])

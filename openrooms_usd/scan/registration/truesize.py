@@ -1,7 +1,7 @@
-"""Whether CADs have their true size, which all objects of a scan say together.
+"""Chooses between free scales and the CADs' true size, jointly for all objects of a scan.
 
-Sides that nobody saw leave the size of one object open. But a collection of CADs is to scale or it
-is not: where what was seen well has its true size, the rest likely has it too.
+Unseen sides leave the scale of one object ambiguous. But a collection of CADs is to scale or it is
+not: where well-seen objects have their true size, the others likely have it, too.
 """
 
 from collections.abc import Sequence
@@ -15,24 +15,23 @@ from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.surroundings import Surroundings
 from openrooms_usd.scan.registration.template import Template
 
-# What three scales that are free save by fitting noise, at even odds, in the energy's unit: half
-# of an energy is the negative logarithm of a likelihood.
+# Energy that three free scales save by fitting noise: the penalty of the larger model.
 _FREE_SCALES_ENERGY: Final = 9.0
-# Energies of good fits in scans that are not bent.
+# Energy of good fits in scans without drift.
 _GOOD_FIT_ENERGY: Final = 50.0
-# How often the share of CADs to scale is estimated anew.
+# Expectation-maximisation steps for the share of CADs to scale.
 _EM_ROUNDS: Final = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A fit with all that it was made of.
+    """A fit with its inputs.
 
     Attributes:
-        template: What was fitted.
-        hypothesis: What was known before.
-        around: What it touches.
-        fit: How far it has come.
+        template: The CAD.
+        hypothesis: Prior of the pose.
+        around: Support, walls and visibility.
+        fit: The pose so far.
     """
 
     template: Template
@@ -46,8 +45,8 @@ class Sizes:
     """The best fits of one object.
 
     Attributes:
-        any: Its scales are free.
-        true: It has its CAD's true size; None where that is not known, or far off.
+        any: With free scales.
+        true: With the CAD's true size; None where that is not known, or far off.
     """
 
     any: Candidate
@@ -55,10 +54,10 @@ class Sizes:
 
     @property
     def excess(self) -> float:
-        """What the true size costs more than any, less what free scales save.
+        """Energy of the true size over that of free scales, less the penalty of these.
 
-        Where drift bends a scan, its points deviate more than energies assume and every difference
-        is as much too large (the ratio of Birge 1932).
+        Where drift bends a scan, residuals exceed the assumed noise and every difference is too
+        large by the same factor (the ratio of Birge 1932).
         """
         assert self.true is not None
         more = self.true.fit.energy - self.any.fit.energy
@@ -68,8 +67,8 @@ class Sizes:
 def sized(objects: Sequence[Sizes]) -> list[Candidate]:
     """The likelier fit of each object, given what the others say.
 
-    The share of CADs to scale is that of a mixture, by expectation and maximisation from even odds
-    (with one object of either kind beforehand).
+    The share of CADs to scale is the weight of a mixture of two, by expectation-maximisation from
+    even odds (with a pseudo-count of one object of either kind).
     """
     known = [sizes.excess for sizes in objects if sizes.true is not None]
     excess, odds = np.clip(np.array(known), -50.0, 50.0), 0.0

@@ -1,4 +1,4 @@
-"""The walls of rooms as an object meets them: straight, each with its inner side."""
+"""Walls of rooms as segments with inward normals, for contacts with objects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from openrooms_usd.scan.results import FoundRoom
 
 Array = NDArray[np.float64]
 
-# Walls farther than this from the middle of an object are not its own, beyond its own radius.
+# Walls farther than this from an object's bounding circle do not touch it, metres.
 _WALL_REACH_M: Final = 0.4
 
 
 @dataclass(frozen=True, eq=False)
 class Walls:
-    """Straight walls.
+    """W straight walls.
 
     Attributes:
         starts: (W, 2) metres.
@@ -30,7 +30,7 @@ class Walls:
     normals: Array
 
     def near(self, place: Array, radius: float) -> "Walls":
-        """Those before whose inner side a disc lies at least in part."""
+        """The walls that a disc is close to, or intersects, on their inner side."""
         along = self.ends - self.starts
         length = np.linalg.norm(along, axis=1)
         unit = along / np.maximum(length, 1e-9)[:, None]

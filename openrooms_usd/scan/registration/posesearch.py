@@ -1,4 +1,4 @@
-"""Tries pose hypotheses against each other: surveyed, refined roughly, the best of them finely."""
+"""Pose search from coarse to fine: all hypotheses scored, some refined roughly, few finely."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,21 +24,21 @@ from openrooms_usd.scan.registration.truesize import Candidate, Sizes
 
 Array = NDArray[np.float64]
 
-# How hypotheses are compared, how many variations of each are refined roughly, how many of all are
-# refined finely, and how much worse than the best these may be.
+# Annealing levels of scores; numbers of rough fits a hypothesis and of fine fits an object; and
+# the offset and factor of the best energy above which a rough fit is dropped.
 _SURVEY_LEVEL: Final = AnnealingLevel(0.12, 80, 0, 1.0)
 _STRETCH_LEVEL: Final = AnnealingLevel(0.05, 400, 0, 0.8)
 _ROUGH_VARIATIONS: Final = 2
 _FINE_FITS: Final = 4
 _HOPELESS_ENERGY: Final = (20.0, 1.6)
-# Fits whose parameters are as near to each other as this are one, metres or radians.
+# Fits with all parameters within this are duplicates.
 _SAME_FIT_M_RAD: Final = 0.02
 
 
 def surveyed_candidates(
     template: Template, evidence: Evidence, around: Surroundings, hypothesis: PoseHypothesis
 ) -> list[Candidate]:
-    """The best of what varies one hypothesis, roughly refined."""
+    """The variations of one hypothesis with the least energy, roughly refined."""
     surveyed: list[tuple[float, int, Array]] = []
     for parameters in varied(hypothesis):
         if around.support is not None:
@@ -57,12 +57,14 @@ def surveyed_candidates(
 
 
 def best_sizes(candidates: Sequence[Candidate], evidence: Evidence) -> Sizes:
-    """The best candidates, finely refined: of any size, and of the CAD's true one."""
+    """The best candidates, finely refined: with free scales, and with the CAD's true size."""
     energies = [candidate.fit.energy for candidate in candidates]
-    order = _different(candidates, sorted(range(len(candidates)), key=energies.__getitem__))
+    order = _without_duplicates(
+        candidates, sorted(range(len(candidates)), key=energies.__getitem__)
+    )
     limit = _HOPELESS_ENERGY[0] + _HOPELESS_ENERGY[1] * energies[order[0]]
-    hopeful = [row for row in _mixed(candidates, order)[:_FINE_FITS] if energies[row] < limit]
-    fine = [_settled(candidates[row], evidence) for row in hopeful]
+    hopeful = [row for row in _interleaved(candidates, order)[:_FINE_FITS] if energies[row] < limit]
+    fine = [_finely_refined(candidates[row], evidence) for row in hopeful]
     true = [sizes.true for sizes in fine if sizes.true is not None]
     return Sizes(
         min((sizes.any for sizes in fine), key=lambda candidate: candidate.fit.energy),
@@ -70,8 +72,8 @@ def best_sizes(candidates: Sequence[Candidate], evidence: Evidence) -> Sizes:
     )
 
 
-def _mixed(candidates: Sequence[Candidate], order: Sequence[int]) -> list[int]:
-    """The best of each before the second best: rough fits hardly tell fronts from sides."""
+def _interleaved(candidates: Sequence[Candidate], order: Sequence[int]) -> list[int]:
+    """The best fit of every hypothesis first: rough energies hardly rank their yaws."""
     hypotheses = [candidates[row].hypothesis for row in order]
     earlier = [
         sum(other is hypothesis for other in hypotheses[:k])
@@ -80,8 +82,8 @@ def _mixed(candidates: Sequence[Candidate], order: Sequence[int]) -> list[int]:
     return [row for _, row in sorted(zip(earlier, order, strict=True), key=lambda pair: pair[0])]
 
 
-def _different(candidates: Sequence[Candidate], order: Sequence[int]) -> list[int]:
-    """Those rows that lead elsewhere than an earlier one of the same hypothesis."""
+def _without_duplicates(candidates: Sequence[Candidate], order: Sequence[int]) -> list[int]:
+    """Rows without duplicates of an earlier fit of the same hypothesis."""
     kept: list[int] = []
     for row in order:
         candidate = candidates[row]
@@ -97,7 +99,7 @@ def _different(candidates: Sequence[Candidate], order: Sequence[int]) -> list[in
     return kept
 
 
-def _settled(candidate: Candidate, evidence: Evidence) -> Sizes:
+def _finely_refined(candidate: Candidate, evidence: Evidence) -> Sizes:
     t = candidate
     begins = [t.fit.parameters, *stretched(t.template, t.fit.parameters)]
     costs = [
