@@ -1,7 +1,7 @@
 """Doors, windows and passages in the walls of a scan.
 
-- `wallfaces`, `wallvoids`, `wallpicture`: a wall seen from inside as a picture;
-- `rectangles`, `wallholes`: proposals in it; `walllabels`: what labels say;
-- `mirrors`, `curtains`, `doorframes`: what deceives, and what hides;
-- `detection`: the openings that remain.
+- `wallfaces`, `wallvoids`, `wallpicture`: grids of evidence over each wall's face;
+- `rectangles`, `wallholes`, `walllabels`: proposals of rectangles, from geometry and labels;
+- `mirrors`, `curtains`, `doorframes`: false positives, hidden windows, closed doors;
+- `detection`: scoring and non-maximum suppression.
 """

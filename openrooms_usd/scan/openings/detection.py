@@ -1,7 +1,7 @@
-"""Doors and windows in the walls of a level scan: from labels where there are any, and from holes.
+"""Doors and windows in the walls of a level scan, from labels, holes and frames.
 
-Each wall is looked at as a picture (`wallgrid`); rectangles in which much speaks for an opening
-are proposed (`wallholes`), judged, and kept where they do not overlap a surer one.
+On the evidence grid of each wall (`wallpicture`) rectangles are proposed (`wallholes`), scored, and
+suppressed where they overlap one of higher confidence.
 """
 
 from collections.abc import Iterator
@@ -44,43 +44,43 @@ from openrooms_usd.scan.results import FoundOpening
 
 Array = NDArray[np.float64]
 
-# Openings keep this distance from the corners of the room and from the ceiling, metres.
+# Least distance of openings from the corners of the room and from the ceiling, metres.
 MARGIN: Final = 0.05
 # Between openings, metres.
 APART: Final = 0.02
-# Points so far from a room block no view in it, metres.
+# Points farther than this from a room occlude nothing in it, metres.
 _VIEW_MARGIN_M: Final = 1.0
 # Least and greatest width and height, metres.
 _SIZES_M: Final = {"door": ((0.5, 4.0), (1.6, 3.2)), "window": ((0.25, 8.0), (0.25, 4.0))}
-_LEAST_CONFIDENCE: Final = 0.4
-# Of generated rooms in which openings were found, the part that was wrong of what spoke less than
-# fully for an opening, and what is true of those for which everything spoke.
+_MIN_SCORE: Final = 0.4
+# Calibration on generated rooms: slope of the share of false positives over one minus the score,
+# and the share of true positives at full score.
 _UNSURE_WRONG_SHARE: Final = 0.65
 _SUREST_RIGHT_SHARE: Final = 0.97
-# What is nearer to an opening than this, metres, and less than this part of it belongs to it.
+# Proposals nearer to an opening than this, metres, and smaller than this part of it belong to it.
 _SCRAP_M_AND_SHARE: Final = (0.15, 0.35)
-# Walls of which less was seen show nothing.
-_LEAST_SHOWN: Final = 0.15
-# Holes down to the floor that end lower are of something that stands before the wall, metres.
-_LOWEST_PASSAGE: Final = 1.8
-# Few doors are higher than this, metres.
-_HIGHEST_DOOR: Final = 2.35
-# Doors of which this part is open let the floor behind them be seen.
+# Walls of which less was scanned give no holes.
+_MIN_SCANNED_SHARE: Final = 0.15
+# Holes down to the floor that are lower than this are shadows of furniture, metres.
+_MIN_PASSAGE_M: Final = 1.8
+# Higher doors are unlikely, metres.
+_USUAL_DOOR_M: Final = 2.35
+# Least part of an open door's cells that are a hole.
 _AJAR_SHARE: Final = 0.2
-# So much of a closed leaf returned.
+# Least part of a closed leaf that returned.
 _CLOSED_LEAF_SHARE: Final = 0.6
-# This part of the labelled returns must call an opening by its name.
+# Least part of the labelled returns with the opening's own label.
 _MIN_NAMED_SHARE: Final = 0.3
-# A door's foot may be hidden up to this height, metres.
-_HIDDEN_FOOT: Final = 0.6
-# Flat patches up to the first size that are called a window are wrong labels, and up to the second
-# if they are round; square metres.
+# A door's lower part may be hidden up to this height, metres.
+_HIDDEN_FOOT_M: Final = 0.6
+# Flat patches labelled window are wrong labels up to the first area, and round ones up to the
+# second.
 _BLOB_AREAS_M2: Final = (0.35, 0.8)
-# The wall stands on this part of them at least.
+# Least part of such a patch where the wall returned.
 _MIN_WALL_SHARE: Final = 0.5
-# Curtains up to this width so near to a window are those of that one, metres.
+# Curtains up to this width and this near to a window are that one's, metres.
 _CURTAIN_WIDTH_M: Final = 0.5
-_CURTAIN_PAIR: Final = 0.25
+_CURTAIN_GAP_M: Final = 0.25
 
 
 def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[FoundOpening, ...]:
@@ -117,31 +117,31 @@ def _around(points: Array, corners: Array) -> Array:
 
 def _in_wall(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[FoundOpening]:
     kept: list[Proposal] = []
-    # A hole may be a part of what labels call by its name: they are asked first.
+    # Labels first: a hole may be only a part of the labelled opening.
     named = _by_labels(grid) if labelled else ()
     shaped = (*_by_holes(grid, labelled, mirrored), *_by_frames(grid))
     for proposals in (named, shaped):
-        judged = [(confidence(p, labelled), p) for p in proposals if _sane(p)]
+        judged = [(confidence(p, labelled), p) for p in proposals if _plausible(p)]
         for sure, proposal in sorted(judged, key=lambda pair: -pair[0]):
-            if sure >= _LEAST_CONFIDENCE and not any(_taken(proposal, q) for q in kept):
+            if sure >= _MIN_SCORE and not any(_suppressed(proposal, q) for q in kept):
                 kept.append(proposal)
     for proposal in sorted(kept, key=lambda p: p.where.left):
         yield _opening(grid, proposal, _as_probability(confidence(proposal, labelled)))
 
 
 def _by_holes(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Proposal]:
-    """Holes; where there are labels, windows must be called so, and doors need not."""
-    if grid.solid.mean() < _LEAST_SHOWN:
+    """Holes; in labelled scans windows must have their label, doors need not."""
+    if grid.solid.mean() < _MIN_SCANNED_SHARE:
         return
     for where in rectangles(hole_weights(grid)):
         if mirrored.fill(grid.face, where):
             continue
         proposal = measured(grid, kind_of(grid, where), where)
-        if proposal.kind == "door" and proposal.height < _LOWEST_PASSAGE:
+        if proposal.kind == "door" and proposal.height < _MIN_PASSAGE_M:
             continue
         if proposal.kind == "door":
             proposal = measured(grid, "door", replace(where, bottom=0))
-        # A leaf that stands open hides a part of its hole, but not of its labels.
+        # An open leaf hides a part of the hole: labelled doors come from `_by_labels`.
         named = proposal.label > _MIN_NAMED_SHARE
         if not labelled or named == (proposal.kind == "window"):
             yield proposal
@@ -150,8 +150,7 @@ def _by_holes(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Prop
 def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
     for where, clear in frames(grid):
         proposal = replace(measured(grid, "door", where), leaf=clear)
-        # Who looks through an open door sees the floor behind it.
-        # Uprights of shelves and wardrobes have no leaf between them.
+        # An open door shows the floor behind it, a closed one its leaf; shelves show neither.
         shut = proposal.hole < _AJAR_SHARE and proposal.solid > _CLOSED_LEAF_SHARE
         if shut or proposal.threshold > 0.3:
             yield proposal
@@ -160,7 +159,7 @@ def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
 def _by_labels(grid: WallGrid) -> Iterator[Proposal]:
     for where in rectangles(label_weights(grid, "door"), _SIZES_M["door"][1][0]):
         proposal = measured(grid, "door", where)
-        if proposal.label > _MIN_NAMED_SHARE and proposal.sill < _HIDDEN_FOOT:
+        if proposal.label > _MIN_NAMED_SHARE and proposal.sill < _HIDDEN_FOOT_M:
             yield measured(grid, "door", without_casing(grid, replace(where, bottom=0)))
     named: list[Proposal] = []
     for where in rectangles(label_weights(grid, "window")):
@@ -170,13 +169,13 @@ def _by_labels(grid: WallGrid) -> Iterator[Proposal]:
     yield from named
     for where in rectangles(curtain_weights(grid)):
         hidden = replace(measured(grid, "window", behind_curtain(where)), curtain=1.0)
-        reach = where if hidden.width > _CURTAIN_WIDTH_M else grown(where, _CURTAIN_PAIR)
+        reach = where if hidden.width > _CURTAIN_WIDTH_M else grown(where, _CURTAIN_GAP_M)
         if hidden.solid < 0.5 and not any(_beside(reach, q.where) < 0 for q in named):
             yield hidden
 
 
 def _is_blob(grid: WallGrid, p: Proposal) -> bool:
-    """Whether a window is but wrong labels: nothing there but the wall, and they are round."""
+    """Whether a window is a blob of wrong labels: on the wall's plane, and small or round."""
     area = p.width * p.height
     if (
         area > _BLOB_AREAS_M2[1]
@@ -188,14 +187,14 @@ def _is_blob(grid: WallGrid, p: Proposal) -> bool:
     return area < _BLOB_AREAS_M2[0] or is_round(grid, "window", p.where)
 
 
-def _sane(proposal: Proposal) -> bool:
+def _plausible(proposal: Proposal) -> bool:
     wide, tall = _SIZES_M[proposal.kind]
     fits = wide[0] <= proposal.width <= wide[1] and tall[0] <= proposal.height <= tall[1]
     return fits and (proposal.kind == "window" or proposal.sill == 0.0)
 
 
 def confidence(proposal: Proposal, labelled: bool) -> float:
-    """How much speaks for an opening of this kind, from 0 to 1."""
+    """The score of a proposal, from 0 to 1."""
     p = proposal
     if labelled and p.label > _MIN_NAMED_SHARE:
         return min(1.0, 0.5 + 0.4 * p.label + 0.2 * p.hole + (0.1 if p.leaf else 0.0))
@@ -204,7 +203,7 @@ def confidence(proposal: Proposal, labelled: bool) -> float:
     if p.leaf:
         return 0.0 if labelled else 0.25 + 0.65 * p.leaf
     if p.kind == "door":
-        usual = 1.0 if p.height < _HIGHEST_DOOR else 0.6
+        usual = 1.0 if p.height < _USUAL_DOOR_M else 0.6
         return usual * min(1.0, p.framed) * min(1.0, p.hole + 0.2) * (0.4 + 0.6 * p.threshold)
     return min(1.0, p.framed) * min(1.0, 0.2 + 0.35 * p.hole + 3.0 * p.recess)
 
@@ -215,12 +214,12 @@ def _overlap(a: Proposal, b: Proposal, apart: float = APART) -> bool:
 
 
 def _beside(a: Rectangle, b: Rectangle) -> int:
-    """How far rectangles are apart along the wall, cells; negative where they overlap."""
+    """The gap between rectangles along the wall, cells; negative where they overlap."""
     return max(a.left, b.left) - min(a.right, b.right)
 
 
-def _taken(proposal: Proposal, other: Proposal) -> bool:
-    """Whether a surer opening is in the place of a proposal, or so near that it has a scrap."""
+def _suppressed(proposal: Proposal, other: Proposal) -> bool:
+    """Whether an opening of higher score overlaps a proposal, or has it as a near fragment."""
     apart = (
         _SCRAP_M_AND_SHARE[0]
         if proposal.where.area < _SCRAP_M_AND_SHARE[1] * other.where.area
@@ -230,7 +229,7 @@ def _taken(proposal: Proposal, other: Proposal) -> bool:
 
 
 def _as_probability(sure: float) -> float:
-    """Which part of the openings that are as sure as this is there."""
+    """The calibrated probability of a score."""
     return min(_SUREST_RIGHT_SHARE, 1.0 - _UNSURE_WRONG_SHARE * (1.0 - sure))
 
 

@@ -1,9 +1,9 @@
-"""Frames of doors in a wall's relief and colour: what is left of closed ones without labels.
+"""Closed doors without labels, by step edges in a wall's relief and colour.
 
-A leaf that closes flush with its wall makes no hole. But a frame stands out by a centimetre or two
-around it, or the leaf lies that much deeper than the wall, along two upright lines that reach the
-floor and one across at the height of a door. Means over such long lines show steps far smaller
-than the noise of a point. Where the scan has colours, a leaf may also differ from its wall by them.
+A leaf that closes flush with its wall makes no hole. But its frame protrudes by a centimetre or
+two, or the leaf is recessed by as much, along two vertical lines down to the floor and a horizontal
+one at door height. Averages along such lines resolve steps far below the noise of a point. Where
+the scan has colours, a leaf may also differ from its wall by these.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,40 +18,42 @@ from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid
 Array = NDArray[np.float64]
 Step = Callable[[Array], Array]
 
-# Where the uprights are looked at, and where the upper edge may be; metres.
+# Range of heights in which vertical edges are measured, metres.
 _UPRIGHT_HEIGHTS_M: Final = (0.25, 1.8)
-# Uprights go all the way down: in each of these parts they are this much of the whole.
+# Vertical edges are continuous: in each of these sections the step is at least this share of the
+# whole, but for so many sections without returns.
 _UPRIGHT_PARTS_M: Final = ((0.1, 0.7), (0.7, 1.3), (1.3, 1.8))
 _MIN_PART_SHARE: Final = 0.15
 _PARTS_UNSEEN: Final = 1
-# A frame is as thick on all its sides: the least step is more than this part of the largest.
+# The steps of all sides are similar: least ratio of the smallest to the largest.
 _MIN_STEP_RATIO: Final = 0.3
 _TOP_HEIGHTS_M: Final = (1.85, 2.45)
 _WIDTHS_M: Final = (0.6, 1.25)
-# Width of what stands out, and of what it is compared with, cells.
+# Widths of the two windows that a step compares, cells.
 _FRAME_CELLS: Final = 3
 _BESIDE_CELLS: Final = 3
-# Least steps, metres, in units of their usual size on this wall, and the sum of all three.
+# Steps are compared with their median on the wall: its default, the least multiple, the least sum
+# of all three, and its least value.
 _USUAL_STEP_M: Final = 0.003
 _MIN_STEP_RATIO_USUAL: Final = 2.5
 _MIN_STEP_SUM: Final = 12.0
 _MIN_USUAL_STEP_M: Final = 0.0008
-# What a step counts for that a leaf hides from one side.
+# Weight of a step that a leaf hides from one side.
 _HIDDEN_STEP_WEIGHT: Final = 0.5
-# Doors are farther apart than the two sides of one's casing, metres.
+# Doors nearer to each other than this are the inner and outer edge of one casing, metres.
 _CASING_M: Final = 0.25
-# This part of a line must have returned.
+# Least part of a line with returns.
 _MIN_RETURN_SHARE: Final = 0.3
 
 
 def frames(grid: WallGrid) -> Iterator[tuple[Rectangle, float]]:
-    """The doors that their frames betray: clear openings, and how clear they are from 0 to 1."""
+    """Doors with visible frames: their clear openings, and scores from 0 to 1."""
     if grid.shape[0] <= round(_TOP_HEIGHTS_M[0] / CELL):
         return
     apart = round(_CASING_M / CELL)
     taken = np.zeros(grid.shape[1], dtype=np.bool_)
-    # What stands out is a frame; what lies deeper may be a panel of the leaf as well; what has
-    # another colour may be anything that is as large as a door.
+    # In order of reliability: protrusions are frames, recesses may be panels of the leaf, and
+    # another colour may be anything of a door's size.
     for step, picture in (
         (_proud, grid.relief), (_sunken, grid.relief), (_sunken, grid.tint), (_sunken, -grid.tint),
     ):  # fmt: skip
@@ -62,9 +64,9 @@ def frames(grid: WallGrid) -> Iterator[tuple[Rectangle, float]]:
 
 
 def _uprights(picture: Array, step: Step, turn: int) -> tuple[Array, Array]:
-    """Steps at the boundaries between columns: in metres, and how clear they are.
+    """Steps at the boundaries between columns, metres, and their significance.
 
-    Those that end above the floor are not clear at all: they are of windows and pictures.
+    That is 0 for those that end above the floor, as those of windows and pictures do.
     """
     parts = []
     for low, high in (_UPRIGHT_HEIGHTS_M, *_UPRIGHT_PARTS_M):
@@ -94,18 +96,18 @@ def _window(values: Array, first: int, last: int) -> Array:
 
 
 def _proud(values: Array) -> Array:
-    """How far a band before each boundary stands out of what is farther before, and behind."""
+    """The protrusion of a band before each boundary over the windows on both its sides."""
     band = _window(values, -_FRAME_CELLS, 0)
     outer = band - _window(values, -_FRAME_CELLS - _BESIDE_CELLS, -_FRAME_CELLS)
     inner = band - _window(values, 1, 1 + _BESIDE_CELLS)
-    # On the side of its hinges a leaf that is ajar comes out farther than the frame.
+    # A leaf that is ajar protrudes over its frame at the hinges.
     ajar = inner < -_USUAL_STEP_M
     framed = np.where(np.isfinite(inner), np.minimum(outer, inner), outer)
     return np.where(ajar, _HIDDEN_STEP_WEIGHT * outer, framed)
 
 
 def _sunken(values: Array) -> Array:
-    """How much deeper what lies behind each boundary is than what lies before."""
+    """The recess of the window behind each boundary relative to that before it."""
     return _window(values, -_BESIDE_CELLS, 0) - _window(values, 1, 1 + _BESIDE_CELLS)
 
 
@@ -128,7 +130,7 @@ def _pairs(picture: Array, step: Step) -> Iterator[tuple[Rectangle, float]]:
 
 
 def _head(picture: Array, left: int, right: int, step: Step) -> tuple[int, float, float]:
-    """The row of the upper edge, how clear its step is, and how large, metres."""
+    """The row of the upper edge, the significance of its step, and its size, metres."""
     low, high = (round(height / CELL) for height in _TOP_HEIGHTS_M)
     rows = _profile(picture[:, left + 2 : right - 2], axis=1)
     steps = step(rows[::-1])[::-1]
@@ -140,7 +142,7 @@ def _head(picture: Array, left: int, right: int, step: Step) -> tuple[int, float
 
 
 def _relative(steps: Array) -> Array:
-    """Steps in units of their usual size, none where they are too small or not known."""
+    """Steps in units of their median; 0 where they are too small or not known."""
     known = steps[np.isfinite(steps)]
     if len(known) < 4 * _FRAME_CELLS:
         return np.zeros(len(steps))

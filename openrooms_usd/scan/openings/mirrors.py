@@ -1,7 +1,7 @@
-"""Mirrors on walls: what seems to lie behind them is the room itself, turned over.
+"""Mirrors on walls, which look like holes: the points behind them mirror the room.
 
-A mirror makes a hole in its wall as a window does. But the returns that come through it, reflected
-at the wall, fall on what the scan shows inside the room; those of a street or a corridor do not.
+Reflected at the wall, points seen through a mirror coincide with points inside the room; those of
+a street or a corridor do not.
 """
 
 from dataclasses import dataclass
@@ -20,23 +20,23 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _MAX_POINTS: Final = 60_000
-# What is nearer behind the wall is of its frame, metres.
+# Points nearer behind the wall may be of a frame, metres.
 _FRAME_DEPTH_M: Final = 0.3
-# Floors and ceilings of any two rooms lie in one plane, so they say nothing, metres.
+# Floors and ceilings of neighbouring rooms are coplanar, and left out with this margin, metres.
 _FLOOR_MARGIN_M: Final = 0.15
-# This part of the reflected returns must fall on something, of at least so many.
+# Least part of the reflected points that coincide with points, and their least number.
 _MIN_REFLECTED_SHARE: Final = 0.6
 _MIN_REFLECTED_RETURNS: Final = 12
 
 
 @dataclass(frozen=True, eq=False)
 class Echoes:
-    """What a scan shows, to be compared with what it shows behind its walls.
+    """A scan prepared for the comparison of points behind walls with those inside.
 
     Attributes:
-        points: (N, 3) some of the scan's points, in the level frame.
-        full: The voxels of ``sight`` that hold points, or have a neighbour that does.
-        sight: What the sensors could see.
+        points: (N, 3) a sample of the scan's points, in the level frame.
+        full: Occupancy of the voxels of ``sight``, dilated by one.
+        sight: Sensors and occlusion.
     """
 
     points: Array
@@ -44,7 +44,7 @@ class Echoes:
     sight: Sight
 
     def fill(self, face: WallFace, where: Rectangle) -> bool:
-        """Whether what is seen through a rectangle of a wall is the room itself."""
+        """Whether the points seen through a rectangle of a wall mirror the room."""
         seen = self._through(face, where)
         if len(seen) < _MIN_REFLECTED_RETURNS:
             return False
@@ -54,7 +54,7 @@ class Echoes:
         return bool(self.full[cell[:, 0], cell[:, 1], cell[:, 2]].mean() > _MIN_REFLECTED_SHARE)
 
     def _through(self, face: WallFace, where: Rectangle) -> Array:
-        """(M, 3) in the wall's frame, points behind it that a sensor sees through a place."""
+        """(M, 3) points behind the wall that a sensor sees through a rectangle, in its frame."""
         points = face.from_level(self.points)
         points = points[(points[:, 1] > _FRAME_DEPTH_M) & (points[:, 2] > _FLOOR_MARGIN_M)]
         seen = np.zeros(len(points), dtype=np.bool_)
@@ -67,11 +67,11 @@ class Echoes:
 
 
 def echoes(points: Array, sight: Sight, height: float) -> Echoes:
-    """What is needed to tell mirrors from windows.
+    """Prepare a scan for the detection of mirrors.
 
     Args:
         points: (N, 3) of the scan, in the level frame.
-        sight: What its sensors could see.
+        sight: Sensors and occlusion.
         height: Of the ceiling, metres.
     """
     some = points[:: max(1, len(points) // _MAX_POINTS)]

@@ -1,4 +1,4 @@
-"""Rectangles in pictures of weights: where the most weight is, and what lies inside and around."""
+"""Maximum-sum rectangles in grids of weights, and the strips around a rectangle."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Rectangles are looked for among rows and columns in steps, then moved one by one.
+# The exact search runs on blocks of cells; edges are then refined cell by cell.
 _COARSE_STEP_CELLS: Final = 3
 _MAX_REFINEMENTS: Final = 10
 
@@ -44,14 +44,14 @@ class Rectangle:
 
 
 def best_rectangle(weights: Array, least_rows: int = 1) -> tuple[Rectangle, float]:
-    """The rectangle with the largest sum of weights, to the cell.
+    """The maximum-sum rectangle of a grid.
 
-    The exact answer for blocks of cells (Kadane's scan along the columns for every pair of rows),
-    whose edges then move one by one while the sum grows.
+    Exact on blocks of cells (Kadane's algorithm along the columns for every pair of rows), then
+    refined cell by cell while the sum grows.
 
     Args:
-        weights: (Z, X) positive where cells shall be inside.
-        least_rows: Lower rectangles are not asked for; a picture with fewer rows is taken whole.
+        weights: (Z, X) positive where cells should be inside.
+        least_rows: Least height; a grid with fewer rows is taken whole.
     """
     blocks = _blocks(weights)
     bottom, top, left, right = _kadane(
@@ -78,10 +78,10 @@ def _blocks(weights: Array) -> Array:
 
 
 def _kadane(weights: Array, least_rows: int) -> tuple[int, int, int, int]:
-    """Bottom, top, left and right of the sub-array with the largest sum."""
+    """Bottom, top, left and right of the maximum-sum subarray."""
     stacked = np.vstack([np.zeros(weights.shape[1]), weights.cumsum(axis=0)])
     low, high = np.triu_indices(len(stacked), least_rows)
-    # For each pair of rows, the largest difference of the cumulated sums along the columns.
+    # For each pair of rows, the largest difference of prefix sums along the columns.
     sums = np.pad((stacked[high] - stacked[low]).cumsum(axis=1), ((0, 0), (1, 0)))
     least = np.minimum.accumulate(sums, axis=1)
     gain = sums[:, 1:] - least[:, :-1]
@@ -91,7 +91,7 @@ def _kadane(weights: Array, least_rows: int) -> tuple[int, int, int, int]:
 
 
 def _summed(weights: Array) -> Array:
-    """(Z + 1, X + 1) sums over all cells below and to the left."""
+    """(Z + 1, X + 1) summed-area table."""
     return np.pad(weights.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
 
 
@@ -126,7 +126,7 @@ def _moves(r: Rectangle, limits: tuple[int, ...]) -> Iterator[Rectangle]:
 
 
 def ring(shape: tuple[int, int], r: Rectangle, width: int) -> dict[str, Rectangle]:
-    """The strips of cells around a rectangle that lie within the picture, by their side."""
+    """The strips of cells around a rectangle within the grid, by side."""
     bottom, top = max(r.bottom - width, 0), min(r.top + width, shape[0])
     left, right = max(r.left - width, 0), min(r.right + width, shape[1])
     strips = {

@@ -1,4 +1,4 @@
-"""The inner faces of a room's walls, each with a frame of its own as seen from inside."""
+"""The inner faces of a room's walls, each with its own frame as seen from inside."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Returns up to this far from a wall are its own, in the room and behind it, metres.
+# Largest distance of a wall's own returns, in the room and behind it, metres.
 REACH: Final = 0.35
-# Which wall is nearest is known for cells of the plan, metres.
+# Resolution of the map of nearest walls, metres.
 _PLAN_CELL_M: Final = 0.02
 
 
@@ -37,12 +37,12 @@ class WallFace:
         return np.array([-self.along[1], self.along[0]])
 
     def from_level(self, points: Array) -> Array:
-        """Take (N, 3) points of the level frame to the wall's."""
+        """Transform (N, 3) points from the level frame to the wall's."""
         offset = points[:, :2] - self.left
         return np.column_stack([offset @ self.along, offset @ self.outward, points[:, 2]])
 
     def to_level(self, points: Array) -> Array:
-        """Take (N, 3) points of the wall's frame to the level frame."""
+        """Transform (N, 3) points from the wall's frame to the level frame."""
         plan = self.left + points[:, :1] * self.along + points[:, 1:2] * self.outward
         return np.column_stack([plan, points[:, 2]])
 
@@ -86,7 +86,7 @@ def nearest_walls(points: Array, corners: Array, faces: Sequence[WallFace]) -> N
         away = np.hypot(np.maximum(np.maximum(-along, along - face.length), 0.0), out)
         closer = away < best
         best[closer], nearest[closer] = away[closer], face.number
-    # The outermost cells are out of reach: what lies beyond them is put there.
+    # Points beyond the map are clamped to its outermost cells, which are out of reach.
     cells = [
         np.clip((points[:, i] - low[i]) / _PLAN_CELL_M, 0, shape[i] - 1).astype(np.int64)
         for i in (0, 1)

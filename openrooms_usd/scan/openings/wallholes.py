@@ -1,8 +1,8 @@
-"""Proposals for openings in one wall: rectangles of its picture in which much speaks for one.
+"""Proposals for openings in one wall: maximum-sum rectangles of its evidence grid.
 
-Evidence gives every cell a weight, positive where an opening seems to be; the rectangle with the
-largest sum of weights is proposed, taken out, and the next one looked for. What is hidden weighs
-next to nothing, so that furniture before a wall neither makes a hole nor cuts one.
+Every cell has a weight, positive as evidence of an opening; the maximum-sum rectangle is proposed
+and removed, again and again. Occluded cells have nearly no weight, so that furniture before a wall
+neither makes a hole nor splits one.
 """
 
 from collections.abc import Iterator
@@ -25,27 +25,27 @@ DOOR, WINDOW, BLINDS, CURTAIN = 8, 9, 13, 16
 LABELS: Final[dict[Kind, int]] = {"door": DOOR, "window": WINDOW}
 OPENING_LABELS: Final = (DOOR, WINDOW, BLINDS, CURTAIN)
 
-# Weights of cells: where the wall stands, and where nothing is known.
+# Weights of cells where the wall returned, and where nothing is known.
 _SOLID_WEIGHT: Final = -1.0
 HIDDEN_WEIGHT: Final = -0.03
-# A wall that stands on this part of a rectangle's height, for so many metres, parts two openings.
+# Wall over this part of a rectangle's height, and so wide, metres, separates two openings.
 _PARTING_SHARE_AND_M: Final = (0.7, 0.18)
-# Two rectangles beside each other must hold so much more than one, square metres, and be apart by
-# more than a mullion is wide, metres.
+# Two rectangles replace one if their sum is larger by this, square metres, and their gap is wider
+# than a mullion, metres.
 _SECOND_AREA_M2: Final = 0.1
 _MULLION_M: Final = 0.12
 _MIN_WIDTH_M: Final = 0.25
-_LEAST_AREA: Final = 0.07
+_MIN_AREA_M2: Final = 0.07
 _MAX_PROPOSALS: Final = 10
-# How far around a rectangle its wall is looked for, metres.
+# Width of the strips of wall around a rectangle, metres.
 _WALL_AROUND_M: Final = 0.075
-# What is hidden may be wall as well as not; above an opening hardly anything hides it, and
-# nobody looked there.
-_MAY_STAND: Final = {"beside": 0.5, "top": 0.42}
-# Doors end below this height, windows above that, metres; between, what stands below decides.
+# Probability that a cell without evidence is wall, beside an opening and above it.
+_MAY_BE_WALL_SHARE: Final = {"beside": 0.5, "top": 0.42}
+# Holes that begin below the first height are doors, above the sill windows; between, the evidence
+# below them decides, metres.
 _DOOR_STEP_M: Final = 0.06
-# Over a threshold of up to 12 cm people walk, where floor lies behind it and they can stand; holes
-# are seen to begin up to 5 cm higher than they do.
+# Passages may have thresholds of up to 12 cm, where floor was seen behind them and the headroom
+# suffices; holes seem to begin up to 5 cm higher than they do.
 _MAX_THRESHOLD_M: Final = 0.12 + 0.05
 _MIN_HEADROOM_M: Final = 1.8
 _MIN_SILL_M: Final = 0.45
@@ -53,19 +53,19 @@ _MIN_SILL_M: Final = 0.45
 
 @dataclass(frozen=True)
 class Proposal:
-    """A rectangle that may be an opening, and what speaks for it: parts of it, from 0 to 1.
+    """A rectangle that may be an opening, with its evidence as shares from 0 to 1.
 
     Attributes:
-        kind: What it may be.
+        kind: Of the opening.
         where: Its cells.
-        label: Of the labelled returns, those that call it by its name.
-        hole: Of its cells, those where something lies behind the plane, or nothing returned.
-        recess: Of its cells, those where something lies behind the plane.
-        solid: Of its cells, those where the wall stands.
-        curtain: Of its cells, those before which a curtain hangs.
-        framed: Of the wall around it, what stands; the least of its sides.
-        threshold: Of its width, where floor was seen behind the plane.
-        leaf: How clearly a closed leaf and its frame stand out.
+        label: Share of the labelled returns that have the kind's label.
+        hole: Share of its cells with returns from behind the plane, or none.
+        recess: Share of its cells with returns from behind the plane.
+        solid: Share of its cells where the wall returned.
+        curtain: Share of its cells behind a curtain.
+        framed: Share of the strips around it where the wall returned; the least of its sides.
+        threshold: Share of its width where floor was seen behind the plane.
+        leaf: Score of a closed leaf with its frame.
     """
 
     kind: Kind
@@ -96,23 +96,23 @@ class Proposal:
 
 
 def hole_weights(grid: WallGrid) -> Array:
-    """(Z, X) what geometry says."""
+    """(Z, X) weights by geometry."""
     weights = np.where(grid.solid, _SOLID_WEIGHT, np.where(grid.recess, 1.0, grid.void))
     unknown = ~grid.solid & ~grid.recess & (grid.void == 0)
     return np.asarray(np.where(unknown, HIDDEN_WEIGHT, weights))
 
 
 def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
-    """The rectangles with the most weight, one after the other, none over another.
+    """Maximum-sum rectangles, one after the other, disjoint.
 
     Args:
-        weights: (Z, X) positive where an opening seems to be.
-        height: Lower rectangles are not asked for, metres.
+        weights: (Z, X) positive as evidence of an opening.
+        height: Least height, metres.
     """
     weights = weights.copy()
     for _ in range(_MAX_PROPOSALS):
         found, value = _one(weights, max(1, round(height / CELL)))
-        if value * CELL**2 < _LEAST_AREA:
+        if value * CELL**2 < _MIN_AREA_M2:
             return
         yield found
         grown = Rectangle(
@@ -123,7 +123,7 @@ def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
 
 
 def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
-    """The best rectangle, or the better one of two that hold more together."""
+    """The best rectangle, or the better one of two that have a larger sum together."""
     whole, value = _unparted(weights, least_rows)
     found, most = (whole, value), value + _SECOND_AREA_M2 / CELL**2
     for halves in _halves(whole, len(weights), least_rows):
@@ -135,7 +135,7 @@ def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
 
 
 def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rectangle, Rectangle]]:
-    """Where two rectangles may be: strips of a wall beside a cut, or parts above each other."""
+    """Pairs of regions for two rectangles: beside a vertical cut, or above each other."""
     least = round(_MIN_WIDTH_M / CELL)
     for column in range(whole.left + least, whole.right - least + 1, 2):
         yield (
@@ -158,7 +158,7 @@ def _are_two(first: Rectangle, second: Rectangle, whole: Rectangle) -> bool:
 
 
 def _within(weights: Array, half: Rectangle, least_rows: int) -> tuple[Rectangle, float]:
-    """The best rectangle in a part of the picture."""
+    """The best rectangle in a part of the grid."""
     found, value = best_rectangle(weights[half.rows, half.columns], least_rows)
     low, left = half.bottom, half.left
     moved = (found.bottom + low, found.top + low, found.left + left, found.right + left)
@@ -166,7 +166,7 @@ def _within(weights: Array, half: Rectangle, least_rows: int) -> tuple[Rectangle
 
 
 def _unparted(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
-    """The best rectangle that no piece of wall divides from its lower to its upper edge."""
+    """The best rectangle that no wall divides from its lower to its upper edge."""
     share, width = _PARTING_SHARE_AND_M
     tried = weights.copy()
     while True:
@@ -182,7 +182,7 @@ def _unparted(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
 
 
 def measured(grid: WallGrid, kind: Kind, where: Rectangle) -> Proposal:
-    """What speaks for an opening at some place of a wall."""
+    """The evidence for an opening in a rectangle of a wall."""
     solid, recess = grid.solid[where.rows, where.columns], grid.recess[where.rows, where.columns]
     hole = np.maximum(recess, grid.void[where.rows, where.columns])
     votes, curtain = 0.0, 0.0
@@ -213,14 +213,14 @@ def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
     hidden = ~grid.solid & ~grid.recess & (grid.void == 0)
     parts = []
     for side in sides:
-        known = grid.solid + _MAY_STAND["top" if side == "top" else "beside"] * hidden
+        known = grid.solid + _MAY_BE_WALL_SHARE["top" if side == "top" else "beside"] * hidden
         strip = strips.get(side)
         parts.append(float(known[strip.rows, strip.columns].mean()) if strip else 0.0)
     return min(parts)
 
 
 def kind_of(grid: WallGrid, where: Rectangle) -> Kind:
-    """Whether a hole is a door or a window, by where it ends below."""
+    """Whether a hole is a door or a window, by the height of its lower edge."""
     sill, tall = where.bottom * CELL, (where.top - where.bottom) * CELL
     walked = grid.threshold[where.columns].mean() > 0.5 and tall > _MIN_HEADROOM_M
     if sill < _DOOR_STEP_M or (sill < _MAX_THRESHOLD_M and walked):

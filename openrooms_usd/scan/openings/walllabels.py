@@ -1,4 +1,4 @@
-"""What labels say of openings in a wall, and how labels go wrong: over borders and in blobs."""
+"""Evidence of openings in labels, robust to labels that bleed over borders and to wrong blobs."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -21,43 +21,44 @@ from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, usual_counts
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-# Cells with this part of the usual number of labels are sure of them.
+# Labels of a cell have full weight from this part of their usual number on.
 _SURE_LABEL_SHARE: Final = 0.25
-# So far apart are folds of a curtain, metres.
+# Distance between folds of a curtain, metres.
 _FOLD_DISTANCE_M: Final = 0.2
-# Looking through says less than a label, as a door may be seen through a window's place; and
-# nothing where no return that has the name is as near as a frame is to the middle of its pane.
+# Weight of a void against a label, and the distance within which a return must have the label, as
+# the frame around a pane does, metres; else a void has none.
 _LOOKED_THROUGH_WEIGHT: Final = 0.6
-_FRAME_TO_PANE_SHARE: Final = 0.6
-_ON_THE_FACE: Final = 0.6
-# Boards around doors are up to so wide, and stand out at least so far, metres.
+_FRAME_TO_PANE_M: Final = 0.6
+_ON_THE_FACE_WEIGHT: Final = 0.6
+# Largest width and least relief of casings, metres.
 _CASING_WIDTH_AND_RELIEF_M: Final = (0.1, 0.005)
-# Blobs of wrong labels are round: less of a square's corners is in its disc than in a rectangle,
-# and beyond the middle of its sides there is more. Both are patches of this part of the sides.
+# Blobs of wrong labels are round: their bounding rectangle has fewer labels in its corners and more
+# beyond the middle of its sides. Size of these patches, as a share of the sides, and the least
+# difference of a rectangle.
 _CORNER_SHARE: Final = 0.2
 _SQUARE_SHARE: Final = 0.65
-# Labelled windows lie deeper than their wall by so much, or nothing says that they do, metres.
+# Least recess of a window's pane from its wall, metres.
 _MIN_PANE_DEPTH_M: Final = 0.012
 
 
 def label_weights(grid: WallGrid, kind: Kind) -> Array:
-    """(Z, X) what labels say, and where there are none, geometry."""
+    """(Z, X) weights by labels, and where there are none, by geometry."""
     votes, all_votes = (around(counts) for counts in (grid.labels[LABELS[kind]], grid.labelled))
     curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS])
     others = all_votes - curtain
     geometry = hole_weights(grid)
-    named = ndimage.distance_transform_edt(votes <= 0) * CELL < _FRAME_TO_PANE_SHARE
+    named = ndimage.distance_transform_edt(votes <= 0) * CELL < _FRAME_TO_PANE_M
     through = np.where(named, _LOOKED_THROUGH_WEIGHT * geometry, HIDDEN_WEIGHT)
     geometry = np.where(geometry > 0, through, geometry)
-    # Between the folds that returned, others did not.
+    # Voids between the folds of a curtain are no holes.
     hangs = ndimage.maximum_filter(curtain, round(_FOLD_DISTANCE_M / CELL)) > 0
     geometry = np.where(hangs, np.minimum(geometry, HIDDEN_WEIGHT), geometry)
-    # Where few returns have a label, as strays in a hole, geometry is asked as well.
+    # Where few returns have a label, as outliers in a hole, geometry counts as well.
     enough = _SURE_LABEL_SHARE * usual_counts(grid.labelled, all_votes)
-    said = (2.0 * votes - others) / np.maximum(others, enough)
-    # Wrong labels lie on the wall's face, and openings mostly do not.
-    said = np.where(grid.solid & (said > 0), _ON_THE_FACE * said, said)
-    return np.asarray(said + geometry * (1.0 - np.minimum(others / enough, 1.0)))
+    weights = (2.0 * votes - others) / np.maximum(others, enough)
+    # Labels on the wall's face count less: wrong ones lie there, openings mostly do not.
+    weights = np.where(grid.solid & (weights > 0), _ON_THE_FACE_WEIGHT * weights, weights)
+    return np.asarray(weights + geometry * (1.0 - np.minimum(others / enough, 1.0)))
 
 
 def around(counts: Array) -> Array:
@@ -67,7 +68,7 @@ def around(counts: Array) -> Array:
 
 
 def is_round(grid: WallGrid, kind: Kind, where: Rectangle) -> bool:
-    """Whether returns of a name bulge out of a rectangle's sides and leave out its corners."""
+    """Whether the returns with a label form a disc rather than a rectangle."""
     known = around(grid.labelled)
     named = around(grid.labels[LABELS[kind]]) > 0.5 * known
     high, wide = (
@@ -89,7 +90,7 @@ def is_round(grid: WallGrid, kind: Kind, where: Rectangle) -> bool:
 
 
 def _share(named: Mask, known: Mask, places: Sequence[Rectangle]) -> float:
-    """The part of what is known in some places that has a name."""
+    """The share of labelled cells in some rectangles that have the label."""
     of_all = 0
     with_name = 0
     for p in places:
@@ -112,10 +113,7 @@ def lies_deeper(grid: WallGrid, where: Rectangle) -> bool:
 
 
 def without_casing(grid: WallGrid, where: Rectangle) -> Rectangle:
-    """A door without the boards around it, which are called door too but lie on the wall.
-
-    What is nothing but boards stays as it is.
-    """
+    """A door without its casing, which is labelled door, too; a door of nothing else stays."""
     standing = grid.solid & (np.nan_to_num(grid.relief) > _CASING_WIDTH_AND_RELIEF_M[1])
     most = round(_CASING_WIDTH_AND_RELIEF_M[0] / CELL)
     columns = standing[where.rows, where.columns].mean(axis=0) > 0.5
@@ -130,6 +128,6 @@ def without_casing(grid: WallGrid, where: Rectangle) -> Rectangle:
 
 
 def _depth(casing: Mask, most: int) -> int:
-    """How far from its beginning a line of cells is casing, strays and all."""
+    """Width of the casing at the beginning of a line of cells, gaps included."""
     found = np.flatnonzero(casing[:most])
     return int(found[-1]) + 1 if len(found) else 0

@@ -1,8 +1,8 @@
-"""A wall seen from inside as a picture: what returned from its plane, from behind it, and what not.
+"""Evidence grids of walls: returns from the plane, returns from behind it, and voids.
 
-Every wall has a frame of its own: x to the right along its inner face, y outwards, z up. Cells of
-the picture say how far the wall stands there, whether something behind its plane was seen, or
-whether sensors looked through without any return; where furniture hides the wall they say nothing.
+Every wall has its own frame: x to the right along its inner face, y outwards, z up. A cell is solid
+(the wall returned), a recess (a return from behind), a void (sensors looked through without a
+return), or unknown (occluded by furniture).
 """
 
 from collections.abc import Iterator, Sequence
@@ -23,43 +23,43 @@ Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
 CELL: Final = 0.025  # metres
-# A wall's returns lie so many deviations near to its plane, within these limits, metres.
+# Inlier distance of the plane: so many standard deviations, clipped to these limits.
 _RETURN_SIGMAS: Final = 4.0
 _ON_WALL_LIMITS_M: Final = (0.02, 0.045)
-# Relief is of what stands out so far, or lies so much deeper, metres.
+# Largest protrusion, and largest recess, that relief measures.
 _RELIEF_LIMITS_M: Final = (0.045, 0.12)
-# A difference of 15 in 255 of a colour counts as a step of three millimetres.
+# A colour difference of 15 in 255 counts as a step of three millimetres.
 _TINT_STEP_M: Final = 0.003 / 15.0
-# The plane is refitted to returns up to this far from where it was thought to be.
+# Returns up to this far from the initial plane take part in its refit.
 _PLANE_REFIT_M: Final = 0.12
 _PLANE_REFIT_ROUNDS: Final = 6
 # Cells with less than this part of the wall's usual number of returns are empty.
 _EMPTY_CELL_SHARE: Final = 0.2
-# Scans are dense here and thin there: how far around a cell its usual number is asked, metres.
+# Radius of the local mean of returns, because density varies, metres.
 _DENSITY_RADIUS_M: Final = 0.25
-# So many sensors that look through a cell make it sure that nothing is there.
+# Number of sensors that look through a cell from which on it is a certain void.
 _SURE_SENSORS: Final = 3.0
-# Returns with labels count where they face across the wall up to 25 degrees.
+# Labels count of returns with normals within 25 degrees of the wall's.
 _LABEL_FACING_COS: Final = float(np.cos(np.radians(25.0)))
 
 
 @dataclass(frozen=True, eq=False)
 class WallGrid:
-    """A wall's picture: rows from the floor upwards, columns to the right.
+    """The evidence grid of a wall: rows from the floor upwards, columns to the right.
 
     Attributes:
         face: The wall.
         solid: (Z, X) where the wall's face returned.
-        recess: (Z, X) where only what lies a few centimetres behind it did.
-        void: (Z, X) from 0 to 1, how sure it is that sensors looked through without a return.
-        relief: (Z, X) how far what returned stands out into the room, metres, relative to the
-            wall's plane; less than 0 where it lies deeper, NaN where nothing near did.
-        tint: (Z, X) what returned from the face along the colour in which the wall differs most,
-            in metres as if it were relief; NaN where nothing did or the scan has no colours.
-        labels: For each class asked for, (Z, X) the number of returns near the wall that have it.
-        labelled: (Z, X) the number of all returns near the wall that have a label.
+        recess: (Z, X) where only surfaces a few centimetres behind it returned.
+        void: (Z, X) confidence from 0 to 1 that sensors looked through without a return.
+        relief: (Z, X) mean protrusion of returns into the room from the wall's plane, metres;
+            negative where they are recessed, NaN without returns near the plane.
+        tint: (Z, X) colour of the face along its principal axis, scaled to metres of relief; NaN
+            without returns or colours.
+        labels: For each requested class, (Z, X) the number of returns near the wall with it.
+        labelled: (Z, X) the number of returns near the wall with any label.
         threshold: (X,) whether floor was seen just behind the wall's plane.
-        deviation: How rough the wall's face is, metres.
+        deviation: Root mean squared residual of the wall's plane, metres.
     """
 
     face: WallFace
@@ -82,14 +82,14 @@ class WallGrid:
 def wall_grids(
     cloud: Cloud, corners: Array, height: float, classes: Sequence[int], sight: Sight
 ) -> Iterator[WallGrid]:
-    """The pictures of a room's walls, one after the other.
+    """The evidence grids of a room's walls, one after the other.
 
     Args:
         cloud: In the level frame.
         corners: (N, 2) counter-clockwise.
         height: Of the walls, metres.
-        classes: Labels whose shares are asked for.
-        sight: What the sensors could see.
+        classes: Labels that are counted.
+        sight: Sensors and occlusion.
     """
     faces = faces_of(corners)
     nearest = nearest_walls(cloud.points, corners, faces)
@@ -135,7 +135,7 @@ def _mean_depth(cells: Rows, values: Array, shape: tuple[int, int]) -> Array:
 
 
 def _tints(cloud: Cloud, on: Mask) -> Array:
-    """Colours of a wall's returns along their principal axis."""
+    """Colours of a wall's returns projected on their principal axis."""
     if cloud.colors is None or not on.any():
         return np.full(int(on.sum()), np.nan)
     colors = cloud.colors[on].astype(np.float64)
@@ -145,14 +145,14 @@ def _tints(cloud: Cloud, on: Mask) -> Array:
 
 
 def _other_side(cloud: Cloud, face: WallFace, y: Array) -> Mask:
-    """Which returns are of a wall's other face, seen from another room."""
+    """Returns of a wall's other face, scanned from another room."""
     if cloud.normals is None:
         return np.zeros(len(y), dtype=np.bool_)
     return np.asarray((y > _ON_WALL_LIMITS_M[1]) & (cloud.normals[:, :2] @ face.outward > 0.7))
 
 
 def _layers(standing: Array, opened: Array, hidden: Array) -> tuple[Mask, Mask, Mask]:
-    """Where the face returned, only what is behind it, and only what is before it."""
+    """Masks: the face returned; only surfaces behind it; only surfaces before it."""
     on, behind, before = (
         ndimage.uniform_filter(counts, 3, mode="nearest") for counts in (standing, opened, hidden)
     )
@@ -163,7 +163,7 @@ def _layers(standing: Array, opened: Array, hidden: Array) -> tuple[Mask, Mask, 
 
 
 def usual_counts(counts: Array, smooth: Array) -> Array:
-    """How many returns a cell has around each place, where it has any.
+    """Local mean of returns over the cells that have any.
 
     Args:
         counts: (Z, X) returns of each cell.
@@ -181,7 +181,7 @@ def usual_counts(counts: Array, smooth: Array) -> Array:
 
 
 def _plane(x: Array, y: Array, z: Array) -> tuple[Array, float]:
-    """(3,) y = p0 + p1 x + p2 z through most of a wall's returns, and their deviation from it."""
+    """(3,) robust fit y = p0 + p1 x + p2 z to a wall's returns, and their standard deviation."""
     near = np.flatnonzero(np.abs(y) < _PLANE_REFIT_M)[:: max(1, len(y) // 20_000)]
     columns = np.column_stack([np.ones(len(near)), x[near], z[near]])
     plane, scale = np.zeros(3), _PLANE_REFIT_M
@@ -210,7 +210,7 @@ def _label_counts(
     cloud: Cloud, cell: Rows, above: Mask, behind: Mask, face: WallFace,
     classes: Sequence[int], shape: tuple[int, int],
 ) -> tuple[dict[int, Array], Array]:  # fmt: skip
-    """Votes of the returns that face across the wall, and of the sides of holes in it."""
+    """Label counts of returns with the wall's normal, and of the sides of holes in it."""
     if cloud.label is None:
         return {}, np.zeros(shape)
     if cloud.normals is not None:
@@ -221,7 +221,7 @@ def _label_counts(
 
 
 def _seen_through(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) -> Array:
-    """(Z, X) how sure it is that sensors looked at a cell; asked for every second one."""
+    """(Z, X) confidence that sensors looked through a cell; computed for every second one."""
     rows, columns = np.nonzero(open_cells[::2, ::2])
     x, z = (2 * columns + 1.0) * CELL, (2 * rows + 1.0) * CELL
     places = face.to_level(np.column_stack([x, plane[0] + plane[1] * x + plane[2] * z, z]))

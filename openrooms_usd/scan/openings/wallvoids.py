@@ -1,7 +1,7 @@
-"""Voids in a wall's picture: holes that somebody looked through, or what nobody looked at.
+"""Voids of a wall's evidence grid: holes, as opposed to areas that no sensor was pointed at.
 
-Who never looks up sees nothing of a wall's upper part, although nothing was in the way. So voids
-are believed as far up as the wall was seen on both sides of them.
+A wall's upper part may lack returns because no sensor was tilted up. So a void counts up to the
+height to which the wall was scanned on both its sides.
 """
 
 from typing import Final
@@ -12,20 +12,20 @@ from scipy import ndimage
 
 Mask = NDArray[np.bool_]
 
-# Voids that are narrower are between things, cells of 2.5 cm.
+# Narrower voids are gaps between things; cells of 2.5 cm.
 _SLIT_CELLS: Final = 5
-# Holes have wall on both sides within this distance, as high up as they go; where none is, nobody
-# looked. Nor did they where nothing returned up to the top over more than a door's width. Cells.
+# Holes have wall on both sides within this distance, up to their full height; voids to the top that
+# are wider than a door were not scanned. Cells.
 _WALL_BESIDE_CELLS: Final = 60
 _UNSEEN_CELLS: Final = 52
 
 
 def enclosed(void: Mask, standing: Mask) -> Mask:
-    """(Z, X) voids without slits, and without what nobody looked at above the wall that was seen.
+    """(Z, X) voids without slits, and without unscanned areas above the wall's returns.
 
     Args:
-        void: (Z, X) where sensors looked through, as far as anything in their way is concerned.
-        standing: (Z, X) where the wall returned.
+        void: (Z, X) cells with unoccluded lines of sight and no return.
+        standing: (Z, X) cells where the wall returned.
     """
     broad = ndimage.binary_opening(void, np.ones((_SLIT_CELLS, _SLIT_CELLS), dtype=bool))
     pieces, count = ndimage.label(broad)
@@ -36,7 +36,7 @@ def enclosed(void: Mask, standing: Mask) -> Mask:
 
 
 def _horizon(standing: Mask) -> NDArray[np.int64]:
-    """(X,) up to which row the wall was seen on both sides of a column."""
+    """(X,) the row up to which the wall was scanned on both sides of a column."""
     highest = np.where(standing.any(axis=0), len(standing) - standing[::-1].argmax(axis=0), 0)
     near = np.lib.stride_tricks.sliding_window_view(
         np.pad(highest, _WALL_BESIDE_CELLS), _WALL_BESIDE_CELLS + 1
