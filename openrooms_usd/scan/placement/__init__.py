@@ -1,7 +1,7 @@
-"""Found objects put where they can be: upright, on what carries them, in the room, apart.
+"""Physical plausibility of aligned objects: upright, supported, inside the room, not penetrating.
 
-- `bodies`, `chords`, `penetration`: meshes as solids, and how deep two reach into each other;
-- `enclosure`, `support`: the room around them, and what carries them;
-- `arrangement`: where each one stands; `settling`: upright and flat;
-- `least_motion`, `spreading`: apart by the least motion; `correcting`: all of it.
+- `bodies`, `chords`, `penetration`: meshes as solids, and translational penetration depths;
+- `enclosure`, `support`: the room's boundary, and the support relation;
+- `arrangement`: the poses so far; `settling`: tilt, supports, and yaw along walls;
+- `least_motion`, `spreading`: penetrations resolved by a quadratic program; `correcting`: all.
 """

@@ -1,4 +1,4 @@
-"""Objects while they are put in order: where each one stands, and what moved it there."""
+"""The state of a placement: each object's body, motion and support so far."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 
 Array = NDArray[np.float64]
 
-# Around objects that no room was found for, metres.
+# Half the size of the enclosure of objects without a room, metres.
 _OPEN_SPACE_M = 1000.0
 
 
@@ -26,11 +26,11 @@ class Arrangement:
 
     Attributes:
         objects: As measured.
-        bodies: As they stand now.
-        motions: (4, 4) each, rigid: from where an object was measured to where it stands.
-        rooms: What encloses each.
-        given: What is known to carry some, by rows.
-        supports: What carries each, once that is known.
+        bodies: In their present poses.
+        motions: (4, 4) each, rigid, from an object's measured pose to its present one.
+        rooms: Enclosure of each.
+        given: Known supports, by rows.
+        supports: Support of each, once it is found.
         notes: What people should know, one sentence each.
     """
 
@@ -46,7 +46,7 @@ class Arrangement:
         return len(self.objects)
 
     def has_moved(self, row: int) -> bool:
-        """Whether anything moved an object."""
+        """Whether an object's motion is not the identity."""
         return not np.array_equal(self.motions[row], np.eye(4))
 
     def shift(self, row: int, by: Array) -> None:
@@ -56,19 +56,19 @@ class Arrangement:
         self.motions[row] = motion @ self.motions[row]
 
     def turn(self, row: int, rotation: Array) -> None:
-        """Turn one object about its middle by (3, 3)."""
+        """Rotate one object about its middle by (3, 3)."""
         body = self.bodies[row]
         motion = about_point(rotation, 0.5 * (body.low + body.high))
         self.bodies[row] = body.turned(rotation)
         self.motions[row] = motion @ self.motions[row]
 
     def carrier(self, row: int) -> int:
-        """The row of the object that takes another one along; -1: none, as a rug does not."""
+        """The row of the object whose motion carries another one; -1: none, as a rug does not."""
         under = self.supports[row].number
         return -1 if under < 0 or is_rug(self.bodies[under], self.rooms[under].floor) else under
 
     def carried(self, row: int) -> Iterator[int]:
-        """The rows of what goes along with an object, and with that, and so on."""
+        """The rows of all objects on an object, directly or indirectly."""
         for other in range(len(self.supports)):
             if self.carrier(other) == row:
                 yield other
@@ -86,7 +86,7 @@ class Arrangement:
 def arranged(
     objects: Sequence[FoundObject], models: Mapping[str, CadModel], rooms: Sequence[FoundRoom]
 ) -> Arrangement:
-    """Objects as they were measured."""
+    """The initial state: objects in their measured poses."""
     bodies = [_body(found, models[found.cad]) for found in objects]
     enclosures = [_enclosure(room) for room in rooms] or [_nowhere()]
     homes = [
@@ -99,7 +99,7 @@ def arranged(
 def _body(found: FoundObject, model: CadModel) -> Body:
     turn = rotation_of(found.pose)
     points = (model.vertices * found.pose.scale) @ turn.T + found.pose.translation
-    # The two axes of the CAD that lie most nearly level.
+    # The two axes of the CAD nearest to the horizontal.
     level = np.delete(turn.T, int(np.argmax(np.abs(turn[2]))), axis=0)[:, :2]
     return Body(solid(points, model.faces), unit(level))
 

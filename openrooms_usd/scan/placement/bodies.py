@@ -1,4 +1,4 @@
-"""Meshes as solids: closed, wound outwards, whatever state a CAD comes in."""
+"""Meshes as solids: closed and outward oriented, also of CADs that are not."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,18 +12,18 @@ from openrooms_usd.geometry.vectors import unit
 
 Array = NDArray[np.float64]
 
-# Open surfaces become sheets of twice this thickness, metres.
+# Half the thickness that open surfaces get, metres.
 _HALF_SHEET_M: Final = 0.001
 _WELD_M: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A solid as it stands.
+    """A solid in its pose.
 
     Attributes:
-        triangles: (T, 3, 3) of closed surfaces, wound outwards, metres.
-        axes: (2, 2) rows: the horizontal directions of its own sides.
+        triangles: (T, 3, 3) of closed surfaces, outward oriented, metres.
+        axes: (2, 2) rows: the horizontal normals of its box's sides.
     """
 
     triangles: Array
@@ -41,7 +41,7 @@ class Body:
 
     @cached_property
     def outline(self) -> Array:
-        """(P, 2) the corners of its plan's convex hull."""
+        """(P, 2) the convex hull of its plan."""
         from scipy.spatial import ConvexHull, QhullError
 
         plan = self.triangles.reshape(-1, 3)[:, :2]
@@ -62,10 +62,9 @@ class Body:
 
 
 def solid(vertices: Array, faces: NDArray[np.integer]) -> Array:
-    """Closed surfaces, wound outwards, from any mesh.
+    """Closed, outward oriented surfaces from any mesh.
 
-    Each connected part that is closed is turned outwards as a whole. A part that is not becomes a
-    sheet of 2 mm.
+    Closed components are oriented outwards as a whole; open ones become sheets of 2 mm.
 
     Args:
         vertices: (V, 3) metres.

@@ -1,9 +1,8 @@
-"""Where lines run inside of a solid: the measure of how far two meshes reach into each other.
+"""Chords of solids: intervals of parallel lines inside, by which penetration is measured.
 
-The chords of two bodies on the same lines say for every shift along these lines at once whether
-the bodies overlap: a line carries an overlap at shift t where t lies between b0 - a1 and b1 - a0,
-[a0, a1] and [b0, b1] being chords. No convex pieces are asked for, and a chair under a table is
-just that.
+The chords of two bodies on the same lines tell for all shifts along these lines at once whether
+the bodies overlap: chords [a0, a1] and [b0, b1] overlap at shift t if b0 - a1 < t < b1 - a0. Bodies
+need not be convex: a chair may stand under a table.
 """
 
 from dataclasses import dataclass
@@ -16,24 +15,23 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
 _MIN_SPACING_M: Final = 0.003
-# Rows of lines run at this slope, and each is set off along itself by another fraction of the
-# spacing: what is thin and level or upright, as most of furniture is, cannot hide between them.
+# Slope of the rows of lines, and offset between successive rows in spacings: irrational, so that
+# thin axis-aligned boards are not missed between lines.
 _ROW_SLOPE: Final = 0.3247179572447461
 _ROW_OFFSET: Final = 0.6180339887498949
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Parallel lines, spread evenly over a rectangle, in rows.
+    """A lattice of parallel lines over a rectangle, in rows.
 
     Attributes:
-        low: (2,) least coordinates of the rectangle that they meet, metres.
+        low: (2,) least coordinates of the rectangle, metres.
         high: (2,) its greatest.
-        axes: (3, 3) columns take points to the place along the lines, that along the rows, and
-            that across the rows.
+        axes: (3, 3) columns: directions of the lines, of the rows, and across the rows.
         corner: (2,) least coordinates along and across the rows, metres.
-        spacing: Metres between lines.
-        shape: How many lines in a row, and how many rows.
+        spacing: Between lines, metres.
+        shape: Lines a row, and rows.
     """
 
     low: Array
@@ -50,10 +48,10 @@ class Lattice:
         Args:
             low: (2,) its least coordinates, metres.
             high: (2,) its greatest.
-            count: How many lines, unless that would be finer than 3 mm.
+            count: Number of lines; fewer where they would be nearer than 3 mm.
         """
         spacing = max(_MIN_SPACING_M, float(np.sqrt(np.prod(high - low) / count)))
-        # Rows along the short side: slanted, they leave the rectangle the least.
+        # Rows along the short side: slanted rows then leave the rectangle the least.
         short, long = np.argsort(high - low, kind="stable")
         axes = np.eye(3)
         across = axes[1 + long] + _ROW_SLOPE * axes[1 + short]
@@ -67,12 +65,12 @@ class Lattice:
 
 @dataclass(frozen=True, eq=False)
 class Chords:
-    """Pieces of lines that lie inside of a solid, by lines and along them.
+    """Intervals of lines inside a solid, sorted by line and along it.
 
     Attributes:
         line: (C,) numbers of lines, ascending.
-        low: (C,) where each begins, metres along the line.
-        high: (C,) where it ends.
+        low: (C,) beginnings, metres along the line.
+        high: (C,) ends, metres along the line.
     """
 
     line: Numbers
@@ -80,23 +78,22 @@ class Chords:
     high: Array
 
     def within(self, low: float, high: float) -> "Chords":
-        """Those that reach between two places."""
+        """Those that intersect an interval."""
         kept = (self.high > low) & (self.low < high)
         return Chords(self.line[kept], self.low[kept], self.high[kept])
 
 
 def chords(triangles: Array, lattice: Lattice) -> Chords:
-    """The pieces of a lattice's lines inside of closed surfaces, which may overlap each other.
+    """The chords of closed surfaces, which may overlap each other, on a lattice's lines.
 
     Args:
-        triangles: (T, 3, 3) wound counter-clockwise seen from outside, metres, in the frame of
-            the lattice.
+        triangles: (T, 3, 3) counter-clockwise from outside, metres, in the frame of the lattice.
         lattice: The lines.
     """
     line, place, step = _crossings(_concerned(triangles, lattice) @ lattice.axes, lattice)
     order = np.lexsort((-step, place, line))
     line, place, step = line[order], place[order], step[order]
-    # Rounding may let a line through an edge count it twice or not at all: it says nothing.
+    # Rounding may count an edge on a line twice or not at all: such lines are dropped.
     sums = np.bincount(line, step, minlength=lattice.shape[0] * lattice.shape[1])
     sound = sums[line] == 0
     line, place, step = line[sound], place[sound], step[sound]
@@ -107,7 +104,7 @@ def chords(triangles: Array, lattice: Lattice) -> Chords:
 
 
 def _concerned(triangles: Array, lattice: Lattice) -> Array:
-    """The triangles that may meet lines."""
+    """The triangles that may intersect lines."""
     sides = triangles[..., 1:]
     kept = (sides.min(axis=1) < lattice.high).all(axis=1)
     kept &= (sides.max(axis=1) > lattice.low).all(axis=1)
@@ -117,8 +114,8 @@ def _concerned(triangles: Array, lattice: Lattice) -> Array:
 def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]:
     """Line, place along it, and +1 where it enters a surface or -1 where it leaves one.
 
-    Triangles are cut into their rows, and rows into lines; half-open both, so that a line through
-    a common edge meets one of two triangles.
+    Triangles are scan-converted to rows, and rows to lines; both half-open, so that a line through
+    a common edge intersects one of two triangles.
     """
     plan = (local[..., 1:] - lattice.corner) / lattice.spacing
     width, rows = lattice.shape
@@ -133,19 +130,19 @@ def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]
     t = (column + offset[span] - left[0][span]) / (right[0] - left[0])[span]
     place = left[1][span] + t * (right[1] - left[1])[span]
     step = np.where(area[face[span]] < 0.0, 1, -1)
-    # Counter-clockwise or not depends on which side of the rectangle the rows run along.
+    # The orientation depends on the side of the rectangle that the rows run along.
     step = step * np.sign(np.linalg.det(lattice.axes)).astype(np.int64)
     return row[span] * width + column, place, step
 
 
 def _whole(low: Array, high: Array, count: int) -> tuple[Numbers, Numbers]:
-    """The first whole number of each half-open range, and that behind its last, in 0 .. count."""
+    """Integer bounds, half-open and clipped to 0 .. count, of half-open ranges."""
     first, last = np.ceil(low), np.ceil(high)
     return (np.clip(first, 0, count).astype(np.int64), np.clip(last, 0, count).astype(np.int64))
 
 
 def _counted(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
-    """All whole numbers of ranges: which range each is of, and the number."""
+    """All integers of ranges: the number of the range, and the integer."""
     counts = np.maximum(last - first, 0)
     owner = np.repeat(np.arange(len(first)), counts)
     number = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -153,7 +150,7 @@ def _counted(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _spans(plan: Array, along: Array, row: Numbers) -> tuple[Array, Array]:
-    """(2, R) each: place in the row and along the lines where a row enters and leaves triangles."""
+    """(2, R) each: coordinates along rows and lines where rows enter and leave triangles."""
     ends = np.empty((3, 2, len(row)))
     above = plan[..., 1] > row[:, None]
     for edge, (i, j) in enumerate(((0, 1), (1, 2), (0, 2))):
@@ -162,7 +159,7 @@ def _spans(plan: Array, along: Array, row: Numbers) -> tuple[Array, Array]:
         t = np.where(cut, (row - plan[:, i, 1]) / rise, np.nan)
         ends[edge, 0] = plan[:, i, 0] + t * (plan[:, j, 0] - plan[:, i, 0])
         ends[edge, 1] = along[:, i] + t * (along[:, j] - along[:, i])
-    # Each row cuts two edges of its triangle.
+    # Each row intersects two edges of its triangle.
     one = np.where(np.isnan(ends[0]), ends[1], ends[0])
     two = np.where(np.isnan(ends[2]), ends[1], ends[2])
     forth = one[0] <= two[0]
@@ -170,7 +167,7 @@ def _spans(plan: Array, along: Array, row: Numbers) -> tuple[Array, Array]:
 
 
 def paired(a: Chords, b: Chords) -> tuple[Numbers, Numbers]:
-    """Rows of the chords of two bodies that lie on the same line, each with each."""
+    """All pairs of the chords of two bodies on the same line, as rows."""
     start = np.searchsorted(b.line, a.line, side="left")
     stop = np.searchsorted(b.line, a.line, side="right")
     return _counted(start, stop)

@@ -1,8 +1,8 @@
-"""Found objects put where they can be: upright, on what carries them, in the room, apart.
+"""Corrects the poses of aligned objects to physically plausible ones.
 
-One pass: tilted objects are set upright; what carries each is found, and it is put there exactly;
-what reaches into a wall at a small angle is turned along it; then all objects together go apart
-and out of the walls by the least motion. What was right before is returned as it is.
+One pass: small tilts are removed; supports are found and touched exactly; objects that penetrate a
+wall at a small angle are turned along it; then all penetrations, between objects and with walls,
+are resolved by the least motion. Plausible poses are returned unchanged.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,7 +28,8 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom
 
 Array = NDArray[np.float64]
 
-# What is reported as unresolved: overlaps, and reaching into walls or floating, metres.
+# Least penetration of objects, and least penetration of walls or floating gap, that is reported as
+# unresolved, metres.
 _UNRESOLVED_OVERLAP_M: Final = 0.004
 _UNRESOLVED_GAP_M: Final = 0.008
 
@@ -39,13 +40,13 @@ _NO_MOTION_M: Final = 1e-4
 
 @dataclass(frozen=True)
 class Unresolved:
-    """Something that no small motion puts right.
+    """A violation that no small motion resolves.
 
     Attributes:
-        kind: What is wrong.
-        instance: With which instance.
+        kind: Of violation.
+        instance: The instance.
         other: The instance that it overlaps with; None otherwise.
-        depth: How much, metres.
+        depth: Of penetration, or of the gap, metres.
     """
 
     kind: Literal["overlaps", "in a wall", "floats"]
@@ -64,7 +65,7 @@ class Placement:
 
     Attributes:
         objects: As given, with ``placed`` and ``support``.
-        unresolved: What is still wrong.
+        unresolved: Remaining violations.
         notes: What people should know, one sentence each.
     """
 
@@ -79,14 +80,14 @@ def place(
     rooms: Sequence[FoundRoom],
     reach: float = 0.10,
 ) -> Placement:
-    """Put objects where they can be, by the least motion.
+    """Make poses physically plausible by the least motion.
 
     Args:
-        objects: In the level frame: Z up, metres; their order changes nothing. A ``support`` that
-            is given is kept.
+        objects: In the level frame: Z up, metres; their order changes nothing. A given ``support``
+            is kept.
         models: CADs by their ids.
         rooms: In the same frame; their walls and ceilings bound the objects.
-        reach: How far other objects may push one, metres.
+        reach: Largest motion by penetrations of other objects, metres.
     """
     rows = sorted(range(len(objects)), key=lambda row: objects[row].instance)
     state = arranged([objects[row] for row in rows], models, rooms)
@@ -104,7 +105,7 @@ def place(
 
 
 def correction(found: FoundObject) -> Array:
-    """(4, 4) rigid: from where an object was measured to where it was placed."""
+    """(4, 4) rigid, from an object's measured pose to its placed one."""
     motion = np.eye(4)
     if found.placed is not None and found.placed is not found.pose:
         motion[:3, :3] = rotation_of(found.placed) @ rotation_of(found.pose).T
@@ -113,7 +114,7 @@ def correction(found: FoundObject) -> Array:
 
 
 def moved_by(found: FoundObject) -> dict[str, float]:
-    """How far an object was moved, ``metres`` of its origin, and turned, ``degrees``."""
+    """The motion of an object: ``metres`` of its origin, and ``degrees`` of rotation."""
     from scipy.spatial.transform import Rotation
 
     placed = found.placed or found.pose
@@ -123,7 +124,7 @@ def moved_by(found: FoundObject) -> dict[str, float]:
 
 
 def _given(state: Arrangement) -> dict[int, Support]:
-    """What is known to carry objects, by rows: no instance that is not there, and no circle."""
+    """Given supports by rows, without missing instances and circles."""
     numbers = {str(found.instance): row for row, found in enumerate(state.objects)}
     known = {kind: Support(kind) for kind in (FLOOR, WALL, CEILING)}
     known |= {name: Support(OBJECT, row) for name, row in numbers.items()}
@@ -171,7 +172,7 @@ def _unresolved(state: Arrangement) -> list[Unresolved]:
 
 
 def _floating(state: Arrangement, row: int) -> float:
-    """How far an object is from what carries it, metres."""
+    """The gap between an object and its support, metres."""
     kind, body, room = state.supports[row].kind, state.bodies[row], state.rooms[row]
     if kind == WALL:
         facing = room.facing(body, np.inf)

@@ -1,4 +1,4 @@
-"""The walls, floor and ceiling around objects: how far something reaches beyond them."""
+"""Walls, floor and ceiling around objects, and the penetration of objects into them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,24 +16,24 @@ from openrooms_usd.scan.placement.bodies import Body
 
 Array = NDArray[np.float64]
 
-# Walls further away than this do not matter to an object, metres.
+# Range within which walls are tested against an object, metres.
 _NEAR_WALL_M: Final = 0.3
-# A corner that sticks into the room is seen by points this close along edges, metres.
+# Spacing of points along a body's edges, so that reflex corners of the room are not missed, metres.
 _EDGE_SAMPLE_M: Final = 0.004
 _INSIDE_M: Final = 2e-4
 _LOST_SHARE: Final = 0.4
-# What would still be outside by more than this, metres, has nothing to gain by moving.
+# Objects that no motion brings nearer than this to the inside stay, metres.
 _HOPELESS_M: Final = 0.1
 
 
 @dataclass(frozen=True)
 class Facing:
-    """The wall that a body stands before.
+    """The wall that a body faces.
 
     Attributes:
         wall: Its number.
-        gap: Between them, metres; negative where the body is in it.
-        angle: By which the body must turn to stand parallel to it, radians.
+        gap: Between them, metres; negative for a penetration.
+        angle: The yaw that makes the body parallel to it, radians.
     """
 
     wall: int
@@ -74,19 +74,19 @@ class Enclosure:
         return polygon
 
     def distance(self, point: Array) -> float:
-        """Of a point (2,) to the room, metres; 0 within it."""
+        """Distance of a point (2,) to the room, metres; 0 inside."""
         return float(self.beyond(point[None])[0])
 
     def beyond(self, points: Array) -> Array:
-        """(P,) how far points (P, 2) are outside, metres; 0 inside."""
+        """(P,) distances of points (P, 2) to the room, metres; 0 inside."""
         import shapely
 
         return np.asarray(shapely.distance(self._polygon, shapely.points(points)))
 
     def footprint(self, body: Body) -> Array:
-        """(P, 2) points of a body's plan that tell how far it reaches beyond the walls.
+        """(P, 2) points of a body's plan that suffice to measure its penetration of walls.
 
-        The corners of its convex hull, unless a corner of the room may stick into it.
+        The corners of its convex hull, unless a reflex corner of the room may penetrate it.
         """
         reflex = self.corners[turns(self.corners) < 0.0]
         low, high = body.low[:2] - _NEAR_WALL_M, body.high[:2] + _NEAR_WALL_M
@@ -94,10 +94,10 @@ class Enclosure:
         return _dense(body.triangles[..., :2], reflex) if len(reflex) else body.outline
 
     def leave(self, points: Array) -> dict[int, float]:
-        """The walls that points (P, 2) must come out of, and how far, by the least motion.
+        """The walls that points (P, 2) must leave, and how far, by the least motion.
 
-        Outside a reflex corner one of its two walls is enough; in other corners both are needed.
-        What is more than 0.4 m beyond walls is not brought back, nor is what does not fit.
+        At a reflex corner leaving one of its two walls is enough; at other corners both count.
+        Points more than 0.4 m beyond walls are not brought back, nor bodies that do not fit.
         """
         out = points[self.beyond(points) > _INSIDE_M]
         if not len(out):
@@ -111,13 +111,13 @@ class Enclosure:
         choices = [*combinations(walls, 1), *combinations(walls, 2)]
         ways = [self._way(choice, depth, points) for choice in choices]
         ways = [w for w in ways if max(w[0].values()) < _LOST_SHARE and w[1] < _HOPELESS_M]
-        # What is still outside afterwards counts more than the length of the way.
+        # The remaining penetration counts more than the length of the motion.
         return min(ways, key=lambda way: (round(way[1], 3), way[2]), default=({}, 0.0, 0.0))[0]
 
     def _way(
         self, walls: Sequence[int], depth: Array, points: Array
     ) -> tuple[dict[int, float], float, float]:
-        """How far out of each wall, what is outside after that, and the length of the motion."""
+        """Motion out of each wall, the penetration after it, and its total length."""
         needed = np.maximum(depth[list(walls)].max(axis=1), 0.0)
         motion = np.linalg.lstsq(self.inward[list(walls)], needed, rcond=None)[0]
         left = float(self.beyond(points + (1.0 + 1e-9) * motion).max())
@@ -125,7 +125,7 @@ class Enclosure:
         return found, max(0.0, left - _INSIDE_M), float(np.linalg.norm(motion))
 
     def gaps(self, points: Array) -> dict[int, float]:
-        """Metres between points (P, 2) and the walls close to them that they stand before."""
+        """Gaps between points (P, 2) and the near walls that they face, metres."""
         height = self.inward @ points.T
         height -= np.einsum("ij,ij->i", self.inward, self.corners)[:, None]
         along = self._along(points)
@@ -136,13 +136,13 @@ class Enclosure:
         }
 
     def _along(self, points: Array) -> Array:
-        """(N, P) how far along each wall the foot of each point is, metres."""
+        """(N, P) the projection of each point on each wall, metres along it."""
         way = np.roll(self.corners, -1, axis=0) - self.corners
         way /= self._lengths[:, None]
         return np.asarray(way @ points.T - np.einsum("ij,ij->i", way, self.corners)[:, None])
 
     def facing(self, body: Body, reach: float = _NEAR_WALL_M) -> Facing | None:
-        """The nearest wall that a body's middle lies before; None where none is within reach."""
+        """The nearest wall that a body faces; None where none is within reach."""
         middle = 0.5 * (body.low + body.high)[None, :2]
         along, best = self._along(middle)[:, 0], None
         for wall in np.flatnonzero((along > 0.0) & (along < self._lengths)).tolist():
@@ -155,14 +155,14 @@ class Enclosure:
 
 
 def _parallel(axes: Array, normal: Array) -> float:
-    """The least turn after which one of some axes points along a normal, either way; radians."""
+    """The least rotation that makes one of some axes parallel to a normal, radians."""
     angle = np.arctan2(normal[1], normal[0]) - np.arctan2(axes[0, 1], axes[0, 0])
     quarter = 0.5 * np.pi
     return float(angle - quarter * np.round(angle / quarter))
 
 
 def _dense(plan: Array, reflex: Array) -> Array:
-    """(P, 2) the corners of triangles, and points on their edges near some corners of the room."""
+    """(P, 2) corners of triangles, and points on their edges near reflex corners of the room."""
     start, end = plan.reshape(-1, 2), np.roll(plan, -1, axis=1).reshape(-1, 2)
     low, high = np.minimum(start, end)[:, None], np.maximum(start, end)[:, None]
     around = (low < reflex + _NEAR_WALL_M) & (high > reflex - _NEAR_WALL_M)

@@ -1,9 +1,9 @@
-"""The least motion of many objects in the plan that meets linear conditions.
+"""The least motion of many objects in the plan under soft linear constraints.
 
-A quadratic program: minimise sum_i w_i |m_i|^2 / 2 under rows a . x >= b, where x are the objects'
-places after everything that carries them has moved too. Its dual is a problem of non-negative
-least squares (Lawson & Hanson 1974). Every condition gives way a little (its multiplier times its
-softness), so that what cannot be met ends in the least bad compromise instead of in failure.
+A quadratic program: minimise sum_i w_i |m_i|^2 / 2 under a . x >= b, where x are the total motions,
+those of supports included. Its dual is a non-negative least squares problem (Lawson & Hanson 1974).
+Constraints are soft (each is relaxed by its multiplier times its softness), so that infeasible ones
+end in a compromise.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,12 +21,12 @@ _BROKEN_M: Final = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Condition:
-    """A row: the sum of direction_i . x_i must be at least a bound.
+    """A constraint: the sum of direction_i . x_i must be at least a bound.
 
     Attributes:
         directions: Objects' rows, and for each (2,).
         bound: Metres.
-        softness: How much it gives way; what must hold before others has less.
+        softness: Relaxation per multiplier; the smaller, the harder the constraint.
     """
 
     directions: Mapping[int, Array]
@@ -35,12 +35,12 @@ class Condition:
 
 
 def least_motion(weights: Array, carried: Array, conditions: Sequence[Condition]) -> Array:
-    """How far each object moves by itself, without what carries it.
+    """The own motion of each object, relative to its support's.
 
     Args:
         weights: (N,) positive.
         carried: (N, N) 1 where the object of the row moves with that of the column (itself too).
-        conditions: What must hold.
+        conditions: The constraints.
 
     Returns:
         (N, 2) metres.
@@ -52,14 +52,14 @@ def least_motion(weights: Array, carried: Array, conditions: Sequence[Condition]
     for row, condition in zip(rows, conditions, strict=True):
         for number, direction in condition.directions.items():
             row[number] += direction
-    # What an object's own motion does to each row: it takes all along that it carries.
+    # The Jacobian by own motions: an object takes along all that it carries.
     own = np.einsum("kid,ij->kjd", rows, carried)
     rows = own.reshape(len(conditions), -1)
     softness = np.array([condition.softness for condition in conditions])
     bounds = np.array([condition.bound for condition in conditions])
     ease = np.repeat(1.0 / weights, 2)
     active, motion = bounds > 0.0, np.zeros(2 * count)
-    # Few conditions matter, so the others are only looked at.
+    # Few constraints are active: only violated ones enter the working set.
     for _ in range(_MAX_REFINEMENTS):
         motion = _solved(rows[active], bounds[active], softness[active], ease)
         broken = ~active & (rows @ motion < bounds - _BROKEN_M)

@@ -1,8 +1,8 @@
-"""How deep two bodies reach into each other, and which way out is the shortest.
+"""Translational penetration depth of two bodies, and its directions.
 
-The depth along a direction is the least shift along it that sets the bodies free (translational
-penetration depth); the depth of a pair is the least over its directions: those of both bodies'
-sides, and up and down. It is measured on the meshes by the chords of common lines.
+The depth along a direction is the least shift along it that separates the bodies; that of the pair
+is the least over the normals of both bodies' sides, and up and down. It is measured on the meshes,
+by chords on common lines.
 """
 
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ Array = NDArray[np.float64]
 
 COARSE_LINES: Final = 2000
 FINE_LINES: Final = 8000
-# A gap that is narrower than this is no way out, metres.
+# Narrower gaps do not count as separated, metres.
 _MIN_WAY_OUT_M: Final = 0.002
-# Nothing is moved as far as this, metres: what is deeper is only known to be.
+# Depths are clipped to this, metres: nothing is moved so far.
 _MAX_WAY_OUT_M: Final = 0.6
-# Directions nearer to each other than this count once (cosine of 5 degrees).
+# Directions within 5 degrees of each other are duplicates.
 _SAME_DIRECTION_COS: Final = 0.9962
 
 
@@ -31,8 +31,8 @@ class Penetration:
     """Two bodies that overlap.
 
     Attributes:
-        depth: The least shift that frees them, metres.
-        ways: Horizontal unit directions (2,) in which the first could leave, and how far, metres.
+        depth: The least shift that separates them, metres.
+        ways: Horizontal unit directions (2,), and the first body's depth along each, metres.
     """
 
     depth: float
@@ -47,13 +47,13 @@ def near(a: Body, b: Body, gap: float = 0.0) -> bool:
 def penetration(
     a: Body, b: Body, tolerance: float, lines: int = COARSE_LINES
 ) -> Penetration | None:
-    """How two bodies overlap; None where that is by less than the tolerance.
+    """The penetration of two bodies; None where it is below the tolerance.
 
     Args:
         a: A body.
         b: Another one.
         tolerance: Metres.
-        lines: How many are drawn through where they may overlap, for each direction.
+        lines: Lines a direction, through the intersection of the bodies' boxes.
     """
     if not near(a, b, -tolerance):
         return None
@@ -71,13 +71,13 @@ def penetration(
 
 
 def exits(a: Body, b: Body, axes: Array, lines: int = COARSE_LINES) -> tuple[float, float]:
-    """How far the first body has to go back, or ahead, until the two are free.
+    """The shifts of the first body, backward and forward, that separate the two.
 
     Args:
         a: The body that moves.
         b: The other one.
-        axes: (3, 3) rows: the direction, and two that are perpendicular to it.
-        lines: How many are drawn.
+        axes: (3, 3) rows: the direction, and two perpendicular to it.
+        lines: Their number.
 
     Returns:
         Metres, both 0 where the bodies do not overlap.
@@ -88,16 +88,16 @@ def exits(a: Body, b: Body, axes: Array, lines: int = COARSE_LINES) -> tuple[flo
 
 
 def gaps(a: Body, b: Body, direction: Array, lines: int = COARSE_LINES) -> tuple[float, float]:
-    """How far the first body can go back, or ahead, in the plan before it meets the other.
+    """The shifts of the first body in the plan, backward and forward, until it touches the other.
 
     Args:
         a: The body that moves.
         b: The other one; it does not overlap the first.
         direction: (2,) unit.
-        lines: How many are drawn.
+        lines: Their number.
 
     Returns:
-        Metres; infinite where they do not meet.
+        Metres; infinite where they never touch.
     """
     begin, end = _merged(*_blocked(a, b, _frame(direction), lines))
     middle = 0.5 * (begin + end)
@@ -106,10 +106,10 @@ def gaps(a: Body, b: Body, direction: Array, lines: int = COARSE_LINES) -> tuple
 
 
 def directions(a: Body, b: Body) -> list[Array]:
-    """Horizontal unit directions (2,) of the sides of two bodies, each once, the likely first."""
+    """Horizontal unit normals (2,) of the sides of two bodies, unique, the likely first."""
     found: list[Array] = []
     overlap = np.minimum(a.high, b.high)[:2] - np.maximum(a.low, b.low)[:2]
-    # The narrow way first: it is the likely way out, and asks for the fewest lines.
+    # The direction of the least overlap first: it likely has the least depth.
     for direction in sorted([*a.axes, *b.axes], key=lambda d: float(np.abs(d) @ overlap)):
         if all(abs(float(direction @ other)) < _SAME_DIRECTION_COS for other in found):
             found.append(direction)
@@ -122,7 +122,7 @@ def _frame(direction: Array) -> Array:
 
 
 def _blocked(a: Body, b: Body, axes: Array, lines: int) -> tuple[Array, Array]:
-    """Where each shift of the first body begins and ends that makes some chords overlap."""
+    """Beginnings and ends of the intervals of shifts at which some chords overlap."""
     mine, theirs = a.triangles @ axes.T, b.triangles @ axes.T
     low = np.maximum(mine.min(axis=(0, 1)), theirs.min(axis=(0, 1)))[1:]
     high = np.minimum(mine.max(axis=(0, 1)), theirs.max(axis=(0, 1)))[1:]
@@ -144,7 +144,7 @@ def _shifts(a: Chords, b: Chords) -> tuple[Array, Array]:
 
 
 def _merged(begin: Array, end: Array) -> tuple[Array, Array]:
-    """The union of intervals, without slots too narrow to be a way out."""
+    """The union of intervals, gaps too narrow to count closed."""
     if not len(begin):
         return begin, end
     order = np.argsort(begin, kind="stable")

@@ -1,4 +1,4 @@
-"""Objects upright, on what carries them, and flat against the walls that they reach into."""
+"""Removes tilt, puts objects on their supports, and turns them parallel to penetrated walls."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -29,16 +29,17 @@ from openrooms_usd.scan.placement.support import (
 
 Array = NDArray[np.float64]
 
-# What leans by more than this was put so, degrees; by less than that it is upright.
+# Larger tilts are intended, smaller ones than the second are none, degrees.
 _MEANT_LEAN_DEG: Final = 15.0
 _UPRIGHT_DEG: Final = 0.02
-# What turns by more than this was not meant to stand along the wall, degrees.
+# Objects at larger angles to a wall are not meant to be parallel to it; below the second angle they
+# are, degrees.
 _MAX_WALL_TURN_DEG: Final = 10.0
 _STRAIGHT_DEG: Final = 0.05
-# This part of an object's base on another one is left as it is; what is moved gets the other one.
+# Least supported part of an object's base; objects below it are shifted until they have the second.
 _MIN_BASE_SHARE: Final = 0.4
 _STABLE_BASE_SHARE: Final = 0.6
-# How far it is moved for that, metres: as little as is enough.
+# Shifts that are tried for that, metres.
 _SHIFT_STEPS_M: Final = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1)
 # Less than this is no gap, metres.
 _TOUCHING_M: Final = 0.002
@@ -46,7 +47,7 @@ _DOWN: Final = np.array([0.0, 0.0, -1.0])
 
 
 def set_upright(state: Arrangement) -> None:
-    """Turn what is tilted about its middle by the least angle, unless it leans on purpose."""
+    """Remove small tilts by the least rotation about each object's middle."""
     for row, found in enumerate(state.objects):
         rotation, angle = _righted(state, row)
         if angle > _MEANT_LEAN_DEG:
@@ -72,7 +73,7 @@ def _righted(state: Arrangement, row: int) -> tuple[Array, float]:
 
 
 def find_supports(state: Arrangement) -> None:
-    """Find what carries each object, and put it there exactly, what is below before the rest."""
+    """Find each object's support and make it touch that exactly, from the bottom up."""
     state.supports = [Support("nothing")] * len(state)
     done: list[int] = []
     for row in _carriers_first(state):
@@ -89,7 +90,7 @@ def _found(state: Arrangement, row: int, below: Sequence[int]) -> Support:
 
 
 def _carriers_first(state: Arrangement) -> list[int]:
-    """All rows from below, but what is known to carry others before these."""
+    """All rows from the bottom up, given supports before what they carry."""
     rows: dict[int, None] = {}
     for row in order(state.bodies, [room.floor for room in state.rooms]):
         chain = [row]
@@ -100,7 +101,7 @@ def _carriers_first(state: Arrangement) -> list[int]:
 
 
 def _bring_over(state: Arrangement, row: int, below: Sequence[int]) -> None:
-    """Move what hangs over an edge, or stands just beside what should carry it, onto that."""
+    """Shift an object that overhangs its support, or is just beside it, onto it."""
     body, support = state.bodies[row], state.supports[row]
     for other in [support.number] if support.number >= 0 else below:
         under = state.bodies[other]
@@ -123,7 +124,7 @@ def _bring_over(state: Arrangement, row: int, below: Sequence[int]) -> None:
 
 
 def settle_again(state: Arrangement) -> None:
-    """Put every object on what carries it, or on something else where it was moved off that."""
+    """Make every object touch its support, or a new one where it was moved off the old."""
     done: list[int] = []
     for row in _carriers_first(state):
         on_object = state.supports[row].kind == OBJECT and row not in state.given
@@ -134,9 +135,9 @@ def settle_again(state: Arrangement) -> None:
 
 
 def lower(state: Arrangement, row: int) -> None:
-    """Move an object up or down until it touches what carries it.
+    """Move an object up or down until it touches its support.
 
-    What is far below the ceiling hangs on something that its CAD does not have: it stays.
+    An object far below the ceiling hangs on a cable that its CAD lacks: it stays.
     """
     gap = gap_below(state, row)
     if gap is None or abs(gap) <= (0.0 if state.has_moved(row) else _TOUCHING_M):
@@ -146,7 +147,7 @@ def lower(state: Arrangement, row: int) -> None:
 
 
 def gap_below(state: Arrangement, row: int) -> float | None:
-    """Metres that an object must sink to touch what carries it; None where that is no question."""
+    """The vertical gap between an object and its support, metres; None where none is defined."""
     body, room, support = state.bodies[row], state.rooms[row], state.supports[row]
     if support.kind == FLOOR:
         return float(body.low[2] - room.floor)
@@ -163,7 +164,7 @@ def gap_below(state: Arrangement, row: int) -> float | None:
 
 
 def lay_along_walls(state: Arrangement) -> None:
-    """Turn what reaches into a wall at a small angle along it; hang on it what belongs there."""
+    """Turn objects that penetrate a wall at a small angle parallel to it; attach wall objects."""
     for row in range(len(state)):
         room, hangs = state.rooms[row], state.supports[row].kind == WALL
         facing = room.facing(state.bodies[row])
@@ -184,6 +185,6 @@ def _reaches(body: Body, room: Enclosure) -> bool:
 
 
 def _carry(state: Arrangement, row: int, motion: Array) -> None:
-    """Move an object in the plan, and all that stands on it."""
+    """Apply a motion in the plan to an object and all that it carries."""
     for each in (row, *state.carried(row)):
         state.shift(each, np.append(motion, 0.0))

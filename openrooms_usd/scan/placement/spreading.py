@@ -1,4 +1,4 @@
-"""Objects moved apart and out of walls in the plan, by the least motion."""
+"""Resolves penetrations of objects and walls in the plan, by sequential quadratic programs."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -26,35 +26,35 @@ Array = NDArray[np.float64]
 Pair: TypeAlias = tuple[int, int]
 Walls: TypeAlias = list[dict[int, float]]
 
-# Overlaps up to this are left alone, metres.
+# Penetrations up to this are tolerated, metres.
 TOLERATED_OVERLAP_M: Final = 0.002
-# What is moved apart keeps this between, metres.
+# Gap between separated objects, metres.
 _CLEARANCE_M: Final = 0.0005
 _MAX_ROUNDS: Final = 16
-# A way that has been tried and did not free a pair counts as longer by this, metres.
+# Penalty of a direction that was tried and did not separate a pair, metres.
 _TRIED_WAY_PENALTY_M: Final = 0.01
-# What is left of a way that is not given up, metres; and what is the same way (a cosine).
+# A direction with less depth left than this is kept, metres; least cosine of the same direction.
 _WAY_LEFT_M: Final = 0.015
 _SAME_WAY_COS: Final = 0.999
-# How much conditions give way: walls least, then how far objects may go, then other objects.
+# Softness of constraints, from hard to soft: walls, largest motions, pairs, contacts.
 _WALL_SOFTNESS: Final = 1e-7
 _REACH_SOFTNESS: Final = 1e-6
 _PAIR_SOFTNESS: Final = 1e-5
 _CONTACT_SOFTNESS: Final = 1.0
 # Bodies nearer than this touch, metres.
 _CONTACT_M: Final = 0.004
-# Another state is better if that much less overlaps, metres.
+# Least decrease of total penetration that makes another state better, metres.
 _BETTER_BY_M: Final = 1e-4
 _SAME_PLACE_M: Final = 1e-6
 
 
 @dataclass(eq=False)
 class Spread:
-    """Moves objects in the plan, round by round.
+    """Moves objects in the plan: constraints are linearised anew in every round.
 
     Attributes:
-        state: The objects as they stand before.
-        reach: How far each may go by itself, metres.
+        state: The objects before.
+        reach: Largest own motion of each, metres.
     """
 
     state: Arrangement
@@ -79,13 +79,13 @@ class Spread:
         self._weights = np.array([_weight(self.state, row) for row in range(len(self.state))])
 
     def run(self) -> Array:
-        """(N, 2) how far each object goes, with what carries it: the best that was found."""
+        """(N, 2) total motions of the best state found, metres."""
         place = best = np.zeros((len(self.state), 2))
         lines, least = COARSE_LINES, np.inf
         for _ in range(_MAX_ROUNDS):
             pairs, walls = self._overlaps(place, lines), self._beyond(place)
             if not pairs and not any(walls) and lines == COARSE_LINES:
-                # What few lines missed, more may find.
+                # Penetrations that few lines missed, more may find.
                 lines = FINE_LINES
                 pairs = self._overlaps(place, lines)
             left = sum(found.depth for found in pairs.values())
@@ -109,7 +109,7 @@ class Spread:
         return np.asarray(self._ancestry @ own)
 
     def _beyond(self, place: Array) -> Walls:
-        """For each object the walls that it must come out of, and how far."""
+        """For each object the walls that it penetrates, and how far it must leave them."""
         found = []
         for room, points, shift in zip(self.state.rooms, self._footprints, place, strict=True):
             way = room.leave(points + shift)
@@ -124,7 +124,7 @@ class Spread:
         found = {}
         for pair in combinations(range(len(bodies)), 2):
             a, b = (bodies[row] for row in pair)
-            # What cannot come into its room is no reason to move what is in it.
+            # Objects that cannot get into their room do not push others.
             if near(a, b, -TOLERATED_OVERLAP_M) and not (
                 self._stuck[pair[0]] or self._stuck[pair[1]]
             ):
@@ -140,7 +140,7 @@ class Spread:
         return known[1]
 
     def _contacts(self, place: Array) -> dict[Pair, Condition]:
-        """What touched as it was measured, and does no more: a pull that keeps it together."""
+        """Soft constraints that keep objects together which touched in their measured poses."""
         found = {}
         for pair in combinations(range(len(self.state)), 2):
             a, b = (self.state.bodies[row] for row in pair)
@@ -160,14 +160,14 @@ class Spread:
         return found
 
     def _parted(self, pair: Pair, found: Penetration, place: Array) -> Condition:
-        """The way out that is shortest from where the two were measured."""
+        """The separating constraint of the least motion from the measured poses."""
         i, j = pair
         apart = place[i] - place[j]
         before = self._pairs.get(pair)
         costs = []
         for k, (direction, depth) in enumerate(found.ways):
             cost = float(direction @ apart) + depth + _TRIED_WAY_PENALTY_M * self._tried[pair, k]
-            # A way that all but freed them is gone to its end.
+            # A direction that all but separated them is kept.
             going = before is not None and float(before.directions[i] @ direction) > _SAME_WAY_COS
             costs.append(-np.inf if going and depth < _WAY_LEFT_M else cost)
         k = int(np.argmin(costs))
@@ -194,7 +194,7 @@ class Spread:
         return conditions
 
     def _limits(self, walls: Walls) -> list[Condition]:
-        """No object goes further by itself than its reach, except out of a wall."""
+        """Constraints on own motions, except out of a wall."""
         conditions = []
         for row in range(len(self.state)):
             self._out[row] = max(self._out[row], *walls[row].values(), 0.0)
@@ -208,7 +208,7 @@ class Spread:
 
 
 def _contact(a: Body, b: Body) -> Array | None:
-    """The direction (2,) in which a body touches another one; None where it does not."""
+    """The direction (2,) of a contact between two bodies; None where there is none."""
     for direction in directions(a, b):
         back, ahead = gaps(a, b, direction)
         if min(back, ahead) < _CONTACT_M:
@@ -217,7 +217,7 @@ def _contact(a: Body, b: Body) -> Array | None:
 
 
 def _weight(state: Arrangement, row: int) -> float:
-    """Large objects and well measured ones stay rather than others."""
+    """The weight of an object's motion: larger for large and for well measured ones."""
     found, body = state.objects[row], state.bodies[row]
     size = float(np.cbrt(np.prod(np.maximum(body.high - body.low, 0.01))))
     trust = np.clip(found.coverage, 0.1, 1.0) * 0.02 / (0.02 + max(found.residual, 0.0))

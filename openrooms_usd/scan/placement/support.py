@@ -1,4 +1,4 @@
-"""What carries each object: the floor, another object, a wall or the ceiling."""
+"""The support relation: what carries each object, of floor, objects, walls and ceiling."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -20,39 +20,39 @@ WALL: Final = "wall"
 CEILING: Final = "ceiling"
 OBJECT: Final = "object"
 
-# How far below its support an object may have been measured, and how far above it, metres.
+# Largest penetration of a support, and largest gap above it, in a measured pose, metres.
 MAX_SUNK_M: Final = 0.08
 MAX_FLOATING_M: Final = 0.12
-# What nothing carries within these may be further off, metres: tall things by a part of their
-# height, for they are not hung as low as that.
+# Where there is no support within these: larger limits, metres; the gap of tall things is up to a
+# part of their height, because they would not hang so low.
 MAX_DEEP_M: Final = 0.16
 _TALL_FALL_M: Final = 0.2
 _TALL_FALL_SHARE: Final = 0.25
 MAX_FAR_M: Final = 0.4
-# How near to a wall or to the ceiling something may hang there, metres; what is no panel must all
-# but touch its wall.
+# Largest gap to the wall or ceiling that an object hangs on, and to a wall for objects that are no
+# panels, metres.
 _HANGING_GAP_M: Final = 0.2
 _BULKY_HANGING_GAP_M: Final = 0.06
-# Standing is likelier than hanging unless what is below is further away by this, metres; a panel
-# (thinner than this, and than a part of its other sides) is as likely to hang.
+# Prior of standing over hanging, as a difference of gaps, metres: smaller for panels, which are
+# thinner than this, and than this share of their other sides.
 _STANDING_BONUS_M: Final = 0.1
 _PANEL_STANDING_BONUS_M: Final = 0.03
 _PANEL_THICKNESS_M: Final = 0.15
 _PANEL_THICKNESS_SHARE: Final = 0.5
-# This part of what an object stands on must lie on its support.
+# Least part of an object's base on its support,
 _MIN_BASE_SHARE: Final = 0.3
-# Where the floor is close below as well, this part.
+# and where the floor is close below as well.
 _MIN_BASE_SHARE_NEAR_FLOOR: Final = 0.7
-# What lies on the floor and is lower than this carries whatever reaches over it, metres.
+# Objects on the floor lower than this are rugs, which support whatever overlaps them by this part.
 _RUG_HEIGHT_M: Final = 0.04
-_RUG_HEIGHT_SHARE: Final = 0.08
-# Lines within this of the lowest points belong to what an object stands on, metres.
+_MIN_ON_RUG_SHARE: Final = 0.08
+# Height above the lowest points within which lines belong to an object's base, metres.
 _BASE_HEIGHT_M: Final = 0.012
-# The very lowest corners, metres, and about how many of them are looked at.
+# The same for its lowest corners, and about how many of them are tested.
 _TIP_HEIGHT_M: Final = 0.003
 _MAX_TIPS: Final = 64
-# The floor is likelier than other things by this, metres; but where a thing lies between an object
-# and the floor, as the lowest board of a shelf does, that is likelier than the floor.
+# Priors, as differences of gaps, metres: of the floor over other things, and of a thing between an
+# object and the floor, such as the lowest board of a shelf, over the floor.
 _FLOOR_BONUS_M: Final = 0.02
 _BETWEEN_BONUS_M: Final = 0.06
 _VERTICAL: Final = (2, 0, 1)
@@ -60,11 +60,11 @@ _VERTICAL: Final = (2, 0, 1)
 
 @dataclass(frozen=True)
 class Rest:
-    """How a body is over another one.
+    """A body above another one.
 
     Attributes:
-        gap: How far it may sink before they touch, metres; negative: how far it must rise.
-        share: The part of its base that comes to lie on the other.
+        gap: Vertical gap, metres; negative for a penetration.
+        share: The part of its base that the other would support.
     """
 
     gap: float
@@ -73,11 +73,11 @@ class Rest:
 
 @dataclass(frozen=True)
 class Support:
-    """What carries an object.
+    """The support of an object.
 
     Attributes:
-        kind: ``floor``, ``object``, ``wall``, ``ceiling`` or, where nothing does, ``nothing``.
-        number: The row of the object that does; -1 where it is none.
+        kind: ``floor``, ``object``, ``wall``, ``ceiling``, or ``nothing``.
+        number: The row of the supporting object; -1 for other kinds.
     """
 
     kind: str
@@ -85,13 +85,13 @@ class Support:
 
 
 def rest(body: Body, under: Body, lines: int = 1500, sunk: float = MAX_SUNK_M) -> Rest | None:
-    """How a body is over another one; None where it is not.
+    """The gap and supported base of a body above another one; None where they do not overlap.
 
     Args:
-        body: What stands.
-        under: What may carry it.
-        lines: How many vertical lines are drawn.
-        sunk: Tops that reach higher than this into the body do not carry it, metres.
+        body: The upper body.
+        under: The lower one.
+        lines: Number of vertical lines.
+        sunk: Tops that penetrate the body by more than this do not support it, metres.
     """
     low, high = np.maximum(body.low, under.low)[:2], np.minimum(body.high, under.high)[:2]
     if (high <= low).any() or under.low[2] > body.low[2] + sunk:
@@ -112,7 +112,7 @@ def rest(body: Body, under: Body, lines: int = 1500, sunk: float = MAX_SUNK_M) -
 
 
 def _lowest_gap(body: Body, under: Body, sunk: float) -> float:
-    """The gap below a body's lowest corners, which lines between them might miss."""
+    """The gap below a body's lowest corners, which the lines may miss."""
     corners = body.triangles.reshape(-1, 3)
     corners = corners[corners[:, 2] < body.low[2] + _TIP_HEIGHT_M]
     corners = corners[:: 1 + len(corners) // _MAX_TIPS]
@@ -126,7 +126,7 @@ def _lowest_gap(body: Body, under: Body, sunk: float) -> float:
 
 
 def _heights(points: Array, triangles: Array) -> Array:
-    """(P, T) the heights where vertical lines through points meet triangles; -inf elsewhere."""
+    """(P, T) heights at which vertical lines through points intersect triangles; else -inf."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     e, f = b - a, c - a
     area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
@@ -144,13 +144,13 @@ def _lowest(found: Chords) -> Chords:
 
 
 def order(bodies: Sequence[Body], floor: Sequence[float]) -> list[int]:
-    """Rows of bodies such that what carries comes before what is carried."""
+    """Rows of bodies from the bottom up: supports before what they carry."""
     return sorted(range(len(bodies)), key=lambda i: (not is_rug(bodies[i], floor[i]),
                                                      float(bodies[i].low[2]), i))  # fmt: skip
 
 
 def is_rug(body: Body, floor: float) -> bool:
-    """Whether something lies flat on the floor, for other things to stand on."""
+    """Whether a body is flat on the floor, so that others may stand on it."""
     return bool(
         body.high[2] - body.low[2] < _RUG_HEIGHT_M
         and abs(body.low[2] - floor) < MAX_FLOATING_M
@@ -159,9 +159,9 @@ def is_rug(body: Body, floor: float) -> bool:
 
 
 def usual_support(category: str) -> str | None:
-    """What carries the objects of a category, wherever they were measured; None: that must be seen.
+    """The support of a category's objects, whatever was measured; None: the measurement decides.
 
-    What stands, on the floor or on an object, may stand on the other too, but hangs nowhere.
+    Objects that usually stand, on the floor or on an object, may do either, but never hang.
     """
     known = record(category)
     if known is None or isinstance(known.support, Without):
@@ -175,14 +175,14 @@ def usual_support(category: str) -> str | None:
 def support_of(
     number: int, category: str, bodies: Sequence[Body], below: Sequence[int], room: Enclosure
 ) -> Support:
-    """What carries an object: of all that may, what asks for the least motion.
+    """The support of an object: the one with the least gap, priors included.
 
     Args:
         number: Its row.
         category: Its category.
-        bodies: All objects; those of ``below`` already rest where they belong.
-        below: Rows of the objects that may carry it.
-        room: The room that it stands in.
+        bodies: All objects; those of ``below`` are already on their supports.
+        below: Rows of the objects that may support it.
+        room: The room around it.
     """
     usual, body = usual_support(category), bodies[number]
     if usual == CEILING or (usual == WALL and room.facing(body) is not None):
@@ -197,7 +197,7 @@ def support_of(
 
 
 def _hanging(body: Body, room: Enclosure) -> Iterator[tuple[float, Support]]:
-    """The wall and the ceiling, where they are near, and what speaks against each."""
+    """The wall and the ceiling, where they are near, with their costs."""
     facing = room.facing(body)
     if facing is not None and abs(facing.gap) < _HANGING_GAP_M:
         normal = room.inward[facing.wall]
@@ -218,7 +218,7 @@ def _standing(
     body: Body, bodies: Sequence[Body], below: Sequence[int], room: Enclosure,
     sunk: float, floating: float,
 ) -> list[tuple[float, Support]]:  # fmt: skip
-    """The floor, a rug on it, and the objects whose tops are near, and how far each is."""
+    """The floor, a rug on it, and objects with near tops, with their costs."""
     found: list[tuple[float, Support]] = []
     gap = float(body.low[2] - room.floor)
     on_floor = gap < floating
@@ -229,7 +229,7 @@ def _standing(
         under = bodies[other]
         if on_floor and is_rug(under, room.floor):
             there = rest(grounded, under)
-            if there is not None and there.share > _RUG_HEIGHT_SHARE:
+            if there is not None and there.share > _MIN_ON_RUG_SHARE:
                 return [(abs(gap) - _FLOOR_BONUS_M, Support(OBJECT, other))]
         if under.high[2] < body.low[2] - floating:
             continue
