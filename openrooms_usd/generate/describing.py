@@ -23,7 +23,7 @@ _SHARE: Final = (0.6, 1.3)
 # Colour temperature, kelvin: of ceiling lamps and of all others.
 _KELVIN: Final = {True: (4000, 8000), False: (4000, 5200)}
 # How much of the lamps' flux reaches the floor, roughly.
-_ARRIVES: Final = 0.5
+_FLUX_ON_FLOOR_SHARE: Final = 0.5
 
 Section = dict[str, Any]
 
@@ -95,7 +95,7 @@ def lamps(room: Generated) -> dict[str, Section]:
             lumen = round(given(spec.lumen, 0.0) * float(rng.uniform(*_SHARE)), -1)
             found[name] = {"lumen": lumen, "kelvin": warm}
     lux = float(rng.uniform(*program_of(room.room_type).lux))
-    each = lux * room.shell.area / _ARRIVES / max(len(ceiling), 1)
+    each = lux * room.shell.area / _FLUX_ON_FLOOR_SHARE / max(len(ceiling), 1)
     above = {name: {"lumen": round(each, -1), "kelvin": cool} for name in ceiling}
     return above | found
 

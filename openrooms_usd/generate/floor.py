@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.generate.boxes import Array, distance, reach
-from openrooms_usd.generate.items import HEADROOM, STEP
+from openrooms_usd.generate.items import HEADROOM_M, STEP_M
 from openrooms_usd.generate.shell import Shell
 
-CELL: Final = 0.05
+CELL_M: Final = 0.05
 # Half the width of the narrowest path, metres; cells are this far from everything, and a bit.
 HALF_PATH: Final = 0.3
 # How near to a place the free floor must come for somebody to use it, metres.
-REACH: Final = 0.3
+REACH_M: Final = 0.3
 # What is farther away than this does not matter, metres.
-_FAR: Final = 1.0
+_MAX_CLEARANCE_M: Final = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Floor:
 
     Attributes:
         origin: (2,) middle of the first cell, metres.
-        clear: (H, W) distance of each cell's middle to walls and obstacles, at most `_FAR`; metres.
+        clear: (H, W) distance of each cell to walls and obstacles, clipped; metres.
         doors: (D, 2) where people stand when they have come in, metres.
     """
 
@@ -38,13 +38,13 @@ class Floor:
         """The floor with further furniture on it."""
         clear = self.clear.copy()
         for row in boxes:
-            if row[6] >= HEADROOM or row[7] <= STEP:
+            if row[6] >= HEADROOM_M or row[7] <= STEP_M:
                 continue
             x0, y0, x1, y1 = reach(row[None])
-            low = np.array([x0, y0]) - self.origin - _FAR
-            high = np.array([x1, y1]) - self.origin + _FAR
-            i0, j0 = np.maximum(np.floor(low / CELL).astype(int), 0)
-            i1, j1 = np.ceil(high / CELL).astype(int) + 1
+            low = np.array([x0, y0]) - self.origin - _MAX_CLEARANCE_M
+            high = np.array([x1, y1]) - self.origin + _MAX_CLEARANCE_M
+            i0, j0 = np.maximum(np.floor(low / CELL_M).astype(int), 0)
+            i1, j1 = np.ceil(high / CELL_M).astype(int) + 1
             part = clear[j0:j1, i0:i1]
             if part.size:
                 x, y = self._middles(i0, j0, part.shape)
@@ -52,8 +52,8 @@ class Floor:
         return Floor(self.origin, clear, self.doors)
 
     def _middles(self, i0: int, j0: int, shape: tuple[int, ...]) -> tuple[Array, Array]:
-        x = self.origin[0] + CELL * (i0 + np.arange(shape[1]))
-        y = self.origin[1] + CELL * (j0 + np.arange(shape[0]))
+        x = self.origin[0] + CELL_M * (i0 + np.arange(shape[1]))
+        y = self.origin[1] + CELL_M * (j0 + np.arange(shape[0]))
         return x[None, :] + 0.0 * y[:, None], y[:, None] + 0.0 * x[None, :]
 
     def connected(self) -> NDArray[np.bool_] | None:
@@ -71,12 +71,12 @@ class Floor:
         return int(near.max(initial=0))
 
     def _cell(self, x: float, y: float) -> tuple[int, int]:
-        i, j = np.round((np.array([x, y]) - self.origin) / CELL).astype(int).tolist()
+        i, j = np.round((np.array([x, y]) - self.origin) / CELL_M).astype(int).tolist()
         return i, j
 
     def reaches(self, reachable: NDArray[np.bool_], places: Iterable[tuple[float, float]]) -> bool:
         """Whether people can come near to all of some places."""
-        n = round(REACH / CELL)
+        n = round(REACH_M / CELL_M)
         for x, y in places:
             i, j = self._cell(x, y)
             if not reachable[max(j - n, 0) : j + n + 1, max(i - n, 0) : i + n + 1].any():
@@ -87,16 +87,16 @@ class Floor:
 def floor_of(shell: Shell) -> Floor:
     """The floor of a room without furniture."""
     low, high = shell.corners.min(axis=0), shell.corners.max(axis=0)
-    columns, rows = np.ceil((high - low) / CELL).astype(int)
-    x = low[0] + CELL * (np.arange(columns) + 0.5)
-    y = low[1] + CELL * (np.arange(rows) + 0.5)
+    columns, rows = np.ceil((high - low) / CELL_M).astype(int)
+    x = low[0] + CELL_M * (np.arange(columns) + 0.5)
+    y = low[1] + CELL_M * (np.arange(rows) + 0.5)
     grid = np.stack(np.meshgrid(x, y), axis=-1)
-    clear = np.full((rows, columns), _FAR)
+    clear = np.full((rows, columns), _MAX_CLEARANCE_M)
     for wall in shell.walls:
         np.minimum(clear, distance(wall[None], grid[..., 0], grid[..., 1])[..., 0], out=clear)
     clear[~shell.contains(grid)] = 0.0
     doors = [shell.sides[gap.side].point(gap.at, HALF_PATH + 0.1) for gap in shell.doors]
-    return Floor(low + 0.5 * CELL, clear, np.array(doors).reshape(-1, 2))
+    return Floor(low + 0.5 * CELL_M, clear, np.array(doors).reshape(-1, 2))
 
 
 def components(free: NDArray[np.bool_]) -> NDArray[np.int64]:

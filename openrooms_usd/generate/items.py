@@ -10,8 +10,8 @@ from openrooms_usd.generate.boxes import NONE, Array, Pose, box
 from openrooms_usd.library.furniture import Size
 
 # People walk and stand between these heights: a rug is no obstacle, nor is a high shelf; metres.
-STEP: Final = 0.06
-HEADROOM: Final = 1.9
+STEP_M: Final = 0.06
+HEADROOM_M: Final = 1.9
 
 Anchor = Literal["wall", "free"]
 
@@ -106,13 +106,13 @@ class Group:
 
 def zone(x: float, y: float, width: float, depth: float) -> Array:
     """(8,) floor that people need to stand or walk on."""
-    return box(x, y, width, depth, STEP, HEADROOM)
+    return box(x, y, width, depth, STEP_M, HEADROOM_M)
 
 
 def front_zone(item: Item, depth: float, beside: float = 0.0) -> Array:
     """(8,) the floor before an item."""
     x, y = item.at(0.0, -0.5 * item.size[1] - 0.5 * depth)
-    return box(x, y, item.size[0] + 2 * beside, depth, STEP, HEADROOM, item.yaw)
+    return box(x, y, item.size[0] + 2 * beside, depth, STEP_M, HEADROOM_M, item.yaw)
 
 
 def zones(rows: Iterable[Array]) -> Array:

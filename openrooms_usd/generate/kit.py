@@ -15,14 +15,14 @@ from openrooms_usd.library.furniture import Size, category, styles
 from openrooms_usd.names import ROOM_HEIGHT
 
 # An object rests on a top that is level to this, metres.
-_LEVEL: Final = 0.001
-_PILE: Final = 0.003
+_LEVEL_TOLERANCE_M: Final = 0.001
+_PILE_HEIGHT_M: Final = 0.003
 # Overlap of two boxes that is no more than touching, metres.
-_TOUCHING: Final = -0.001
+_TOUCHING_GAP_M: Final = -0.001
 # What stands farther from a chair than this does not touch it, metres.
-_CLOSE: Final = 2.5
+_CHAIR_RANGE_M: Final = 2.5
 # What lies between two objects of a group, metres.
-APART: Final = 0.012
+APART_M: Final = 0.012
 
 
 @dataclass
@@ -141,7 +141,7 @@ class Kit:
         *,
         beside: Sequence[Item] = (),
         size: Size | None = None,
-        slack: float = _LEVEL,
+        slack: float = _LEVEL_TOLERANCE_M,
     ) -> Item | None:
         """An item on the top of another; None where the top is not level, too small or taken.
 
@@ -185,7 +185,7 @@ class Kit:
         for style in self.rng.permutation(styles("rug", size)).tolist():
             rug = self.item("rug", round(x, 3), round(y, 3), size=size, style=style)
             foot = (-0.5 * held[0], -0.5 * held[1], 0.5 * held[0], 0.5 * held[1])
-            if level_top(self._shape(rug), held, foot, (0.0, 0.0, 0.0), _PILE) is not None:
+            if level_top(self._shape(rug), held, foot, (0.0, 0.0, 0.0), _PILE_HEIGHT_M) is not None:
                 return rug
         return None
 
@@ -216,7 +216,7 @@ class Kit:
     def _shape(self, item: Item) -> Shape:
         return self.shapes.of(item.category, item.size, item.style)
 
-    def clash(self, a: Item, b: Item, gap: float = APART) -> bool:
+    def clash(self, a: Item, b: Item, gap: float = APART_M) -> bool:
         """Whether two items come too near to each other, by their real parts."""
         if not overlap(a.box[None], b.box[None], gap).any():
             return False
@@ -228,12 +228,12 @@ class Kit:
         Returns:
             None where items run into each other that it needs.
         """
-        near = overlap(group.boxes, group.boxes, _TOUCHING)
+        near = overlap(group.boxes, group.boxes, _TOUCHING_GAP_M)
         kept: list[bool] = []
         for index, item in enumerate(group.items):
             others = [group.items[i] for i in np.flatnonzero(near[index, :index]) if kept[i]]
             others = [other for other in others if other.key != item.on]
-            free = not any(self.clash(item, other, _TOUCHING) for other in others)
+            free = not any(self.clash(item, other, _TOUCHING_GAP_M) for other in others)
             if not free and not item.optional:
                 return None
             kept.append(free)
@@ -277,7 +277,9 @@ class Kit:
                 "", chair.category, chair.size, chair.style, round(x, 3), round(y, 3), chair.z,
                 round(table.yaw + yaw, 1), chair.on,
             )  # fmt: skip
-            close = [other for other in others if abs(other.x - x) + abs(other.y - y) < _CLOSE]
+            close = [
+                other for other in others if abs(other.x - x) + abs(other.y - y) < _CHAIR_RANGE_M
+            ]
             if not any(self.clash(near, other) for other in (table, *close)):
                 return self.like(chair, near.x, near.y, near.yaw)
         return None

@@ -9,10 +9,10 @@ from openrooms_usd.generate.programs import Program
 from openrooms_usd.generate.shell import Gap, Shell
 
 # Between an opening and the ends of its wall, and between two openings; metres.
-_END: Final = 0.32
-_BETWEEN: Final = 0.3
+_END_GAP_M: Final = 0.32
+_GAP_M: Final = 0.3
 _DOOR_WIDTHS: Final = (0.8, 0.85, 0.9, 0.95)
-_TRIES: Final = 40
+_MAX_TRIES: Final = 40
 
 
 def openings(
@@ -48,7 +48,7 @@ def _door(
     width = float(rng.choice(_DOOR_WIDTHS)) if shell.area < 60 else 1.0
     passage = number > 0 and rng.random() < 0.35
     out = rng.random() < program.swing_out
-    for _ in range(_TRIES):
+    for _ in range(_MAX_TRIES):
         side, at, near_start = _place(rng, shell, width)
         if side is None:
             continue
@@ -73,7 +73,7 @@ def _door(
 def _gate(rng: np.random.Generator, shell: Shell, rows: list[dict[str, Any]]) -> Shell:
     """A wide opening, as garages have."""
     for width in (2.6, 2.4, 2.2):
-        for _ in range(_TRIES // 2):
+        for _ in range(_MAX_TRIES // 2):
             side, at, _ = _place(rng, shell, width)
             if side is None:
                 continue
@@ -89,7 +89,7 @@ def _gate(rng: np.random.Generator, shell: Shell, rows: list[dict[str, Any]]) ->
 def _place(rng: np.random.Generator, shell: Shell, width: float) -> tuple[int | None, float, bool]:
     """A wall and a place in it: near a corner more often than not."""
     lengths = np.array([side.length for side in shell.sides])
-    room = np.maximum(lengths - width - 2 * _END, 0.0)
+    room = np.maximum(lengths - width - 2 * _END_GAP_M, 0.0)
     if not room.any():
         return None, 0.0, False
     weights = np.where(room > 0.0, lengths, 0.0)
@@ -98,7 +98,7 @@ def _place(rng: np.random.Generator, shell: Shell, width: float) -> tuple[int | 
     if away == room[side]:
         away = float(rng.uniform(0.0, room[side]))
     near_start = bool(rng.random() < 0.5)
-    at = _END + 0.5 * width + away
+    at = _END_GAP_M + 0.5 * width + away
     at = at if near_start else lengths[side] - at
     return side, round(float(at), 2), bool(at < 0.5 * lengths[side])
 
@@ -109,7 +109,7 @@ def _with(shell: Shell, gap: Gap) -> Shell | None:
     side = one.sides[gap.side]
     for other in shell.gaps:
         clear = abs(other.at - gap.at) - 0.5 * (other.width + gap.width)
-        if other.side == gap.side and clear < _BETWEEN:
+        if other.side == gap.side and clear < _GAP_M:
             return None
     if gap.kind != "window":
         before = one.kept.copy()
@@ -137,11 +137,11 @@ def _windows(
     for side in outer[:3]:
         if wanted <= 0:
             break
-        fit = int((lengths[side] - 2 * _END + _BETWEEN) // (width + _BETWEEN))
+        fit = int((lengths[side] - 2 * _END_GAP_M + _GAP_M) // (width + _GAP_M))
         count = min(wanted, fit)
-        pitch = (lengths[side] - 2 * _END) / max(count, 1)
+        pitch = (lengths[side] - 2 * _END_GAP_M) / max(count, 1)
         for i in range(count):
-            at = round(float(_END + (i + 0.5) * pitch), 2)
+            at = round(float(_END_GAP_M + (i + 0.5) * pitch), 2)
             gap = Gap("window", side, at, width, sill, round(sill + height, 2))
             grown = _with(shell, gap)
             if grown is not None:

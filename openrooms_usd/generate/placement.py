@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from openrooms_usd.generate.boxes import NONE, Array, Pose, overlap, posed
 from openrooms_usd.generate.floor import Floor, floor_of
 from openrooms_usd.generate.items import (
-    HEADROOM,
-    STEP,
+    HEADROOM_M,
+    STEP_M,
     Group,
     Item,
     placed,
@@ -21,13 +21,13 @@ from openrooms_usd.generate.items import (
 from openrooms_usd.generate.shell import Shell
 
 # Between furniture of different groups, metres.
-_APART: Final = 0.03
+_GROUP_GAP_M: Final = 0.03
 # How many places for a group are tried on each wall, and in the room.
 _ON_WALL, _IN_ROOM = 24, 220
 # How many of the best places are checked for free paths.
-_CHECKED: Final = 8
+_CHECKED_PLACES: Final = 8
 # Narrower groups belong into corners, metres.
-_SMALL: Final = 0.6
+_CORNER_WIDTH_M: Final = 0.6
 
 
 @dataclass
@@ -66,7 +66,7 @@ class Arrangement:
         kept, possible = self._fits(group, poses)
         count = kept.sum(axis=1) - group.required.sum()
         score = np.where(possible, taste + 0.6 * count, -np.inf)
-        order = np.argsort(-score, kind="stable")[:_CHECKED]
+        order = np.argsort(-score, kind="stable")[:_CHECKED_PLACES]
         for row in order[score[order] > -np.inf]:
             x, y, yaw = poses[row].tolist()
             if self._settle(group, (x, y, yaw), kept[row].tolist()):
@@ -76,7 +76,7 @@ class Arrangement:
     def add(self, item: Item) -> bool:
         """Take in one more thing at its place, unless it narrows a path too much."""
         floor = self.floor.with_boxes(item.box[None])
-        if item.z < HEADROOM:
+        if item.z < HEADROOM_M:
             reachable = floor.connected()
             if reachable is None or not floor.reaches(reachable, self.access):
                 return False
@@ -102,13 +102,13 @@ class Arrangement:
         """(P, N) which items can stay, and (P,) whether all needed ones can."""
         boxes = posed(group.boxes, poses)
         hung = np.array([item.on in ("wall", "ceiling") for item in group.items])
-        low = boxes[..., 7] <= STEP
+        low = boxes[..., 7] <= STEP_M
         free = ~overlap(boxes, self.shell.walls).any(axis=-1)
         free &= self.shell.contains(boxes[..., :2])
         free &= ~overlap(boxes, self.shell.kept).any(axis=-1)
         free &= boxes[..., 7] <= self.shell.height - 0.02 + 0.02 * hung
         if len(self.solids):
-            free &= ~overlap(boxes, self.solids, _APART).any(axis=-1)
+            free &= ~overlap(boxes, self.solids, _GROUP_GAP_M).any(axis=-1)
         if len(self.zones):
             free &= hung | low | ~overlap(boxes, self.zones).any(axis=-1)
         kept = self._standing(group, free)
@@ -152,7 +152,7 @@ def _wall_poses(shell: Shell, group: Group, rng: np.random.Generator) -> tuple[A
     boxes = group.boxes[group.required]
     left = float((boxes[:, 0] - boxes[:, 4]).min())
     right = float((boxes[:, 0] + boxes[:, 4]).max())
-    corners = 1.4 if right - left < _SMALL else 0.5
+    corners = 1.4 if right - left < _CORNER_WIDTH_M else 0.5
     poses, taste = [], []
     for side in shell.sides:
         # The group's x runs against the wall's direction.

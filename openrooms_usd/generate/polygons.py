@@ -8,8 +8,8 @@ import numpy as np
 from openrooms_usd.generate.boxes import Array
 
 # No arm of a room is narrower than this, metres.
-NARROWEST: Final = 1.7
-_TRIES: Final = 12
+MIN_ARM_WIDTH_M: Final = 1.7
+_MAX_TRIES: Final = 12
 
 Points = list[tuple[float, float]]
 
@@ -31,14 +31,14 @@ def floor_plan(
     """
     names = list(shapes)
     weights = np.array([shapes[name] for name in names])
-    for attempt in range(_TRIES):
+    for attempt in range(_MAX_TRIES):
         ratio = float(rng.uniform(*aspect))
         name = names[int(rng.choice(len(names), p=weights / weights.sum()))]
-        if attempt == _TRIES - 1:
+        if attempt == _MAX_TRIES - 1:
             name = "rectangle"
         corners = np.array(SHAPES[name](rng, ratio))
         scale = np.sqrt(area / _area(corners))
-        if _arm(name, corners, scale) >= min(NARROWEST, 0.8 * float(np.sqrt(area / ratio))):
+        if _arm(name, corners, scale) >= min(MIN_ARM_WIDTH_M, 0.8 * float(np.sqrt(area / ratio))):
             break
     return _turned(rng, corners * scale)
 

@@ -20,7 +20,7 @@ from openrooms_usd.generate.shell import Shell
 from openrooms_usd.generate.walls import ceiling_lamps, curtains, hang
 
 # How often a room is drawn again when what it is for found no place.
-_DRAFTS: Final = 6
+_MAX_DRAFTS: Final = 6
 # What a group asks for at each try: 0 is all that it likes, 1 as little as can be.
 _MODESTY: Final = {True: (0.0, 0.3, 0.6, 0.9), False: (0.0, 0.6)}
 # Groups of things that have nothing to do with each other.
@@ -87,7 +87,7 @@ def generate(room_type: str, seed: int, area: float | None = None) -> Generated:
         InputError: There is no such room type, or no room of that area can be made.
     """
     best: Generated | None = None
-    for attempt in range(_DRAFTS):
+    for attempt in range(_MAX_DRAFTS):
         shell, rows = draw_shell(room_type, seed, area, attempt)
         found = Generated(room_type, seed, shell, rows, _furnished(room_type, seed, shell, attempt))
         if best is None or found.furnishing.missing < best.furnishing.missing:
@@ -126,7 +126,7 @@ def furnish(room_type: str, seed: int, shell: Shell) -> Furnishing:
     Raises:
         InputError: There is no such room type.
     """
-    found = (_furnished(room_type, seed, shell, attempt) for attempt in range(_DRAFTS))
+    found = (_furnished(room_type, seed, shell, attempt) for attempt in range(_MAX_DRAFTS))
     best = next(found)
     for other in found:
         if not best.missing:

@@ -16,9 +16,9 @@ Foot: TypeAlias = tuple[float, float, float, float]
 """Least x and y and greatest x and y, metres."""
 
 # A box around a part that is higher than this is cut into slices, metres.
-_SLICE: Final = 0.15
+_SLICE_HEIGHT_M: Final = 0.15
 # An object stands on its points below this height, metres.
-_FOOT: Final = 0.0065
+_FOOT_HEIGHT_M: Final = 0.0065
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Shape:
     def foot(self) -> Foot:
         """What it stands on: the reach of its lowest points."""
         points = np.concatenate([mesh.points for mesh in self.meshes])
-        low = points[points[:, 2] < _FOOT, :2]
+        low = points[points[:, 2] < _FOOT_HEIGHT_M, :2]
         (x0, y0), (x1, y1) = low.min(axis=0).tolist(), low.max(axis=0).tolist()
         return x0, y0, x1, y1
 
@@ -86,7 +86,7 @@ class Shape:
 def _sliced(mesh: Mesh) -> list[Array]:
     """Boxes around a part: one for a low part, one a slice for a high one that leans or tapers."""
     (x0, y0, z0), (x1, y1, z1) = mesh.extent.tolist()
-    count = int((z1 - z0) / _SLICE) if z1 - z0 > 2 * _SLICE else 1
+    count = int((z1 - z0) / _SLICE_HEIGHT_M) if z1 - z0 > 2 * _SLICE_HEIGHT_M else 1
     if count == 1:
         return [_row(x0, y0, z0, x1, y1, z1)]
     triangles, _ = mesh.triangles()

@@ -14,13 +14,13 @@ from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.geometry.polygons import counter_clockwise
 
 # What a door's leaf and its handles need beside the opening, and before them, metres.
-_BESIDE: Final = 0.13
-_BEFORE: Final = 0.08
+_BESIDE_DOOR_M: Final = 0.13
+_BEFORE_DOOR_M: Final = 0.08
 # How deep the floor before a door and a window stays free, metres.
-_APPROACH: Final = 0.9
-_VIEW: Final = 0.4
+_DOOR_APPROACH_M: Final = 0.9
+_WINDOW_APPROACH_M: Final = 0.4
 # What reaches into the room at a window's sill, metres.
-_NOSE: Final = 0.05
+_SILL_NOSE_M: Final = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,12 +135,12 @@ class Shell:
         side = self.sides[gap.side]
         if gap.kind == "window":
             low = gap.sill - 0.02
-            yield side.keep(gap.at, gap.width, _VIEW, low + 0.05, gap.top)
-            yield side.keep(gap.at, gap.width + 0.12, _NOSE, low, gap.top + 0.05)
+            yield side.keep(gap.at, gap.width, _WINDOW_APPROACH_M, low + 0.05, gap.top)
+            yield side.keep(gap.at, gap.width + 0.12, _SILL_NOSE_M, low, gap.top + 0.05)
         else:
-            swept = gap.width + _BEFORE if gap.kind == "door" and gap.swing == "in" else 0.0
-            depth = max(_APPROACH, swept)
-            yield side.keep(gap.at, gap.width + 2 * _BESIDE, depth, 0.0, gap.top + 0.1)
+            swept = gap.width + _BEFORE_DOOR_M if gap.kind == "door" and gap.swing == "in" else 0.0
+            depth = max(_DOOR_APPROACH_M, swept)
+            yield side.keep(gap.at, gap.width + 2 * _BESIDE_DOOR_M, depth, 0.0, gap.top + 0.1)
 
     @property
     def doors(self) -> tuple[Gap, ...]:

@@ -14,17 +14,17 @@ from openrooms_usd.geometry.floorplan import room_centre
 from openrooms_usd.library.furniture import Size, category, styles
 
 # Between what hangs and anything else, metres.
-_APART: Final = 0.08
-_TRIES: Final = 30
+_HANGING_GAP_M: Final = 0.08
+_MAX_TRIES: Final = 30
 # Curtains hang clear of what stands out at a window's sill; these styles keep to their front.
 _CURTAIN_DEPTH: Final = 0.2
 _CURTAINS: Final = ("drapes", "sheer")
 # One ceiling lamp for this much floor, square metres; and the least height to walk below it.
-_EACH: Final = 14.0
-_HEADROOM: Final = 2.05
-_MOST: Final = 40
+_FLOOR_PER_LAMP_M2: Final = 14.0
+_LAMP_HEADROOM_M: Final = 2.05
+_MAX_LAMPS: Final = 40
 # What fits where larger lamps do not, metres.
-_SMALL: Final = 0.35
+_SMALL_LAMP_WIDTH_M: Final = 0.35
 
 
 def hang(
@@ -57,7 +57,7 @@ def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
     weights = np.array([max(0.0, side.length - size[0] - 0.2) for side in sides])
     if not weights.any():
         return None
-    for _ in range(_TRIES):
+    for _ in range(_MAX_TRIES):
         side = sides[int(kit.rng.choice(len(sides), p=weights / weights.sum()))]
         half = 0.5 * size[0] + 0.1
         at = float(kit.rng.uniform(half, side.length - half))
@@ -70,8 +70,8 @@ def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
 
 def _is_free(room: Arrangement, item: Item) -> bool:
     box = item.box[None]
-    away = overlap(box, room.shell.kept, _APART).any()
-    away |= len(room.solids) > 0 and overlap(box, room.solids, _APART).any()
+    away = overlap(box, room.shell.kept, _HANGING_GAP_M).any()
+    away |= len(room.solids) > 0 and overlap(box, room.solids, _HANGING_GAP_M).any()
     return not away and not overlap(box, room.shell.walls, -0.002).any()
 
 
@@ -111,11 +111,11 @@ def ceiling_lamps(room: Arrangement, kit: Kit) -> list[Item]:
     shell = room.shell
     style = kit.style("ceiling_lamp")
     size = kit.size("ceiling_lamp", style=style)
-    size = (size[0], size[1], round(min(size[2], max(0.08, shell.height - _HEADROOM)), 2))
+    size = (size[0], size[1], round(min(size[2], max(0.08, shell.height - _LAMP_HEADROOM_M)), 2))
     style = style if style in styles("ceiling_lamp", size) else kit.style("ceiling_lamp", size)
-    made = _lit(room, kit, [(size, style)] * _MOST, _grid(room.shell))
+    made = _lit(room, kit, [(size, style)] * _MAX_LAMPS, _grid(room.shell))
     if not made:
-        small = (min(size[0], _SMALL), min(size[1], _SMALL), size[2])
+        small = (min(size[0], _SMALL_LAMP_WIDTH_M), min(size[1], _SMALL_LAMP_WIDTH_M), size[2])
         x, y = room_centre(room.shell.corners).tolist()
         made = _lit(room, kit, [(small, kit.style("ceiling_lamp", small))], [(x, y)])
     if made:
@@ -145,9 +145,9 @@ def _lit(
 
 
 def _grid(shell: Shell) -> list[tuple[float, float]]:
-    """Places spread over the room's bounding box, one for each `_EACH` of its area."""
+    """Places spread over the room's bounding box, one for each `_FLOOR_PER_LAMP_M2` of its area."""
     low, high = shell.corners.min(axis=0), shell.corners.max(axis=0)
     sides = high - low
-    counts = np.maximum(1, np.round(sides / np.sqrt(_EACH))).astype(int).tolist()
+    counts = np.maximum(1, np.round(sides / np.sqrt(_FLOOR_PER_LAMP_M2))).astype(int).tolist()
     x, y = (low[i] + sides[i] * (np.arange(n) + 0.5) / n for i, n in enumerate(counts))
     return [(float(px), float(py)) for py in y for px in x]

@@ -31,14 +31,14 @@ from openrooms_usd.usd.transforms import author_placement
 _F0: Final = 0.05
 # In sizes of the material: the ball's radius, of which two repeats go around it; the floor to the
 # left and right, in front, behind.
-_RADIUS: Final = 1.0 / math.pi
+_RADIUS_SHARE: Final = 1.0 / math.pi
 _FLOOR: Final = (-2.5, 2.5, -1.5, 6.0)
 # Where the camera stands and looks, in sizes of the material; degrees.
 _EYE: Final = (0.3, -1.75, 1.05)
 _TARGET: Final = (-0.06, 0.0, 0.26)
-_FOV: Final = 27.0
+_FOV_DEG: Final = 27.0
 # Bright floors all around would burn out in the exposure of single objects.
-_DARKER: Final = 0.75
+_EXPOSURE_FACTOR: Final = 0.75
 _SEGMENTS: Final = 96
 
 
@@ -99,7 +99,7 @@ def _place(stage: Usd.Stage, sample: Sample, x: float, material: UsdShade.Materi
     eye, target = (np.array(at) * sample.size + [x, 0.0, 0.0] for at in (_EYE, _TARGET))
     define_camera(
         stage, ball_camera(sample), world_from_camera=look_at(eye, target),
-        fov_degrees=_FOV, resolution=(1, 1), exposure=_DARKER * EXPOSURE,
+        fov_degrees=_FOV_DEG, resolution=(1, 1), exposure=_EXPOSURE_FACTOR * EXPOSURE,
     )  # fmt: skip
 
 
@@ -131,7 +131,7 @@ def _material(stage: Usd.Stage, sample: Sample, resolution: int, folder: Path) -
 
 def _ball(size: float) -> Mesh:
     """A ball whose poles lie at its left and right, where they are not seen. Grain runs upwards."""
-    radius, rows, columns = _RADIUS * size, _SEGMENTS // 2, _SEGMENTS
+    radius, rows, columns = _RADIUS_SHARE * size, _SEGMENTS // 2, _SEGMENTS
     lean = np.linspace(0.0, math.pi, rows + 1)[:, None]
     turn = np.linspace(-0.5 * math.pi, 1.5 * math.pi, columns + 1)
     normal = np.stack(

@@ -19,7 +19,7 @@ from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE
 
 _COLUMNS: Final = 7
 # Texels of a picture's textures for each of its pixels, and at most.
-_TEXELS: Final = 4
+_TEXELS_PER_PIXEL: Final = 4
 _MOST_TEXELS: Final = 1024
 
 
@@ -67,7 +67,7 @@ def draw_material_sheets(
     check_writable(folder)
     chosen = list(dict.fromkeys(substances)) or list(FAMILIES)
     total, done, files = sum(len(FAMILIES[kind]) for kind in chosen), 0, []
-    texels = min(_MOST_TEXELS, _TEXELS * size)
+    texels = min(_MOST_TEXELS, _TEXELS_PER_PIXEL * size)
     for kind in chosen:
         tiles: list[Tile] = []
         with tempfile.TemporaryDirectory(prefix="orusd-") as scratch:

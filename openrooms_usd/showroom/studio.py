@@ -36,14 +36,14 @@ Array = NDArray[np.float64]
 EXPOSURE: Final = 1.0 / 850.0
 _BACKDROP: Final = (0.3, 0.3, 0.296)
 _BULB_NITS, _BULB_KELVIN = 5200.0, 3000.0
-_AZIMUTH: Final = 32.0
+_AZIMUTH_DEG: Final = 32.0
 # Flat things are seen more from above, degrees.
-_ELEVATIONS: Final = (16.0, 42.0)
-_FOV: Final = 24.0
+_ELEVATIONS_DEG: Final = (16.0, 42.0)
+_FOV_DEG: Final = 24.0
 # Between the two rows and the origin, metres, so that neither is seen behind the other.
-_APART: Final = 1.0
+_ROW_GAP_M: Final = 1.0
 # Free room beside an exhibit, in parts of its size.
-_GAP: Final = 1.1
+_GAP_SHARE: Final = 1.1
 _STAGES: Final = ("layout", "alignment", "materials")
 
 
@@ -117,10 +117,10 @@ def _description(exhibits: Sequence[Exhibit], seed: int) -> dict[str, object]:
 def _arranged(exhibits: Sequence[Exhibit]) -> Iterator[_Spot]:
     """Those for the floor to the right of the origin, those for the wall to the left."""
     for side in (1.0, -1.0):
-        x = _APART
+        x = _ROW_GAP_M
         there = (item for item in exhibits if (item.support == "wall") == (side < 0.0))
         for item in sorted(there, key=lambda item: (max(item.size), item.name)):
-            room = _GAP * max(item.size)
+            room = _GAP_SHARE * max(item.size)
             x += room + 0.5 * item.size[0]
             yield _Spot(side * x, _level(item), item)
             x += room + 0.5 * item.size[0]
@@ -144,7 +144,7 @@ def _place(stage: Usd.Stage, spot: _Spot) -> None:
     middle = np.array([spot.x, back, spot.z + 0.5 * item.size[2]])
     define_camera(
         stage, camera_of(item), world_from_camera=_looking_at(middle, item),
-        fov_degrees=_FOV, resolution=(1, 1), exposure=EXPOSURE,
+        fov_degrees=_FOV_DEG, resolution=(1, 1), exposure=EXPOSURE,
     )  # fmt: skip
 
 
@@ -152,8 +152,8 @@ def _looking_at(middle: Array, item: Exhibit) -> Array:
     """A pose from the right of the front and above from which a box just fills the picture."""
     size = item.size
     flat = 0.0 if item.support == "ceiling" else max(0.0, 1.0 - size[2] / min(size[:2]))
-    degrees = _ELEVATIONS[0] + (_ELEVATIONS[1] - _ELEVATIONS[0]) * flat
-    azimuth, elevation = math.radians(_AZIMUTH), math.radians(degrees)
+    degrees = _ELEVATIONS_DEG[0] + (_ELEVATIONS_DEG[1] - _ELEVATIONS_DEG[0]) * flat
+    azimuth, elevation = math.radians(_AZIMUTH_DEG), math.radians(degrees)
     forward = np.array([-math.sin(azimuth) * math.cos(elevation),
                         math.cos(azimuth) * math.cos(elevation), -math.sin(elevation)])  # fmt: skip
     right = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
@@ -161,7 +161,7 @@ def _looking_at(middle: Array, item: Exhibit) -> Array:
     signs = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
     seen = (signs * size) @ rotation
     # Each corner bounds the distance: |right or down| <= slope (distance + forward).
-    slope = 0.9 * math.tan(math.radians(0.5 * _FOV))
+    slope = 0.9 * math.tan(math.radians(0.5 * _FOV_DEG))
     distance = float((np.abs(seen[:, :2]).max(axis=1) / slope - seen[:, 2]).max())
     return pose(rotation, middle - distance * forward)
 

@@ -9,7 +9,7 @@ from scipy import ndimage
 
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.boxes import box, distance, overlap, posed
-from openrooms_usd.generate.floor import CELL, components, floor_of
+from openrooms_usd.generate.floor import CELL_M, components, floor_of
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.shapes import Shapes
@@ -87,7 +87,7 @@ def test_a_wardrobe_across_the_room_cuts_off_a_door() -> None:
     assert narrow.reaches(reachable, [(0.4, 0.4)]) and not narrow.reaches(reachable, [(2.0, 1.1)])
     rug = floor.with_boxes(box(2.0, 1.5, 0.6, 3.0, 0.0, 0.02)[None])
     assert (rug.clear == floor.clear).all()
-    assert floor.clear.shape == (round(3.0 / CELL), round(4.0 / CELL))
+    assert floor.clear.shape == (round(3.0 / CELL_M), round(4.0 / CELL_M))
 
 
 @pytest.mark.parametrize("name", ["table", "chair", "desk", "office_chair", "sofa", "side_table"])
