@@ -23,7 +23,7 @@ help:
 	@echo "make fuzz        give broken and hostile input of every kind to every command"
 	@echo "make pictures    draw the pictures of the documentation"
 	@echo "make venv        set up .venv with the tools for development"
-	@echo "make clean       remove .venv, out and caches"
+	@echo "make clean       remove .venv and those of the tests, out and caches"
 
 demo: .venv/installed
 	@.ci/install-llvm
@@ -64,7 +64,7 @@ pictures: .venv/installed-dev
 	$(BIN)/python -m docs.pictures
 
 clean:
-	rm -rf .venv out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-blender .venv-newton out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 .venv/installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer is needed and none was found:" \

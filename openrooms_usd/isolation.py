@@ -143,7 +143,8 @@ class _Reader:
 
     def _start(self) -> None:
         self.stop()
-        command = [sys.executable, "-m", self._module]
+        # -P: what lies in the current folder may be anybody's, and is no module of ours.
+        command = [sys.executable, "-P", "-m", self._module]
         env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
         pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
         try:

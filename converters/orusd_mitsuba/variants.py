@@ -219,7 +219,7 @@ def _probe(variant: str, library: Path | None) -> Probe:
         environment[LIBRARY] = str(library)
     try:
         done = subprocess.run(
-            [sys.executable, "-c", _PROBE, variant],
+            [sys.executable, "-P", "-c", _PROBE, variant],
             env=environment,
             capture_output=True,
             text=True,

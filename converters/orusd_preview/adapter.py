@@ -43,7 +43,7 @@ class PreviewRenderer:
 def _metres(text: str) -> float:
     try:
         found = float(text)
-    except ValueError:
+    except (TypeError, ValueError):
         found = 0.0
     if not 0.0 < found < 1e6:
         raise InputError(f"{text!r} is no reach", place="reach", remedy="metres, such as 0.6")

@@ -2,8 +2,9 @@
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from numbers import Integral
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, get_args
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError, UnknownNameError
@@ -71,10 +72,27 @@ def size_of(given: object, what: str) -> tuple[int, int]:
     """
     if isinstance(given, Sequence) and not isinstance(given, str) and len(given) == 2:
         width, height = given
-        if isinstance(width, int) and isinstance(height, int):
-            return width, height
+        if isinstance(width, Integral) and isinstance(height, Integral):
+            return int(width), int(height)
     remedy = "give a width and a height, such as (640, 480)"
     raise InputError(f"{_shown(given)} is no size", place=what, remedy=remedy)
+
+
+def choice_of(given: object, choices: object, what: str) -> None:
+    """See that what is given is one of few texts.
+
+    Args:
+        given: What somebody chose.
+        choices: The ``Literal`` of all.
+        what: What it is, for the message.
+
+    Raises:
+        InputError: It is something else.
+    """
+    known = get_args(choices)
+    if given not in known:
+        remedy = f"choose one of: {', '.join(known)}"
+        raise InputError(f"{_shown(given)} cannot be chosen", place=what, remedy=remedy)
 
 
 def points_of(given: object, what: str) -> list[tuple[float, float, float]]:

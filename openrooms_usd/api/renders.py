@@ -5,16 +5,16 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
-from openrooms_usd.api.given import AnyPath, path_of, size_of, unknown_name, usd_file
+from openrooms_usd.api.given import AnyPath, choice_of, path_of, size_of, unknown_name, usd_file
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from openrooms_usd.render.datasets import DatasetSummary
+    from openrooms_usd.render.datasets import DatasetSummary, Layout, Order, Subset
     from openrooms_usd.render.reading import RenderedScene, RenderedView
 
 _LOG: Final = logging.getLogger("openrooms_usd")
@@ -281,9 +281,9 @@ def dataset(
     kind: str = "openrooms",
     scene: str = "scene0000_00",
     splits: str | Sequence[str] = ("main_xml",),
-    subset: Literal["train", "test"] = "train",
-    layout: Literal["split", "merged"] = "split",
-    order: Literal["legacy", "rgb"] = "legacy",
+    subset: "Subset" = "train",
+    layout: "Layout" = "split",
+    order: "Order" = "legacy",
     first: int = 1,
     progress: Progress = silent,
 ) -> "DatasetSummary":
@@ -309,8 +309,14 @@ def dataset(
         InputError: There is no such dataset, or the renders or options do not fit each other.
         OutputError: A file cannot be written.
     """
-    from openrooms_usd.render.datasets import DatasetOptions, write_dataset
+    from openrooms_usd.render.datasets import DatasetOptions, Layout, Order, Subset, write_dataset
 
+    for given, choices, what in (
+        (subset, Subset, "subset"),
+        (layout, Layout, "layout"),
+        (order, Order, "order"),
+    ):
+        choice_of(given, choices, what)
     several = [renders] if isinstance(renders, (str, os.PathLike)) else renders
     names = (splits,) if isinstance(splits, str) else tuple(splits)
     options = DatasetOptions(scene, names, subset, layout, order, first)

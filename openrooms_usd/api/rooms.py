@@ -1,6 +1,7 @@
 """Ways to a room: from nothing, from a file or plain data, from a capture; and into a file."""
 
 from collections.abc import Mapping
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,10 +33,10 @@ def generate(room_type: "RoomType", seed: int = 0, *, area: float | None = None)
     from openrooms_usd.generate import generate as make
     from openrooms_usd.generate import write
 
-    if not isinstance(seed, int) or not 0 <= seed < 2**63:
+    if not isinstance(seed, Integral) or not 0 <= seed < 2**63:
         remedy = "give a whole number of at least 0"
         raise InputError(f"{seed!r} is no seed", place="seed", remedy=remedy)
-    return parse_room(write(make(room_type, seed, area)), f"generated {room_type}")
+    return parse_room(write(make(room_type, int(seed), area)), f"generated {room_type}")
 
 
 def load(description: "Room | Mapping[str, Any] | AnyPath") -> "Room":

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from openrooms_usd import names
-from openrooms_usd.api.given import AnyPath, path_of, room_of, usd_file
+from openrooms_usd.api.given import AnyPath, choice_of, path_of, room_of, usd_file
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
@@ -214,10 +214,11 @@ def simulate(
         StageError: The stage has no physics, or the simulation explodes.
         OutputError: The layer cannot be written.
     """
-    from openrooms_usd.simulate import DEFAULT_TIMESTEP
+    from openrooms_usd.simulate import DEFAULT_TIMESTEP, Friction
     from openrooms_usd.simulation.settling import settle
     from openrooms_usd.usd.diagnostics import quiet
 
+    choice_of(friction, Friction, "friction")
     with quiet():
         return settle(
             usd_file(scene),

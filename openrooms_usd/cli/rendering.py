@@ -1,6 +1,7 @@
 """The commands ``render`` and ``channels``."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -144,12 +145,8 @@ def _print_summary(summary: "RenderSummary") -> None:
         )
         for warning in _warnings(view, summary.manifest["stop"].get("error")):
             echo(f"    warning: {warning}", err=True)
-    report = summary.manifest["report"]
-    if report["losses"]:
-        echo(
-            f"{report['approximated']} prims approximated, {report['skipped']} skipped: "
-            f"see the report in {summary.out / 'manifest.json'}"
-        )
+    if losses := _losses(summary.manifest["report"]):
+        echo(f"{losses}: see the report in {summary.out / 'manifest.json'}")
     echo(f"rendered with {summary.manifest['renderer']['backend']}")
     for path in summary.stay:
         said = f"{path} stays: it is no view of this run, and holds what no run wrote"
@@ -157,6 +154,14 @@ def _print_summary(summary: "RenderSummary") -> None:
     if summary.advice:
         echo(summary.advice, err=True)
     echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")
+
+
+def _losses(report: Mapping[str, Any]) -> str:
+    """What a picture lacks; collision shapes and the like, which are never seen, do not count."""
+    from openrooms_usd.render.scene.unseen import is_aside
+
+    told = Counter(row["outcome"] for row in report["losses"] if not is_aside(row["reason"]))
+    return f"{told['approximated']} prims approximated, {told['skipped']} skipped" if told else ""
 
 
 def _quality(view: Mapping[str, Any]) -> str:

@@ -9,6 +9,10 @@ from openrooms_usd import adapters
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.reading import RenderedScene, read_render
 
+Subset = Literal["train", "test"]
+Layout = Literal["split", "merged"]
+Order = Literal["legacy", "rgb"]
+
 
 @dataclass(frozen=True)
 class DatasetOptions:
@@ -25,9 +29,9 @@ class DatasetOptions:
 
     scene: str = "scene0000_00"
     splits: tuple[str, ...] = ("main_xml",)
-    subset: Literal["train", "test"] = "train"
-    layout: Literal["split", "merged"] = "split"
-    order: Literal["legacy", "rgb"] = "legacy"
+    subset: Subset = "train"
+    layout: Layout = "split"
+    order: Order = "legacy"
     first: int = 1
 
 

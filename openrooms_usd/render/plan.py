@@ -1,9 +1,10 @@
 """What a run shall render: cameras, channels, size and quality; the absurd is refused first."""
 
 import difflib
+import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Final
+from typing import Final, SupportsFloat, SupportsIndex
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
@@ -62,20 +63,19 @@ def plan(
             f"{' and '.join(stops)} are given, but a render stops by one of them",
             remedy="give one of them",
         )
-    sides = dict(zip(("grid's width", "grid's height"), grid, strict=True))
-    for name, value in {**given, **sides, "seed": seed, "bounces": bounces}.items():
-        _check(name, value)
+    if not stops:
+        samples = DEFAULT_SAMPLES
     request = RenderRequest(
         camera=None,
         channels=channels,
         width=1,
         height=1,
-        samples=samples if stops else DEFAULT_SAMPLES,
-        error=error,
-        seconds=seconds,
-        seed=seed,
-        bounces=bounces,
-        grid=grid,
+        samples=None if samples is None else _whole("samples (--spp)", samples),
+        error=None if error is None else _number("error (--error)", error),
+        seconds=None if seconds is None else _number("seconds (--time)", seconds),
+        seed=_whole("seed", seed),
+        bounces=_whole("bounces", bounces),
+        grid=(_whole("grid's width", grid[0]), _whole("grid's height", grid[1])),
     )
     return sized(request, resolution) if resolution else request
 
@@ -86,9 +86,7 @@ def sized(request: RenderRequest, resolution: tuple[int, int]) -> RenderRequest:
     Raises:
         InputError: The size is absurd.
     """
-    width, height = resolution
-    _check("width", width)
-    _check("height", height)
+    width, height = _whole("width", resolution[0]), _whole("height", resolution[1])
     if width * height > _MOST_PIXELS:
         raise InputError(
             f"{width}x{height} are more than {_MOST_PIXELS:,} pixels", place="resolution"
@@ -96,10 +94,28 @@ def sized(request: RenderRequest, resolution: tuple[int, int]) -> RenderRequest:
     return replace(request, width=width, height=height)
 
 
-def _check(name: str, value: float | None) -> None:
+def _whole(name: str, value: SupportsIndex) -> int:
+    """Python's own number for what may be one of numpy, within its limits."""
+    try:
+        found = operator.index(value)
+    except TypeError:
+        raise InputError(f"{value!r} is no whole number", place=name) from None
+    _check(name, found)
+    return found
+
+
+def _number(name: str, value: SupportsFloat) -> float:
+    if not isinstance(value, SupportsFloat):
+        raise InputError(f"{value!r} is no number", place=name)
+    found = float(value)
+    _check(name, found)
+    return found
+
+
+def _check(name: str, value: float) -> None:
     low, high = _LIMITS[name]
     # A NaN lies between nothing.
-    if value is not None and not low <= value <= high:
+    if not low <= value <= high:
         raise InputError(f"{value} is not between {low:,} and {high:,}", place=name)
 
 

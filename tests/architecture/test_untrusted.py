@@ -136,6 +136,20 @@ def test_nothing_is_allowed_that_is_not_there() -> None:
     assert set(ALLOWED) - there == set()
 
 
+def test_processes_of_our_own_take_no_modules_of_the_current_folder() -> None:
+    """Python looks there first for what ``-m`` and ``-c`` import, unless ``-P`` is said."""
+    commands = [
+        [ast.unparse(part) for part in node.elts]
+        for folder in ("openrooms_usd", "converters")
+        for path in (ROOT / folder).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.List)
+    ]
+    ours = [command for command in commands if "sys.executable" in command]
+    assert len(ours) >= 3
+    assert {command[1] for command in ours} == {"'-P'"}
+
+
 @pytest.mark.parametrize(
     "code",
     [

@@ -17,7 +17,7 @@ from click.testing import CliRunner
 from openrooms_usd.channels import CHANNELS, WRITTEN, markdown_page
 from openrooms_usd.cli import orusd
 from openrooms_usd.cli.composing import _done
-from openrooms_usd.cli.rendering import _warnings
+from openrooms_usd.cli.rendering import _losses, _warnings
 from openrooms_usd.compose import ComposeSummary, StageSummary
 from openrooms_usd.errors import InputError
 from openrooms_usd.render import exr
@@ -205,6 +205,21 @@ def test_an_error_that_is_not_reached_is_said(ball, tmp_path, monkeypatch):
         assert bool(found) == warned
         reasons = [row["reason"] for row in report_of(tmp_path / error)["losses"]]
         assert any("after 16 samples a pixel" in reason for reason in reasons) == warned
+
+
+@pytest.mark.parametrize(
+    ("as_what", "lost"), [('purpose = "guide"', 0), ('visibility = "invisible"', 1)]
+)
+def test_what_is_never_seen_is_reported_and_alarms_nobody(tmp_path, as_what, lost):
+    stage = tmp_path / "scene.usda"
+    stage.write_text(BALL + f'def Cube "Shape"\n{{\n    token {as_what}\n}}\n')
+    how = ("--renderer", "preview", "--resolution", "8x6", "--camera", "front")
+    said = call("render", stage, "-o", tmp_path / "out", *how)
+    assert f"prims approximated, {lost} skipped" in said
+    report = report_of(tmp_path / "out")
+    assert report["skipped"] == 1
+    skipped = [row for row in report["losses"] if row["outcome"] == "skipped"]
+    assert (_losses({"losses": skipped}) != "") == lost
 
 
 def test_pixels_that_are_no_numbers_are_said():

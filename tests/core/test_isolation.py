@@ -43,6 +43,17 @@ def test_a_sound_crate_is_read(tmp_path: Path) -> None:
     assert layers.open_stage(path).GetPrimAtPath("/World/mesh")
 
 
+def test_modules_in_the_current_folder_are_not_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = crate(tmp_path / "a.usdc")
+    (tmp_path / "pathlib.py").write_text("open('taken', 'w').close()")
+    monkeypatch.chdir(tmp_path)
+    check_crate_reads(str(path), path.stat().st_size)
+    assert READER._process is not None
+    assert not (tmp_path / "taken").exists()
+
+
 def test_every_byte_of_a_crate_may_be_wrong(tmp_path: Path) -> None:
     """Refused or opened and read to the end, and this process lives."""
     data = crate(tmp_path / "a.usdc").read_bytes()

@@ -1,5 +1,6 @@
 """What a run shall render, and what is refused."""
 
+import numpy as np
 import pytest
 
 from openrooms_usd.channels import CHANNELS
@@ -98,6 +99,10 @@ def test_samples_are_64_unless_something_else_is_said():
         {"seconds": -1.0},
         {"seed": -1},
         {"seed": 2**40},
+        {"seed": "a"},
+        {"samples": 2.5},
+        {"samples": "many"},
+        {"error": "small"},
         {"bounces": -1},
         {"bounces": 10**6},
         {"resolution": (0, 10)},
@@ -116,3 +121,11 @@ def test_absurd_numbers(given):
 def test_the_size_of_the_stage_is_checked_too():
     with pytest.raises(InputError, match="width"):
         sized(numbers(resolution=None), (0, 480))
+
+
+def test_numbers_of_numpy_become_pythons_own():
+    given = {"seed": np.int64(3), "bounces": np.int8(2), "resolution": (np.int64(8), 6)}
+    found = numbers(seconds=np.float32(0.5), **given)
+    rows = (found.seed, found.bounces, found.width, found.height, found.seconds)
+    assert rows == (3, 2, 8, 6, 0.5)
+    assert {type(value) for value in rows} == {int, float}

@@ -16,6 +16,7 @@ _SILENT: Final = frozenset(
     }
 )  # fmt: skip
 _SILENT_FAMILIES: Final = ("Render", "Physics")
+_PURPOSE: Final = "its purpose is"
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:
@@ -29,6 +30,11 @@ def report_unseen(stage: Usd.Stage, report: Report) -> None:
     for prim, reason in _hidden(stage):
         if str(prim.GetPath()) not in known:
             report.add(prim.GetPath(), "skipped", reason)
+
+
+def is_aside(reason: str) -> bool:
+    """Whether a prim is left out for its purpose: no picture lacks what only aids other uses."""
+    return reason.startswith(_PURPOSE)
 
 
 def _hidden(stage: Usd.Stage) -> Iterator[tuple[Usd.Prim, str]]:
@@ -52,5 +58,5 @@ def _why(prim: Usd.Prim) -> str:
         return "invisible"
     purpose = shown.ComputePurpose() if shown else UsdGeom.Tokens.default_
     if purpose in (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy):
-        return f"its purpose is {purpose}"
+        return f"{_PURPOSE} {purpose}"
     return f"{prim.GetTypeName() or 'it'} has nothing to draw"

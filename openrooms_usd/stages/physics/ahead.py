@@ -73,12 +73,12 @@ def _started(searches: Sequence[Search]) -> subprocess.Popen[bytes] | None:
     """A process that searches; None where none can be had."""
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     nowhere = subprocess.DEVNULL
-    with tempfile.TemporaryFile() as told:
+    # -P: what lies in the current folder may be anybody's, and is no module of ours.
+    command = [sys.executable, "-P", "-m", __name__]
+    with suppress(OSError, ValueError), tempfile.TemporaryFile() as told:
         told.write(_bytes(searches))
         told.seek(0)
-        with suppress(OSError, ValueError):
-            command = [sys.executable, "-m", __name__]
-            return subprocess.Popen(command, stdin=told, stdout=nowhere, stderr=nowhere, env=env)
+        return subprocess.Popen(command, stdin=told, stdout=nowhere, stderr=nowhere, env=env)
     return None
 
 
