@@ -42,23 +42,23 @@ from orusd_scans.worldframe import MAX_COORDINATE_M, Z_UP, WorldFrame, proper
 Array = NDArray[np.float64]
 
 UNITS: Final = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
-# What is farther than this from the source's origin is moved to an origin of its own, metres.
+# Boxes farther than this from the source's origin get an origin of their own, metres.
 _FAR_FROM_ORIGIN_M: Final = 1000.0
-# Around the objects of a list without a floor, metres.
+# Margin of the floor around the objects of a list without one, metres.
 _FLOOR_MARGIN_M: Final = 0.5
-# Sides of a box, metres.
+# Least side of a box, metres.
 _MIN_SIDE_M: Final = 1e-3
-# Boxes lean by less than this from noise alone, degrees.
+# Smaller tilts of boxes are noise, degrees.
 _MAX_NOISE_LEAN_DEG: Final = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class _List:
-    """A file before its numbers are understood.
+    """A parsed file whose numbers are not yet interpreted.
 
     Attributes:
         boxes: The records of the boxes.
-        top: What holds for all of them, such as the floor.
+        top: The record of what all share, such as the floor.
         up: The up axis.
         unit: Metres for one unit.
     """
@@ -170,7 +170,7 @@ def _common_unit(rows: Sequence[Node], source: Path, options: Mapping[str, str])
 
 
 def _option(name: str, options: Mapping[str, str], top: Node) -> Node | None:
-    """An option that was given, or else what the file says."""
+    """A given option, or else the file's own value."""
     return Node(options[name], top.file, f"--{name}") if name in options else top.get(name)
 
 

@@ -10,10 +10,10 @@ from openrooms_usd.geometry.polygons import CLEARANCE, counter_clockwise, defect
 
 Array = NDArray[np.float64]
 
-# Walls whose ends are both this near to another wall's ends are seen twice, metres.
-TWIN = 0.15
-# Gaps between walls up to this length are closed without a word, metres.
-GAP = 0.3
+# Walls with both ends this near to another wall's ends are duplicates, metres.
+TWIN_DISTANCE_M = 0.15
+# Gaps between walls up to this length are closed without a note, metres.
+MAX_GAP_M = 0.3
 
 
 def tidied(corners: Array, notes: list[str]) -> Array | None:
@@ -75,18 +75,18 @@ def chained(segments: Array, notes: list[str]) -> Array | None:
     if defect(corners) is not None or abs(signed_area(corners)) < 0.5 * abs(signed_area(hull)):
         notes.append("the walls do not close: their convex hull was taken as the floor")
         return hull
-    if gaps.max() > GAP:
+    if gaps.max() > MAX_GAP_M:
         notes.append(f"the walls leave a gap of {gaps.max():.2f} m, which was closed")
     return corners
 
 
 def _without_twins(segments: Array) -> Array:
-    """Walls by descending length, those left out that a longer one repeats."""
+    """Walls by descending length, without duplicates of longer ones."""
     order = np.argsort(-np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1), kind="stable")
     kept = np.empty_like(segments)
     count = 0
     for wall in segments[order]:
-        if not (_apart(wall, kept[:count]) < TWIN).any():
+        if not (_apart(wall, kept[:count]) < TWIN_DISTANCE_M).any():
             kept[count] = wall
             count += 1
     return kept[:count]
@@ -99,7 +99,7 @@ def _apart(wall: Array, others: Array) -> Array:
 
 
 def _linked(walls: Array) -> Array:
-    """Walls in a round: each followed by the one with the nearest free end, until it closes."""
+    """Walls chained to a ring: each followed by the one with the nearest free end."""
     chain, free = [walls[0]], np.ones(len(walls), dtype=bool)
     free[0] = False
     while free.any():
@@ -107,7 +107,7 @@ def _linked(walls: Array) -> Array:
         ends = np.where(free[:, None], np.linalg.norm(walls - end, axis=2), np.inf)
         best, which = np.unravel_index(int(np.argmin(ends)), ends.shape)
         home = float(np.linalg.norm(chain[0][0] - end))
-        if len(chain) > 2 and home <= min(float(ends.min()), GAP):
+        if len(chain) > 2 and home <= min(float(ends.min()), MAX_GAP_M):
             break  # closed: what remains stands inside the room
         free[best] = False
         chain.append(walls[best] if which == 0 else walls[best][::-1])
@@ -115,7 +115,7 @@ def _linked(walls: Array) -> Array:
 
 
 def _corner(a: Array, b: Array) -> Array:
-    """Where wall a ends and wall b begins: their lines' crossing if it is near, else the middle."""
+    """The corner of walls a and b: the intersection of their lines if near, else the midpoint."""
     middle = 0.5 * (a[1] + b[0])
     along_a, along_b = a[1] - a[0], b[1] - b[0]
     cross = along_a[0] * along_b[1] - along_a[1] * along_b[0]
@@ -123,7 +123,7 @@ def _corner(a: Array, b: Array) -> Array:
         offset = b[0] - a[0]
         s = (offset[0] * along_b[1] - offset[1] * along_b[0]) / cross
         crossing = a[0] + s * along_a
-        if np.linalg.norm(crossing - middle) < GAP:
+        if np.linalg.norm(crossing - middle) < MAX_GAP_M:
             return np.asarray(crossing)
     return np.asarray(middle)
 
@@ -148,10 +148,10 @@ def _bent(corners: Array, arc: Array) -> Array:
 
     ends = [np.linalg.norm(corners - end, axis=1) for end in (arc[0], arc[-1])]
     nearest = [int(np.argmin(distance)) for distance in ends]
-    if max(float(distance.min()) for distance in ends) > GAP or nearest[0] == nearest[1]:
+    if max(float(distance.min()) for distance in ends) > MAX_GAP_M or nearest[0] == nearest[1]:
         return corners
     off = np.asarray(shapely.distance(shapely.LineString(arc), shapely.points(corners)))
-    keep: NDArray[np.bool_] = off > TWIN
+    keep: NDArray[np.bool_] = off > TWIN_DISTANCE_M
     keep[nearest] = True
     rest = corners[keep]
     first, last = (int(keep[:i].sum()) for i in nearest)
@@ -162,8 +162,8 @@ def _bent(corners: Array, arc: Array) -> Array:
     return corners
 
 
-def begun(corners: Array) -> Array:
-    """A floor that begins at the corner nearest to the lower left, whatever its source began with.
+def from_lower_left(corners: Array) -> Array:
+    """A floor whose first corner is the one nearest to the lower left.
 
     So the walls have the same numbers in every export of a room.
     """

@@ -75,7 +75,7 @@ def intrinsics(node: Node) -> Array:
     """A node's (3, 3) intrinsics in pixels, row by row.
 
     Raises:
-        InputError: They are none, or stand column by column.
+        InputError: They are invalid, or column-major.
     """
     K = node.numbers(9, _MAX_PIXELS).reshape(3, 3)
     if np.abs(K[2] - [0.0, 0.0, 1.0]).max() > 1e-9:
@@ -92,7 +92,7 @@ def in_world(
 
     Args:
         frames: As they were read.
-        frame: The way to the world.
+        frame: Transform to the world.
         notes: Receives a sentence when pixels are not square.
     """
     found = tuple(replace(f, world_from_camera=frame.pose(f.world_from_camera)) for f in frames)

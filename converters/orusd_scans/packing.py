@@ -18,9 +18,9 @@ def packed_folder(
     Args:
         root: The folder.
         files: What of it is needed; None is passed over.
-        options: What is asked of the importer when it reads them.
-        name: What the folder is called there; by default as it is.
-        more: What else lies beside it, by its path.
+        options: Of the importer that reads them.
+        name: Name of the folder there; by default its own.
+        more: Further files beside it, by path.
     """
     name = name or root.resolve().name
     inside = {f"{name}/{p.relative_to(root).as_posix()}": p for p in files if p is not None}
@@ -28,5 +28,5 @@ def packed_folder(
 
 
 def there(*files: Path) -> list[Path]:
-    """Those files that are there."""
+    """The existing ones of some files."""
     return [file for file in files if file.is_file()]

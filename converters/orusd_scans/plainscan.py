@@ -45,12 +45,12 @@ UNITS: Final = {"m": 1.0, "mm": 0.001}
 UNDETERMINED: Final = (
     "a scan says nothing of its floor: let it be found, by `layout: {from: scan, scan: FILE}`"
 )
-# Scans of rooms are smaller than this in metres, and larger in millimetres.
-_LARGEST_SITE: Final = 250.0
-# The part of the points whose extent counts: outliers do not.
+# Extents below this are metres, larger ones millimetres.
+_MAX_SITE_M: Final = 250.0
+# Percentiles that bound the extent, without outliers.
 _EXTENT_PERCENTILES: Final = (1.0, 99.0)
 _MAX_SAMPLE_POINTS: Final = 100_000
-# What is farther than this from the source's origin is moved to an origin of its own, metres.
+# Scans farther than this from the source's origin get an origin of their own, metres.
 _FAR_FROM_ORIGIN_M: Final = 1000.0
 
 
@@ -86,7 +86,7 @@ class ScanImporter:
             source=source.name,
             source_from_world=frame.source_from_world(),
             frames=frames,
-            cloud=with_eyes(cloud_in(frame, scanned, source, notes), frames),
+            cloud=with_sensor_origins(cloud_in(frame, scanned, source, notes), frames),
             notes=tuple(notes),
             remedy=UNDETERMINED,
         )
@@ -109,10 +109,10 @@ def read_scanned(source: Path) -> Scanned:
 
 
 def cloud_in(frame: WorldFrame, scanned: Scanned, source: Path, notes: list[str]) -> Cloud:
-    """The points in the world, metres: surfaces become points, broken ones are dropped.
+    """The points in the world, metres: surfaces are sampled, invalid points dropped.
 
     Args:
-        frame: The way to the world.
+        frame: Transform to the world.
         scanned: What was read.
         source: The file, for messages.
         notes: Receives a sentence for what was dropped.
@@ -137,8 +137,8 @@ def cloud_in(frame: WorldFrame, scanned: Scanned, source: Path, notes: list[str]
     return cloud
 
 
-def with_eyes(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Cloud:
-    """A cloud that was seen from its photographs, where nothing better is known."""
+def with_sensor_origins(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Cloud:
+    """A cloud with the photographs' positions as sensor origins, where it has none."""
     if cloud.sensor_origins is not None or not frames:
         return cloud
     return replace(
@@ -158,7 +158,7 @@ def unit_of(cloud: Cloud, asked: str, source: Path, notes: list[str]) -> float:
         )
     low, high = _range(cloud.points)
     extent = float((high - low).max())
-    large = extent > _LARGEST_SITE
+    large = extent > _MAX_SITE_M
     if asked == "auto":
         chosen = "mm" if large else "m"
         notes.append(f"the scan is {extent:.4g} units wide: {chosen} is taken for their unit")
@@ -178,7 +178,7 @@ def _frame(scanned: Scanned, unit: float, up: str | None, source: Path) -> World
 
 
 def _range(points: Array) -> tuple[Array, Array]:
-    """(3,) between what most coordinates lie."""
+    """(3,) each, robust least and greatest coordinates."""
     some = points[:: max(len(points) // _MAX_SAMPLE_POINTS, 1)]
     some = some[np.isfinite(some).all(axis=1)]
     if len(some) == 0:

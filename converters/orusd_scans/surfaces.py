@@ -1,4 +1,4 @@
-"""A mesh as a cloud: its points, and further ones on triangles too large to go without."""
+"""A mesh as a cloud: its vertices, and samples of large triangles."""
 
 from dataclasses import replace
 from typing import Any, Final
@@ -12,7 +12,7 @@ from openrooms_usd.scan.points.cloud import Cloud
 Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
-# Between points on large triangles, metres; more where that would be too many.
+# Spacing of samples, metres; larger where there would be too many.
 SPACING_M: Final = 0.02
 _MOST_SAMPLES: Final = 2_000_000
 _MAX_COORDINATE_M: Final = 1e8
@@ -21,11 +21,10 @@ _MAX_COORDINATE_M: Final = 1e8
 def as_cloud(
     cloud: Cloud, faces: Faces, spacing: float = SPACING_M
 ) -> tuple[Cloud, tuple[str, ...]]:
-    """Points and surface of a mesh as one cloud, with normals that follow the triangles' winding.
+    """Vertices and surface samples of a mesh as one cloud; normals follow the triangles' winding.
 
-    Each triangle gets its area / spacing^2 random points, rounded at random, so that large ones are
-    covered evenly; a dense mesh gets few. They have the colour, label and instance of the nearest
-    corner.
+    Each triangle gets area / spacing^2 uniform samples, stochastically rounded; a dense mesh gets
+    few. They have the colour, label and instance of the nearest corner.
 
     Args:
         cloud: The mesh's points, metres.

@@ -1,4 +1,4 @@
-"""The rigid motion, with a unit, from a source's frame to the world; and checks of matrices."""
+"""The similarity transform from a source's frame to the world, and checks of matrices."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -36,7 +36,7 @@ class WorldFrame:
     unit: float = 1.0
 
     def points(self, source: Array) -> Array:
-        """Points (..., 3) in the world, metres; the origin is taken off first."""
+        """Points (..., 3) in the world, metres; the origin is subtracted first, for precision."""
         with np.errstate(invalid="ignore", over="ignore"):  # what is no number is dropped later
             return np.asarray(self.unit * ((source - self.origin) @ self.rotation.T))
 
@@ -55,7 +55,7 @@ class WorldFrame:
         return M
 
     def source_from_world(self) -> Array:
-        """(4, 4) the way back, for column vectors."""
+        """(4, 4) the inverse transform, for column vectors."""
         M = np.eye(4)
         M[:3, :3], M[:3, 3] = self.rotation.T / self.unit, self.origin
         return M
@@ -65,7 +65,7 @@ def rigid(node: Node) -> Array:
     """A node's (4, 4) rotation with a translation: 12 or 16 numbers, row by row.
 
     Raises:
-        InputError: It mirrors, scales or shears, or stands column by column.
+        InputError: It mirrors, scales or shears, or is column-major.
     """
     count = 12 if _length(node) == 12 else 16
     numbers = node.numbers(count, MAX_COORDINATE_M)

@@ -15,7 +15,7 @@ from openrooms_usd.physics.solid import Solid
 Array = NDArray[np.float64]
 
 # How close the bounds of distances are brought, metres.
-RESOLUTION: Final = 1e-3
+RESOLUTION_M: Final = 1e-3
 # Points that volumes are estimated by.
 POINTS: Final = 40_000
 
@@ -55,7 +55,7 @@ class Volumes:
 
 
 def collision_error(
-    shapes: Sequence[TriangleMesh], thing: Solid, resolution: float = RESOLUTION
+    shapes: Sequence[TriangleMesh], thing: Solid, resolution: float = RESOLUTION_M
 ) -> CollisionError:
     """The distances both ways.
 

@@ -19,13 +19,13 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 # Corners closer than this are one, metres.
-WELD: Final = 1e-6
+WELD_M: Final = 1e-6
 # Holes of no more area than this share of the squared size are cracks between triangles.
-CRACK: Final = 1e-9
+CRACK_AREA_SHARE: Final = 1e-9
 # Planes times corners up to which a component is asked whether it is convex.
-CHUNK: Final = 1 << 22
+MAX_CONVEXITY_PAIRS: Final = 1 << 22
 # Components whose corners lie no farther in front of any of their triangles are convex, metres.
-CONVEX: Final = 1e-4
+CONVEX_TOLERANCE_M: Final = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Component:
 
     @cached_property
     def planes(self) -> Array | None:
-        """(F, 4) the planes of its triangles where it is closed and convex, but for `CONVEX`."""
+        """(F, 4) the planes of its triangles where it is closed and convex within the tolerance."""
         return _planes_if_convex(self.corners) if self.closed else None
 
 
@@ -78,7 +78,7 @@ def components(parts: Sequence[Part]) -> list[Component]:
     for part in parts:
         for component in _components(part):
             # Duplicates are told by their corners, whatever the order of the triangles.
-            rows = np.round(component.corners.reshape(-1, 9) / WELD).astype(np.int64)
+            rows = np.round(component.corners.reshape(-1, 9) / WELD_M).astype(np.int64)
             key = rows[np.lexsort(rows.T)].tobytes() + part.contact.encode()
             found.setdefault(key, component)
     if not found:
@@ -114,7 +114,7 @@ def _welded(part: Part) -> tuple[Array, NDArray[np.int64]]:
         raise InputError(error.message, place=part.name, remedy=error.remedy) from error
     if triangles.min() < 0 or triangles.max() >= len(points):
         raise InputError("a triangle refers to a point that does not exist", place=part.name)
-    first, places = topology.weld(points, WELD)
+    first, places = topology.weld(points, WELD_M)
     points, triangles = points[first], places[triangles]
     triangles = triangles[has_area(points[triangles])]
     once, _ = distinct_rows(np.sort(triangles, axis=1))
@@ -130,7 +130,7 @@ def _is_closed(points: Array, triangles: NDArray[np.int64]) -> bool:
         return True
     size = float(np.ptp(points[triangles].reshape(-1, 3), axis=0).max())
     found = lids(points, triangles, np.zeros(len(triangles), dtype=np.int64), 1)
-    return bool(found.openings[0] <= CRACK * size * size)
+    return bool(found.openings[0] <= CRACK_AREA_SHARE * size * size)
 
 
 def _signed_volume(corners: Array) -> float:
@@ -151,6 +151,6 @@ def _planes_if_convex(corners: Array) -> Array | None:
     planes = planes[distinct_rows(planes)[0]]
     points = corners.reshape(-1, 3)
     points = points[distinct_rows(points)[0]]
-    if len(planes) * len(points) > CHUNK:
+    if len(planes) * len(points) > MAX_CONVEXITY_PAIRS:
         return None
-    return planes if (points @ planes[:, :3].T + planes[:, 3]).max() < CONVEX else None
+    return planes if (points @ planes[:, :3].T + planes[:, 3]).max() < CONVEX_TOLERANCE_M else None

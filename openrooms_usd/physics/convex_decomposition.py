@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.physics.components import WELD, Component
+from openrooms_usd.physics.components import WELD_M, Component
 from openrooms_usd.physics.cutting import cut
 from openrooms_usd.physics.hulls import quick_hull
 from openrooms_usd.physics.merging import Cluster, merged
 from openrooms_usd.physics.solid import Solid
-from openrooms_usd.physics.surfaces import FEW, bisected, is_level
+from openrooms_usd.physics.surfaces import FEW_CANDIDATES, bisected, is_level
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -24,13 +24,13 @@ SPACINGS: Final = (0.5, 0.25, 0.125, 0.0625)
 # Pieces that one component is cut into at most.
 MOST_OF_ONE: Final = 64
 # Components beyond which neighbours are not looked for: what lies together is one piece.
-CROWD: Final = 1_000
+MAX_JOINED_COMPONENTS: Final = 1_000
 # Pieces are not cut across sides that are shorter than this share of the tolerance.
-SHORTEST: Final = 0.5
+MIN_SIDE_SHARE: Final = 0.5
 # What tolerances grow by where there are too many pieces.
-RELAXED: Final = 1.5
+TOLERANCE_GROWTH: Final = 1.5
 # How far faces may stick out that look up, where things stand on the solid, metres.
-RISE: Final = 2e-3
+MAX_RISE_M: Final = 2e-3
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,13 @@ class Limits:
     @classmethod
     def of(cls, tolerance: float) -> "Limits":
         """Those of a tolerance, metres: things that stand on the solid shall not be lifted."""
-        return cls(tolerance, min(RISE, tolerance))
+        return cls(tolerance, min(MAX_RISE_M, tolerance))
 
     def wider(self) -> "Limits":
         """The next ones: first things may be lifted, then all may be coarse."""
         if self.up < self.side:
             return Limits(self.side, min(self.up * 2.0, self.side))
-        return Limits(self.side * RELAXED, self.side * RELAXED)
+        return Limits(self.side * TOLERANCE_GROWTH, self.side * TOLERANCE_GROWTH)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ def convex_decomposition(
     """Hulls of components, cut where they are too coarse, merged where they are too fine.
 
     No looked-at point of a hull's surface is farther than the tolerance from the solid, and above a
-    level face than `RISE`; but for components that would need more than `MOST_OF_ONE` pieces. So
+    level face than `MAX_RISE_M`; but for components that need more than `MOST_OF_ONE` pieces. So
     what is open and wider than twice that stays open.
 
     Args:
@@ -90,7 +90,7 @@ def convex_decomposition(
         most: The most pieces; where the tolerance needs more, it is widened, for upward faces
             first.
     """
-    if len(components) > CROWD:
+    if len(components) > MAX_JOINED_COMPONENTS:
         return _pooled(components, most)
     limits = Limits.of(tolerance)
     pieces = [
@@ -113,7 +113,7 @@ def _pooled(components: Sequence[Component], most: int) -> list[Piece]:
     low, size = centres.min(axis=0), float(np.ptp(centres, axis=0).max())
     count = most
     while True:
-        cells = np.floor((centres - low) * (count / max(size, WELD))).astype(np.int64)
+        cells = np.floor((centres - low) * (count / max(size, WELD_M))).astype(np.int64)
         rows = np.unique(np.column_stack([kind, cells]), axis=0, return_inverse=True)[1].ravel()
         if rows.max() < max(most, len(contacts)) or count <= 1:
             break
@@ -139,7 +139,7 @@ def _cut(component: Component, solid: Solid, limits: Limits, most: int) -> list[
         hulls = [quick_hull(each[distinct_rows(each)[0]])[0] for each in points]
         return protrusions([_faces(hull) for hull in hulls], solid, limits, contact)
 
-    found = cut(component.corners, off, limits.side, limits.side * SHORTEST, most)
+    found = cut(component.corners, off, limits.side, limits.side * MIN_SIDE_SHARE, most)
     return [Piece(piece.corners.reshape(-1, 3), contact, names, piece.off) for piece in found]
 
 
@@ -210,7 +210,7 @@ def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> tuple[Ar
     level = is_level(corners)
     distance, triangle = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
     # Where nothing is lifted it does not matter which of two near triangles is nearer.
-    for rows, candidates in ((level, FEW), (~level, 1)):
+    for rows, candidates in ((level, FEW_CANDIDATES), (~level, 1)):
         near = surface.near(points[rows], candidates)
         distance[rows], triangle[rows] = near.distance, near.triangle
     # Above a level face, a level face would lift what stands there.

@@ -23,19 +23,19 @@ Judge = Callable[[Sequence[Array]], Sequence[float]]
 # Where a piece is tried between its ends, as shares of its length.
 SHARES: Final = (0.25, 0.5, 0.75)
 # How many planes through faces are tried along an axis.
-FACES: Final = 4
+FACES_PER_AXIS: Final = 4
 # What a wholly uneven cut costs, as a share of the volume that there is.
-EVENNESS: Final = 0.3
+UNEVEN_COST_SHARE: Final = 0.3
 # What a cut across the shortest side costs: rings and trays are not sliced into rings and trays.
-SLICING: Final = 0.2
+SLICING_COST: Final = 0.2
 # Corners this close to a plane are in it, metres.
-ON_PLANE: Final = 1e-7
+ON_PLANE_M: Final = 1e-7
 # What a cut along a principal axis costs: cuts along the frame's axes leave boxes.
-SLANTED: Final = 0.3
+SLANTED_COST: Final = 0.3
 # What a cut along a face that fills the whole section saves.
-BOARDS: Final = 0.2
+BOARD_GAIN: Final = 0.2
 # Faces this close are in one plane, metres.
-GRID: Final = 1e-3
+SAME_PLANE_M: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ def _halves(piece: Array, least: float) -> list[Array] | None:
         return None
     heights = piece @ plane[:3] + plane[3]
     # Corners on the plane belong to both sides.
-    heights[np.abs(heights) < ON_PLANE] = 0.0
+    heights[np.abs(heights) < ON_PLANE_M] = 0.0
     sides = [_with_area(clipped(piece, heights)), _with_area(clipped(piece, -heights))]
     # What lies in the plane bounds the side that it looks away from.
     flat = piece[(heights == 0.0).all(axis=1)]
@@ -148,13 +148,15 @@ def _best_plane(piece: Array, least: float) -> Array | None:
             places += _faces(piece, normals, axis, low, high)
         for offset, covered in places:
             heights = along - offset
-            heights[np.abs(heights) < ON_PLANE] = 0.0
+            heights[np.abs(heights) < ON_PLANE_M] = 0.0
             uneven = abs(2.0 * offset - low - high) / (high - low)
             # Flat pieces have no volume: the longest side is halved.
-            sliced = SLICING * (1.0 - (high - low) / size)
+            sliced = SLICING_COST * (1.0 - (high - low) / size)
             # Boards that meet come apart at their faces, however uneven the cut.
-            share = 1.0 + (1.0 - covered) * (EVENNESS * uneven + sliced) - BOARDS * covered
-            share += 0.0 if framed else SLANTED
+            share = (
+                1.0 + (1.0 - covered) * (UNEVEN_COST_SHARE * uneven + sliced) - BOARD_GAIN * covered
+            )
+            share += 0.0 if framed else SLANTED_COST
             saved = 1e-9 * size * size * (high - low)
             volume = _volume(points, edges, heights, (best + saved) / share)
             if volume * share - saved < best:
@@ -175,15 +177,15 @@ def _faces(
     """Where the most area lies square to an axis, inside, and its share of the section."""
     square = np.abs(normals @ axis) > 0.999 * np.linalg.norm(normals, axis=1)
     places = piece[square].mean(axis=1) @ axis
-    inner = (places > low + GRID) & (places < high - GRID)
+    inner = (places > low + SAME_PLANE_M) & (places < high - SAME_PLANE_M)
     if not inner.any():
         return []
-    of = np.unique(np.round(places[inner] / GRID), return_inverse=True)[1].reshape(-1)
+    of = np.unique(np.round(places[inner] / SAME_PLANE_M), return_inverse=True)[1].reshape(-1)
     areas = np.bincount(of, weights=np.linalg.norm(normals[square][inner], axis=1))
-    chosen = np.argsort(-areas, kind="stable")[:FACES]
+    chosen = np.argsort(-areas, kind="stable")[:FACES_PER_AXIS]
     first = [np.flatnonzero(of == k)[0] for k in chosen]
     extent = np.ptp(piece.reshape(-1, 3), axis=0)[axis == 0.0]
-    section = 2.0 * max(float(extent.prod()), GRID**2)
+    section = 2.0 * max(float(extent.prod()), SAME_PLANE_M**2)
     covers = np.clip(areas[chosen] / section, 0.0, 1.0)
     return [(float(places[inner][row]), float(c)) for row, c in zip(first, covers, strict=True)]
 

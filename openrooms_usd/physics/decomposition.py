@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.physics.collision_error import RESOLUTION, as_solid
+from openrooms_usd.physics.collision_error import RESOLUTION_M, as_solid
 from openrooms_usd.physics.components import Component, Part, components
 from openrooms_usd.physics.convex_decomposition import (
-    CROWD,
+    MAX_JOINED_COMPONENTS,
     Limits,
     Piece,
     convex_decomposition,
@@ -32,13 +32,13 @@ TOLERANCE: Final = 0.01
 # Shapes a thing may have.
 MOST_SHAPES: Final = 256
 # How closely a crowd of components is measured, as parts of its size.
-COARSE: Final = 32
+COARSE_STEPS: Final = 32
 # A box stands for a hull where it adds no more than this share of the tolerance.
 BOX_SHARE: Final = 0.25
 # A box that is so near to a hull is that hull, metres.
-SAME: Final = 1e-5
+SAME_BOX_M: Final = 1e-5
 # What lies so deep inside another shape can never be touched, metres.
-HIDDEN: Final = 1e-6
+HIDDEN_DEPTH_M: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ def collision_shapes(
     corners = np.concatenate([component.corners for component in found])
     # Bounds of a crowd are coarse: they would take minutes.
     size = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
-    resolution = RESOLUTION if len(found) <= CROWD else size / COARSE
+    resolution = RESOLUTION_M if len(found) <= MAX_JOINED_COMPONENTS else size / COARSE_STEPS
     protrusion = solid.greatest(union, resolution, tolerance)[1]
     thing = as_solid([shape.mesh for shape in shapes])
     return Shapes(shapes, protrusion, thing.greatest(corners, resolution, tolerance)[1])
@@ -177,7 +177,7 @@ def _shapes(
     fits = [each <= BOX_SHARE * tolerance for each in off]
     if method == "auto":
         limits = Limits.of(tolerance)
-        asked = [k for k in range(len(pieces)) if fits[k] and off[k] > SAME]
+        asked = [k for k in range(len(pieces)) if fits[k] and off[k] > SAME_BOX_M]
         for contact in dict.fromkeys(pieces[k].contact for k in asked):
             mine = [k for k in asked if pieces[k].contact == contact]
             faces = [boxes[k].points[boxes[k].triangles] for k in mine]
@@ -203,15 +203,17 @@ def farthest_corner(points: Array, hull: TriangleMesh) -> float:
 
 def _without_hidden(shapes: tuple[ConvexShape, ...]) -> tuple[ConvexShape, ...]:
     """Shapes that do not lie wholly inside another one."""
-    low = np.array([shape.mesh.points.min(axis=0) for shape in shapes]) + HIDDEN
-    high = np.array([shape.mesh.points.max(axis=0) for shape in shapes]) - HIDDEN
+    low = np.array([shape.mesh.points.min(axis=0) for shape in shapes]) + HIDDEN_DEPTH_M
+    high = np.array([shape.mesh.points.max(axis=0) for shape in shapes]) - HIDDEN_DEPTH_M
     hidden = np.zeros(len(shapes), dtype=np.bool_)
     for k, shape in enumerate(shapes):
-        around = (low <= low[k] - HIDDEN).all(axis=1) & (high >= high[k] + HIDDEN).all(axis=1)
+        around = (low <= low[k] - HIDDEN_DEPTH_M).all(axis=1) & (
+            high >= high[k] + HIDDEN_DEPTH_M
+        ).all(axis=1)
         hidden[k] = any(_holds(shapes[j].mesh, shape.mesh) for j in np.flatnonzero(around))
     return tuple(shape for shape, gone in zip(shapes, hidden, strict=True) if not gone)
 
 
 def _holds(outer: TriangleMesh, inner: TriangleMesh) -> bool:
     planes = half_spaces(outer)
-    return bool((inner.points @ planes[:, :3].T + planes[:, 3]).max() <= -HIDDEN)
+    return bool((inner.points @ planes[:, :3].T + planes[:, 3]).max() <= -HIDDEN_DEPTH_M)

@@ -19,13 +19,13 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 # Corners nearer than this share of the diagonal are one point.
-_WELD: Final = 1e-6
+_WELD_SHARE: Final = 1e-6
 # Holes of up to this share of a component's area are closed: a sofa without an underside.
-_OPENING: Final = 0.25
+_OPENING_AREA_SHARE: Final = 0.25
 # Holes of less than this share of the area are cracks between triangles, of which nobody is told.
-_CRACK: Final = 1e-3
+_CRACK_AREA_SHARE: Final = 1e-3
 # A component that has less than this share of (its area)^1.5 for a volume is a sheet of two sides.
-_FLAT: Final = 1e-9
+_FLAT_VOLUME_SHARE: Final = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,8 +80,11 @@ def examined(points: ArrayLike, triangles: ArrayLike) -> Enclosure:
     closing = lids(local, faces, labels, count)
     volumes = _volumes(local[faces], labels, count)
     volumes += _volumes(closing.corners, closing.labels, count)
-    cracked, flat = closing.openings <= _CRACK * areas, abs(volumes) <= _FLAT * areas**1.5
-    encloses = ~flat & ~one_sided & (closing.openings <= _OPENING * areas)
+    cracked, flat = (
+        closing.openings <= _CRACK_AREA_SHARE * areas,
+        abs(volumes) <= _FLAT_VOLUME_SHARE * areas**1.5,
+    )
+    encloses = ~flat & ~one_sided & (closing.openings <= _OPENING_AREA_SHARE * areas)
     kept = encloses[closing.labels]
     mended = {
         "triangles wound against their neighbours were turned": turned.any(),
@@ -119,7 +122,7 @@ def _welded(points: Array, faces: Ints) -> tuple[Array, Array, Ints]:
     used, rows = np.unique(faces, return_inverse=True)
     low, high = points[used].min(axis=0), points[used].max(axis=0)
     origin = 0.5 * (low + high)
-    step = _WELD * float(np.linalg.norm(high - low))
+    step = _WELD_SHARE * float(np.linalg.norm(high - low))
     if not step > 0:
         raise _nothing()
     local = points[used] - origin

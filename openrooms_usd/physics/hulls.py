@@ -18,14 +18,14 @@ MOST_VERTICES: Final = 64
 # Engines lose contacts of thinner shapes; sheets grow to it on both sides alike, metres.
 LEAST_THICKNESS: Final = 1e-3
 # A hull that has lost so little is as good as the whole one, as a share of its diagonal.
-ENOUGH: Final = 1e-3
+ENOUGH_SHARE: Final = 1e-3
 # Corners closer than this share of the diagonal are one: Qhull would make slivers of them.
-WELD: Final = 1e-5
+WELD_SHARE: Final = 1e-5
 # Triangles that are less high, as a share of the diagonal, have no area in float32. Where planes
 # cut, corners on one line make them.
-FLAT: Final = 1e-6
+FLAT_SHARE: Final = 1e-6
 # Corners that are added before the hull is made again, when one is made of few corners.
-BATCH: Final = 4
+CORNERS_PER_ROUND: Final = 4
 
 
 def convex_hull(
@@ -49,7 +49,7 @@ def convex_hull(
     centre = (given.min(axis=0) + given.max(axis=0)) / 2.0
     local = thickened(given[distinct_rows(given)[0]] - centre, thickness)
     size = float(np.linalg.norm(np.ptp(local, axis=0)))
-    distinct, _ = distinct_rows(np.round(local / size / WELD))
+    distinct, _ = distinct_rows(np.round(local / size / WELD_SHARE))
     corners, triangles = _closed(local[distinct] / size)
     if len(corners) > vertices:
         corners, triangles = _closed(_farthest(corners, vertices))
@@ -206,7 +206,7 @@ def _closed(points: Array) -> tuple[Array, Rows]:
 
 
 def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
-    """(N,) which corners lie on the line between the two others of a triangle, within `FLAT`."""
+    """(N,) which corners lie on the line between the two others of a triangle."""
     a, b, c = np.moveaxis(corners[triangles], 1, 0)
     # Each edge has the place of the corner that it faces.
     edges = np.linalg.norm(np.stack([c - b, a - c, b - a], axis=1), axis=2)
@@ -214,7 +214,7 @@ def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
     rows = np.arange(len(triangles))
     doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     flat = np.zeros(len(corners), dtype=bool)
-    thin = doubled <= FLAT * edges[rows, longest]
+    thin = doubled <= FLAT_SHARE * edges[rows, longest]
     flat[triangles[rows, longest][thin]] = True
     return flat
 
@@ -248,8 +248,10 @@ def _farthest(corners: Array, most: int) -> Array:
         heights = corners @ planes[:, :3].T + planes[:, 3]
         peaks, above = heights.argmax(axis=0), heights.max(axis=0)
         steepest = np.argsort(-above, kind="stable")
-        steepest = steepest[above[steepest] > ENOUGH]
-        added = list(dict.fromkeys(peaks[steepest].tolist()))[: min(BATCH, most - len(chosen))]
+        steepest = steepest[above[steepest] > ENOUGH_SHARE]
+        added = list(dict.fromkeys(peaks[steepest].tolist()))[
+            : min(CORNERS_PER_ROUND, most - len(chosen))
+        ]
         if not added:
             break
         chosen = np.concatenate([chosen, added])

@@ -22,9 +22,9 @@ Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 # The length of the mean normal of a corner below which it is too sharp to be moved by its share.
-_SHARP: Final = 0.5
+_MIN_MEAN_NORMAL: Final = 0.5
 # A wall that leaves less than this share of its body hollow fills it.
-_HOLLOW: Final = 1e-3
+_MIN_HOLLOW_SHARE: Final = 1e-3
 # Where in a wall its two sheets lie, in thicknesses: the nodes of Gauss and Legendre.
 _NODES: Final = (0.5 - 0.5 / np.sqrt(3.0), 0.5 + 0.5 / np.sqrt(3.0))
 
@@ -188,7 +188,7 @@ def _filled(surface: Enclosure, sheets: list[tuple[Array, Array]], thickness: fl
     lowest = np.clip(np.divide(-b, 2 * c, out=np.ones_like(c), where=c > 0), 0.0, 1.0)
     least = np.minimum(a + b + c, a + b * lowest + c * lowest**2)
     layers = thickness * 0.5 * (near + far)
-    return np.asarray((least <= 0) | (layers >= (1.0 - _HOLLOW) * surface.volumes))
+    return np.asarray((least <= 0) | (layers >= (1.0 - _MIN_HOLLOW_SHARE) * surface.volumes))
 
 
 def _mean_normals(surface: Enclosure, units: Array) -> Array:
@@ -204,4 +204,6 @@ def _mean_normals(surface: Enclosure, units: Array) -> Array:
     turned = [sums(places, angles * normals[:, axis], count) for axis in range(3)]
     means = np.stack(turned, axis=1) / np.where(total > 0, total, 1.0)[:, None]
     lengths = np.linalg.norm(means, axis=1, keepdims=True)
-    return np.asarray((means / np.maximum(lengths, _SHARP) ** 2)[places].reshape(-1, 3, 3))
+    return np.asarray(
+        (means / np.maximum(lengths, _MIN_MEAN_NORMAL) ** 2)[places].reshape(-1, 3, 3)
+    )

@@ -13,9 +13,9 @@ from openrooms_usd.errors import InputError
 Array = NDArray[np.float64]
 
 # Moments that differ by less than this share of the largest are one.
-_REPEATED: Final = 1e-7
+_SAME_MOMENT_SHARE: Final = 1e-7
 # A choice between axes must not hang on the last bits.
-_TIE: Final = 6
+_TIE_DECIMALS: Final = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,7 @@ class MassProperties:
             ``inertia = R @ diag(moments) @ R.T``.
         """
         moments, axes = np.linalg.eigh(0.5 * (self.inertia + self.inertia.T))
-        near = _REPEATED * abs(moments).max()
+        near = _SAME_MOMENT_SHARE * abs(moments).max()
         starts = [0, *(np.flatnonzero(np.diff(moments) > near) + 1).tolist(), 3]
         basis = np.concatenate([_settled(axes[:, a:b]) for a, b in pairwise(starts)], axis=1)
         turned = [
@@ -111,7 +111,7 @@ class MassProperties:
             for signs in product((1.0, -1.0), repeat=3)
             if np.linalg.det(basis[:, order] * signs) > 0
         ]
-        rotation = turned[int(np.argmax([round(np.trace(R), _TIE) for R in turned]))] + 0.0
+        rotation = turned[int(np.argmax([round(np.trace(R), _TIE_DECIMALS) for R in turned]))] + 0.0
         return np.einsum("ki,kl,li->i", rotation, self.inertia, rotation), rotation
 
     def checked(self, place: object = None) -> "MassProperties":
@@ -185,7 +185,7 @@ def _settled(axes: Array) -> Array:
     left, chosen = axes @ axes.T, []
     for _ in range(axes.shape[1]):
         lengths = np.linalg.norm(left, axis=0)
-        column = left[:, int(np.argmax(np.round(lengths, _TIE)))]
+        column = left[:, int(np.argmax(np.round(lengths, _TIE_DECIMALS)))]
         chosen.append(column / np.linalg.norm(column))
         left = left - np.outer(chosen[-1], chosen[-1] @ left)
     return np.stack(chosen, axis=1)

@@ -15,7 +15,7 @@ Pair = tuple[int, int]
 
 
 # What a hull may add to the volumes of two and count as adding nothing, as a share of its own.
-NOTHING: Final = 1e-6
+NO_VOLUME_SHARE: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +120,7 @@ def _middles(a: Array, b: Array) -> Array:
 def _common(a: Cluster, b: Cluster) -> Cluster:
     """The common hull of two, `off` infinite unless they are all that it fills."""
     hull, volume = quick_hull(np.concatenate([a.hull.points, b.hull.points]))
-    nothing = NOTHING * volume
+    nothing = NO_VOLUME_SHARE * volume
     apart = _shared_box(a.hull.points, b.hull.points) <= nothing
     filled = a.volume + b.volume if apart else max(a.volume, b.volume)
     solid = volume > 0.0 and volume - filled <= nothing

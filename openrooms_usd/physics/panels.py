@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # Corners that lie nearer to each other are on one line, metres.
-_NEAR: Final = 1e-6
+_SAME_LINE_M: Final = 1e-6
 # The pieces are right when their volumes add up to the wall's, but for this part of it.
-_MISSING: Final = 1e-3
+_MISSING_VOLUME_SHARE: Final = 1e-3
 
 
 def panel_pieces(mesh: TriangleMesh) -> list[TriangleMesh]:
@@ -43,18 +43,18 @@ def panel_pieces(mesh: TriangleMesh) -> list[TriangleMesh]:
     pieces = [_prism(outline, *rectangle) for rectangle in _rectangles(face)]
     solids = [_turned(piece, frame) for piece in pieces if piece is not None]
     whole = volume(mesh)
-    return solids if abs(sum(map(volume, solids)) - whole) <= _MISSING * whole else []
+    return solids if abs(sum(map(volume, solids)) - whole) <= _MISSING_VOLUME_SHARE * whole else []
 
 
 def _frame(mesh: TriangleMesh) -> Array | None:
     """(3, 3) columns: along the wall, off its largest upright face, up."""
     a, b, c = np.moveaxis(mesh.points[mesh.triangles], 1, 0)
     doubled = np.cross(b - a, c - a)
-    doubled = doubled[np.abs(doubled[:, 2]) <= _NEAR * np.linalg.norm(doubled, axis=1)]
+    doubled = doubled[np.abs(doubled[:, 2]) <= _SAME_LINE_M * np.linalg.norm(doubled, axis=1)]
     if not len(doubled):
         return None
     units = unit(doubled)
-    same = np.linalg.norm(units[:, None] - units, axis=2) < _NEAR
+    same = np.linalg.norm(units[:, None] - units, axis=2) < _SAME_LINE_M
     areas = same @ np.linalg.norm(doubled, axis=1)
     normal = units[int(np.round(areas, 9).argmax())]
     return np.column_stack([np.cross(normal, [0.0, 0.0, 1.0]), normal, [0.0, 0.0, 1.0]])
@@ -66,9 +66,9 @@ def _face(local: Array, mesh: TriangleMesh) -> "Geometry":
 
     a, b, c = np.moveaxis(local[mesh.triangles], 1, 0)
     normals = unit(np.cross(b - a, c - a))
-    facing = normals[:, 1] > 1.0 - _NEAR
+    facing = normals[:, 1] > 1.0 - _SAME_LINE_M
     rings = np.round(local[mesh.triangles[facing]][:, :, [0, 2]], 6)
-    return shapely.union_all(shapely.polygons(rings), grid_size=_NEAR)
+    return shapely.union_all(shapely.polygons(rings), grid_size=_SAME_LINE_M)
 
 
 def _is_rectangular(face: "Geometry") -> bool:
@@ -76,7 +76,9 @@ def _is_rectangular(face: "Geometry") -> bool:
     import shapely
 
     rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(face)]
-    return all(np.abs(np.diff(ring, axis=0)).min(axis=1).max() <= 2 * _NEAR for ring in rings)
+    return all(
+        np.abs(np.diff(ring, axis=0)).min(axis=1).max() <= 2 * _SAME_LINE_M for ring in rings
+    )
 
 
 def _convex(points: Array) -> Array:
@@ -98,12 +100,14 @@ def _rectangles(face: "Geometry") -> Iterator[tuple[float, float, float, float]]
     corners = np.unique(np.round(shapely.get_coordinates(face)[:, 0], 6))
     spans: list[tuple[float, float, tuple[tuple[float, float], ...]]] = []
     for left, right in pairwise(corners.tolist()):
-        if right - left < 2 * _NEAR:
+        if right - left < 2 * _SAME_LINE_M:
             continue
         x = 0.5 * (left + right)
         crossed = shapely.intersection(face, shapely.linestrings([[x, bottom], [x, top]]))
         bounds = shapely.bounds(shapely.get_parts(crossed)).tolist()
-        upright = tuple(sorted((part[1], part[3]) for part in bounds if part[3] - part[1] > _NEAR))
+        upright = tuple(
+            sorted((part[1], part[3]) for part in bounds if part[3] - part[1] > _SAME_LINE_M)
+        )
         if spans and spans[-1][2] == upright:
             spans[-1] = (spans[-1][0], right, upright)
         else:
@@ -146,7 +150,7 @@ def _turned(mesh: TriangleMesh, frame: Array) -> TriangleMesh:
 def _distinct(ring: Array) -> Array:
     """A ring without corners that coincide: a cut beside a corner makes another one there."""
     gaps = np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
-    return np.asarray(ring[gaps > _NEAR])
+    return np.asarray(ring[gaps > _SAME_LINE_M])
 
 
 def _cut(ring: Array, at: float, side: float) -> Array:

@@ -15,12 +15,12 @@ Rows = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 # Triangles that are bounded at once, and how often, while the farthest point is searched.
-BUDGET: Final = 3_000
-ROUNDS: Final = 40
+TRIANGLES_PER_ROUND: Final = 3_000
+MAX_ROUNDS: Final = 40
 # Triangles of a convex component up to which distances to all of it are asked for.
 FEW_FACES: Final = 64
 # Points that lie less deep than this are on the surface, metres.
-SKIN: Final = 1e-6
+SKIN_M: Final = 1e-6
 # Rays that ask for the inside: no furniture has faces or edges along them.
 DIRECTIONS: Final = np.array([[0.41, 0.23, 0.88], [-0.67, 0.53, -0.52], [0.19, -0.94, 0.28]])
 
@@ -77,11 +77,11 @@ class Solid:
         for k, planes in enumerate(self._planes):
             if planes is None:
                 continue
-            within = (low >= self._low[k] - SKIN) & (high <= self._high[k] + SKIN)
+            within = (low >= self._low[k] - SKIN_M) & (high <= self._high[k] + SKIN_M)
             rows = np.flatnonzero(within.all(axis=1) & ~found)
             if len(rows):
                 ends = corners[rows].reshape(-1, 3)
-                inside = (ends @ planes[:, :3].T + planes[:, 3] <= SKIN).all(axis=1)
+                inside = (ends @ planes[:, :3].T + planes[:, 3] <= SKIN_M).all(axis=1)
                 found[rows] = inside.reshape(-1, 3).all(axis=1)
         return found
 
@@ -104,7 +104,7 @@ class Solid:
     def _in_one(self, k: int, points: Array) -> Bools:
         planes = self._planes[k]
         if planes is not None:
-            return np.asarray((points @ planes[:, :3].T + planes[:, 3] < -SKIN).all(axis=1))
+            return np.asarray((points @ planes[:, :3].T + planes[:, 3] < -SKIN_M).all(axis=1))
         if k not in self._casters:
             self._casters[k] = RayCaster(
                 self._closed[k].reshape(-1, 3), np.arange(3 * len(self._closed[k])).reshape(-1, 3)
@@ -122,16 +122,16 @@ class Solid:
 
         Args:
             corners: (M, 3, 3) triangles, metres.
-            resolution: How close the bounds shall be, metres; they are not after `ROUNDS` rounds.
+            resolution: Largest gap of the bounds, metres; larger after `MAX_ROUNDS` rounds.
             enough: Bounds need be no lower than this, metres.
         """
         lower, upper = 0.0, 0.0
         corners = corners[~self._swallows(corners)]
         most = np.full(len(corners), np.inf)
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ROUNDS):
             if not len(most):
                 break
-            first = np.argsort(-most, kind="stable")[:BUDGET]
+            first = np.argsort(-most, kind="stable")[:TRIANGLES_PER_ROUND]
             rest = np.setdiff1d(np.arange(len(most)), first)
             chosen = corners[first]
             found, least = self._bounds(chosen, max(lower + resolution, enough))

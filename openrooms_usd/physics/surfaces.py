@@ -17,11 +17,11 @@ SAMPLES: Final = 8_000
 # Candidates that a point is first compared with, and at most.
 CANDIDATES: Final = (6, 192)
 # Points times triangles that are compared at once.
-PAIRS: Final = 500_000
+MAX_PAIRS: Final = 500_000
 # Faces look up whose unit normal's Z is more.
-UP: Final = 0.98
+UPWARD_COS: Final = 0.98
 # Candidates where the least distance need not be certain.
-FEW: Final = 3
+FEW_CANDIDATES: Final = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class Surface:
         """(M,) which of its triangles look up along +Z."""
         return is_level(self.corners)
 
-    def near(self, points: Array, candidates: int = FEW) -> Nearest:
+    def near(self, points: Array, candidates: int = FEW_CANDIDATES) -> Nearest:
         """A near triangle of each of (N, 3) points, hardly ever not the nearest.
 
         Its distance is an upper bound, and mostly the least there is.
@@ -111,7 +111,7 @@ class Surface:
                 break
         # What is as far from many, such as the middle of a ring, is compared with all.
         every = np.arange(len(self.corners))[None]
-        for rows in np.array_split(left, len(left) * len(self.corners) // PAIRS + 1):
+        for rows in np.array_split(left, len(left) * len(self.corners) // MAX_PAIRS + 1):
             squared = self._squared(points[rows], np.repeat(every, len(rows), axis=0))
             triangle[rows] = squared.argmin(axis=1)
             distance[rows] = least[rows] = np.sqrt(squared.min(axis=1, initial=np.inf))
@@ -134,7 +134,7 @@ def is_level(corners: Array) -> Bools:
     """(M,) whether (M, 3, 3) triangles look up along +Z."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     normals = np.cross(b - a, c - a)
-    return np.asarray(normals[:, 2] > UP * np.linalg.norm(normals, axis=1))
+    return np.asarray(normals[:, 2] > UPWARD_COS * np.linalg.norm(normals, axis=1))
 
 
 def bisected(corners: Array, size: ArrayLike) -> tuple[Array, Rows]:

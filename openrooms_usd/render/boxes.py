@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Plain = dict[str, Any]
 
 # Nearer to the camera's plane nothing is projected, metres.
-_NEAR: Final = 1e-3
+_NEAR_PLANE_M: Final = 1e-3
 
 CONVENTIONS: Final = {
     "box2d": "left, top, right, bottom of the pixels that show it; pixels from the upper left "
@@ -199,9 +199,9 @@ def _projected(
     Empty where all is behind the camera.
     """
     ends = edges @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]
-    deep = ends[..., 2] >= _NEAR
+    deep = ends[..., 2] >= _NEAR_PLANE_M
     crossing = ends[deep[:, 0] != deep[:, 1]]
-    share = (_NEAR - crossing[:, 0, 2]) / (crossing[:, 1, 2] - crossing[:, 0, 2])
+    share = (_NEAR_PLANE_M - crossing[:, 0, 2]) / (crossing[:, 1, 2] - crossing[:, 0, 2])
     cut = crossing[:, 0] + share[:, None] * (crossing[:, 1] - crossing[:, 0])
     points = np.concatenate([ends[deep], cut]) @ K.T
     if not len(points):

@@ -16,7 +16,7 @@ Bytes = NDArray[np.uint8]
 _LUMINANCE: Final = LUMINANCE.astype(np.float32)
 MIDDLE_GREY: Final = 0.18
 KEY: Final = 0.27  # a little above middle grey: rooms have light walls
-_BLOCK: Final = 8
+_BLOCK_PIXELS: Final = 8
 NONFINITE: Final = (255, 0, 255)
 
 # AgX (T. Sobotka, https://github.com/sobotka/AgX): the primaries move towards each other before
@@ -66,8 +66,8 @@ def fitted_exposure(radiance: Array) -> float:
 
 def _block_means(values: Array) -> Array:
     """(height, width) to its blocks' means; what is left over at two edges does not count."""
-    rows, columns = (max(1, size // _BLOCK) for size in values.shape)
-    high, wide = (min(size, _BLOCK) for size in values.shape)
+    rows, columns = (max(1, size // _BLOCK_PIXELS) for size in values.shape)
+    high, wide = (min(size, _BLOCK_PIXELS) for size in values.shape)
     cut = values[: rows * high, : columns * wide].astype(np.float64)
     return np.asarray(cut.reshape(rows, high, columns, wide).mean(axis=(1, 3)))
 

@@ -24,7 +24,7 @@ SOURCE: Final = "radiance"
 # The filter's name of each guide.
 GUIDES: Final = {"base_color": "albedo", "normal": "normal"}
 # Pixels that are added around: at its edges the network makes a pattern of its own.
-_BORDER: Final = 16
+_BORDER_PIXELS: Final = 16
 
 Pixels = NDArray[np.float32]
 
@@ -94,7 +94,7 @@ class Denoiser:
                 f"Open Image Denoise failed: {error or 'out of memory'}",
                 remedy="leave --denoise away, or ask for fewer pixels",
             ) from error
-        inner = np.nan_to_num(found[_BORDER:-_BORDER, _BORDER:-_BORDER])
+        inner = np.nan_to_num(found[_BORDER_PIXELS:-_BORDER_PIXELS, _BORDER_PIXELS:-_BORDER_PIXELS])
         return np.asarray(np.maximum(inner, 0.0) * scale, dtype=np.float32)
 
     def entry(self) -> dict[str, Any]:
@@ -142,7 +142,7 @@ def _package() -> ModuleType:
 
 def _mirrored(pixels: Pixels) -> Pixels:
     """The picture with a border that mirrors it."""
-    around = ((_BORDER, _BORDER), (_BORDER, _BORDER), (0, 0))
+    around = ((_BORDER_PIXELS, _BORDER_PIXELS), (_BORDER_PIXELS, _BORDER_PIXELS), (0, 0))
     return np.pad(pixels, around, mode="symmetric").astype(np.float32)
 
 

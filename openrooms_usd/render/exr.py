@@ -14,7 +14,9 @@ from openrooms_usd.untrusted import checked
 
 Pixels = NDArray[np.float32]
 
-_ROWS: Final = 256  # written at once: a multiple of the 16 rows that zip compression packs together
+_ROWS_PER_WRITE: Final = (
+    256  # written at once: a multiple of the 16 rows that zip compression packs together
+)
 
 # What is read at most, and how many numbers a byte can hold: of halves, deflated as far as it goes.
 _MOST_NUMBERS: Final = 2**31
@@ -76,8 +78,8 @@ def _write(
     spec.attribute("chromaticities", OpenImageIO.TypeDesc("float[8]"), _CHROMATICITIES)
     output: Any = OpenImageIO.ImageOutput.create(str(path))
     done = output.open(str(path), spec)
-    for top in range(0, height, _ROWS):
-        rows = np.concatenate([plane[top : top + _ROWS] for plane in planes], axis=2)
+    for top in range(0, height, _ROWS_PER_WRITE):
+        rows = np.concatenate([plane[top : top + _ROWS_PER_WRITE] for plane in planes], axis=2)
         rows = np.ascontiguousarray(rows)  # numpy keeps the memory order of what it joins
         done = done and output.write_scanlines(top, top + len(rows), 0, rows)
     imagefile.finish(output, done, path)

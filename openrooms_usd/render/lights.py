@@ -12,7 +12,7 @@ from openrooms_usd.render.scene.lights import LightRecord, plain
 Array = NDArray[np.float64]
 
 # Nearer to the camera's plane nothing is projected, metres.
-_NEAR: Final = 1e-3
+_NEAR_PLANE_M: Final = 1e-3
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
 _OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
 # The corners of a box about 0, and the pairs of them that are edges.
@@ -71,9 +71,9 @@ def _in_view(
 
 def _projected(edges: Array, K: Array, size: tuple[int, int]) -> list[float]:
     """Left, top, right, bottom of edges (E, 2, 3) in the picture; empty where none are."""
-    deep = edges[..., 2] >= _NEAR
+    deep = edges[..., 2] >= _NEAR_PLANE_M
     crossing = edges[deep[:, 0] != deep[:, 1]]
-    share = (_NEAR - crossing[:, 0, 2]) / (crossing[:, 1, 2] - crossing[:, 0, 2])
+    share = (_NEAR_PLANE_M - crossing[:, 0, 2]) / (crossing[:, 1, 2] - crossing[:, 0, 2])
     cut = crossing[:, 0] + share[:, None] * (crossing[:, 1] - crossing[:, 0])
     points = np.concatenate([edges[deep], cut]) @ K.T
     if not len(points):

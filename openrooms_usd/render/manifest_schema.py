@@ -26,7 +26,7 @@ MOST_LABELS: Final = 2**24
 _MOST_SIDE: Final = 2**15
 _MOST_PIXELS: Final = 2**27
 # How far a matrix may be from orthonormal.
-_TOLERANCE: Final = 1e-3
+_ORTHONORMAL_TOLERANCE: Final = 1e-3
 
 # Limits that no room reaches, and within which products of a few numbers stay finite.
 _Number = Annotated[float, Field(ge=-1e9, le=1e9)]
@@ -55,20 +55,25 @@ def _intrinsics(rows: tuple[_Row3, _Row3, _Row3]) -> tuple[_Row3, _Row3, _Row3]:
 
 
 def _pose(rows: _Rows4) -> _Rows4:
-    if not is_rotation(np.array(rows)[:3, :3], _TOLERANCE) or rows[3] != (0.0, 0.0, 0.0, 1.0):
+    if not is_rotation(np.array(rows)[:3, :3], _ORTHONORMAL_TOLERANCE) or rows[3] != (
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+    ):
         raise ValueError("expected a rotation and a shift")
     return rows
 
 
 def _frame(rows: _Rows4) -> _Rows4:
     lengths = np.linalg.norm(np.array(rows)[:3, :3], axis=0)
-    if np.abs(lengths - 1.0).max() > _TOLERANCE or rows[3] != (0.0, 0.0, 0.0, 1.0):
+    if np.abs(lengths - 1.0).max() > _ORTHONORMAL_TOLERANCE or rows[3] != (0.0, 0.0, 0.0, 1.0):
         raise ValueError("expected three axes of length 1 and a shift")
     return rows
 
 
 def _direction(vector: _Row3) -> _Row3:
-    if abs(float(np.linalg.norm(vector)) - 1.0) > _TOLERANCE:
+    if abs(float(np.linalg.norm(vector)) - 1.0) > _ORTHONORMAL_TOLERANCE:
         raise ValueError("expected a vector of length 1")
     return vector
 

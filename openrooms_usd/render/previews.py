@@ -19,7 +19,7 @@ Pixels = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
 
 # Hemispheres across in the preview of a grid.
-_ACROSS: Final = 20
+_COLUMNS: Final = 20
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def preview(name: str, pixels: Pixels, exposure: float | None = None) -> Preview
 def _sparse(tiles: Pixels) -> Pixels:
     """Every so many hemispheres of a grid, so that people see a few of them."""
     grid = untiled(tiles)
-    step = max(1, grid.shape[1] // _ACROSS)
+    step = max(1, grid.shape[1] // _COLUMNS)
     return tiled(grid[step // 2 :: step, step // 2 :: step])
 
 

@@ -24,7 +24,7 @@ from openrooms_usd.version import __version__
 RESOLUTION: Final = (256, 128)
 FILE: Final = "probes.json"
 ORDER: Final = 2
-_LARGEST: Final = 1 << 26
+_MAX_CELLS: Final = 1 << 26
 _AXES: Final = {
     f"{sign}{axis}": tuple(value if axis == name else 0.0 for name in "XYZ")
     for axis in "XYZ"
@@ -253,7 +253,7 @@ def _check(
         if not np.isfinite(point).all():
             raise InputError(f"{point} is no position", place="at", remedy="x,y,z in metres")
     width, height = resolution
-    if min(width, height) < 4 or width * height > _LARGEST:
+    if min(width, height) < 4 or width * height > _MAX_CELLS:
         raise InputError(
             f"{width}x{height} is no size of a panorama", place="resolution", remedy="256x128"
         )

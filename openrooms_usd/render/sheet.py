@@ -18,7 +18,7 @@ MAIN: Final = (
 MOST_VIEWS: Final = 32
 _TILE_WIDTH: Final = 256
 _LINE, _LEADING = 14, 6
-_GAP: Final = 6
+_GAP_PIXELS: Final = 6
 _PAPER: Final = round(255 * 0.11)
 # Of the typeface, pixels, and how bright it is: of a caption's first line, and of the others.
 _SIZES: Final = ((13, 255 * 0.92), (10, 255 * 0.92 * 0.7))
@@ -72,17 +72,17 @@ def _reduced(pixels: Bytes) -> Bytes:
 def _laid_out(rows: Sequence[Sequence[Tile]], below: bool) -> Bytes:
     every = [tile for row in rows for tile in row]
     text = _LEADING + _LINE * max(caption.count("\n") + 1 for caption, _ in every)
-    column = max(picture.shape[1] for _, picture in every) + _GAP
+    column = max(picture.shape[1] for _, picture in every) + _GAP_PIXELS
     tall = [max(len(picture) for _, picture in row) for row in rows]
-    width = _GAP + max(len(row) for row in rows) * column
-    shape = (sum(tall) + len(tall) * (text + _GAP) + _GAP, width, 3)
+    width = _GAP_PIXELS + max(len(row) for row in rows) * column
+    shape = (sum(tall) + len(tall) * (text + _GAP_PIXELS) + _GAP_PIXELS, width, 3)
     sheet = np.full(shape, _PAPER, np.uint8)
-    tops = np.cumsum([0, *(high + text + _GAP for high in tall)]).tolist()
+    tops = np.cumsum([0, *(high + text + _GAP_PIXELS for high in tall)]).tolist()
     for row, top, high in zip(rows, tops, tall, strict=False):
         for number, (caption, picture) in enumerate(row):
-            x, y = _GAP + number * column, top + (_GAP if below else text)
+            x, y = _GAP_PIXELS + number * column, top + (_GAP_PIXELS if below else text)
             sheet[y : y + picture.shape[0], x : x + picture.shape[1]] = picture
-            _write_caption(sheet, caption, x, top + _GAP + high - 2 if below else top)
+            _write_caption(sheet, caption, x, top + _GAP_PIXELS + high - 2 if below else top)
     return sheet
 
 

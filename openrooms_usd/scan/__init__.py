@@ -2,12 +2,12 @@
 
 In the order of the work:
 
-- `points`: a cloud is cleaned, thinned, given normals and surfels; what the sensors saw;
-- `rooms`: levelled, its walls found, cut into rooms: closed polygons;
+- `points`: cleaning, downsampling, normals, plane fits and surfels; visibility from the sensors;
+- `rooms`: the level frame, wall hypotheses, and rooms as closed polygons by minimum cuts;
 - `openings`: doors, windows and passages in these walls;
-- `models`: CADs that may stand for what was scanned;
-- `registration`: which CAD, where, how turned, how large;
-- `placement`: upright, supported, apart, inside the room;
+- `models`: CADs that are fitted to objects;
+- `registration`: retrieval of CADs, and robust registration of pose and scale;
+- `placement`: the support relation, and penetrations resolved by the least motion;
 - `report`: plans and captions for people.
 
 `reconstruction` runs them; `results` says what was found, in the scan's own frame.

@@ -24,7 +24,7 @@ from openrooms_usd.scan.rooms.levelling import Level, level
 
 Array = NDArray[np.float64]
 
-# Edge of the voxels that walls are found on, metres: finer than their noise.
+# Voxel size of the downsampled cloud, metres: finer than the noise.
 VOXEL: Final = 0.02
 
 
@@ -33,7 +33,7 @@ class FoundLayout:
     """The rooms of a scan.
 
     Attributes:
-        level: How the scan stands.
+        level: Level frame of the scan.
         cloud: The points in the level frame.
         rooms: In the level frame, the largest first.
     """
@@ -61,9 +61,9 @@ class FoundFurniture:
     """The objects of a scan.
 
     Attributes:
-        objects: In the level frame, with where they were placed.
+        objects: In the level frame, with their placed poses.
         rejected: Instances without a CAD.
-        unresolved: What no small motion puts right.
+        unresolved: Violations that no small motion resolves.
         notes: What people should know, one sentence each.
     """
 
@@ -102,7 +102,7 @@ def find_furniture(
     hints: Sequence[Hint] | None = None,
     categories: Mapping[int, Sequence[str]] | None = None,
 ) -> FoundFurniture:
-    """Align CADs to the objects of a scan, and put them where they can be.
+    """Align CADs to the objects of a scan, and make their poses physically plausible.
 
     Args:
         layout: The rooms.

@@ -47,7 +47,7 @@ class FoundRoom:
         guessed: Numbers of the walls that the scan does not show.
         ceiling: Height above the floor, metres; None where the scan shows none.
         openings: What is in the walls.
-        measures: Inlier ratios, residuals and the like, for people.
+        measures: Coverage, residuals and the like, for people.
         slopes: Planes of a ceiling that is not level: normal (3,) into the room, and a point (3,).
     """
 
@@ -143,8 +143,7 @@ class FoundObject:
         category: One of the library's, or the source's own.
         cad: The CAD's id.
         pose: As measured.
-        residual: Root of the mean squared distance of the instance's points to the CAD, metres,
-            without outliers.
+        residual: Root mean squared distance of the instance's inliers to the CAD, metres.
         coverage: The part of the CAD's visible surface that points lie on, from 0 to 1.
         symmetry: About the CAD's vertical.
         placed: The pose after placement, its scale that of ``pose``; None before it.
@@ -185,7 +184,7 @@ class FoundObject:
 
 
 def as_text(report: Mapping[str, Any]) -> str:
-    """A report as JSON; numbers to a micrometre or a millionth, no number as null."""
+    """A report as JSON; numbers to a micrometre or a millionth, NaN and infinity as null."""
     return json.dumps(_rounded(report), indent=2, sort_keys=True, allow_nan=False) + "\n"
 
 

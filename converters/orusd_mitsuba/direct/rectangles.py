@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 
 from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.sources import GRAZING, Source
+from openrooms_usd.render.scene.sources import GRAZING_COS, Source
 
 
 class Rectangles:
@@ -62,7 +62,7 @@ class Rectangles:
     def _density(self, row: Any, at: Any, direction: Any, active: Any) -> Any:
         center, across, up, outwards = self._frame(row, active)
         cosine, distance = dr.dot(direction, outwards), dr.dot(center - at, outwards)
-        forwards = active & (cosine > GRAZING) & (distance >= 0.0)
+        forwards = active & (cosine > GRAZING_COS) & (distance >= 0.0)
         t = distance / dr.select(forwards, cosine, 1.0)
         area = dr.norm(dr.cross(across, up))
         return dr.select(forwards, dr.square(t) / (cosine * area), 0.0)

@@ -15,7 +15,7 @@ import mitsuba as mi
 import numpy as np
 
 from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.sources import GRAZING, Source
+from openrooms_usd.render.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.portals import Portal
 
 
@@ -109,7 +109,7 @@ class Rectangle:
     def meet(self, origin: Any, direction: Any) -> tuple[Any, Any]:
         """Where a ray meets the plane, and whether it leaves through the rectangle there."""
         cosine = dr.dot(direction, self._outwards)
-        outwards = cosine > GRAZING
+        outwards = cosine > GRAZING_COS
         t = dr.dot(self._center - origin, self._outwards) / dr.select(outwards, cosine, 1.0)
         at = origin + direction * t - self._center
         right, up = self._half

@@ -19,7 +19,7 @@ from openrooms_usd.scan.points.fusion import fuse
 from orusd_scans.arkitscenes.path import captured_frames, depth_frames, read_path
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.packing import packed_folder
-from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_eyes
+from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_sensor_origins
 from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.scanned import Scanned
@@ -73,7 +73,7 @@ class ARKitScenesImporter:
         else:
             scanned = read_ply(mesh)
         same = WorldFrame(np.eye(3), np.zeros(3))
-        cloud = with_eyes(cloud_in(same, scanned, source, notes), frames)
+        cloud = with_sensor_origins(cloud_in(same, scanned, source, notes), frames)
         return Capture(
             source=source.name,
             source_from_world=np.eye(4),
@@ -105,7 +105,7 @@ def _one(source: Path, pattern: str) -> Path | None:
 
 
 def _frames_folder(source: Path) -> Path | None:
-    """Where the path of the camera lies."""
+    """The folder of the camera's trajectory."""
     folders = [source, *sorted(source.glob("*_frames"))] if source.is_dir() else []
     return next((folder for folder in folders if (folder / _TRAJECTORY).is_file()), None)
 

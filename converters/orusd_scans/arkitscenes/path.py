@@ -1,4 +1,4 @@
-"""The camera's path of ARKitScenes: poses in time, intrinsics and depth of single moments."""
+"""The camera trajectory of ARKitScenes: poses over time, intrinsics and depth of frames."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from orusd_scans.scanned import broken
 Array = NDArray[np.float64]
 
 _MILLIMETRES: Final = 1e-3
-# A moment farther than this from both neighbours on the path has no pose, seconds.
+# Poses are interpolated up to this far from both neighbours on the trajectory, seconds.
 _MAX_POSE_GAP_S: Final = 0.25
 # Pictures and intrinsics of one moment differ by rounding, seconds.
 _SAME_MOMENT_S: Final = 0.02
@@ -30,7 +30,7 @@ _MAX_COORDINATE_M: Final = 1e6
 
 @dataclass(frozen=True, eq=False)
 class CameraPath:
-    """Poses in time.
+    """A trajectory: poses over time.
 
     Attributes:
         times: (N,) seconds, ascending.
@@ -43,7 +43,7 @@ class CameraPath:
     places: Array
 
     def at(self, time: float) -> Array | None:
-        """(4, 4) world_from_camera, between its neighbours; None where they are too far."""
+        """(4, 4) world_from_camera, interpolated; None where the neighbours are too far."""
         from scipy.spatial.transform import Rotation, Slerp
 
         after = int(np.searchsorted(self.times, time))

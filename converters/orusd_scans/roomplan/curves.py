@@ -51,7 +51,7 @@ class Arc:
         return self.points(np.array([self.start, self.start + self.sweep]))
 
     def turn(self, points: Array) -> Array:
-        """(N,) at which part of the sweep points (N, 2) are: 0 at the start, 1 at the end."""
+        """(N,) parameters of points (N, 2) on the sweep: 0 at the start, 1 at the end."""
         x, z = (points - self.center).T
         middle = self.start + 0.5 * self.sweep
         off = np.angle(np.exp(1j * (np.arctan2(z, x) - middle)))
@@ -79,7 +79,7 @@ class Arc:
         return self.points(self.start + turns * self.sweep)
 
     def _span(self, opening: Array) -> tuple[float, float]:
-        """From where to where on the sweep the facet of an opening reaches."""
+        """The interval of the sweep that the facet of an opening covers."""
         middle = float(self.turn(opening[None, :2])[0])
         half = np.arcsin(min((0.5 * opening[2] + _BESIDE_OPENING_M) / self.radius, 1.0)) / abs(
             self.sweep
@@ -88,7 +88,7 @@ class Arc:
 
 
 def _joined(spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Spans in order; those that overlap become one, those beside the arc are left out."""
+    """Sorted spans; overlapping ones are merged, those beside the arc left out."""
     joined: list[tuple[float, float]] = []
     for low, high in sorted(span for span in spans if span[0] < 1.0 and span[1] > 0.0):
         if joined and low < joined[-1][1]:
@@ -162,7 +162,7 @@ def _placed(center: Array | None, radius: float, start: float, sweep: float) -> 
 
 
 def _misfit(arc: Arc) -> float:
-    """How far an arc's ends are from where the wall's must be, metres.
+    """The distance of an arc's ends from the wall's ends, metres.
 
     The origin of the wall's frame is in the middle of the chord or of the arc.
     """

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedOpening
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
-from orusd_scans.floorplan import begun, heading, tidied
+from orusd_scans.floorplan import from_lower_left, heading, tidied
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, placed, rectangle
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 # Columns: our right, back and up in RoomPlan's object axes, which are right, up and front.
 _BOX_AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-# Openings nearer than this part of their width are one, seen twice.
+# Openings nearer to each other than this part of their width are duplicates.
 _SAME_OPENING_SHARE: Final = 0.25
 _CONFIDENCE: Final = {"high": 2, "medium": 1, "low": 0, None: -1}
 
@@ -39,11 +39,11 @@ class _Frame:
     origin: Array
 
     def points(self, source: Array) -> Array:
-        """Points (..., 3); the origin is taken off first, in double precision."""
+        """Points (..., 3); the origin is subtracted first, in double precision."""
         return np.asarray((source - self.origin) @ self.rotation.T)
 
     def source_from_world(self) -> Array:
-        """(4, 4) the way back, for column vectors."""
+        """(4, 4) the inverse transform, for column vectors."""
         M = np.eye(4)
         M[:3, :3], M[:3, 3] = self.rotation.T, self.origin
         return M
@@ -78,7 +78,7 @@ class RoomPlanImporter:
         outline = space.outline
         corners = None if outline is None else np.round(frame.points(outline)[:, :2], 9) + 0.0
         floor = None if corners is None else tidied(corners, notes)
-        floor = None if floor is None else begun(floor)
+        floor = None if floor is None else from_lower_left(floor)
         notes += _approximations(room)
         openings = [
             *(_opening(record, "door", frame) for record in room.doors),
@@ -147,7 +147,7 @@ def _opening(
 
 
 def _distinct(openings: list[CapturedOpening], notes: list[str]) -> list[CapturedOpening]:
-    """The openings without those that another one repeats; the surer one stays."""
+    """The openings without duplicates; the one of higher confidence stays."""
     kept: list[CapturedOpening] = []
     cells: defaultdict[tuple[int, ...], list[int]] = defaultdict(list)
     side = _SAME_OPENING_SHARE * max((opening.width for opening in openings), default=1.0) + 1e-9

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-# Points nearer than this are one, metres: single precision in a room.
-_ONE = 1e-5
+# Points nearer to each other than this are welded, metres: single precision in a room.
+_WELD_M = 1e-5
 
 
 def rim(points: Array, counts: NDArray[np.int64], indices: NDArray[np.int64]) -> Array | None:
@@ -26,8 +26,8 @@ def rim(points: Array, counts: NDArray[np.int64], indices: NDArray[np.int64]) ->
     if counts.sum() != len(indices) or counts.min() < 3 or not _within(indices, len(points)):
         return None
     axis = int(np.argmin(np.ptp(points, axis=0)))
-    welded = np.unique(np.round(points / _ONE), axis=0, return_inverse=True)[1].ravel()
-    upper = points[:, axis] > points[:, axis].max() - _ONE
+    welded = np.unique(np.round(points / _WELD_M), axis=0, return_inverse=True)[1].ravel()
+    upper = points[:, axis] > points[:, axis].max() - _WELD_M
     edges: Counter[tuple[int, int]] = Counter()
     for face in np.split(indices, np.cumsum(counts)[:-1]):
         if upper[face].all():
@@ -44,7 +44,7 @@ def _within(indices: NDArray[np.int64], count: int) -> bool:
 
 
 def _ring(after: dict[int, int]) -> list[int] | None:
-    """The one round that follows each point by the next; None when there is none, or several."""
+    """The only cycle of a successor map; None when there is none, or several."""
     if len(after) < 3:
         return None
     start = min(after)

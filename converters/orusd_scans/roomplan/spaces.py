@@ -1,4 +1,4 @@
-"""Which of the rooms in a RoomPlan export is meant, and what belongs to it.
+"""Selects one room of a RoomPlan export, with the records that belong to it.
 
 A room is one scan of a structure, or one floor of a scan that has several; its labels are those of
 the sections whose middles lie in it.
@@ -23,10 +23,10 @@ Array = NDArray[np.float64]
 Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Y up to Z up: (x, y, z) -> (x, -z, y)."""
 
-# How far from a floor's edge the walls and openings of it may be, and objects outside it, metres.
-_AT_EDGE: Final = 0.5
+# Largest distance of a floor's walls and openings from its edge, and of objects outside it, metres.
+_EDGE_DISTANCE_M: Final = 0.5
 _OUTSIDE_FLOOR_M: Final = 0.1
-# Between which heights above a floor the middles of its things are, metres.
+# Heights above a floor between which the centres of its records are, metres.
 _ABOVE_FLOOR_LIMITS_M: Final = (-0.5, 4.0)
 
 
@@ -62,7 +62,7 @@ class Space:
 
 
 def chosen_space(rooms: Sequence[CapturedRoom], wanted: str | None, notes: list[str]) -> Space:
-    """The room that is meant.
+    """The requested room.
 
     Args:
         rooms: What the export holds.
@@ -176,7 +176,9 @@ def _openings_in(wall: Record, room: CapturedRoom) -> Array:
     for opening in (*room.doors, *room.windows, *room.openings):
         x, _, z = (opening.center - wall.center) @ wall.source_from_local[:3, :3]
         off = abs(float(np.hypot(x - wall.arc.center[0], z - wall.arc.center[1])) - wall.arc.radius)
-        is_near = off < _AT_EDGE and abs(float(wall.arc.turn(np.array([[x, z]]))[0]) - 0.5) < 0.5
+        is_near = (
+            off < _EDGE_DISTANCE_M and abs(float(wall.arc.turn(np.array([[x, z]]))[0]) - 0.5) < 0.5
+        )
         if opening.parent == wall.id or (opening.parent is None and is_near):
             found.append([x, z, opening.size[0]])
     return np.array(found).reshape(-1, 3)
@@ -220,7 +222,7 @@ def _belonging(records: CapturedRoom, outline: Array) -> CapturedRoom:
     shapely.prepare(inside)
 
     def at_edge(records: tuple[Record, ...]) -> tuple[Record, ...]:
-        return tuple(r for r in above(records) if edge.distance(_point(r)) < _AT_EDGE)
+        return tuple(r for r in above(records) if edge.distance(_point(r)) < _EDGE_DISTANCE_M)
 
     def above(records: tuple[Record, ...]) -> tuple[Record, ...]:
         return tuple(

@@ -97,7 +97,7 @@ class AlignedCad:
         )
 
     def without_centre(self) -> "AlignedCad":
-        """The same, with the middle of the CAD's box put into its origin first."""
+        """The same, with the CAD centred in its own frame first."""
         moved = self.scan_from_model.copy()
         moved[:3, 3] -= moved[:3, :3] @ self.center
         return replace(self, scan_from_model=moved)
@@ -114,7 +114,7 @@ def aligned_cads(entry: Node, official_centre: bool = False) -> list[AlignedCad]
 
     Args:
         entry: The annotation of one scan.
-        official_centre: Whether the CADs' centres are taken off.
+        official_centre: Whether the CADs' centres are subtracted.
 
     Raises:
         InputError: It lacks what is needed, or holds nonsense.

@@ -19,7 +19,7 @@ from openrooms_usd.scan.points.fusion import DepthFrame, Fused, fuse
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.frames import as_text, in_world
 from orusd_scans.packing import packed_folder
-from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_eyes
+from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_sensor_origins
 from orusd_scans.records.jsonfile import Node
 from orusd_scans.scanned import Scanned, opened
 from orusd_scans.scannet.frames import centred, read_scannet_frames, settings
@@ -71,7 +71,7 @@ class _Scene:
         return self.file(f"{self.stem}.labels.ply")
 
     def annotated(self) -> tuple[Path | None, ...]:
-        """The mesh and what is said of it."""
+        """The mesh and its annotation."""
         return self.mesh, self.segments, self.aggregation, self.labelled
 
 
@@ -107,7 +107,7 @@ class ScanNetImporter:
             source_from_world=frame.source_from_world(),
             models=_models(scene, options, frame, notes),
             frames=frames,
-            cloud=with_eyes(cloud_in(frame, scanned, source, notes), frames),
+            cloud=with_sensor_origins(cloud_in(frame, scanned, source, notes), frames),
             notes=tuple(notes),
             remedy=UNDETERMINED,
         )
@@ -227,7 +227,7 @@ def fuse_sens(path: Path, every: int = _EVERY_FRAMES) -> Fused:
     """Fuse the depth pictures of a ``.sens`` file, in the frame of the scan.
 
     Args:
-        path: The file; one depth picture of it is held at a time.
+        path: The file; one depth picture is in memory at a time.
         every: One in this many frames.
 
     Raises:

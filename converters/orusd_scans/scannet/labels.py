@@ -1,4 +1,4 @@
-"""What ScanNet says of the vertices of a mesh: their class and the object that they belong to."""
+"""ScanNet's annotation of a mesh: class and instance of each vertex."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _RAW: Final = ("raw_category", "category")
 
 @dataclass(frozen=True, eq=False)
 class Annotation:
-    """Class (NYU40) and object of each vertex, (N,); 0 where there is none; None where unknown."""
+    """Class (NYU40) and instance of each vertex, (N,); 0 where there is none; None if unknown."""
 
     label: NDArray[np.int32] | None
     instance: NDArray[np.int32] | None

@@ -101,9 +101,9 @@ def read_aligned(
     Args:
         source: The annotations.
         scan: Which scan.
-        frame: The way from the scan to the world.
+        frame: Transform from the scan to the world.
         folder: The folder of ShapeNetCore.v2.
-        official_centre: Whether the CADs' centres are taken off.
+        official_centre: Whether the CADs' centres are subtracted.
         notes: Receives a sentence about CADs that are not there.
 
     Raises:
@@ -113,10 +113,10 @@ def read_aligned(
 
 
 def official(options: Mapping[str, str], source: Path) -> bool:
-    """Whether the CADs' centres are taken off, as ``EvaluateBenchmark.py`` of Scan2CAD does.
+    """Whether the CADs' centres are subtracted, as ``EvaluateBenchmark.py`` of Scan2CAD does.
 
-    The annotation's own transforms put the CADs where they fit the scan; the scorer's lie off by
-    the scaled centre, some centimetres.
+    The annotation's own transforms fit the scan; the scorer's are offset by the scaled centre, some
+    centimetres.
 
     Raises:
         InputError: The option is neither yes nor no.

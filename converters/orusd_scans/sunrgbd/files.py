@@ -66,7 +66,7 @@ class Entry:
 
 
 def facing(identifier: str, label: str, center: Array, size: Array, angle: float) -> CapturedBox:
-    """A box whose front looks along a direction of the floor.
+    """A box whose front faces a horizontal direction.
 
     Args:
         identifier: Its name.
@@ -234,7 +234,7 @@ def camera_of_projection(projection: Array, node: Node) -> tuple[Array, Array]:
     if abs(float(np.linalg.det(projection))) < 1e-6:
         raise node.error("depth2img is no projection", "make the index again")
     K, turn = (np.asarray(part, dtype=np.float64) for part in rq(projection))
-    # The decomposition leaves the signs of the axes open: focal lengths are positive.
+    # The RQ decomposition leaves signs undetermined: focal lengths are positive.
     signs = np.sign(np.diag(K))
     K, turn = K * signs, signs[:, None] * turn
     proper(turn, node)

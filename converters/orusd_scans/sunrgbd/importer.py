@@ -50,7 +50,7 @@ _RAW: Final = (
 )  # fmt: skip
 # The camera (x right, y down, z forward) as x right, y forward, z up.
 _LEVEL: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-# A single picture is averaged over small voxels, metres.
+# Voxel size of a single depth picture, metres.
 _VOXEL_M: Final = 0.01
 # Intrinsics count pixels from 1 at the first one's centre, as MATLAB does.
 _HALF: Final = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]])

@@ -10,7 +10,7 @@ from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.first_hits import Hits
 from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.sources import GRAZING, Source
+from openrooms_usd.render.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.portals import Portal
 
@@ -70,7 +70,7 @@ def _meet(portal: Portal, eye: Array, directions: Array, end: Array) -> tuple[Ar
     """Where rays meet a portal's plane, and whether they leave the room through it."""
     world = portal.world_from_portal
     slope = directions @ world[:3, 2]
-    outwards = slope > GRAZING
+    outwards = slope > GRAZING_COS
     t = (world[:3, 3] - eye) @ world[:3, 2] / np.where(outwards, slope, 1.0)
     at = (eye + t[:, None] * directions - world[:3, 3]) @ world[:3, :2]
     within = (np.abs(at) <= 0.5 * np.array([portal.width, portal.height])).all(axis=1)

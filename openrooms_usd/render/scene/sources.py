@@ -11,7 +11,7 @@ from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.usd.portals import Portal
 
 ELSEWHERE: Final = "elsewhere"
-GRAZING: Final = 1e-6
+GRAZING_COS: Final = 1e-6
 """|cos| between a ray and a rectangle's normal below which the ray does not cross it."""
 
 

@@ -21,20 +21,20 @@ UPRIGHT: Final[dict[Up, Array]] = {
     "Z": np.eye(3),
 }
 _SEED: Final = 20190617
-# Points on a surface, and more candidates, because those that cannot be seen fall out.
+# Samples of a surface, and candidates for them, of which hidden ones are dropped.
 _SURFACE_POINTS: Final = 6000
 _CANDIDATE_POINTS: Final = 15000
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Points spread over the outside of a surface.
+    """Samples of the visible outside of a surface.
 
     Attributes:
         points: (N, 3).
-        normals: (N, 3) unit, to a side that can be seen from far away.
-        two_sided: (N,) whether both sides can be, as those of a sheet.
-        spacing: The edge of the square that one point stands for, in the points' unit.
+        normals: (N, 3) unit, to a side that is visible from outside.
+        two_sided: (N,) whether both sides are, as those of a sheet.
+        spacing: Square root of the area per sample, in the points' unit.
     """
 
     points: Array
@@ -80,9 +80,9 @@ class CadModel:
 
     @cached_property
     def surface(self) -> Surface:
-        """Points spread evenly over what can be seen of the surface, always the same ones.
+        """Even samples of the visible surface, deterministic.
 
-        What lies inside, such as the boards of a closed drawer, has none. How the faces are wound
+        Hidden surfaces, such as the boards of a closed drawer, have none. The winding of the faces
         does not matter.
         """
         points, normals, area = scattered(self.vertices[self.faces], _CANDIDATE_POINTS)
@@ -90,7 +90,7 @@ class CadModel:
         seen = np.flatnonzero(front | back)
         seen = seen if len(seen) else np.arange(len(points))
         rows = seen[np.linspace(0, len(seen) - 1, min(_SURFACE_POINTS, len(seen))).astype(np.intp)]
-        # Neighbours are not next to each other, so that every n-th point is a sample, too.
+        # Shuffled, so that every n-th sample is an even sample, too.
         rows = np.random.default_rng(_SEED).permutation(rows)
         return Surface(
             points[rows],
@@ -101,7 +101,7 @@ class CadModel:
 
 
 def scattered(corners: Array, count: int) -> tuple[Array, Array, float]:
-    """Stratified points over triangles (F, 3, 3), their normals, and the whole area."""
+    """Stratified samples of triangles (F, 3, 3), their normals, and the total area."""
     a, b, c = np.moveaxis(corners, 1, 0)
     cross = np.cross(b - a, c - a)
     doubled = np.linalg.norm(cross, axis=1)
@@ -118,7 +118,7 @@ def scattered(corners: Array, count: int) -> tuple[Array, Array, float]:
 def _exposed(
     caster: RayCaster, points: Array, normals: Array
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """(N,) each whether the front and the back of a surface can be seen from far away."""
+    """(N,) each, whether the front and the back of a surface are visible from outside."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     front, back = np.zeros((2, len(points)), dtype=np.bool_)
     for direction in _DIRECTIONS:

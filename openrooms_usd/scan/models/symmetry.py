@@ -1,4 +1,4 @@
-"""Whether a CAD looks alike when it is turned about its vertical."""
+"""Rotational symmetry of a CAD about its vertical."""
 
 from typing import Final
 
@@ -11,13 +11,14 @@ from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
 
 Array = NDArray[np.float64]
 
-# Points of the whole surface, on which the turned ones shall lie.
+# Samples of the surface that rotated samples are compared with.
 _DENSE_POINTS: Final = 16000
-# A turned surface is the same if most of it moves by less than this share of its size, so about a
-# centimetre of a chair: less than what scanners tell apart.
+# A rotated surface is the same if this share of it is within this share of its size: about a
+# centimetre of a chair, which scanners do not resolve.
 _MIN_SAME_SHARE: Final = 0.985
 _SAME_SIZE_SHARE: Final = 0.012
-# Turns that no polygon with up to eight corners survives all.
+# Rotations such that only solids of revolution are symmetric under all, no polygons of up to eight
+# corners.
 _ODD_TURNS_RAD: Final = tuple(np.deg2rad([17.0, 31.0, 53.0, 72.0, 101.0, 127.0, 149.0]))
 
 

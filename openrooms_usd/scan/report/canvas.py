@@ -17,9 +17,9 @@ Color = tuple[int, int, int]
 
 PAPER: Final[Color] = (255, 255, 255)
 # Of the typeface, pixels.
-WORDS: Final = 20
+TEXT_PIXELS: Final = 20
 # Paper around letters, pixels.
-_RIM: Final = 2
+_RIM_PIXELS: Final = 2
 # Where words go whose place is taken: half their width and their height aside, nearest first.
 _STEPS_ASIDE: Final = sorted(
     ((right, down) for right in range(-3, 4) for down in range(-5, 6)),
@@ -94,10 +94,10 @@ class Canvas:
         for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
             self.line(start, end, color, width)
 
-    def write(self, text: str, middle: Array, color: Color, size: int = WORDS) -> None:
+    def write(self, text: str, middle: Array, color: Color, size: int = TEXT_PIXELS) -> None:
         """Write words about a point of the plan or near it, with paper around the letters."""
         column, row = self.place(np.asarray(middle, float)[None])[0]
-        ink = np.pad(lettered(text, size), _RIM)
+        ink = np.pad(lettered(text, size), _RIM_PIXELS)
         height, width = ink.shape
         left, top = self._clear_place(int(column) - width // 2, int(row) - height // 2, ink.shape)
         self.words.append((left, top, left + width, top + height))
@@ -124,7 +124,9 @@ class Canvas:
 def _swollen(ink: Ink) -> Ink:
     from scipy import ndimage
 
-    return np.asarray(ndimage.grey_dilation(ink, (2 * _RIM + 1, 2 * _RIM + 1)), dtype=np.float32)
+    return np.asarray(
+        ndimage.grey_dilation(ink, (2 * _RIM_PIXELS + 1, 2 * _RIM_PIXELS + 1)), dtype=np.float32
+    )
 
 
 def beside(pictures: Sequence[Pixels]) -> Pixels:

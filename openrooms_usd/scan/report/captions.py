@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.lettering import lettered, stamp
-from openrooms_usd.scan.report.canvas import PAPER, WORDS, Canvas, Color, Pixels, beside
+from openrooms_usd.scan.report.canvas import PAPER, TEXT_PIXELS, Canvas, Color, Pixels, beside
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
 Array = NDArray[np.float64]
@@ -26,11 +26,11 @@ OPENINGS: Final = {"door": DOOR, "window": WINDOW}
 WIDTHS: Final[dict[Stroke, float]] = {"thin": 1.5, "line": 2.5, "dashed": 2.5, "thick": 8.0}
 DASH: Final = (11.0, 9.0)
 
-_ROW: Final = 26  # pixels
-_SWATCH: Final = 34
-_GAP: Final = 12
+_ROW_PIXELS: Final = 26  # pixels
+_SWATCH_PIXELS: Final = 34
+_GAP_PIXELS: Final = 12
 # Motions below this are not worth a word, metres.
-_MOVED: Final = 0.005
+_MIN_MOTION_M: Final = 0.005
 
 
 class Caption(NamedTuple):
@@ -76,7 +76,7 @@ def _about_objects(objects: Sequence[FoundObject]) -> Iterator[Caption]:
         yield Caption(f"{len(objects)} objects", PLACED)
     for item in objects:
         moved = np.linalg.norm((item.placed or item.pose).translation - item.pose.translation)
-        how = f", moved {100 * moved:.0f} cm" if moved > _MOVED else ""
+        how = f", moved {100 * moved:.0f} cm" if moved > _MIN_MOTION_M else ""
         yield Caption(f"  {item.instance} {item.category}{how}")
 
 
@@ -88,21 +88,21 @@ def _area(room: FoundRoom) -> float:
 
 def panel(lines: Sequence[Caption], height: int) -> Pixels:
     """Lines of words below each other, in as many columns as a picture's height needs."""
-    rows = max((height - 2 * _GAP) // _ROW, len(LEGEND))
+    rows = max((height - 2 * _GAP_PIXELS) // _ROW_PIXELS, len(LEGEND))
     columns = [lines[first : first + rows] for first in range(0, len(lines), rows)]
     return beside([_column(column) for column in columns])
 
 
 def _column(lines: Sequence[Caption]) -> Pixels:
-    words = [lettered(line.text, WORDS) for line in lines]
-    width = max(ink.shape[1] for ink in words) + _SWATCH + 3 * _GAP
-    shape = (len(lines) * _ROW + 2 * _GAP, width, 3)
+    words = [lettered(line.text, TEXT_PIXELS) for line in lines]
+    width = max(ink.shape[1] for ink in words) + _SWATCH_PIXELS + 3 * _GAP_PIXELS
+    shape = (len(lines) * _ROW_PIXELS + 2 * _GAP_PIXELS, width, 3)
     canvas = Canvas(np.full(shape, PAPER, np.uint8), np.zeros(2), 1.0)
     for number, (line, ink) in enumerate(zip(lines, words, strict=True)):
-        middle = _GAP + number * _ROW + _ROW // 2
+        middle = _GAP_PIXELS + number * _ROW_PIXELS + _ROW_PIXELS // 2
         if line.stroke:
             _draw_swatch(canvas, line, middle)
-        left = 2 * _GAP + _SWATCH if line.stroke else _GAP
+        left = 2 * _GAP_PIXELS + _SWATCH_PIXELS if line.stroke else _GAP_PIXELS
         color = INK if line.stroke == "dots" else line.color
         stamp(canvas.pixels, ink, left, middle - ink.shape[0] // 2, color)
     return canvas.pixels
@@ -110,9 +110,11 @@ def _column(lines: Sequence[Caption]) -> Pixels:
 
 def _draw_swatch(canvas: Canvas, line: Caption, middle: int) -> None:
     if line.stroke in (None, "dots"):
-        canvas.pixels[middle - 7 : middle + 7, _GAP : _GAP + _SWATCH] = line.color
+        canvas.pixels[middle - 7 : middle + 7, _GAP_PIXELS : _GAP_PIXELS + _SWATCH_PIXELS] = (
+            line.color
+        )
         return
     y = len(canvas.pixels) - middle
-    ends = np.array([[_GAP, y], [_GAP + _SWATCH, y]], dtype=np.float64)
+    ends = np.array([[_GAP_PIXELS, y], [_GAP_PIXELS + _SWATCH_PIXELS, y]], dtype=np.float64)
     dash = DASH if line.stroke == "dashed" else None
     canvas.line(ends[0], ends[1], line.color, WIDTHS[line.stroke], dash)

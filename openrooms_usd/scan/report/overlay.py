@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.lettering import lettered
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.report.canvas import WORDS, Canvas, Color, Pixels, beside, write_png
+from openrooms_usd.scan.report.canvas import TEXT_PIXELS, Canvas, Color, Pixels, beside, write_png
 from openrooms_usd.scan.report.captions import (
     DASH,
     FLOOR,
@@ -28,23 +28,23 @@ from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pos
 
 Array = NDArray[np.float64]
 
-_MOST: Final = 1300  # pixels of the longer side
-_FINEST: Final = 260.0  # pixels a metre
-_EDGE: Final = 0.4  # paper around what is drawn, metres
+_MAX_PIXELS: Final = 1300  # pixels of the longer side
+_MAX_PIXELS_PER_M: Final = 260.0  # pixels a metre
+_MARGIN_M: Final = 0.4  # paper around what is drawn, metres
 # Points are drawn in blocks of about this size, so that they make surfaces, metres.
-_GRAIN: Final = 0.018
+_GRAIN_M: Final = 0.018
 # Returns this far below the ceiling, and above a room that shows none, are left out, metres.
-_UNDER: Final = 0.15
-_HIGHEST: Final = 2.3
-_BELOW: Final = -0.2
+_BELOW_CEILING_M: Final = 0.15
+_MAX_HEIGHT_M: Final = 2.3
+_MIN_HEIGHT_M: Final = -0.2
 # Returns up to this high are of the floor, metres.
-_FLOOR: Final = 0.06
+_FLOOR_HEIGHT_M: Final = 0.06
 # Points of a block that print in full, relative to the usual number of those that have any.
-_FULL: Final = 8.0
+_FULL_INK_COUNTS: Final = 8.0
 # Of the typeface of objects' numbers, pixels.
-_NUMBERS: Final = 28
+_NUMBER_PIXELS: Final = 28
 # How far from its wall words begin, pixels.
-_ASIDE: Final = 12.0
+_LABEL_OFFSET_PIXELS: Final = 12.0
 
 
 def write_overlay(
@@ -75,7 +75,7 @@ def overlay(
     plan = plan_axes(rooms[0].normal if rooms else np.array([0.0, 0.0, 1.0]))
     origin = rooms[0].point if rooms else np.zeros(3)
     points = (cloud.points - origin) @ plan
-    canvas = Canvas.over(*_extent(points, rooms, origin, plan), _MOST, _FINEST)
+    canvas = Canvas.over(*_extent(points, rooms, origin, plan), _MAX_PIXELS, _MAX_PIXELS_PER_M)
     _draw_points(canvas, points, rooms)
     for item in objects:
         _draw_object(canvas, item, bounds.get(item.cad), origin, plan)
@@ -107,22 +107,25 @@ def _extent(
     corners = [((room.corners - origin) @ plan)[:, :2] for room in rooms]
     if corners:
         every = np.concatenate(corners)
-        more = 3 * _EDGE
+        more = 3 * _MARGIN_M
         return every.min(axis=0) - more, every.max(axis=0) + more
     if not len(points):
         return np.array([-1.0, -1.0]), np.array([1.0, 1.0])
     low, high = np.quantile(points[:, :2], (0.005, 0.995), axis=0)
-    return low - _EDGE, high + _EDGE
+    return low - _MARGIN_M, high + _MARGIN_M
 
 
 def _draw_points(canvas: Canvas, points: Array, rooms: Sequence[FoundRoom]) -> None:
     """The floor's points, over them all others but the ceiling's: walls are many, and dark."""
     ceilings = [room.ceiling for room in rooms if room.ceiling is not None]
-    top = min(ceilings) - _UNDER if ceilings else _HIGHEST
+    top = min(ceilings) - _BELOW_CEILING_M if ceilings else _MAX_HEIGHT_M
     z = points[:, 2]
-    for low, high, color in ((_BELOW, _FLOOR, FLOOR), (_FLOOR, top, THINGS)):
+    for low, high, color in (
+        (_MIN_HEIGHT_M, _FLOOR_HEIGHT_M, FLOOR),
+        (_FLOOR_HEIGHT_M, top, THINGS),
+    ):
         shown = points[(z > low) & (z < high), :2]
-        counts = canvas.counts(shown, max(1, round(_GRAIN * canvas.scale)))
+        counts = canvas.counts(shown, max(1, round(_GRAIN_M * canvas.scale)))
         if counts.any():
             canvas.pixels[:] = _printed(canvas.pixels, counts, color)
 
@@ -130,7 +133,7 @@ def _draw_points(canvas: Canvas, points: Array, rooms: Sequence[FoundRoom]) -> N
 def _printed(paper: Pixels, counts: NDArray[np.int64], color: Color) -> Pixels:
     """Paper with ink where points are: full where they are many, darker where they are more."""
     usual = float(np.median(counts[counts > 0]))
-    ink = np.minimum(np.log1p(counts / usual) / np.log1p(_FULL), 1.0)[..., None]
+    ink = np.minimum(np.log1p(counts / usual) / np.log1p(_FULL_INK_COUNTS), 1.0)[..., None]
     most = np.where(ink > 0.7, np.array(color) * (1.7 - ink), color)
     return np.asarray(np.round(paper + np.sqrt(ink) * (most - paper)).astype(np.uint8))
 
@@ -163,9 +166,9 @@ def _write_beside(canvas: Canvas, text: str, start: Array, end: Array, color: Co
     """Words at the right-hand side of a line, as one goes along it."""
     along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
     right = np.array([along[1], -along[0]])
-    height, width = lettered(text, WORDS).shape
+    height, width = lettered(text, TEXT_PIXELS).shape
     reach = 0.5 * (abs(right[0]) * width + abs(right[1]) * height)
-    aside = (_ASIDE + reach) / canvas.scale
+    aside = (_LABEL_OFFSET_PIXELS + reach) / canvas.scale
     canvas.write(text, (start + end) / 2 + aside * right, color)
 
 
@@ -185,7 +188,7 @@ def _number(
 ) -> None:
     """An object's number in its middle; its name stands beside the plan."""
     middle = (_box(item.placed or item.pose, bounds).mean(axis=0) - origin) @ plan
-    canvas.write(str(item.instance), middle[:2], INK, _NUMBERS)
+    canvas.write(str(item.instance), middle[:2], INK, _NUMBER_PIXELS)
 
 
 def _box(pose: Pose, bounds: Array | None) -> Array:

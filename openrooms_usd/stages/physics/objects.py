@@ -26,7 +26,7 @@ from openrooms_usd.description.physics import Physics, PhysicsObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.construction import movable, tolerance_of
 from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.physics.collision_error import RESOLUTION
+from openrooms_usd.physics.collision_error import RESOLUTION_M
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.physics.ahead import search_ahead
 from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset
@@ -170,7 +170,7 @@ def search_colliders(
         made[id(asset)] = searched
         error = max(link.error for link in searched)
         wanted = asset.settings.tolerance
-        if error > wanted + RESOLUTION:
+        if error > wanted + RESOLUTION_M:
             told = f"its collision shapes lie within {1e3 * error:.0f} mm of it, not"
             context.notes.append(f"{asset.root.name}: {told} {1e3 * wanted:g} mm")
     return made
