@@ -27,7 +27,7 @@ _TYPES: Final = Sdf.ValueTypeNames
 _SCALE: Final = "xformOp:scale"
 _SHIFTED: Final = "xformOp:translate:placed"
 _TURNED: Final = "xformOp:orient:placed"
-# Smaller turns, as a part of a half one, and billionths of a metre are noise of multiplying.
+# Smaller rotations and translations are rounding of matrix products.
 _STILL_TURN: Final = 1e-9
 _MATRIX_DIGITS: Final = 9
 # Columns: our right, back and up in the axes of a CAD with Y up, by where its front looks.
@@ -128,7 +128,7 @@ def author_aligned(prim: Sdf.PrimSpec, pose: Array, placed: Array | None = None)
 
 
 def author_measured(prim: Sdf.PrimSpec, found: Measured) -> None:
-    """Say how well an object was found, and what carries it."""
+    """Write the residual, coverage, symmetry and support of an object."""
     apply_schema(prim, names.ALIGNMENT_API)
     _set(prim, names.ALIGNMENT_RESIDUAL, _TYPES.Double, found.residual)
     _set(prim, names.ALIGNMENT_COVERAGE, _TYPES.Double, found.coverage)

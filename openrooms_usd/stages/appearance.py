@@ -1,4 +1,4 @@
-"""How a surface looks on the whole: the means of its pictures, which friction goes by."""
+"""The mean base colour and roughness of a surface, from which friction is predicted."""
 
 from dataclasses import dataclass
 from typing import Final

@@ -12,8 +12,7 @@ from openrooms_usd.description.naming import captured_names
 from openrooms_usd.library.furniture import MAX_SIDE, MIN_SIDE, Size
 from openrooms_usd.stages.substitutes import UNKNOWN, plain, substitute
 
-# Captured heights are uncertain by some centimetres: what begins that near to the floor stands on
-# it.
+# Captured heights are uncertain by some centimetres: boxes this near to the floor stand on it.
 FLOOR_TOLERANCE: Final = 0.1
 
 
@@ -78,7 +77,7 @@ def _kind(box: CapturedBox, floor: float) -> tuple[str | None, str]:
 
 
 def _object(name: str, box: CapturedBox, category: str, label: str, floor: float) -> Captured:
-    # Millimetres: repeats of one thing become equal, and then share an asset.
+    # Rounded to millimetres: repeats of one object become equal, and then share an asset.
     width, depth, height = np.clip(np.round(box.size, 3), MIN_SIDE, MAX_SIDE).tolist()
     right = box.rotation[:, 0]
     x, y, middle = np.asarray(box.center, dtype=np.float64).tolist()

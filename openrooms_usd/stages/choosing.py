@@ -1,4 +1,4 @@
-"""What the description and the tables leave open is drawn: one chooser for each look of a room."""
+"""Draws at random what the description and the tables leave open: one chooser a look of a room."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ Suited = Callable[[Substance], Weights]
 
 # Materials of each family that rooms draw from: few enough that rooms share their textures.
 NUMBERS_PER_FAMILY: Final = 64
-# How much rarer each further one of the few variants of a finish in a room is than the one before.
+# Ratio of the probabilities of successive variants of a finish in a room.
 _RARER_FACTOR: Final = 0.5
 _COLOR_DECIMALS: Final = 3
 

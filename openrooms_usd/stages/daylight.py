@@ -19,14 +19,14 @@ from openrooms_usd.usd.frames import TIME, local_to_world
 from openrooms_usd.usd.lights import define_dome
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 
-# A leaf that is turned less than this is shut, and its door no way for light.
+# A leaf that is open by less than this is closed, and lets no light through.
 _SHUT: Final = np.radians(0.5)
 # An opening's frame (x along the wall, y outwards, z up) in the portal's (x, y up, z outwards).
 _PORTAL_AXES: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 
 
 def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
-    """Write a dome with sun and sky in nits, named by what it hangs on.
+    """Write a dome with sun and sky in nits; its file is named by all that determines it.
 
     Raises:
         OutputError: The panorama cannot be written.
@@ -60,7 +60,7 @@ def author_portals(context: StageContext) -> None:
     """
     cache = UsdGeom.XformCache(TIME)
     openings = context.stage.GetPrimAtPath(names.OPENINGS)
-    # All: the wall keeps the hole of an opening that somebody deactivated.
+    # Inactive openings too: the wall keeps their holes.
     ways = [prim for prim in openings.GetAllChildren() if _is_way(prim)] if openings else []
     if ways:
         UsdGeom.Scope.Define(context.stage, names.PORTALS)
@@ -69,7 +69,7 @@ def author_portals(context: StageContext) -> None:
 
 
 def _is_way(opening: Usd.Prim) -> bool:
-    """Whether light can pass: it has a size, and no leaf that is shut."""
+    """Whether light can pass: the opening has a size, and no closed leaf."""
     if not UsdGeom.Xformable(opening) or not all(size > 0.0 for size in _size(opening)):
         return False
     style = opening.GetAttribute(names.OPENING_STYLE)

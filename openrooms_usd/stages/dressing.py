@@ -30,7 +30,7 @@ ALL: Final = "all"
 # What an annotated lamp is made of.
 _LAMP: Final = "bulb"
 
-# Gives one part of an object what it wears in a look; None where it keeps its own.
+# Returns the material of one part of an object in a look; None where the part keeps its own.
 Rule = Callable[[Chooser, Part], Swatch | None]
 
 
@@ -125,7 +125,7 @@ class _Outfit:
 
 
 def read_annotations(context: StageContext) -> dict[str, Annotation]:
-    """The annotations that the description names, without those that call their model bad.
+    """The annotations that the description names, without those of models marked as bad.
 
     Raises:
         InputError: A file is missing, or is no annotation.

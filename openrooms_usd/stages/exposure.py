@@ -1,4 +1,4 @@
-"""How bright a room is about, from its lights alone, so that cameras can be exposed for it.
+"""Estimates the mean luminance of a room from its lights alone, for the exposure of cameras.
 
 The room is taken for an integrating sphere: what lamps give and what comes in through openings,
 the flux F in lumen, spreads evenly over all that bounds it, the area A. At a reflectance r what
@@ -27,9 +27,9 @@ Array: TypeAlias = NDArray[np.float64]
 
 # Mean reflectance of walls, floor, ceiling and furniture.
 _REFLECTANCE: Final = 0.5
-# What of daylight gets past frames, curtains and the depth of the wall.
+# Share of daylight that passes frames, curtains and the depth of the wall.
 _LET_IN: Final = 0.5
-# What the mean luminance becomes, as in previews that are fitted.
+# Target of the mean luminance after exposure, as in previews.
 _KEY: Final = 0.27
 # A room whose height nobody knows, metres.
 _USUAL_HEIGHT_M: Final = 2.6

@@ -1,10 +1,9 @@
-"""Objects follow what people moved in the edits layer.
+"""Dependent objects follow the objects that were moved in the edits layer.
 
-What stands on an object, and what is described relative to it, belongs to it. Where an edit takes
-an object from its described pose M to the pose M', everything that belongs to it goes along with
-the motion M' M^-1: what it carries in space, upright or not; what stands beside it in the plan, on
-its own floor or wall. Sizes stay: a support that is made twice as wide moves what it carries to
-the places that it has there, and leaves it as large as it is.
+Objects that stand on another one, or are described relative to it, depend on it. Where an edit
+moves an object from its described pose M to the pose M', its dependents move by M' M^-1: those on
+it in space, upright or not; those beside it in the plan, on their own floor or wall. Their sizes
+stay: a support that is scaled moves what it carries to the scaled places, without scaling it.
 """
 
 from collections import defaultdict
@@ -25,7 +24,7 @@ from openrooms_usd.usd.activation import is_off
 
 Array: TypeAlias = NDArray[np.float64]
 
-# A scale below this leaves nothing to stand on.
+# A support with a smaller scale is degenerate.
 _MIN_SCALE: Final = 1e-6
 # How many names a note lists.
 _MAX_LISTED_NAMES: Final = 5
@@ -74,7 +73,7 @@ class Following:
                 self._note_motion(name, followed, name in by_hand)
 
     def _note_motion(self, name: str, followed: Array | None, by_hand: bool) -> None:
-        """Remember how an object went from where it is described, if it did."""
+        """Record the motion of an object from its described pose, if it has moved."""
         if followed is None and not by_hand:
             return
         prim = self._prim(name)
@@ -89,7 +88,7 @@ class Following:
             self._motions[name] = motion
 
     def _followed(self, name: str, parent: str | None) -> Array | None:
-        """Where an object goes with its parent; None where it stays."""
+        """The pose of an object after its parent's motion; None where it stays."""
         motion = self._motions.get(parent) if parent else None
         if motion is None:
             return None
@@ -101,7 +100,7 @@ class Following:
         return self._beside(name, gone, turn)
 
     def _beside(self, name: str, gone: Array, turn: Array) -> Array:
-        """In the plan alone: the room still carries it."""
+        """A motion in the plan alone: the room still carries the object."""
         item, stand = self.placements[name], self.stands[name]
         heading = float(np.degrees(np.arctan2(turn[1, 0], turn[0, 0])))
         x, y = gone[:2, 3].tolist()

@@ -34,7 +34,7 @@ from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
 
 Array = NDArray[np.float64]
 
-# Objects that placement moved by more than this are counted aloud, metres.
+# Objects that placement moved by more than this are counted in a note, metres.
 _COUNTED_MOTION_M: Final = 0.01
 
 

@@ -1,8 +1,8 @@
-"""The glow of lamps in their materials, for programs that know no ``MeshLightAPI``.
+"""Emissive materials of lamps, for programs that do not support ``MeshLightAPI``.
 
-What lights our pictures is the mesh light. Blender and other programs pass over it and ask the
-material: there the same radiance stands as ``emissiveColor``. Whoever knows both counts one, for
-``light:materialSyncMode`` is ``noMaterialResponse``.
+Our pictures are lit by the mesh light. Blender and other programs ignore it and use the material,
+whose ``emissiveColor`` has the same radiance. A program that supports both counts only the light,
+because ``light:materialSyncMode`` is ``noMaterialResponse``.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -32,7 +32,7 @@ def author_glow(stage: Usd.Stage, root: Sdf.Path, bulbs: Sequence[Sdf.Path]) -> 
     """
     layer = stage.GetEditTarget().GetLayer()
     looks = stage.GetPrimAtPath(root).GetVariantSets().GetVariantSet(names.LOOK).GetVariantNames()
-    # What a variant shall switch lies inside of it; one that is alone need not be named.
+    # What a variant switches is written inside it; a single look needs no variant.
     for look in looks if len(looks) > 1 else ("",):
         with _wearing(stage, root, look):
             glows, shared = _glows(stage, root, bulbs)
@@ -76,7 +76,7 @@ def _glows(
         shader = preview_shader(material) if material else None
         if material is None or shader is None or radiance is None or _emits(shader, radiance):
             continue
-        # What lies below the lamp is worn by nothing beside it.
+        # Materials below the lamp are bound by nothing outside it.
         if material.GetPath().HasPrefix(root) and material.GetPath() not in others:
             glows[shader.GetPath()] = radiance
         else:

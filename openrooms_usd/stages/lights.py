@@ -36,11 +36,11 @@ from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 from openrooms_usd.usd.semantics import read_label
 
-# Of a lamp whose category the library does not know.
+# Of a lamp of an unknown category.
 _LUMEN: Final = 800.0
 # Drawn evenly from this range where the description says nothing (as in the OpenRooms paper).
 _KELVIN: Final = (4000.0, 8000.0)
-# UsdLux knows black bodies up to here; hotter ones look the same to it.
+# UsdLux clamps the colour temperature of black bodies here.
 _HOTTEST: Final = 10_000.0
 
 

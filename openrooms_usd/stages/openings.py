@@ -16,11 +16,11 @@ from openrooms_usd.geometry.walls import Wall
 
 Kind = Literal["window", "door", "opening"]
 
-# How far a captured door stands open when all that is known is that it does, degrees.
+# Angle of a captured door that is open by an unknown angle, degrees.
 _AJAR_DEG: Final = 60.0
-# Captured doors and passages that begin at most that high reach the floor, metres.
+# Captured doors and passages that begin no higher than this reach the floor, metres.
 _MAX_THRESHOLD_M: Final = 0.1
-# A captured opening belongs to the nearest wall within this distance (metres) and direction.
+# Largest distance (metres) and angle between a captured opening and its wall.
 _REACH, _PARALLEL = 0.5, 0.8
 
 

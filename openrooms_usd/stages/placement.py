@@ -1,4 +1,4 @@
-"""Where objects stand as they are described: in the plan, and on what carries them."""
+"""Poses of objects as they are described: in the plan, and on their supports."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -21,11 +21,11 @@ Array: TypeAlias = NDArray[np.float64]
 
 FLOOR: Final = "floor"
 CEILING: Final = "ceiling"
-# The highest top at the place of all that stands on the floor.
+# Support on the highest top at a place, of all objects on the floor.
 SURFACE: Final = "surface"
 WALL: Final = "wall"
 
-# What hangs before openings on purpose.
+# Categories that hang in front of openings on purpose.
 _COVERS: Final = ("curtain",)
 
 
@@ -104,7 +104,7 @@ class Placement:
 
     @property
     def carrier(self) -> str | None:
-        """The object that it is said to stand on; None for what is the room's own."""
+        """The object that it is described to stand on; None where that is a part of the room."""
         return None if self.on in (FLOOR, CEILING, SURFACE, WALL) else self.on
 
     def top(self, x: float, y: float) -> float | None:
@@ -129,7 +129,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Stand:
-    """How an object stands in the room.
+    """The pose of an object in the room.
 
     Attributes:
         x: Middle of its base, metres.
@@ -148,7 +148,7 @@ class Stand:
 
 @dataclass
 class Supports:
-    """Finds where every object stands.
+    """Resolves the poses of all objects.
 
     Attributes:
         placements: All objects by name.

@@ -16,7 +16,7 @@ _TYPES: Final = Sdf.ValueTypeNames
 # These two, and a scale after them, are what `UsdGeom.XformCommonAPI` and most editors write.
 _TRANSLATE: Final = "xformOp:translate"
 _ROTATE: Final = "xformOp:rotateXYZ"
-# Billionths of a metre are noise of multiplying.
+# Billionths of a metre are rounding of matrix products.
 _POSE_DIGITS: Final = 9
 
 

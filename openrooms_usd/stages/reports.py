@@ -1,4 +1,4 @@
-"""What stages found, as files for people and programs: kept beside a layer, gathered at the end."""
+"""Reports of stages, for people and programs: kept beside a layer, gathered at the end."""
 
 import hashlib
 import json

@@ -23,7 +23,7 @@ from openrooms_usd.stages.substitutes import substitute
 
 Array = NDArray[np.float64]
 
-# Confidences from these on are called so.
+# Least confidence of each word.
 _WORDS: Final[tuple[tuple[float, Confidence], ...]] = ((0.75, "high"), (0.4, "medium"))
 
 
@@ -113,7 +113,7 @@ def captured_hints(scanned: ScannedRoom) -> list[Hint] | None:
 
 
 def in_metres(source_from_world: Array) -> Array:
-    """(4, 4) the same motion, to the source's axes but in metres."""
+    """(4, 4) the same rigid motion, to the source's axes in metres."""
     unit = np.cbrt(abs(np.linalg.det(source_from_world[:3, :3])))
     return np.asarray(np.diag([1.0, 1.0, 1.0, unit]) @ source_from_world / unit)
 

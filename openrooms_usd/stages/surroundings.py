@@ -1,4 +1,4 @@
-"""The room as its furniture meets it: floor, ceiling, and the walls that things hang on.
+"""The room around its furniture: floor, ceiling, and the walls that objects hang on.
 
 Everything is read from the composed stage, in the frame of ``/World``: a room that somebody moved
 in the edits layer carries and holds its furniture where it is now.
@@ -17,7 +17,7 @@ from openrooms_usd.usd.frames import TIME, matrix
 
 Array: TypeAlias = NDArray[np.float64]
 
-# An opening belongs to the wall whose inner edge its middle lies on, metres.
+# Largest distance of an opening's middle from the inner edge of its wall, metres.
 _ON_THE_EDGE: Final = 0.02
 
 

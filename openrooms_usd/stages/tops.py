@@ -1,4 +1,4 @@
-"""Upper sides of objects: where something that stands on them rests."""
+"""Heights of the upper sides of objects, on which others stand."""
 
 from functools import lru_cache
 from typing import TypeAlias
@@ -12,13 +12,13 @@ Array: TypeAlias = NDArray[np.float64]
 
 
 def top_at(model: Model, x: float, y: float) -> float | None:
-    """Where a vertical line through (x, y) meets a model last, metres; None where it misses."""
+    """The highest intersection of a vertical line with a model, metres; None where it misses."""
     a, b, c = _skin(_Same(model))
     area = _cross(b - a, c - a)
     with np.errstate(divide="ignore", invalid="ignore"):
         v = _cross(np.array([x, y]) - a[:, :2], c - a) / area
         w = _cross(b - a, np.array([x, y]) - a[:, :2]) / area
-        # A line through an edge must not slip between its two faces.
+        # A line through an edge must not miss both its faces.
         hit = (area != 0.0) & (v >= -1e-9) & (w >= -1e-9) & (v + w <= 1.0 + 1e-9)
     if not hit.any():
         return None
@@ -27,7 +27,7 @@ def top_at(model: Model, x: float, y: float) -> float | None:
 
 
 class _Same:
-    """A model that is equal to itself alone: its arrays have no other equality that is quick."""
+    """A model compared by identity: comparing its arrays would be slow."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -39,7 +39,7 @@ class _Same:
         return isinstance(other, _Same) and other.model is self.model
 
 
-# A room asks for the same tables again and again; large ones need not stay for ever.
+# A room queries the same few models again and again; the bound limits memory.
 @lru_cache(maxsize=32)
 def _skin(same: _Same) -> tuple[Array, Array, Array]:
     """(T, 3) first, second and third corners of all triangles of a model, metres."""

@@ -1,4 +1,4 @@
-"""What people switched off in a layer, and how a stage goes on over it.
+"""Deactivated prims of a layer, and copies of the layer in which a stage can write below them.
 
 USD defines nothing below an inactive prim. So a stage that writes there works on a copy of the
 layer in which its own prims are active, and marked.

@@ -1,4 +1,4 @@
-"""What USD says is wrong: in words for people, and not on standard error."""
+"""USD's own error messages, rewritten for people, and kept off standard error."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""What lights say, as plain data: radiance in nits, frames in the world, Z up, metres.
+"""Lights as plain data: radiance in nits, frames in the world, Z up, metres.
 
 Radiance is scene-linear Rec.709 in nits: ``0.2126 R + 0.7152 G + 0.0722 B`` is luminance, cd/m2.
 """
@@ -17,7 +17,7 @@ class Light:
         path: Its prim.
         radiance: (3,) nits of each primary; factor of the texture where there is one.
         world_from_light: (4, 4) for columns, from its local frame to the world, Z up, metres.
-        losses: One sentence for each thing that is not said here.
+        losses: One sentence for each unsupported feature.
     """
 
     path: str

@@ -33,9 +33,9 @@ class Misfit:
         path: The prim that refers.
         layer: The identifier of the layer that says so.
         asset: The file, as that layer names it.
-        scale: What its coordinates are to be multiplied by; 1 where they are right.
-        turn: Degrees about X that stand it upright; 0 where it stands.
-        stated: Whether the file says its units. USD takes those that do not for centimetres.
+        scale: Factor that corrects its coordinates; 1 where they are right.
+        turn: Rotation about X that corrects its up axis, degrees; 0 where it is right.
+        stated: Whether the file states its units; USD's fallback is centimetres.
     """
 
     path: str
@@ -73,7 +73,7 @@ def _literal(name: str, value: float) -> str:
 
 
 def find_misfits(stage: Usd.Stage) -> list[Misfit]:
-    """The references and payloads of a stage's own layers that nothing brings to its units.
+    """The references and payloads of a stage's own layers whose units nothing corrects.
 
     References inside of what is referred to, and inside of variants, are not looked at.
 
@@ -124,7 +124,7 @@ def _misfit(
     own = _own_linear(UsdGeom.Xformable(prim))
     size = float(np.cbrt(abs(np.linalg.det(own))))
     if not stated:
-        # Whoever scales or turns it has looked at it.
+        # A prim that is scaled or rotated was corrected by hand.
         looked = not np.allclose(own, np.eye(3))
         return None if looked else Misfit(str(spec.path), layer.identifier, asset, stated=False)
     if size > 0.0 and abs(np.log(size / scale)) <= abs(np.log(size)):

@@ -1,4 +1,4 @@
-"""Where a prim is, said with as few operations as it takes."""
+"""Writes the transform of a prim with as few operations as possible."""
 
 from typing import Any, Final
 
@@ -17,14 +17,14 @@ _KINDS: Final = {
     _SCALE: Sdf.ValueTypeNames.Float3,
     _MATRIX: Sdf.ValueTypeNames.Matrix4d,
 }
-# What is written is rounded to so many digits: micrometres, and as much of a degree.
+# Decimals of what is written: micrometres, and millionths of a degree.
 _DIGITS: Final = 6
-# Below this, a value of an operation is what it was (metres, degrees, factors).
+# Smaller changes of an operation's value are none (metres, degrees, factors).
 _SAME: Final = 1e-4
 
 
 def author_placed(spec: Sdf.PrimSpec, prim: Usd.Prim, local: Gf.Matrix4d) -> None:
-    """Say where a prim is, by the operations that it has.
+    """Write the transform of a prim into the operations that it has.
 
     A prim that is placed by ``translate``, ``rotateXYZ`` and ``scale``, or by nothing, gets new
     values of those that change; one that is placed otherwise gets a matrix in their place.

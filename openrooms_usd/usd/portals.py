@@ -1,4 +1,4 @@
-"""Portals: where the surroundings come into a room, to guide a renderer's samples."""
+"""Portal lights: openings through which a dome light is sampled."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

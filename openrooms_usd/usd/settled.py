@@ -1,9 +1,8 @@
-"""Writing where things came to rest, around whatever operations their prims already have.
+"""Writes the poses at rest after a simulation, beside whatever operations prims already have.
 
-A prim keeps its own operations, and so every program's way to have placed it. What a simulation
-adds is one more motion with the suffix ``settled``: before all others for a thing of the room,
-after all others for a part that moves in its own frame, where a door gets one rotation about its
-hinge.
+A prim keeps its own operations, whichever program wrote them. A simulation adds one more with the
+suffix ``settled``: before all others for an object of the room, after all others for a part that
+moves in its own frame, where a door gets one rotation about its hinge.
 """
 
 from collections.abc import Iterable, Mapping
@@ -23,7 +22,7 @@ _TRANSLATE: Final = f"xformOp:translate:{_SUFFIX}"
 _ORIENT: Final = f"xformOp:orient:{_SUFFIX}"
 _TRANSFORM: Final = f"xformOp:transform:{_SUFFIX}"
 _RESET: Final = "!resetXformStack!"
-# Below this, metres or radians in about a metre, nothing has moved.
+# Smaller motions are none, metres or radians.
 _STILL_M_RAD: Final = 1e-9
 _RIGID_TOLERANCE: Final = 1e-6
 

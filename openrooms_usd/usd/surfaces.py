@@ -1,4 +1,4 @@
-"""What a UsdPreviewSurface says, as plain data: every input a constant or a texture."""
+"""The inputs of a UsdPreviewSurface as plain data, each a constant or a texture."""
 
 import math
 from dataclasses import dataclass

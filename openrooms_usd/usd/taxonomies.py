@@ -1,4 +1,4 @@
-"""What things are called in the class lists of others.
+"""Our categories in the class lists of others.
 
 Which classes a category has stands in its record. NYU40: as ScanNet's table of labels
 (scannetv2-labels.combined.tsv) files the same word, so that numbers agree with its label images;

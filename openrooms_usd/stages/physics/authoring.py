@@ -1,4 +1,4 @@
-"""Writing what was worked out: bodies, shapes and joints below the root of an object."""
+"""Writes bodies, collision shapes and joints below the root of an object."""
 
 from dataclasses import dataclass, field
 from typing import Final
@@ -121,7 +121,7 @@ class _Contacts:
 
 
 def _usual() -> MaterialPhysics:
-    """Of what nobody knows: the mean of all substances."""
+    """The physics of an unknown substance: the mean of all."""
     static, dynamic, spread = (
         round(float(value), _MASS_DECIMALS) for value in friction_of(None, (0.5, 0.5, 0.5), 0.5)
     )

@@ -1,4 +1,4 @@
-"""Collision shapes that were worked out before: in the user's cache, beside the textures.
+"""Collision shapes that were computed before: in the user's cache, beside the textures.
 
 An entry is one file, named by all that determines the shapes, code and libraries too. It appears
 whole; one that cannot be read is as none.

@@ -1,4 +1,4 @@
-"""What is computed of an object for physics: collision shapes and masses, arrays in, arrays out."""
+"""Computes collision shapes and masses of an object: arrays in, arrays out."""
 
 from dataclasses import dataclass
 
@@ -36,7 +36,7 @@ class Collider:
 
 @dataclass(frozen=True, eq=False)
 class LinkColliders:
-    """What was worked out of a link.
+    """The collision shapes and the mass of a link.
 
     Attributes:
         link: What it is of.

@@ -1,4 +1,4 @@
-"""The physics of objects: worked out once for all that are alike, each as a layer.
+"""The physics of objects: computed once for all equal ones, each as a layer.
 
 ::
 
@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 
 # Scales that differ by less are one.
 _SCALE_DIGITS: Final = 6
-# How the alignment says what carries an object.
+# The alignment's support token, and the kind of support.
 _FOUND: Final[dict[str, Support]] = {
     "floor": "floor",
     "wall": "wall",
@@ -111,7 +111,7 @@ class Objects:
 
 
 def _content(root: Usd.Prim) -> object:
-    """What equal objects have equal: a prototype, or what they refer to."""
+    """The key of equal objects: their prototype, or what they reference."""
     if root.IsInstance():
         return root.GetPrototype().GetPath()
     own = set(root.GetStage().GetLayerStack())
@@ -132,14 +132,14 @@ def _scale(root: Usd.Prim, cache: UsdGeom.XformCache) -> Array:
 
 
 def _mass_by_hand(root: Usd.Prim) -> float | None:
-    """What the edits say that an object weighs: nothing weaker has said it yet."""
+    """The mass of an object in the edits; no weaker layer has written one yet."""
     attribute = root.GetAttribute("physics:mass")
     value = attribute.Get(TIME) if attribute else None
     return value if isinstance(value, float) and value > 0.0 else None
 
 
 def _support(root: Usd.Prim) -> Support | None:
-    """What carries an object, as it was found in a scan, or as its category is mounted."""
+    """The support of an object: found in a scan, or else usual for its category."""
     attribute = root.GetAttribute(names.ALIGNMENT_SUPPORT)
     found = attribute.Get() if attribute else None
     spec = CATEGORIES.get(read_label(root, names.CATEGORY) or "")

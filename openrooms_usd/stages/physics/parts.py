@@ -1,4 +1,4 @@
-"""What an object consists of for physics: its rigid links, and in each the parts that it is of."""
+"""The rigid links of an object, and the parts of each."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ BODY = "Geometry/Body"
 
 @dataclass(frozen=True)
 class Substance:
-    """What a part is made of in one look.
+    """The material of a part in one look.
 
     Attributes:
         material: The path of its Material, relative where it is below the object's root; None
@@ -43,7 +43,7 @@ class Substance:
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A part: a surface, and what it is made of in each look.
+    """A part: a surface, and its material in each look.
 
     Attributes:
         path: Its prim, relative to the object's root.
@@ -60,7 +60,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class JointSays:
-    """What a moving part says of itself (`usd.joints`).
+    """The joint attributes of a moving part (`usd.joints`).
 
     Attributes:
         kind: ``hinge`` or ``rail``.
@@ -98,7 +98,7 @@ def looks_of(root: Usd.Prim) -> tuple[str, ...]:
 
 
 def read_links(stage: Usd.Stage, path: Sdf.Path, owner: Sdf.Path) -> list[RigidLink]:
-    """The links of an object: what carries, then what moves, in the order of the stage.
+    """The links of an object: the fixed one, then the moving ones, in the order of the stage.
 
     Args:
         stage: The composed stage.
@@ -205,7 +205,7 @@ def _says(prim: Usd.Prim) -> JointSays:
 
 
 def _pivot(joint: Usd.Prim) -> Array:
-    """(3,) where a moving part is built: what its asset says, whatever somebody opened."""
+    """(3,) the closed position of a moving part: its asset's, whatever an edit has opened."""
     attribute = joint.GetAttribute("xformOp:translate")
     values = [spec.default for spec in attribute.GetPropertyStack(TIME)] if attribute else []
     return np.array(values[-1] if values else (0.0, 0.0, 0.0), dtype=np.float64)

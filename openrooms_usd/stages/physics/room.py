@@ -26,7 +26,7 @@ from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
 from openrooms_usd.usd.materials import read_preview_surface
 from openrooms_usd.usd.semantics import read_label
 
-# A floor and a ceiling are taken for convex: no seam catches what slides, and nothing is beyond.
+# A floor and a ceiling are treated as convex: no seam stops sliding objects, and nothing is beyond.
 _LEVEL: Final = frozenset({"floor", "ceiling"})
 _DECIMALS: Final = 3
 
@@ -49,7 +49,7 @@ def author_room(context: StageContext, objects: Objects) -> None:
 
 
 def _built_in(asset: RigidAsset) -> RigidAsset:
-    """What is of the building stays, and stays open: one hull of a frame would fill it."""
+    """Frames are static and stay open: one hull of a frame would fill it."""
     return replace(asset, fixed=True, settings=replace(asset.settings, shapes="auto"))
 
 

@@ -42,7 +42,7 @@ class PhysicsStage:
         return ()
 
     def author(self, context: StageContext) -> None:
-        """Work out what is there, publish what is alike once, and refer to it.
+        """Compute the physics of all objects, publish that of equal ones once, and reference it.
 
         A room whose description has no ``physics`` gets an empty layer.
 

@@ -1,4 +1,4 @@
-"""Any stage that says UsdPhysics, as bodies, links, joints, shapes and contacts for engines.
+"""Any UsdPhysics stage as bodies, links, joints, shapes and contacts for engines.
 
 - `frames`: where bodies stand; `masses`: what they weigh; `joints`: what they join, as trees;
 - `shapes`: what collides and what is seen; `filters`: what passes through each other;

@@ -1,4 +1,4 @@
-"""FilteredPairsAPI: what a stage lets pass through each other."""
+"""FilteredPairsAPI: pairs of a stage whose collisions are filtered."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product

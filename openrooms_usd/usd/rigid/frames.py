@@ -1,4 +1,4 @@
-"""Where the bodies of a stage stand, in metres with Z up: a rigid frame for every prim."""
+"""Rigid frames of the prims of a stage, in metres with Z up."""
 
 from collections.abc import Collection, Iterator, Sequence
 from functools import cached_property
@@ -70,7 +70,7 @@ class Frames:
         yield from sorted(waiting)
 
     def gravity(self, scenes: Sequence[UsdPhysics.SceneDesc]) -> Array:
-        """(3,) of the first scene, m/s2; that of the earth where none says it."""
+        """(3,) gravity of the first scene, m/s2; the earth's where none is authored."""
         down, pull = np.array([0.0, 0.0, -1.0]), STANDARD_GRAVITY
         for scene in scenes[:1]:
             given = np.array(scene.gravityDirection, dtype=np.float64)

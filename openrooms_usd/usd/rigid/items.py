@@ -1,4 +1,4 @@
-"""What links gather: names that are unique, and places in the frame of a link."""
+"""Shapes and visuals of links: unique names, and poses in the frame of a link."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -29,7 +29,7 @@ UNKNOWN_KINDS: Final = {
     Kind.D6Joint: "a joint of several degrees of freedom",
     Kind.CustomJoint: "a joint of its own kind",
 }
-# Frames of one joint that are farther apart do not meet, metres and radians.
+# Largest mismatch of the two frames of a joint, metres and radians.
 _APART_M_RAD: Final = 1e-3
 # Frames of joints are stored in single precision.
 _FRAME_DIGITS: Final = 6
@@ -112,7 +112,7 @@ def damping_of(frames: Frames, kind: Motion, desc: Any) -> float:
 
 
 def friction_of(frames: Frames, kind: Motion, path: Sdf.Path) -> float:
-    """N m or N, as our own joints say it: the standard has no word for it."""
+    """Joint friction, N m or N, from our own attribute: the standard has none."""
     attribute = frames.stage.GetPrimAtPath(path).GetAttribute(names.JOINT_FRICTION)
     value = attribute.Get() if attribute else None
     unit = frames.kilograms * frames.metres ** (2 if kind == "hinge" else 1)

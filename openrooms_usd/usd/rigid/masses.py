@@ -1,4 +1,4 @@
-"""What the bodies of a stage weigh, by the rules of the standard.
+"""Masses and inertias of the bodies of a stage, by the rules of the standard.
 
 A mass, a centre, a density or an inertia that is authored counts; what is missing follows from the
 volume of the colliders and from the density of the body, of their materials, or of water.
@@ -36,7 +36,7 @@ def read_mass(
     """
     prim = frames.stage.GetPrimAtPath(path)
     _check(prim)
-    # Bodies that say everything themselves are asked for nothing: rooms have thousands.
+    # Bodies with full mass properties need no shapes: rooms have thousands of them.
     known: dict[Sdf.Path, MassProperties | None] = {}
     if not _is_complete(prim):
         known = {where: _of_one(shapes) for where, shapes in solids.items()}
@@ -71,7 +71,7 @@ def _check(prim: Usd.Prim) -> None:
 
 
 def _is_complete(prim: Usd.Prim) -> bool:
-    """Whether a body says its mass, its inertia and its centre itself."""
+    """Whether a body has its mass, inertia and centre authored."""
     api = UsdPhysics.MassAPI(prim)
     centre = api.GetCenterOfMassAttr()
     said = bool(centre and centre.HasAuthoredValue())
@@ -79,7 +79,7 @@ def _is_complete(prim: Usd.Prim) -> bool:
 
 
 def _said_inertia(prim: Usd.Prim) -> tuple[Gf.Vec3f, Gf.Quatf] | None:
-    """The moments and axes that a body says itself.
+    """The authored moments and principal axes of a body.
 
     USD's own rules take tiny moments for none: those of a knob of 4 g, 6e-7 kg m2, become NaN.
     """

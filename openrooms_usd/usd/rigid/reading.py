@@ -1,4 +1,4 @@
-"""Any stage that says UsdPhysics, as bodies, links, joints and shapes for engines.
+"""Reads any UsdPhysics stage as bodies, links, joints and shapes for engines.
 
 The front end is USD's own parser, which knows how bodies, colliders and joints are found, also
 inside instances, and the standard's own rules for masses.
@@ -82,7 +82,7 @@ def read_world(stage: Usd.Stage, place: object = None) -> World:
 
 @dataclass
 class _Content:
-    """What a link gathers."""
+    """A link under construction."""
 
     shapes: list[Shape] = field(default_factory=list)
     solids: dict[Sdf.Path, Sequence[TriangleMesh]] = field(default_factory=dict)
