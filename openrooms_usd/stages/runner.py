@@ -19,20 +19,21 @@ from openrooms_usd.usd.diagnostics import composition_errors, reason
 from openrooms_usd.version import __version__
 
 _CLASSES: Final = {
-    "layout": "LayoutStage",
-    "alignment": "AlignmentStage",
-    "materials": "MaterialsStage",
-    "lights": "LightsStage",
-    "cameras": "CamerasStage",
-    "physics": "PhysicsStage",
+    "layout": "layout.LayoutStage",
+    "alignment": "alignment.AlignmentStage",
+    "materials": "materials.MaterialsStage",
+    "lights": "lights.LightsStage",
+    "cameras": "cameras.CamerasStage",
+    "physics": "physics.stage.PhysicsStage",
 }
 
 
 def stages() -> list[Stage]:
     """One of each stage, from the weakest to the strongest layer."""
+    found = [_CLASSES[name].rpartition(".") for name in names.STAGES]
     return [
-        getattr(import_module(f"openrooms_usd.stages.{name}"), _CLASSES[name])()
-        for name in names.STAGES
+        getattr(import_module(f"openrooms_usd.stages.{module}"), name)()
+        for module, _, name in found
     ]
 
 

@@ -1,5 +1,7 @@
 """Collision shapes that other processes search are those that are searched here."""
 
+import os
+import subprocess
 import sys
 
 import numpy as np
@@ -27,11 +29,11 @@ def cache(tmp_path, monkeypatch):
     monkeypatch.setattr(ahead, "_WORTH", 1)
 
 
-def test_each_process_leaves_its_share_in_the_cache(monkeypatch):
-    mine = []
-    monkeypatch.setattr(ahead, "_search", mine.extend)
+def test_what_one_process_takes_no_other_searches(monkeypatch):
+    taken = []
+    monkeypatch.setattr(ahead, "_search", lambda _, queue: taken.append(os.read(queue, 3)))
     search_ahead(searches(), 2)
-    assert len(mine) == 1
+    assert taken == [b"000"]
     away = [search for search in searches() if not is_missing(*search)]
     assert [search.triangles for search in away] == [min(s.triangles for s in searches())]
     found, here = cached_shapes(*away[0]), collision_shapes(*away[0])
@@ -41,20 +43,20 @@ def test_each_process_leaves_its_share_in_the_cache(monkeypatch):
         assert (a.contact, a.parts, a.box) == (b.contact, b.parts, b.box)
 
 
-def test_without_other_processes_the_rest_is_searched_where_it_is_needed(monkeypatch):
+def test_without_other_processes_all_is_searched_here(monkeypatch):
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     search_ahead(searches(), 2)
-    assert sorted(is_missing(*search) for search in searches()) == [False, True]
+    assert not any(is_missing(*search) for search in searches())
 
 
-def test_a_process_that_fails_leaves_the_rest_to_be_searched(monkeypatch):
-    monkeypatch.setattr(ahead, "_bytes", lambda share: b"nothing that could be read")
+def test_a_process_that_fails_takes_nothing(monkeypatch):
+    monkeypatch.setattr(ahead, "_bytes", lambda _: b"nothing that could be read")
     search_ahead(searches(), 2)
-    assert sorted(is_missing(*search) for search in searches()) == [False, True]
+    assert not any(is_missing(*search) for search in searches())
 
 
 def test_nothing_is_started_for_one_worker_or_for_what_is_there(monkeypatch):
-    monkeypatch.setattr(ahead, "_started", lambda share: pytest.fail("it was started"))
+    monkeypatch.setattr(ahead, "_started", lambda *_: pytest.fail("it was started"))
     search_ahead(searches(), 1)
     assert all(is_missing(*search) for search in searches())
     for search in searches():
@@ -62,11 +64,23 @@ def test_nothing_is_started_for_one_worker_or_for_what_is_there(monkeypatch):
     search_ahead(searches(), 2)
 
 
-def test_the_longest_search_stands_alone():
-    part = Part("ring", np.zeros((0, 3)), np.zeros((0, 3), np.int32))
-    sizes = [5, 1, 4, 10]
-    rows = [Search([part, part], "auto", 0.01) for _ in sizes]
-    for row, size in zip(rows, sizes, strict=True):
-        row.parts[0] = Part("ring", np.zeros((0, 3)), np.zeros((size, 3), np.int32))
-    shares = ahead._shared(rows, 2)
-    assert [[search.triangles for search in share] for share in shares] == [[10], [5, 4, 1]]
+def test_the_longest_searches_come_first(monkeypatch):
+    order = []
+    monkeypatch.setattr(ahead, "_started", lambda *_: None)
+    monkeypatch.setattr(ahead, "cached_shapes", lambda *search: order.append(Search(*search)))
+    search_ahead(searches()[::-1] + searches()[:1], 2)
+    assert [search.triangles for search in order] == sorted(
+        (search.triangles for search in searches()[::-1] + searches()[:1]), reverse=True
+    )
+
+
+def test_a_search_that_nothing_can_come_of_stops_no_other(monkeypatch):
+    monkeypatch.setattr(ahead, "_started", lambda *_: None)
+    empty = Part("nothing", np.zeros((500, 3)), np.zeros((1000, 3), np.int32))
+    search_ahead([Search([empty], "auto", 0.01), *searches()], 2)
+    assert not any(is_missing(*search) for search in searches())
+
+
+def test_a_process_for_searches_starts_without_usd():
+    told = "import openrooms_usd.stages.physics.ahead, sys; sys.exit('pxr' in sys.modules)"
+    subprocess.run([sys.executable, "-c", told], check=True)

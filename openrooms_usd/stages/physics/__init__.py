@@ -5,8 +5,6 @@
   several processes; `colliders`: shapes and masses of an asset;
 - `objects`: all objects of a room, each of those that are alike once;
 - `room`: walls, floor and fixtures; `authoring`: what is written; `stage`: all of it.
+
+Processes that search shapes start with this package: it imports nothing, USD least of all.
 """
-
-from openrooms_usd.stages.physics.stage import PhysicsStage
-
-__all__ = ["PhysicsStage"]

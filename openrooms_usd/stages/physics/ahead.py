@@ -1,7 +1,8 @@
 """Collision shapes are searched ahead in several processes, which leave them in the cache.
 
-Python's threads would wait for each other. What a process does not leave there is searched where
-it is needed: so nothing depends on how many there are, or whether any can be had.
+Python's threads would wait for each other. The processes take the searches one by one from a pipe
+that they share, so that all end at about the same time. What is not in the cache afterwards is
+searched where it is needed: so nothing depends on how many there are, or whether any can be had.
 """
 
 import io
@@ -10,8 +11,8 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -23,6 +24,9 @@ from openrooms_usd.stages.physics.cache import cached_shapes, is_missing
 
 # Triangles for which it is worth to start another process: they take some seconds.
 _WORTH: Final = 10_000
+# The most searches in the pipe, and the digits of their numbers: it takes them all at once.
+_MOST: Final = 1_000
+_DIGITS: Final = 3
 
 
 class Search(NamedTuple):
@@ -49,43 +53,51 @@ def search_ahead(searches: Sequence[Search], workers: int) -> None:
     count = min(workers, sum(search.triangles for search in missing) // _WORTH, len(missing))
     if count < 2:
         return
-    mine, *others = _shared(missing, count)
-    processes = [process for share in others if (process := _started(share))]
+    waiting = sorted(missing, key=lambda search: -search.triangles)[:_MOST]
+    with _queue(len(waiting)) as queue:
+        data = _bytes(waiting)
+        processes = [process for _ in range(count - 1) if (process := _started(data, queue))]
+        try:
+            _search(waiting, queue)
+            for process in processes:
+                process.wait()
+        finally:
+            for process in processes:
+                process.kill()
+                process.wait()
+
+
+@contextmanager
+def _queue(count: int) -> Iterator[int]:
+    """A pipe with the numbers below ``count``: each is read once, by whoever reads."""
+    read, write = os.pipe()
     try:
-        _search(mine)
-        for process in processes:
-            process.wait()
+        os.write(write, b"".join(b"%0*d" % (_DIGITS, number) for number in range(count)))
+        os.close(write)
+        yield read
     finally:
-        for process in processes:
-            process.kill()
-            process.wait()
+        os.close(read)
 
 
-def _shared(searches: Sequence[Search], count: int) -> list[list[Search]]:
-    """Shares that take about equally long: the longest first, to who has the least."""
-    shares: list[list[Search]] = [[] for _ in range(count)]
-    for search in sorted(searches, key=lambda search: -search.triangles):
-        min(shares, key=lambda share: sum(each.triangles for each in share)).append(search)
-    return shares
-
-
-def _started(searches: Sequence[Search]) -> subprocess.Popen[bytes] | None:
+def _started(data: bytes, queue: int) -> subprocess.Popen[bytes] | None:
     """A process that searches; None where none can be had."""
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     nowhere = subprocess.DEVNULL
     # -P: what lies in the current folder may be anybody's, and is no module of ours.
-    command = [sys.executable, "-P", "-m", __name__]
+    command = [sys.executable, "-P", "-m", __name__, str(queue)]
     with suppress(OSError, ValueError), tempfile.TemporaryFile() as told:
-        told.write(_bytes(searches))
+        told.write(data)
         told.seek(0)
-        return subprocess.Popen(command, stdin=told, stdout=nowhere, stderr=nowhere, env=env)
+        return subprocess.Popen(
+            command, stdin=told, stdout=nowhere, stderr=nowhere, env=env, pass_fds=[queue]
+        )
     return None
 
 
-def _search(searches: Sequence[Search]) -> None:
-    for search in searches:
+def _search(waiting: Sequence[Search], queue: int) -> None:
+    while number := os.read(queue, _DIGITS):
         with suppress(InputError):  # comes up again where the shapes are needed
-            cached_shapes(*search)
+            cached_shapes(*waiting[int(number)])
 
 
 def _bytes(searches: Sequence[Search]) -> bytes:
@@ -117,4 +129,4 @@ def _taken(data: bytes) -> list[Search]:
 
 
 if __name__ == "__main__":
-    _search(_taken(sys.stdin.buffer.read()))
+    _search(_taken(sys.stdin.buffer.read()), int(sys.argv[1]))

@@ -28,9 +28,8 @@ from openrooms_usd.library.construction import movable, tolerance_of
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.physics.collision_error import RESOLUTION_M
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.physics.ahead import search_ahead
 from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset
-from openrooms_usd.stages.physics.colliders import AssetColliders, colliders_of, searches_of
+from openrooms_usd.stages.physics.colliders import AssetColliders, colliders_of
 from openrooms_usd.stages.physics.parts import looks_of, read_links
 from openrooms_usd.usd.bodies import frame_and_scale
 from openrooms_usd.usd.frames import TIME
@@ -159,7 +158,6 @@ def search_colliders(
     What has none is left out, with a note.
     """
     waiting = list(assets)
-    search_ahead([each for asset in waiting for each in searches_of(asset)], context.workers)
     with ThreadPoolExecutor(max(1, context.workers)) as pool:
         found = list(pool.map(_tried, waiting))
     made = {}

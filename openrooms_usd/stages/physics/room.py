@@ -3,7 +3,7 @@
 Nothing of it moves but the leaves of doors and windows.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -31,21 +31,38 @@ _LEVEL: Final = frozenset({"floor", "ceiling"})
 _DECIMALS: Final = 3
 
 
-def author_room(context: StageContext, objects: Objects) -> None:
-    """Write colliders of the shell, and bodies of what moves in its openings."""
-    stage, room = context.stage, Sdf.Path(names.ROOM)
+@dataclass(frozen=True, eq=False)
+class BuiltIn:
+    """What is of the building.
+
+    Attributes:
+        shell: Walls, floor and ceiling, and their openings with them.
+        openings: What stands in the openings, one by one.
+    """
+
+    shell: RigidAsset
+    openings: tuple[RigidAsset, ...]
+
+
+def read_room(stage: Usd.Stage, objects: Objects) -> BuiltIn | None:
+    """The room without its furniture; None where a stage has none."""
+    room = Sdf.Path(names.ROOM)
     if not stage.GetPrimAtPath(room):
-        return
+        return None
     openings = stage.GetPrimAtPath(names.OPENINGS)
     paths = [prim.GetPath() for prim in openings.GetChildren()] if openings else []
     assets = [_built_in(objects.asset(stage, path, room)) for path in paths]
-    assets = [asset for asset in assets if any(link.solids for link in asset.links)]
-    shell = _built_in(objects.asset(stage, room, room))
-    made = search_colliders(context, assets)
-    _author_shell(context, shell)
-    for asset in assets:
+    found = tuple(asset for asset in assets if any(link.solids for link in asset.links))
+    return BuiltIn(_built_in(objects.asset(stage, room, room)), found)
+
+
+def author_room(context: StageContext, room: BuiltIn) -> None:
+    """Write colliders of the shell, and bodies of what moves in its openings."""
+    made = search_colliders(context, room.openings)
+    _author_shell(context, room.shell)
+    for asset in room.openings:
         if id(asset) in made:
-            author_physics(stage, asset.root, asset, made[id(asset)], room)
+            author_physics(context.stage, asset.root, asset, made[id(asset)], Sdf.Path(names.ROOM))
 
 
 def _built_in(asset: RigidAsset) -> RigidAsset:

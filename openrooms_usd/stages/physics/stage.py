@@ -19,11 +19,12 @@ from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.physics.ahead import search_ahead
 from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.authoring import author_physics
-from openrooms_usd.stages.physics.colliders import AssetColliders
+from openrooms_usd.stages.physics.colliders import AssetColliders, searches_of
 from openrooms_usd.stages.physics.objects import Objects, search_colliders
-from openrooms_usd.stages.physics.room import author_room
+from openrooms_usd.stages.physics.room import author_room, read_room
 from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.bodies import define_scene
 from openrooms_usd.usd.layers import apply_metadata, export, split_arrays
@@ -60,8 +61,14 @@ class PhysicsStage:
         define_scene(context.stage, names.PHYSICS_SCENE, section.gravity)
         objects = Objects(section)
         found = objects.read(context.stage, roots)
-        author_room(context, objects)
-        _reference(context, found, _publish(context, [asset for asset, _ in found]))
+        room = read_room(context.stage, objects)
+        files, missing = _files(context, [asset for asset, _ in found])
+        new = (*(room.openings if room else ()), *missing.values())
+        search_ahead([each for asset in new for each in searches_of(asset)], context.workers)
+        if room:
+            author_room(context, room)
+        _publish(context, missing)
+        _reference(context, found, files)
 
 
 def _check_names(context: StageContext, section: Physics, known: Sequence[str]) -> None:
@@ -84,12 +91,10 @@ def _code() -> str:
     return code_digest(__name__, *registry.modules())
 
 
-def _publish(context: StageContext, assets: Iterable[RigidAsset]) -> dict[int, str]:
-    """Write the layer of each distinct asset, unless it is there already.
-
-    Returns:
-        The anchored path of its layer, by ``id`` of the asset.
-    """
+def _files(
+    context: StageContext, assets: Iterable[RigidAsset]
+) -> tuple[dict[int, str], dict[Path, RigidAsset]]:
+    """The layer of each asset by its ``id``, and those that are still to be written."""
     code = _code()
     wanted: dict[int, str] = {}
     missing: dict[Path, RigidAsset] = {}
@@ -100,12 +105,15 @@ def _publish(context: StageContext, assets: Iterable[RigidAsset]) -> dict[int, s
         arrays = context.keep(f"{file.removesuffix('.usda')}.usdc")
         if not (target.is_file() and arrays.is_file()):
             missing.setdefault(target, asset)
+    return wanted, missing
+
+
+def _publish(context: StageContext, missing: Mapping[Path, RigidAsset]) -> None:
+    """Write the layers of assets, but of those that have no shapes."""
     made = search_colliders(context, missing.values())
     for target, asset in missing.items():
         if id(asset) in made:
             _write(target, asset, made[id(asset)])
-    there = {known: file for known, file in wanted.items() if (context.folder / file).is_file()}
-    return {known: context.asset(file) for known, file in there.items()}
 
 
 def _write(target: Path, asset: RigidAsset, made: AssetColliders) -> None:
@@ -139,11 +147,14 @@ def _reference(
 ) -> None:
     """Let each root reference its physics, above all else: thousands in one change."""
     layer = context.stage.GetEditTarget().GetLayer()
-    paths = [(asset, path) for asset, members in found if id(asset) in files for path in members]
     with Sdf.ChangeBlock():
-        for asset, path in paths:
-            prim = Sdf.CreatePrimInLayer(layer, path)
-            prim.referenceList.Prepend(Sdf.Reference(files[id(asset)]))
-            if len(asset.links) > 1:
-                # Bodies below an instance are none to the standard.
-                prim.instanceable = False
+        for asset, members in found:
+            file = files[id(asset)]
+            if not (context.folder / file).is_file():
+                continue
+            for path in members:
+                prim = Sdf.CreatePrimInLayer(layer, path)
+                prim.referenceList.Prepend(Sdf.Reference(context.asset(file)))
+                if len(asset.links) > 1:
+                    # Bodies below an instance are none to the standard.
+                    prim.instanceable = False
