@@ -16,7 +16,7 @@ from openrooms_usd.scan.openings.detection import find_openings
 from openrooms_usd.scan.placement.correcting import Placement, place
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import clean, thin
-from openrooms_usd.scan.reconstruction import VOXEL
+from openrooms_usd.scan.reconstruction import VOXEL_M
 from openrooms_usd.scan.registration.alignment import Alignment, Hint, align
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutRoom, find_layout
@@ -46,7 +46,7 @@ class Reconstruction:
     def thinned(self) -> Cloud:
         """Means over the voxels that rooms are found on."""
         cloud = self.cloud
-        return self._timed("thin", lambda: thin(cloud, VOXEL))
+        return self._timed("thin", lambda: thin(cloud, VOXEL_M))
 
     @cached_property
     def level(self) -> Level:

@@ -25,7 +25,7 @@ from openrooms_usd.scan.rooms.levelling import Level, level
 Array = NDArray[np.float64]
 
 # Voxel size of the downsampled cloud, metres: finer than the noise.
-VOXEL: Final = 0.02
+VOXEL_M: Final = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +86,7 @@ def find_rooms(
     Raises:
         InputError: The scan shows too little of a room.
     """
-    thinned = thin(cloud, VOXEL)
+    thinned = thin(cloud, VOXEL_M)
     stands = level(thinned, up)
     flat = thinned.moved(stands.level_from_scan)
     found = sorted(

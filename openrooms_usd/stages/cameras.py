@@ -43,8 +43,8 @@ Array = NDArray[np.float64]
 MANY_TRIANGLES: Final = 2_000_000
 
 # Candidates for each view that is kept, and at least this many.
-_CANDIDATES: Final = 24
-_LEAST: Final = 192
+_CANDIDATES_PER_VIEW: Final = 24
+_MIN_CANDIDATES: Final = 192
 
 # Room between an eye and the ceiling, metres.
 _BELOW_CEILING: Final = 0.25
@@ -220,7 +220,7 @@ class _Selection:
         candidates = sample_views(
             self.polygon,
             self.floor,
-            max(_LEAST, _CANDIDATES * view.count),
+            max(_MIN_CANDIDATES, _CANDIDATES_PER_VIEW * view.count),
             context.rng("cameras", "select", str(number)),
             height=(min(view.height[0], highest), highest),
             distance=(min(view.distance), max(view.distance)),

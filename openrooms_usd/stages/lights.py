@@ -37,11 +37,11 @@ from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 from openrooms_usd.usd.semantics import read_label
 
 # Of a lamp of an unknown category.
-_LUMEN: Final = 800.0
+_DEFAULT_LUMEN: Final = 800.0
 # Drawn evenly from this range where the description says nothing (as in the OpenRooms paper).
 _KELVIN: Final = (4000.0, 8000.0)
 # UsdLux clamps the colour temperature of black bodies here.
-_HOTTEST: Final = 10_000.0
+_MAX_KELVIN: Final = 10_000.0
 
 
 @dataclass(frozen=True)
@@ -173,8 +173,8 @@ def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
     """Let the bulbs emit; the lamp's flux is shared by their areas."""
     root, place = lamp.root, lamp.root.GetPath()
     kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
-    if kelvin > _HOTTEST:
-        context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_HOTTEST:g} K")
+    if kelvin > _MAX_KELVIN:
+        context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_MAX_KELVIN:g} K")
     lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
     area = sum(world_area(bulb) for bulb in lamp.bulbs)
     if area <= 0.0:
@@ -209,4 +209,4 @@ def _drawn_kelvin(context: StageContext, name: str) -> float:
 
 def _usual_lumen(root: Usd.Prim) -> float:
     spec = CATEGORIES.get(read_label(root, names.CATEGORY) or "")
-    return given(spec.lumen, _LUMEN) if spec else _LUMEN
+    return given(spec.lumen, _DEFAULT_LUMEN) if spec else _DEFAULT_LUMEN

@@ -241,7 +241,7 @@ _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
 }
 
 # What is smaller in a rotation is rounding.
-_ROUNDING: Final = 1e-15
+_ROUNDING_TOLERANCE: Final = 1e-15
 
 _EVERYTHING: Final = {Sdf.Path.absoluteRootPath: Usd.Tokens.expandPrims}
 
@@ -252,7 +252,7 @@ def _rotation(frame: Matrix) -> Matrix:
     rotation = np.eye(4)
     rotation[:3, :3] = frame[:3, :3] / np.where(lengths > 0, lengths, 1.0)
     # The cosine of a quarter turn that is given in degrees is not quite 0.
-    rotation[np.abs(rotation) < _ROUNDING] = 0.0
+    rotation[np.abs(rotation) < _ROUNDING_TOLERANCE] = 0.0
     return rotation
 
 

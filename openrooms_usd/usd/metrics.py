@@ -22,7 +22,7 @@ _METRES: Final = UsdGeom.Tokens.metersPerUnit
 # Rows of the axes that point up.
 _UP: Final = {UsdGeom.Tokens.y: 1, UsdGeom.Tokens.z: 2}
 # An axis that is turned less than 45 degrees from up is up.
-_UPRIGHT: Final = 0.7
+_UPRIGHT_COS: Final = 0.7
 
 
 @dataclass(frozen=True, order=True)
@@ -130,7 +130,7 @@ def _misfit(
     if size > 0.0 and abs(np.log(size / scale)) <= abs(np.log(size)):
         scale = 1.0
     raised = own[_UP[theirs], _UP[up]] / (np.linalg.norm(own[_UP[theirs]]) or 1.0)
-    turn = 0.0 if raised > _UPRIGHT else 90.0 if up == UsdGeom.Tokens.z else -90.0
+    turn = 0.0 if raised > _UPRIGHT_COS else 90.0 if up == UsdGeom.Tokens.z else -90.0
     found = Misfit(str(spec.path), layer.identifier, asset, scale, turn)
     return found if found.operations else None
 

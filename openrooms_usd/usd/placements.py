@@ -20,7 +20,7 @@ _KINDS: Final = {
 # Decimals of what is written: micrometres, and millionths of a degree.
 _DIGITS: Final = 6
 # Smaller changes of an operation's value are none (metres, degrees, factors).
-_SAME: Final = 1e-4
+_SAME_VALUE_TOLERANCE: Final = 1e-4
 
 
 def author_placed(spec: Sdf.PrimSpec, prim: Usd.Prim, local: Gf.Matrix4d) -> None:
@@ -46,7 +46,10 @@ def author_placed(spec: Sdf.PrimSpec, prim: Usd.Prim, local: Gf.Matrix4d) -> Non
     ]
     before = {name: prim.GetAttribute(name).Get(TIME) for name in order}
     for name in needed:
-        if name not in before or np.abs(np.subtract(before[name], parts[name])).max() > _SAME:
+        if (
+            name not in before
+            or np.abs(np.subtract(before[name], parts[name])).max() > _SAME_VALUE_TOLERANCE
+        ):
             _write(spec, prim, name, parts[name])
     if needed != order:
         _write_order(spec, needed)
@@ -76,12 +79,12 @@ def _is_product(parts: dict[str, Gf.Vec3d], local: Gf.Matrix4d) -> bool:
     x, y, z = (Gf.Rotation(Gf.Vec3d(*axis), parts[_ROTATE][i]) for i, axis in enumerate(np.eye(3)))
     made = Gf.Matrix4d(1.0).SetScale(parts[_SCALE]) * Gf.Matrix4d(1.0).SetRotate(x * y * z)
     made.SetTranslateOnly(parts[_TRANSLATE])
-    return bool(np.abs(np.array(made) - np.array(local)).max() < _SAME)
+    return bool(np.abs(np.array(made) - np.array(local)).max() < _SAME_VALUE_TOLERANCE)
 
 
 def _is_idle(parts: dict[str, Gf.Vec3d], name: str) -> bool:
     neutral = 1.0 if name == _SCALE else 0.0
-    return bool(np.abs(np.array(parts[name]) - neutral).max() <= _SAME)
+    return bool(np.abs(np.array(parts[name]) - neutral).max() <= _SAME_VALUE_TOLERANCE)
 
 
 def _write(spec: Sdf.PrimSpec, prim: Usd.Prim, name: str, value: Any) -> None:

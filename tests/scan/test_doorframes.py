@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.scan.openings.doorframes import frames
-from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, wall_grids
 from openrooms_usd.scan.points.sightlines import sight_of
 from tests.scan.walled_rooms import CORNERS, DOOR, HEIGHT, SENSOR_ORIGINS, Sheet, casing_of, room
 
@@ -19,8 +19,8 @@ def wall(sheets: list[Sheet], noise: float = 0.003) -> WallGrid:
 def test_boards_around_a_leaf(proud: float, noise: float) -> None:
     grid = wall(casing_of(0, (1.5, 2.4), 2.05, proud), noise)
     ((where, clear),) = frames(grid)
-    edges = CELL * np.array([where.left, where.right, where.top])
-    np.testing.assert_allclose(edges, [1.5, 2.4, 2.05], atol=CELL)
+    edges = CELL_M * np.array([where.left, where.right, where.top])
+    np.testing.assert_allclose(edges, [1.5, 2.4, 2.05], atol=CELL_M)
     assert where.bottom == 0
     assert 0 < clear <= 1
 
@@ -28,8 +28,8 @@ def test_boards_around_a_leaf(proud: float, noise: float) -> None:
 def test_a_leaf_that_lies_deeper_than_the_wall() -> None:
     grid = wall([Sheet(0, (1.5, 2.4), (0.0, 2.05), 0.02, DOOR)])
     ((where, _),) = frames(grid)
-    edges = CELL * np.array([where.left, where.right, where.top])
-    np.testing.assert_allclose(edges, [1.5, 2.4, 2.05], atol=2 * CELL)
+    edges = CELL_M * np.array([where.left, where.right, where.top])
+    np.testing.assert_allclose(edges, [1.5, 2.4, 2.05], atol=2 * CELL_M)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.doorleaves import open_leaves
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.occupancy import PIXEL, at_sensor_height, free_space
+from openrooms_usd.scan.rooms.occupancy import PIXEL_M, at_sensor_height, free_space
 from openrooms_usd.scan.rooms.spaces import _markers, _rooms
 from tests.scan.scanned_rooms import DOOR, RoomScan, corner_error
 
@@ -98,11 +98,11 @@ def test_nobody_looks_through_what_stands_at_the_height_of_the_eyes():
     pieces = surfels(RoomScan(SQUARE, boxes=shelf, missing=(3,)).cloud())
     for origin, blocked in ((1.5, True), (2.3, False)):
         solid = at_sensor_height(pieces, origin, low, shape)
-        assert solid[int(2.52 / PIXEL), int(2.0 / PIXEL)] == blocked
+        assert solid[int(2.52 / PIXEL_M), int(2.0 / PIXEL_M)] == blocked
     barrier = np.zeros(shape, bool)
-    barrier[round(4.7 / PIXEL), 10:72] = True
-    sensor_origins = (np.array([[0.6, 1.5]]) - low) / PIXEL
-    behind = round(3.5 / PIXEL), round(2.0 / PIXEL)
+    barrier[round(4.7 / PIXEL_M), 10:72] = True
+    sensor_origins = (np.array([[0.6, 1.5]]) - low) / PIXEL_M
+    behind = round(3.5 / PIXEL_M), round(2.0 / PIXEL_M)
     assert free_space(barrier, sensor_origins)[behind]
     assert not free_space(barrier | at_sensor_height(pieces, 1.5, low, shape), sensor_origins)[
         behind

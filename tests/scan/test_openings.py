@@ -11,7 +11,7 @@ from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallfaces import faces_of
 from openrooms_usd.scan.openings.wallholes import OPENING_LABELS
 from openrooms_usd.scan.openings.walllabels import without_casing
-from openrooms_usd.scan.openings.wallpicture import CELL, wall_grids
+from openrooms_usd.scan.openings.wallpicture import CELL_M, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import sight_of
 from openrooms_usd.scan.results import FoundOpening
@@ -142,10 +142,10 @@ def test_boards_around_a_door_are_not_the_door() -> None:
     cloud = room([*casing_of(2, (1.0, 1.9), 2.05, 0.015), Sheet(2, (1.0, 1.9), (0.0, 2.05))])
     sight = sight_of(cloud.points, SENSOR_ORIGINS)
     grid = list(wall_grids(cloud, CORNERS, HEIGHT, OPENING_LABELS, sight))[2]
-    outside = Rectangle(0, round(2.12 / CELL), round(0.925 / CELL), round(1.975 / CELL))
+    outside = Rectangle(0, round(2.12 / CELL_M), round(0.925 / CELL_M), round(1.975 / CELL_M))
     trimmed = without_casing(grid, outside)
-    edges = CELL * np.array([trimmed.left, trimmed.right, trimmed.top])
-    np.testing.assert_allclose(edges, [1.0, 1.9, 2.05], atol=CELL)
+    edges = CELL_M * np.array([trimmed.left, trimmed.right, trimmed.top])
+    np.testing.assert_allclose(edges, [1.0, 1.9, 2.05], atol=CELL_M)
     # A board that is named a door, and nothing else.
     board = replace(outside, right=outside.left + 2)
     assert without_casing(grid, board) == board

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.openings.wallfaces import REACH, faces_of, nearest_walls
-from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.openings.wallfaces import REACH_M, faces_of, nearest_walls
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, wall_grids
 from openrooms_usd.scan.points.sightlines import sight_of
 from tests.scan.walled_rooms import CORNERS, HEIGHT, SENSOR_ORIGINS, WINDOW, Sheet, frame_of, room
 
@@ -18,7 +18,7 @@ def grids(*sheets: Sheet, sensor_origins: np.ndarray | None = SENSOR_ORIGINS) ->
 
 
 def cells(values: np.ndarray, x: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
-    rows, columns = ([round(v / CELL) for v in span] for span in (z, x))
+    rows, columns = ([round(v / CELL_M) for v in span] for span in (z, x))
     return values[slice(*rows), slice(*columns)]
 
 
@@ -53,8 +53,8 @@ def test_nearest_walls_are_those_of_the_exact_distance() -> None:
     away = np.array([[edge.distance(Point(p[:2])) for edge in edges] for p in points])
     found = nearest_walls(points, ELL, faces)
     least = away.min(axis=1)
-    assert (found[least > REACH + 0.02] == -1).all()
-    own = least < REACH - 0.02
+    assert (found[least > REACH_M + 0.02] == -1).all()
+    own = least < REACH_M - 0.02
     np.testing.assert_allclose(away[own, found[own]], least[own], atol=0.03)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import rectangles
-from openrooms_usd.scan.openings.wallpicture import CELL
+from openrooms_usd.scan.openings.wallpicture import CELL_M
 from openrooms_usd.scan.openings.wallvoids import enclosed
 
 ROWS, COLUMNS = 100, 160
@@ -52,7 +52,7 @@ def test_holes_that_a_mullion_parts_are_one(apart: int, count: int) -> None:
     weights[40:88, 20:50] = weights[40:88, 50 + apart : 90] = 1.0
     found = list(rectangles(weights))
     assert len(found) == count
-    assert found[0].top - found[0].bottom == pytest.approx(1.2 / CELL)
+    assert found[0].top - found[0].bottom == pytest.approx(1.2 / CELL_M)
 
 
 def test_holes_at_different_heights_are_two() -> None:

@@ -10,7 +10,7 @@ from scipy import ndimage
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import BLINDS, CURTAIN
 from openrooms_usd.scan.openings.walllabels import around
-from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid
 
 Array = NDArray[np.float64]
 
@@ -38,11 +38,11 @@ def behind_curtain(where: Rectangle) -> Rectangle:
     Behind one that reaches the floor may be a French window or a usual one: a sill at half the
     usual height overlaps most with either.
     """
-    side, end = (round(length / CELL) for length in _CURTAIN_MARGINS_M)
+    side, end = (round(length / CELL_M) for length in _CURTAIN_MARGINS_M)
     wide, tall = where.right - where.left > 4 * side, where.top - where.bottom > 4 * end
     bottom, top = where.bottom + end * tall, where.top - end * tall
-    if where.bottom * CELL < _FLOOR_LENGTH_M:
-        bottom = max(bottom, round(_HALF_SILL_M / CELL))
+    if where.bottom * CELL_M < _FLOOR_LENGTH_M:
+        bottom = max(bottom, round(_HALF_SILL_M / CELL_M))
     return Rectangle(
         min(bottom, top - 1), top,
         where.left + side * wide, where.right - side * wide,
@@ -51,7 +51,7 @@ def behind_curtain(where: Rectangle) -> Rectangle:
 
 def grown(where: Rectangle, more: float) -> Rectangle:
     """A rectangle widened on both sides, metres."""
-    cells = round(more / CELL)
+    cells = round(more / CELL_M)
     return replace(where, left=max(where.left - cells, 0), right=where.right + cells)
 
 
@@ -61,9 +61,9 @@ def under_curtains(grid: WallGrid, where: Rectangle) -> Rectangle:
     hidden = (curtain[where.rows] > 0).mean(axis=0) > _HIDDEN_SHARE
     left, right = _curtain_cells(hidden[: where.left][::-1]), _curtain_cells(hidden[where.right :])
     # A wide curtain beside a window that is open to the view belongs to another one.
-    most = round(_MAX_BUNDLE_WIDTH_M / CELL)
+    most = round(_MAX_BUNDLE_WIDTH_M / CELL_M)
     slit = where.right - where.left < most
-    more = round(_CURTAIN_MARGINS_M[0] / CELL)
+    more = round(_CURTAIN_MARGINS_M[0] / CELL_M)
     left, right = (max(n - more, 0) if slit or n <= most else 0 for n in (left, right))
     return replace(where, left=where.left - left, right=where.right + right)
 

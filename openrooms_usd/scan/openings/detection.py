@@ -37,7 +37,7 @@ from openrooms_usd.scan.openings.walllabels import (
     lies_deeper,
     without_casing,
 )
-from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, wall_grids
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import sight_of
 from openrooms_usd.scan.results import FoundOpening
@@ -45,9 +45,9 @@ from openrooms_usd.scan.results import FoundOpening
 Array = NDArray[np.float64]
 
 # Least distance of openings from the corners of the room and from the ceiling, metres.
-MARGIN: Final = 0.05
+MARGIN_M: Final = 0.05
 # Between openings, metres.
-APART: Final = 0.02
+MIN_GAP_M: Final = 0.02
 # Points farther than this from a room occlude nothing in it, metres.
 _VIEW_MARGIN_M: Final = 1.0
 # Least and greatest width and height, metres.
@@ -208,9 +208,9 @@ def confidence(proposal: Proposal, labelled: bool) -> float:
     return min(1.0, p.framed) * min(1.0, 0.2 + 0.35 * p.hole + 3.0 * p.recess)
 
 
-def _overlap(a: Proposal, b: Proposal, apart: float = APART) -> bool:
+def _overlap(a: Proposal, b: Proposal, apart: float = MIN_GAP_M) -> bool:
     above = max(a.where.bottom, b.where.bottom) - min(a.where.top, b.where.top)
-    return max(_beside(a.where, b.where), above) < apart / CELL
+    return max(_beside(a.where, b.where), above) < apart / CELL_M
 
 
 def _beside(a: Rectangle, b: Rectangle) -> int:
@@ -223,7 +223,7 @@ def _suppressed(proposal: Proposal, other: Proposal) -> bool:
     apart = (
         _SCRAP_M_AND_SHARE[0]
         if proposal.where.area < _SCRAP_M_AND_SHARE[1] * other.where.area
-        else APART
+        else MIN_GAP_M
     )
     return _overlap(proposal, other, apart)
 
@@ -234,8 +234,10 @@ def _as_probability(sure: float) -> float:
 
 
 def _opening(grid: WallGrid, p: Proposal, sure: float) -> FoundOpening:
-    length, top = grid.face.length, grid.shape[0] * CELL
-    left, right = np.clip([p.where.left * CELL, p.where.right * CELL], MARGIN, length - MARGIN)
-    low, high = p.where.bottom * CELL, min(p.where.top * CELL, top - MARGIN)
+    length, top = grid.face.length, grid.shape[0] * CELL_M
+    left, right = np.clip(
+        [p.where.left * CELL_M, p.where.right * CELL_M], MARGIN_M, length - MARGIN_M
+    )
+    low, high = p.where.bottom * CELL_M, min(p.where.top * CELL_M, top - MARGIN_M)
     ring = np.array([[left, 0, low], [right, 0, low], [right, 0, high], [left, 0, high]])
     return FoundOpening(p.kind, grid.face.to_level(ring), float(sure), grid.face.number)

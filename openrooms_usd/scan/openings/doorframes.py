@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.openings.rectangles import Rectangle
-from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid
 
 Array = NDArray[np.float64]
 Step = Callable[[Array], Array]
@@ -48,9 +48,9 @@ _MIN_RETURN_SHARE: Final = 0.3
 
 def frames(grid: WallGrid) -> Iterator[tuple[Rectangle, float]]:
     """Doors with visible frames: their clear openings, and scores from 0 to 1."""
-    if grid.shape[0] <= round(_TOP_HEIGHTS_M[0] / CELL):
+    if grid.shape[0] <= round(_TOP_HEIGHTS_M[0] / CELL_M):
         return
-    apart = round(_CASING_M / CELL)
+    apart = round(_CASING_M / CELL_M)
     taken = np.zeros(grid.shape[1], dtype=np.bool_)
     # In order of reliability: protrusions are frames, recesses may be panels of the leaf, and
     # another colour may be anything of a door's size.
@@ -70,7 +70,7 @@ def _uprights(picture: Array, step: Step, turn: int) -> tuple[Array, Array]:
     """
     parts = []
     for low, high in (_UPRIGHT_HEIGHTS_M, *_UPRIGHT_PARTS_M):
-        profile = _profile(picture[round(low / CELL) : round(high / CELL)], axis=0)
+        profile = _profile(picture[round(low / CELL_M) : round(high / CELL_M)], axis=0)
         parts.append(step(profile[::turn])[::turn])
     whole = parts[0]
     unseen = np.sum([np.isnan(part) for part in parts[1:]], axis=0) > _PARTS_UNSEEN
@@ -113,7 +113,7 @@ def _sunken(values: Array) -> Array:
 
 def _pairs(picture: Array, step: Step) -> Iterator[tuple[Rectangle, float]]:
     (left_size, left), (right_size, right) = (_uprights(picture, step, turn) for turn in (1, -1))
-    least, most = (round(width / CELL) for width in _WIDTHS_M)
+    least, most = (round(width / CELL_M) for width in _WIDTHS_M)
     for a in np.flatnonzero(left > _MIN_STEP_RATIO_USUAL):
         for b in (
             np.flatnonzero(right[a + least : a + most + 1] > _MIN_STEP_RATIO_USUAL) + a + least
@@ -131,7 +131,7 @@ def _pairs(picture: Array, step: Step) -> Iterator[tuple[Rectangle, float]]:
 
 def _head(picture: Array, left: int, right: int, step: Step) -> tuple[int, float, float]:
     """The row of the upper edge, the significance of its step, and its size, metres."""
-    low, high = (round(height / CELL) for height in _TOP_HEIGHTS_M)
+    low, high = (round(height / CELL_M) for height in _TOP_HEIGHTS_M)
     rows = _profile(picture[:, left + 2 : right - 2], axis=1)
     steps = step(rows[::-1])[::-1]
     clear = _relative(steps)[low : min(high, len(picture) - _FRAME_CELLS)]

@@ -13,8 +13,8 @@ from scipy import ndimage
 
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallfaces import WallFace
-from openrooms_usd.scan.openings.wallpicture import CELL
-from openrooms_usd.scan.points.sightlines import VOXEL, Sight
+from openrooms_usd.scan.openings.wallpicture import CELL_M
+from openrooms_usd.scan.points.sightlines import VOXEL_M, Sight
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -50,7 +50,7 @@ class Echoes:
             return False
         turned = face.to_level(seen * np.array([1.0, -1.0, 1.0]))
         last = np.array(self.full.shape) - 1
-        cell = np.clip(((turned - self.sight.low) / VOXEL).astype(np.int64), 0, last)
+        cell = np.clip(((turned - self.sight.low) / VOXEL_M).astype(np.int64), 0, last)
         return bool(self.full[cell[:, 0], cell[:, 1], cell[:, 2]].mean() > _MIN_REFLECTED_SHARE)
 
     def _through(self, face: WallFace, where: Rectangle) -> Array:
@@ -61,7 +61,7 @@ class Echoes:
         for origin in face.from_level(self.sight.sensor_origins):
             if origin[1] < 0:
                 share = (-origin[1] / (points[:, 1] - origin[1]))[:, None]
-                x, z = (origin + share * (points - origin))[:, [0, 2]].T / CELL
+                x, z = (origin + share * (points - origin))[:, [0, 2]].T / CELL_M
                 seen |= (x > where.left) & (x < where.right) & (z > where.bottom) & (z < where.top)
         return np.asarray(points[seen])
 

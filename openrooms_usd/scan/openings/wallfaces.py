@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 # Largest distance of a wall's own returns, in the room and behind it, metres.
-REACH: Final = 0.35
+REACH_M: Final = 0.35
 # Resolution of the map of nearest walls, metres.
 _PLAN_CELL_M: Final = 0.02
 
@@ -73,13 +73,13 @@ def nearest_walls(points: Array, corners: Array, faces: Sequence[WallFace]) -> N
     Returns:
         (N,) their numbers, to two centimetres; -1 where none is within reach.
     """
-    low = corners.min(axis=0) - REACH - _PLAN_CELL_M
-    shape = np.ceil((corners.max(axis=0) + REACH - low) / _PLAN_CELL_M).astype(np.int64) + 1
+    low = corners.min(axis=0) - REACH_M - _PLAN_CELL_M
+    shape = np.ceil((corners.max(axis=0) + REACH_M - low) / _PLAN_CELL_M).astype(np.int64) + 1
     x, y = (
         start + _PLAN_CELL_M * (np.arange(n) + 0.5) for start, n in zip(low, shape, strict=True)
     )
     places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
-    best = np.full(shape, REACH)
+    best = np.full(shape, REACH_M)
     nearest = np.full(shape, -1, dtype=np.int16)
     for face in faces:
         along, out = (places - face.left) @ face.along, (places - face.left) @ face.outward

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from openrooms_usd.scan.openings.rectangles import Rectangle, best_rectangle, ring
-from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -82,17 +82,17 @@ class Proposal:
     @property
     def width(self) -> float:
         """Metres."""
-        return CELL * (self.where.right - self.where.left)
+        return CELL_M * (self.where.right - self.where.left)
 
     @property
     def height(self) -> float:
         """Metres."""
-        return CELL * (self.where.top - self.where.bottom)
+        return CELL_M * (self.where.top - self.where.bottom)
 
     @property
     def sill(self) -> float:
         """Height of its lower edge above the floor, metres."""
-        return CELL * self.where.bottom
+        return CELL_M * self.where.bottom
 
 
 def hole_weights(grid: WallGrid) -> Array:
@@ -111,8 +111,8 @@ def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
     """
     weights = weights.copy()
     for _ in range(_MAX_PROPOSALS):
-        found, value = _one(weights, max(1, round(height / CELL)))
-        if value * CELL**2 < _MIN_AREA_M2:
+        found, value = _one(weights, max(1, round(height / CELL_M)))
+        if value * CELL_M**2 < _MIN_AREA_M2:
             return
         yield found
         grown = Rectangle(
@@ -125,7 +125,7 @@ def rectangles(weights: Array, height: float = 0.0) -> Iterator[Rectangle]:
 def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
     """The best rectangle, or the better one of two that have a larger sum together."""
     whole, value = _unparted(weights, least_rows)
-    found, most = (whole, value), value + _SECOND_AREA_M2 / CELL**2
+    found, most = (whole, value), value + _SECOND_AREA_M2 / CELL_M**2
     for halves in _halves(whole, len(weights), least_rows):
         pair = [_within(weights, half, least_rows) for half in halves]
         together = sum(part for _, part in pair)
@@ -136,7 +136,7 @@ def _one(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
 
 def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rectangle, Rectangle]]:
     """Pairs of regions for two rectangles: beside a vertical cut, or above each other."""
-    least = round(_MIN_WIDTH_M / CELL)
+    least = round(_MIN_WIDTH_M / CELL_M)
     for column in range(whole.left + least, whole.right - least + 1, 2):
         yield (
             Rectangle(0, rows, whole.left, column),
@@ -149,12 +149,12 @@ def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rect
 
 def _are_two(first: Rectangle, second: Rectangle, whole: Rectangle) -> bool:
     if second.left < first.right:
-        return (second.bottom - first.top) * CELL >= _MULLION_M
+        return (second.bottom - first.top) * CELL_M >= _MULLION_M
     beside = all(
         min(one.top, whole.top) - max(one.bottom, whole.bottom) > (whole.top - whole.bottom) // 2
         for one in (first, second)
     )
-    return beside and (second.left - first.right) * CELL >= _MULLION_M
+    return beside and (second.left - first.right) * CELL_M >= _MULLION_M
 
 
 def _within(weights: Array, half: Rectangle, least_rows: int) -> tuple[Rectangle, float]:
@@ -173,7 +173,7 @@ def _unparted(weights: Array, least_rows: int) -> tuple[Rectangle, float]:
         found, value = best_rectangle(tried, least_rows)
         standing = (weights[found.rows, found.columns] < -0.3).mean(axis=0) > share
         runs, count = ndimage.label(standing)
-        lengths = np.bincount(runs)[1:] * CELL
+        lengths = np.bincount(runs)[1:] * CELL_M
         broad = np.flatnonzero(lengths >= width) + 1
         if value <= 0 or not count or not len(broad):
             return found, value
@@ -208,7 +208,7 @@ def measured(grid: WallGrid, kind: Kind, where: Rectangle) -> Proposal:
 
 
 def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
-    strips = ring(grid.shape, where, round(_WALL_AROUND_M / CELL))
+    strips = ring(grid.shape, where, round(_WALL_AROUND_M / CELL_M))
     sides = ("left", "right", "top") + (("bottom",) if kind == "window" else ())
     hidden = ~grid.solid & ~grid.recess & (grid.void == 0)
     parts = []
@@ -221,9 +221,9 @@ def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
 
 def kind_of(grid: WallGrid, where: Rectangle) -> Kind:
     """Whether a hole is a door or a window, by the height of its lower edge."""
-    sill, tall = where.bottom * CELL, (where.top - where.bottom) * CELL
+    sill, tall = where.bottom * CELL_M, (where.top - where.bottom) * CELL_M
     walked = grid.threshold[where.columns].mean() > 0.5 and tall > _MIN_HEADROOM_M
     if sill < _DOOR_STEP_M or (sill < _MAX_THRESHOLD_M and walked):
         return "door"
     below = grid.solid[: where.bottom, where.columns]
-    return "window" if where.bottom * CELL >= _MIN_SILL_M or below.mean() > 0.5 else "door"
+    return "window" if where.bottom * CELL_M >= _MIN_SILL_M or below.mean() > 0.5 else "door"

@@ -16,7 +16,7 @@ from openrooms_usd.scan.openings.wallholes import (
     Kind,
     hole_weights,
 )
-from openrooms_usd.scan.openings.wallpicture import CELL, WallGrid, usual_counts
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, usual_counts
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -47,11 +47,11 @@ def label_weights(grid: WallGrid, kind: Kind) -> Array:
     curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS])
     others = all_votes - curtain
     geometry = hole_weights(grid)
-    named = ndimage.distance_transform_edt(votes <= 0) * CELL < _FRAME_TO_PANE_M
+    named = ndimage.distance_transform_edt(votes <= 0) * CELL_M < _FRAME_TO_PANE_M
     through = np.where(named, _LOOKED_THROUGH_WEIGHT * geometry, HIDDEN_WEIGHT)
     geometry = np.where(geometry > 0, through, geometry)
     # Voids between the folds of a curtain are no holes.
-    hangs = ndimage.maximum_filter(curtain, round(_FOLD_DISTANCE_M / CELL)) > 0
+    hangs = ndimage.maximum_filter(curtain, round(_FOLD_DISTANCE_M / CELL_M)) > 0
     geometry = np.where(hangs, np.minimum(geometry, HIDDEN_WEIGHT), geometry)
     # Where few returns have a label, as outliers in a hole, geometry counts as well.
     enough = _SURE_LABEL_SHARE * usual_counts(grid.labelled, all_votes)
@@ -115,7 +115,7 @@ def lies_deeper(grid: WallGrid, where: Rectangle) -> bool:
 def without_casing(grid: WallGrid, where: Rectangle) -> Rectangle:
     """A door without its casing, which is labelled door, too; a door of nothing else stays."""
     standing = grid.solid & (np.nan_to_num(grid.relief) > _CASING_WIDTH_AND_RELIEF_M[1])
-    most = round(_CASING_WIDTH_AND_RELIEF_M[0] / CELL)
+    most = round(_CASING_WIDTH_AND_RELIEF_M[0] / CELL_M)
     columns = standing[where.rows, where.columns].mean(axis=0) > 0.5
     rows = standing[where.rows, where.columns].mean(axis=1) > 0.5
     inner = Rectangle(

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
-CELL: Final = 0.025  # metres
+CELL_M: Final = 0.025  # metres
 # Inlier distance of the plane: so many standard deviations, clipped to these limits.
 _RETURN_SIGMAS: Final = 4.0
 _ON_WALL_LIMITS_M: Final = (0.02, 0.045)
@@ -96,14 +96,14 @@ def wall_grids(
     order = np.argsort(nearest, kind="stable")
     ends = np.searchsorted(nearest[order], np.arange(len(faces) + 1))
     for face, first, last in zip(faces, ends, ends[1:], strict=False):
-        if face.length > 4 * CELL:
+        if face.length > 4 * CELL_M:
             yield _grid(cloud.take(order[first:last]), face, height, classes, sight)
 
 
 def _grid(
     cloud: Cloud, face: WallFace, height: float, classes: Sequence[int], sight: Sight
 ) -> WallGrid:
-    shape = (max(round(height / CELL), 8), max(round(face.length / CELL), 4))
+    shape = (max(round(height / CELL_M), 8), max(round(face.length / CELL_M), 4))
     x, y, z = face.from_level(cloud.points).T
     inside = (x > 0) & (x < face.length) & (z > -0.1) & (z < height)
     cloud, x, y, z = cloud.take(inside), x[inside], y[inside], z[inside]
@@ -120,7 +120,7 @@ def _grid(
     relief = _mean_depth(cell[face_like], -y[face_like], shape)
     tint = _mean_depth(cell[on], _tints(cloud, on), shape)
     labels, labelled = _label_counts(cloud, cell, above, y >= near, face, classes, shape)
-    floor = (np.abs(z) < 2 * CELL) & (y > 0.1)
+    floor = (np.abs(z) < 2 * CELL_M) & (y > 0.1)
     threshold = _counted(cell[floor], shape).sum(axis=0) > 0
     standing = solid | recess
     seen = _seen_through(~(standing | covered), face, plane, sight)
@@ -173,7 +173,7 @@ def usual_counts(counts: Array, smooth: Array) -> Array:
     if not some.any():
         return np.ones(counts.shape)
     total, cells = (
-        ndimage.gaussian_filter(part, _DENSITY_RADIUS_M / CELL, mode="nearest")
+        ndimage.gaussian_filter(part, _DENSITY_RADIUS_M / CELL_M, mode="nearest")
         for part in (counts, some.astype(np.float64))
     )
     here = total / np.maximum(cells, 1e-3)
@@ -198,8 +198,8 @@ def _plane(x: Array, y: Array, z: Array) -> tuple[Array, float]:
 
 
 def _cells(x: Array, z: Array, shape: tuple[int, int]) -> Rows:
-    row = np.clip((z / CELL).astype(np.int64), 0, shape[0] - 1)
-    return row * shape[1] + np.clip((x / CELL).astype(np.int64), 0, shape[1] - 1)
+    row = np.clip((z / CELL_M).astype(np.int64), 0, shape[0] - 1)
+    return row * shape[1] + np.clip((x / CELL_M).astype(np.int64), 0, shape[1] - 1)
 
 
 def _counted(cells: Rows, shape: tuple[int, int]) -> Array:
@@ -223,7 +223,7 @@ def _label_counts(
 def _seen_through(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) -> Array:
     """(Z, X) confidence that sensors looked through a cell; computed for every second one."""
     rows, columns = np.nonzero(open_cells[::2, ::2])
-    x, z = (2 * columns + 1.0) * CELL, (2 * rows + 1.0) * CELL
+    x, z = (2 * columns + 1.0) * CELL_M, (2 * rows + 1.0) * CELL_M
     places = face.to_level(np.column_stack([x, plane[0] + plane[1] * x + plane[2] * z, z]))
     seen = np.zeros(open_cells[::2, ::2].shape)
     sensor_origins = sight.sensors_looking_at(places, np.append(face.outward, 0.0))

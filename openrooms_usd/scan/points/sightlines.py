@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 # Edge of the voxels, metres; occupied ones occlude.
-VOXEL: Final = 0.05
+VOXEL_M: Final = 0.05
 _MOST_SENSORS: Final = 24
 # Greatest range of the sensors, metres, and least cosine of incidence.
 _MAX_SIGHT_M: Final = 5.5
@@ -62,13 +62,15 @@ class Sight:
         start = _CLEAR_BEFORE_SURFACE_M / np.maximum(-(toward @ outward), 1e-9)
         last = np.array(self.full.shape) - 1
         open_rows = np.arange(len(places))
-        for step in range(int(_MAX_SIGHT_M / VOXEL)):
-            reached = start[open_rows] + step * VOXEL
+        for step in range(int(_MAX_SIGHT_M / VOXEL_M)):
+            reached = start[open_rows] + step * VOXEL_M
             open_rows = open_rows[reached < distance[open_rows]]
             if not len(open_rows):
                 break
-            at = places[open_rows] + (start[open_rows] + step * VOXEL)[:, None] * toward[open_rows]
-            cell = np.clip(((at - self.low) / VOXEL).astype(np.int64), 0, last)
+            at = (
+                places[open_rows] + (start[open_rows] + step * VOXEL_M)[:, None] * toward[open_rows]
+            )
+            cell = np.clip(((at - self.low) / VOXEL_M).astype(np.int64), 0, last)
             hit = self.full[cell[:, 0], cell[:, 1], cell[:, 2]]
             blocked[open_rows[hit]] = True
             open_rows = open_rows[~hit]
@@ -84,9 +86,9 @@ def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
     """
     some = points[:: max(1, len(points) // _MAX_POINTS)]
     low, high = np.quantile(some, (0.001, 0.999), axis=0)
-    low = low - 3 * VOXEL
-    shape = tuple(np.ceil((high + 3 * VOXEL - low) / VOXEL).astype(np.int64).tolist())
-    cells = np.clip((points - low) / VOXEL, 0, np.array(shape) - 1).astype(np.int64)
+    low = low - 3 * VOXEL_M
+    shape = tuple(np.ceil((high + 3 * VOXEL_M - low) / VOXEL_M).astype(np.int64).tolist())
+    cells = np.clip((points - low) / VOXEL_M, 0, np.array(shape) - 1).astype(np.int64)
     flat = (cells[:, 0] * shape[1] + cells[:, 1]) * shape[2] + cells[:, 2]
     counts = np.bincount(flat, minlength=shape[0] * shape[1] * shape[2]).reshape(shape)
     # Points far outside were clamped to the outermost voxels.

@@ -18,7 +18,7 @@ from openrooms_usd.scan.points.thinning import thin
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
-VOXEL: Final = 0.05
+VOXEL_M: Final = 0.05
 # Points are first downsampled to this part of a voxel.
 _THINNING_VOXELS: Final = 0.5
 # Least points of a plane fit; where there are fewer, the next larger voxels are tried.
@@ -71,7 +71,7 @@ class Surfels:
         return Surfels(points, self.normals @ turn.T, self.rough, self.share, self.label)
 
 
-def surfels(cloud: Cloud, voxel: float = VOXEL) -> Surfels:
+def surfels(cloud: Cloud, voxel: float = VOXEL_M) -> Surfels:
     """The surfels of a scan.
 
     Args:

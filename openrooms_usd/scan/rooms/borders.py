@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import Surfels
-from openrooms_usd.scan.rooms.occupancy import PIXEL
+from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.spaces import Spaces
 from openrooms_usd.scan.rooms.walls import COLUMN_M, Line
@@ -114,9 +114,9 @@ def _end(place: Array, away: Array, columns: int) -> float:
 def _edges(offsets: Array) -> list[float]:
     if not len(offsets):
         return []
-    low = offsets.min() - 4 * PIXEL
-    counts = np.bincount(((offsets - low) / (0.5 * PIXEL)).astype(int))
+    low = offsets.min() - 4 * PIXEL_M
+    counts = np.bincount(((offsets - low) / (0.5 * PIXEL_M)).astype(int))
     density = np.convolve(np.append(counts, np.zeros(8)), [1, 2, 3, 4, 3, 2, 1], "same")
     peaks = np.flatnonzero((density[1:-1] > density[:-2]) & (density[1:-1] >= density[2:])) + 1
-    strong = peaks[density[peaks] > 4.0 * _MIN_EDGE_M / PIXEL]
-    return [float(low + (peak + 0.5) * 0.5 * PIXEL) for peak in strong]
+    strong = peaks[density[peaks] > 4.0 * _MIN_EDGE_M / PIXEL_M]
+    return [float(low + (peak + 0.5) * 0.5 * PIXEL_M) for peak in strong]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.planes import fit_plane
-from openrooms_usd.scan.points.surfels import VOXEL, Surfels
+from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def ceiling_height(pieces: Surfels) -> float | None:
     high = pieces.take(pieces.points[:, 2] > _MIN_CEILING_M)
     steep = np.abs(high.normals[:, 2])
     flat = high.points[steep > _LEVEL_COS, 2]
-    least = _MIN_AREA_M2 / VOXEL**2
+    least = _MIN_AREA_M2 / VOXEL_M**2
     if len(flat) < least:
         return None
     height, count = _peak(flat)
@@ -74,7 +74,7 @@ def ceiling_slopes(pieces: Surfels) -> tuple[tuple[Array, Array], ...]:
             break
         on = np.abs(plane.heights(left.points)) < _ON_SLOPE_M
         alike = on & (np.abs(left.normals @ plane.normal) > _ON_SLOPE_COS)
-        if alike.sum() * VOXEL**2 < _MIN_SLOPE_AREA_M2:
+        if alike.sum() * VOXEL_M**2 < _MIN_SLOPE_AREA_M2:
             break
         found.append((-plane.normal, plane.point))
         left = left.take(~on)

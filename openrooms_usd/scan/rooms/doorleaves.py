@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.points.surfels import VOXEL, Surfels
+from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE, angle_between
 
 Array = NDArray[np.float64]
@@ -58,7 +58,7 @@ def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
 
 def _columns(plan: Array) -> tuple[Array, NDArray[np.int64]]:
     """(C, 2) centroids of occupied cells of the plan, and (N,) the cell of each surfel."""
-    cells = np.floor((plan - plan.min(axis=0)) / VOXEL).astype(np.int64)
+    cells = np.floor((plan - plan.min(axis=0)) / VOXEL_M).astype(np.int64)
     _, column = np.unique(cells @ [1 << 32, 1], return_inverse=True)
     count = np.bincount(column)
     return np.column_stack([np.bincount(column, axis) / count for axis in plan.T]), column

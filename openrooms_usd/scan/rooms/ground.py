@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.planes import Plane, fit_plane
-from openrooms_usd.scan.points.surfels import VOXEL, Surfels
+from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ _LEVEL_TOLERANCE_M: Final = 0.03
 # NYU40; mats have another label. Least part of a level that is labelled floor, to use it alone.
 _FLOOR_LABEL: Final = 2
 _BARE_FLOOR_SHARE: Final = 0.1
-_PIECE_M2: Final = VOXEL**2
+_PIECE_M2: Final = VOXEL_M**2
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-PIXEL: Final = 0.05
+PIXEL_M: Final = 0.05
 # Half the height of the slab at the sensors that is tested for occlusion, metres, and the part of
 # it that must be filled.
 _VIEW_HALF_HEIGHT_M: Final = 0.25
@@ -30,7 +30,7 @@ def disc(radius: int) -> Mask:
 
 def plan_map(plan: Array, low: Array, shape: tuple[int, ...], weight: Array | None = None) -> Array:
     """(X, Y) number, or total weight, of points (N, 2) a pixel; the grid begins at low (2,)."""
-    pixel = np.floor((plan - low) / PIXEL).astype(int)
+    pixel = np.floor((plan - low) / PIXEL_M).astype(int)
     within = ((pixel >= 0) & (pixel < shape)).all(axis=1)
     flat = np.ravel_multi_index(tuple(pixel[within].T), shape)
     weights = None if weight is None else weight[within]
@@ -45,7 +45,9 @@ def at_sensor_height(pieces: Surfels, origin: float, low: Array, shape: tuple[in
     facing = upright & (np.abs(pieces.points[:, 2] - origin) < _VIEW_HALF_HEIGHT_M)
     filled = plan_map(pieces.points[facing, :2], low, shape)
     across = ndimage.uniform_filter(filled, 3) * 9.0 / 1.5
-    return np.asarray((filled > 0) & (across > _BLOCKING_SHARE * 2.0 * _VIEW_HALF_HEIGHT_M / PIXEL))
+    return np.asarray(
+        (filled > 0) & (across > _BLOCKING_SHARE * 2.0 * _VIEW_HALF_HEIGHT_M / PIXEL_M)
+    )
 
 
 def free_space(barrier: Mask, sensor_origins: Array) -> Mask:
@@ -55,7 +57,7 @@ def free_space(barrier: Mask, sensor_origins: Array) -> Mask:
     some = sensor_origins[:: max(1, len(sensor_origins) // _MOST_SENSORS)]
     angles = np.linspace(0.0, 2.0 * np.pi, _RAYS_PER_TURN, endpoint=False)
     toward = np.column_stack([np.cos(angles), np.sin(angles)])
-    reach = np.arange(0.0, _MAX_SIGHT_M / PIXEL, 0.7)
+    reach = np.arange(0.0, _MAX_SIGHT_M / PIXEL_M, 0.7)
     solid = np.pad(ndimage.binary_dilation(barrier, disc(1)), 1)
     seen = np.zeros(solid.shape, bool)
     for origin in some:
@@ -74,8 +76,10 @@ def free_along_rays(plan: Array, sensor_origins: Array, low: Array, shape: tuple
     seen = np.zeros(shape, bool)
     for origin in sensor_origins:
         longest = float(np.linalg.norm(some - origin, axis=1).max(initial=0.0))
-        part = np.linspace(0.0, 1.0, int(longest / (0.7 * PIXEL)) + 2)[:, None, None]
-        pixel = np.floor((origin + part * (some - origin) - low) / PIXEL).astype(int).reshape(-1, 2)
+        part = np.linspace(0.0, 1.0, int(longest / (0.7 * PIXEL_M)) + 2)[:, None, None]
+        pixel = (
+            np.floor((origin + part * (some - origin) - low) / PIXEL_M).astype(int).reshape(-1, 2)
+        )
         pixel = pixel[((pixel >= 0) & (pixel < shape)).all(axis=1)]
         seen[tuple(pixel.T)] = True
     return seen

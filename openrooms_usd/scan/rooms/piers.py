@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.rooms.occupancy import PIXEL
+from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.spaces import Spaces
 
@@ -52,7 +52,7 @@ def _standing_inside(outline: Outline, spaces: Spaces, away: float) -> list[Arra
     inner = shapely.Polygon(outline.corners()).buffer(-away, join_style="mitre")
     shapely.prepare(inner)
     inside = shapely.contains_xy(inner, spaces.centres()).reshape(spaces.standing.shape)
-    strong = inside & (spaces.standing > _MIN_EVIDENCE_PIXELS * PIXEL)
+    strong = inside & (spaces.standing > _MIN_EVIDENCE_PIXELS * PIXEL_M)
     groups, count = ndimage.label(strong, np.ones((3, 3)))
     centres = spaces.centres()
     found = [groups.ravel() == number for number in range(1, count + 1)]
@@ -78,7 +78,7 @@ def _pier(outline: Outline, wall: int, places: Array) -> Outline | None:
     depth = outline.offsets[wall] - places @ normal
     place = places @ along
     a, b, deep = place.min(), place.max(), float(depth.max())
-    if deep > _MAX_DEPTH_M or a < start @ along - PIXEL or b > end @ along + PIXEL:
+    if deep > _MAX_DEPTH_M or a < start @ along - PIXEL_M or b > end @ along + PIXEL_M:
         return None
     normals = np.array([normal, along, normal, -along, normal])
     offset = outline.offsets[wall]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.scan.rooms.cells import Cells, inside_by_cut
 from openrooms_usd.scan.rooms.costs import Cost
-from openrooms_usd.scan.rooms.occupancy import PIXEL
+from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
 from openrooms_usd.scan.rooms.piers import with_piers
 from openrooms_usd.scan.rooms.refit import refitted
@@ -96,7 +96,7 @@ class Plan:
         rooms = self.spaces.rooms.ravel()
         empty = np.where(self.spaces.seen.ravel(), 0.0, _UNSEEN_GAIN)
         other = np.where(rooms == 0, empty, _OTHER_ROOM_GAIN)
-        return np.where(rooms == number, self.own * counted.ravel(), other) * PIXEL**2
+        return np.where(rooms == number, self.own * counted.ravel(), other) * PIXEL_M**2
 
     def _sensors_in(self, number: int) -> Array:
         """(S, 2) sensor origins in a room, and the places that it must contain."""

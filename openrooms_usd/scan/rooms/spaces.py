@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.occupancy import (
-    PIXEL,
+    PIXEL_M,
     at_sensor_height,
     disc,
     free_along_rays,
@@ -58,19 +58,19 @@ class Spaces:
     @property
     def high(self) -> Array:
         """(2,) the far corner of the map."""
-        return np.asarray(self.low + PIXEL * np.array(self.seen.shape))
+        return np.asarray(self.low + PIXEL_M * np.array(self.seen.shape))
 
     def centres(self) -> Array:
         """(X * Y, 2) the pixels' middles."""
         x, y = (
-            low + PIXEL * (np.arange(count) + 0.5)
+            low + PIXEL_M * (np.arange(count) + 0.5)
             for low, count in zip(self.low, self.seen.shape, strict=True)
         )
         return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
 
     def numbers(self, places: Array) -> NDArray[np.int32]:
         """(N,) the room of each place (N, 2); 0 for none."""
-        pixel = np.floor((places - self.low) / PIXEL).astype(int)
+        pixel = np.floor((places - self.low) / PIXEL_M).astype(int)
         within = ((pixel >= 0) & (pixel < self.rooms.shape)).all(axis=1)
         numbers = np.zeros(len(places), np.int32)
         numbers[within] = self.rooms[tuple(pixel[within].T)]
@@ -98,8 +98,8 @@ def find_spaces(
     if included is not None:
         reach = np.concatenate([inner, included])
         inner = np.stack([reach.min(axis=0), reach.max(axis=0)])
-    low = np.floor((inner[0] - _MAP_MARGIN_M) / PIXEL) * PIXEL
-    shape = tuple(np.ceil((inner[1] + _MAP_MARGIN_M - low) / PIXEL).astype(int))
+    low = np.floor((inner[0] - _MAP_MARGIN_M) / PIXEL_M) * PIXEL_M
+    shape = tuple(np.ceil((inner[1] + _MAP_MARGIN_M - low) / PIXEL_M).astype(int))
     evidence = plan_map(plan, low, shape) > 0
     scanned = ndimage.binary_closing(evidence, disc(3), border_value=0)
     if included is not None and len(included) == 1:
@@ -110,7 +110,7 @@ def find_spaces(
         blocked = barrier | at_sensor_height(
             pieces, float(np.median(sensor_origins[:, 2])), low, shape
         )
-        seen |= free_space(blocked, (sensor_origins[:, :2] - low) / PIXEL)
+        seen |= free_space(blocked, (sensor_origins[:, :2] - low) / PIXEL_M)
     seen |= _holes(seen, barrier)
     free = ndimage.binary_opening(seen & ~barrier, disc(1))
     rooms, middles = _rooms(free, barrier, low)
@@ -126,7 +126,7 @@ def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
     high = walls.height > base
     filled = plan_map(walls.points[high], low, shape, walls.weight[high])
     across = ndimage.uniform_filter(filled, 3) * 9.0 / 1.5
-    full = (walls.top - base) / PIXEL
+    full = (walls.top - base) / PIXEL_M
     return np.asarray((filled > 0) & (across > (0.35 if tall else 0.6) * full))
 
 
@@ -140,7 +140,7 @@ def _holes(seen: Mask, barrier: Mask) -> Mask:
     shores = ndimage.grey_dilation(holes, footprint=disc(1))
     by_free = np.bincount(shores[seen & ~barrier], minlength=count + 1)
     by_wall = np.bincount(shores[barrier], minlength=count + 1)
-    filled = (size * PIXEL**2 < _SMALL_HOLE_M2) | (by_free > by_wall)
+    filled = (size * PIXEL_M**2 < _SMALL_HOLE_M2) | (by_free > by_wall)
     filled[0] = False
     filled[rim] = False
     return np.asarray(filled[holes])
@@ -153,7 +153,7 @@ def _standing(walls: Walls, low: Array, shape: tuple[int, ...]) -> Array:
     base = max(walls.top - _WALL_TOP_M, _DOOR_HEIGHT_M)
     high = walls.height > base
     pieces = plan_map(walls.points[high], low, shape, walls.weight[high])
-    return np.asarray(pieces * PIXEL**2 / (walls.top - base))
+    return np.asarray(pieces * PIXEL_M**2 / (walls.top - base))
 
 
 def _watershed(distance: Array, markers: NDArray[np.integer[Any]], count: int) -> NDArray[np.int32]:
@@ -199,7 +199,7 @@ def _separating(barrier: Mask) -> Mask:
     groups, count = ndimage.label(barrier, np.ones((3, 3)))
     places = ndimage.find_objects(groups)
     extents = [max(rows.stop - rows.start for rows in place) for place in places]
-    large = np.array([False, *(extent * PIXEL > _FREESTANDING_M for extent in extents)])
+    large = np.array([False, *(extent * PIXEL_M > _FREESTANDING_M for extent in extents)])
     return np.asarray(large[groups]) if count else barrier
 
 
@@ -220,11 +220,11 @@ def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Ar
 
     # The width is measured to walls, not to the border of the scan.
     walls = _separating(barrier)
-    walled = ndimage.distance_transform_edt(~walls) * PIXEL if walls.any() else 1e3 * free
+    walled = ndimage.distance_transform_edt(~walls) * PIXEL_M if walls.any() else 1e3 * free
     width = np.where(free, walled, 0.0)
     markers, count = _markers(width)
     flooded = _watershed(width, markers, count)
-    area = np.bincount(flooded.ravel(), minlength=count + 1) * PIXEL**2
+    area = np.bincount(flooded.ravel(), minlength=count + 1) * PIXEL_M**2
     wide = ndimage.maximum(width, flooded, np.arange(count + 1)) > _ROOM_HALF_WIDTH_M
     large = [n for n in range(1, count + 1) if area[n] > _MIN_AREA_M2 and wide[n]]
     large.sort(key=lambda number: -area[number])
@@ -234,5 +234,5 @@ def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Ar
     for index, number in enumerate(large):
         rooms[flooded == number] = index + 1
         deepest = np.where(markers == number, depth, -1.0).argmax()
-        middles[index] = low + PIXEL * (np.array(np.unravel_index(deepest, free.shape)) + 0.5)
+        middles[index] = low + PIXEL_M * (np.array(np.unravel_index(deepest, free.shape)) + 0.5)
     return rooms, middles
