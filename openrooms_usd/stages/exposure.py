@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
+from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.stages.surroundings import Surroundings, surroundings
@@ -32,7 +33,6 @@ _LET_IN: Final = 0.5
 # Target of the mean luminance after exposure, as in previews.
 _KEY: Final = 0.27
 # A room whose height nobody knows, metres.
-_USUAL_HEIGHT_M: Final = 2.6
 
 
 def room_exposure(stage: Usd.Stage) -> float | None:
@@ -67,7 +67,7 @@ def _areas(room: Surroundings) -> tuple[float, float]:
     """Of the floor, and of all that bounds the room; square metres."""
     (x0, y0), (x1, y1) = room.walls[:, 0].T, room.walls[:, 1].T
     floor = abs(float((x0 * y1 - x1 * y0).sum())) / 2.0
-    height = _USUAL_HEIGHT_M if room.ceiling is None else max(room.ceiling - room.floor, 0.0)
+    height = names.ROOM_HEIGHT if room.ceiling is None else max(room.ceiling - room.floor, 0.0)
     return floor, 2.0 * floor + height * float(np.hypot(x1 - x0, y1 - y0).sum())
 
 

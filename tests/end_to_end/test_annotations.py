@@ -226,4 +226,5 @@ def test_what_cannot_be_annotated_is_refused_with_a_remedy(
     with pytest.raises(InputError, match="/World/near"):
         boxes(shots, moved)
     run = CliRunner().invoke(annotate, [str(shots), "-o", "x.json", "--format", "boxes"])
-    assert run.exit_code == 2 and "--stage" in run.output
+    assert run.exit_code != 0 and isinstance(run.exception, InputError)
+    assert "--stage" in str(run.exception.remedy)

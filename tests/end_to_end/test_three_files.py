@@ -28,7 +28,7 @@ def test_layered_flattened_and_packaged_are_one_picture(
     # And so does the flattened scene without the layers' texts.
     for text in (summary.scene, *summary.scene.parent.glob("layers/*.usda")):
         shutil.move(text, alone)
-    how = {"resolution": (48, 36), "variant": variant}
+    how = {"resolution": (48, 36), "options": {"variant": variant}}
     flattened = show(flat, "flattened", **how)
     packaged = show(packed, "packaged", **how)
     layered = show(composed_demo, "layered", **how)
@@ -59,7 +59,11 @@ def test_every_room_is_the_same_in_one_file(room: Path, tmp_path: Path, show, fa
     shutil.copytree(room.parent, home)
     summary = compose_room(home / "source" / "room.yaml", home, flatten=True, usdz=True)
     assert summary.unchanged
-    how = {"resolution": (32, 24), "variant": fastest, "cameras": first_camera(summary.scene)}
+    how = {
+        "resolution": (32, 24),
+        "options": {"variant": fastest},
+        "cameras": first_camera(summary.scene),
+    }
     layered = show(summary.scene, "layered", **how)
     others = [show(file, file.suffix[1:], **how) for file in summary.files]
     for view in layered.views:
