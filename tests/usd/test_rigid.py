@@ -262,6 +262,13 @@ def test_loops_and_joints_of_other_kinds() -> None:
         read_world(stage)
 
 
+@pytest.mark.parametrize("missing", ["/World/none/at/all", "/World/a.visibility"])
+def test_a_joint_to_what_is_no_prim_holds_on_to_the_world(missing: str) -> None:
+    stage, _ = hinged(UsdPhysics.RevoluteJoint.Define, body0=missing, body1="/World/b")
+    (found,) = (item for item in read_world(stage).bodies if item.joints)
+    assert [row.name for row in found.links] == ["joint", "b"]
+
+
 def test_names_are_unique_and_safe() -> None:
     stage = new()
     body(stage, "box")

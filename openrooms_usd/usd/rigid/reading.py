@@ -202,7 +202,9 @@ class _Reading:
             if body in self.moving:
                 ends.append((body, anchor))
                 continue
-            fixed = self._add(self._owner(rel if not rel.isEmpty else path), moves=False)
+            # What a joint names need not be there, or be a prim.
+            named = rel if rel.IsPrimPath() and self.stage.GetPrimAtPath(rel) else path
+            fixed = self._add(self._owner(named), moves=False)
             # The standard gives what holds on to nothing that moves in the stage's own frame.
             held = self.frames.rigid(body) if body else self.frames.placed(np.eye(4))
             ends.append((fixed, inverse(self.links[fixed].frame) @ held @ anchor))
