@@ -84,3 +84,16 @@ def test_a_search_that_nothing_can_come_of_stops_no_other(monkeypatch):
 def test_a_process_for_searches_starts_without_usd():
     told = "import openrooms_usd.stages.physics.ahead, sys; sys.exit('pxr' in sys.modules)"
     subprocess.run([sys.executable, "-c", told], check=True)
+
+
+def test_a_process_ends_with_the_one_that_has_started_it():
+    """It takes its work from a pipe that stays open, so nothing else would end it."""
+    read, write = os.pipe()
+    nobody = subprocess.Popen([sys.executable, "-c", ""])
+    nobody.wait()
+    told = ahead._bytes(searches())
+    command = [sys.executable, "-P", "-m", ahead.__name__, str(read), str(nobody.pid)]
+    done = subprocess.run(command, input=told, pass_fds=[read], timeout=60, check=False)
+    assert done.returncode == 1
+    os.close(read)
+    os.close(write)

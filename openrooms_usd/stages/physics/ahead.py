@@ -11,6 +11,8 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any, Final, NamedTuple
@@ -27,6 +29,8 @@ _WORTH: Final = 10_000
 # The most searches in the pipe, and the digits of their numbers: it takes them all at once.
 _MOST: Final = 1_000
 _DIGITS: Final = 3
+# How often a process looks whether the one that started it still lives, seconds.
+_PATIENCE_S: Final = 0.5
 
 
 class Search(NamedTuple):
@@ -84,7 +88,7 @@ def _started(data: bytes, queue: int) -> subprocess.Popen[bytes] | None:
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     nowhere = subprocess.DEVNULL
     # -P: what lies in the current folder may be anybody's, and is no module of ours.
-    command = [sys.executable, "-P", "-m", __name__, str(queue)]
+    command = [sys.executable, "-P", "-m", __name__, str(queue), str(os.getpid())]
     with suppress(OSError, ValueError), tempfile.TemporaryFile() as told:
         told.write(data)
         told.seek(0)
@@ -128,5 +132,17 @@ def _taken(data: bytes) -> list[Search]:
         ]
 
 
+def _serve(queue: int, parent: int) -> None:
+    """Search for another process, as long as it lives: nobody ends the children of one killed."""
+    threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
+    _search(_taken(sys.stdin.buffer.read()), queue)
+
+
+def _end_without(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(_PATIENCE_S)
+    os._exit(1)
+
+
 if __name__ == "__main__":
-    _search(_taken(sys.stdin.buffer.read()), int(sys.argv[1]))
+    _serve(*map(int, sys.argv[1:]))
