@@ -85,7 +85,9 @@ def _queue(count: int) -> Iterator[int]:
 
 def _started(data: bytes, queue: int) -> subprocess.Popen[bytes] | None:
     """A process that searches; None where none can be had."""
-    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    path = os.pathsep.join(filter(None, sys.path))
+    # Products of small matrices: threads of a process take from the others what they wait.
+    env = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
     nowhere = subprocess.DEVNULL
     # -P: what lies in the current folder may be anybody's, and is no module of ours.
     command = [sys.executable, "-P", "-m", __name__, str(queue), str(os.getpid())]
