@@ -158,7 +158,7 @@ class BlenderDifferences(Differences):
                     f"{gone} of {gone + there} {what} are not in the file: it is taken for one "
                     "of a selection, and none is switched off"
                 )
-                continue
+                return
             for prim in filter(seen.get, seen):
                 self._over(prim.GetPath()).active = False
 

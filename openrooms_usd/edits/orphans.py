@@ -219,7 +219,7 @@ def _operations(spec: Sdf.PrimSpec, prim: Usd.Prim) -> Iterator[Orphan]:
         for name in UsdGeom.Xformable(prim).GetXformOpOrderAttr().Get() or ()
     }
     for name in sorted(set(given) - order):
-        message = "is no part of the prim's xformOpOrder: it moves nothing"
+        message = "says an operation that the prim's xformOpOrder leaves out: it moves nothing"
         yield Orphan(f"{spec.path}.{name}", "operation", message)
 
 

@@ -127,7 +127,10 @@ def _misfit(
         # A prim that is scaled or rotated was corrected by hand.
         looked = not np.allclose(own, np.eye(3))
         return None if looked else Misfit(str(spec.path), layer.identifier, asset, stated=False)
-    if size > 0.0 and abs(np.log(size / scale)) <= abs(np.log(size)):
+    if size == 0.0:
+        # What is scaled to nothing has no size to be wrong.
+        return None
+    if abs(np.log(size / scale)) <= abs(np.log(size)):
         scale = 1.0
     raised = own[_UP[theirs], _UP[up]] / (np.linalg.norm(own[_UP[theirs]]) or 1.0)
     turn = 0.0 if raised > _UPRIGHT_COS else 90.0 if up == UsdGeom.Tokens.z else -90.0

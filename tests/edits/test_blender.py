@@ -432,7 +432,24 @@ def test_of_a_selection_nothing_is_switched_off(place: Any) -> None:
 
     adoption = adopt(place.scene, exported(place, change))
     assert set(changed(adoption)) == {f"{FURNITURE}/sofa"}
-    assert len(adoption.left) == 2 and "selection" in adoption.left[0]
+    assert len(adoption.left) == 1 and "selection" in adoption.left[0]
+
+
+def test_of_a_selection_with_a_camera_the_others_stay_too(place: Any) -> None:
+    """Half of the cameras are there; the meshes tell that the file is of a selection."""
+    layer = Sdf.Layer.FindOrOpen(str(place.scene.parent / "layers" / "edits.usda"))
+    beside = Usd.Stage.Open(layer)
+    for name in ("one", "two"):
+        UsdGeom.Camera.Define(beside, f"/World/Cameras/{name}")
+    layer.Save()
+
+    def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
+        for name in ("two", "Room", "table", "chair_a", "chair_b", "lamp", "Lights"):
+            stage.RemovePrim(find(name).GetPath())
+
+    adoption = adopt(place.scene, exported(place, change))
+    assert not [fields for fields in changed(adoption).values() if "active" in fields]
+    assert sum("selection" in sentence for sentence in adoption.left) == 1
 
 
 def test_another_material_on_a_part_is_named(place: Any) -> None:

@@ -124,6 +124,7 @@ MATRIX = "((0.01, 0, 0, 0), (0, 0, 0.01, 0), (0, -0.01, 0, 0), (4, 2, 0, 1))"
         ([RAISED], {SCALE}),
         ([RAISED, SCALED], set()),
         ([("matrix4d", "xformOp:transform", MATRIX)], set()),
+        ([("double3", "xformOp:scale", "(1, 0, 1)")], set()),
     ],
 )
 def test_what_is_corrected_already_is_left_alone(
