@@ -163,7 +163,7 @@ class Renderer(Protocol):
     """Renders scenes; registered as an entry point ``openrooms_usd.renderers``.
 
     It gives light. Geometry, materials and labels are made by the core for every renderer, by one
-    exact ray through each pixel's centre (`openrooms_usd.render.opened.EXACT`).
+    exact ray through each pixel's centre (`openrooms_usd.render.given.EXACT`).
     """
 
     channels: tuple[str, ...]
