@@ -48,6 +48,7 @@ DENOISED: Final = ("denoised, relative MSE", "seconds with it")
 @click.option("--variant", "variants", multiple=True, type=click.Choice(VARIANTS))
 @click.option("--samples", type=int, multiple=True, default=SAMPLES, show_default=True)
 @click.option("--reference", type=int, default=4096, show_default=True, help="Its samples.")
+@click.option("--half", is_flag=True, help="320x240 in place of 640x480.")
 @click.option("--denoise", is_flag=True, help="Also denoised (needs the extra 'denoise').")
 @click.option("--quick", is_flag=True, help="64x48, few samples, the scalar backend only.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
@@ -57,6 +58,7 @@ def main(
     variants: tuple[str, ...],
     samples: tuple[int, ...],
     reference: int,
+    half: bool,
     denoise: bool,
     quick: bool,
     target: Path | None,
@@ -69,7 +71,7 @@ def main(
         job = {
             "stage": str(scene),
             "camera": camera,
-            "resolution": [64, 48] if quick else [640, 480],
+            "resolution": [64, 48] if quick else [320, 240] if half else [640, 480],
             "folder": folder,
             "denoise": denoise,
         }
