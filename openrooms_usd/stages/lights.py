@@ -35,6 +35,7 @@ from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.transforms import UPRIGHT, is_upright
 
 # Of a lamp of an unknown category.
 _DEFAULT_LUMEN: Final = 800.0
@@ -87,6 +88,11 @@ class LightsStage:
             author_sky(context, environment)
         else:
             _author_constant(context, environment)
+        if not is_upright(context.stage.GetPrimAtPath(names.ENVIRONMENT)):
+            context.notes.append(
+                f"{names.EDITS} turns the sky without its last operation, so that it lies on its "
+                f"side: end the xformOpOrder of {names.ENVIRONMENT} with {UPRIGHT!r}"
+            )
         author_portals(context)
         for name, lamp in lamps.items():
             _author_lamp(context, lamp, context.room.lights.lamps.get(name, Lamp()))

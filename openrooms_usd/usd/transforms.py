@@ -15,12 +15,12 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from openrooms_usd.usd.frames import gf_matrix
 
 # What `UsdLux.DomeLight.OrientToStageUpAxis` writes.
-_UPRIGHT: Final = "xformOp:rotateX:orientToStageUpAxis"
+UPRIGHT: Final = "xformOp:rotateX:orientToStageUpAxis"
 
 _TYPES: Final = {
     "xformOp:translate": Sdf.ValueTypeNames.Double3,
     "xformOp:rotateZ": Sdf.ValueTypeNames.Double,
-    _UPRIGHT: Sdf.ValueTypeNames.Float,
+    UPRIGHT: Sdf.ValueTypeNames.Float,
     "xformOp:transform": Sdf.ValueTypeNames.Matrix4d,
 }
 
@@ -38,7 +38,13 @@ def author_placement(prim: Usd.Prim, position: Gf.Vec3d, degrees: float) -> None
 
 def author_upright(prim: Usd.Prim, degrees: float) -> None:
     """Turn a prim whose +Y is up to +Z, then about the vertical, counter-clockwise from above."""
-    _author(prim, {"xformOp:rotateZ": degrees, _UPRIGHT: 90.0})
+    _author(prim, {"xformOp:rotateZ": degrees, UPRIGHT: 90.0})
+
+
+def is_upright(prim: Usd.Prim) -> bool:
+    """Whether the composed prim still has the operation that `author_upright` turns it up with."""
+    order = UsdGeom.Xformable(prim).GetXformOpOrderAttr().Get() or ()
+    return UPRIGHT in order
 
 
 def author_matrix(prim: Usd.Prim, parent_from_prim: NDArray[np.float64]) -> None:

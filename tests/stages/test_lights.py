@@ -84,6 +84,25 @@ def test_a_constant_sky_gives_its_lux(tmp_path: Path) -> None:
     np.testing.assert_allclose(radiance / radiance[2], [0.5, 0.7, 1.0], rtol=1e-6)
 
 
+def test_an_edit_that_lays_the_sky_on_its_side_is_noted(tmp_path: Path) -> None:
+    described = room(environment={"illuminance": 100.0})
+    _, notes = compose(tmp_path, described)
+    assert not any("lies on its side" in note for note in notes)
+    edits = Usd.Stage.Open(str(tmp_path / "layers/edits.usda"))
+    sky = UsdGeom.Xformable(edits.OverridePrim(names.ENVIRONMENT))
+    sky.GetPrim().CreateAttribute("xformOp:rotateZ", Sdf.ValueTypeNames.Double).Set(30.0)
+    order = sky.GetPrim().CreateAttribute("xformOpOrder", Sdf.ValueTypeNames.TokenArray)
+    order.Set(["xformOp:rotateZ"])
+    edits.Save()
+    _, notes = compose(tmp_path, described)
+    [note] = [note for note in notes if "lies on its side" in note]
+    assert "xformOp:rotateX:orientToStageUpAxis" in note
+    order.Set(["xformOp:rotateZ", "xformOp:rotateX:orientToStageUpAxis"])
+    edits.Save()
+    _, notes = compose(tmp_path, described)
+    assert not any("lies on its side" in note for note in notes)
+
+
 def test_a_black_night(tmp_path: Path) -> None:
     stage, _ = compose(tmp_path, room(environment={"from": "constant", "illuminance": 0}))
     assert dome(stage).radiance.tolist() == [0.0, 0.0, 0.0]
