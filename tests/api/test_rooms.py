@@ -17,6 +17,7 @@ def layers(out: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (out / "layers").glob("*.usda")}
 
 
+@pytest.mark.slow
 def test_a_dict_a_room_and_a_file_compose_alike(scene: ou.Scene, here: Path) -> None:
     file = ou.save(ROOM, "room/room.yaml")
     for number, room in enumerate((ou.load(ROOM), "room/room.yaml", file, "room")):

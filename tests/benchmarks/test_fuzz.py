@@ -41,6 +41,7 @@ def test_whatever_is_read_is_accepted_or_refused_in_a_sentence(tmp_path: Path) -
     assert {row["kind"] for row in kinds} == {kind.name for kind in KINDS} - skipped
 
 
+@pytest.mark.slow
 @linux
 def test_everything_that_goes_wrong_is_seen(tmp_path: Path) -> None:
     """The planted kinds are named by what the campaign has to say of them."""
@@ -70,6 +71,7 @@ VERDICTS = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @linux
 def test_one_case_can_be_run_again(tmp_path: Path) -> None:
     words = ("--only", "capture.boxes-csv", "--case", 7)

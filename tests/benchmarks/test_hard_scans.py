@@ -99,6 +99,7 @@ def sofa():
     return CADS["sofa"], pose, posed(samples(CADS["sofa"], 3000), pose)
 
 
+@pytest.mark.slow
 def test_fits_from_a_near_start_find_a_fully_seen_object(sofa):
     from benchmarks.scan.pose_baselines import icp, seven_degrees
     from benchmarks.scan.pose_scores import TIGHT, pose_error

@@ -24,6 +24,7 @@ def test_nothing_is_wrong_in_truth_but_what_is_said_to_be(name: str) -> None:
     assert outside == case.impossible
 
 
+@pytest.mark.slow
 def test_a_case_is_scanned_aligned_and_placed(monkeypatch: pytest.MonkeyPatch) -> None:
     small = replace(scan_contact_cases.SCANNER, frames=12, reduce=6, voxel=0.02)
     monkeypatch.setattr(scan_contact_cases, "SCANNER", small)

@@ -466,7 +466,7 @@ def test_a_read_only_disk(command: str, orusd: Any, lab: Any, tmp_path: Path) ->
         assert lab.tree(disk) == before
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["init", "import", "compose", "render", "convert"])
 def test_a_full_disk(command: str, orusd: Any, lab: Any, tmp_path: Path) -> None:
     """However small the disk is: everything is there, or nothing."""
@@ -501,7 +501,7 @@ def _fill_up(command: str, orusd: Any, lab: Any, folder: Path) -> None:
             assert lab.tree(disk) == before
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("largest", [0, 100, 2000])
 def test_a_disk_that_stops_taking_bytes(
@@ -521,6 +521,7 @@ def test_a_disk_that_stops_taking_bytes(
     assert lab.tree(out) == before
 
 
+@pytest.mark.slow
 def test_a_disk_that_takes_all_but_the_largest_picture(lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
     words = ("render", lab.scene, *lab.QUICK, "--resolution", "64x48", "-o", out)
@@ -529,6 +530,7 @@ def test_a_disk_that_takes_all_but_the_largest_picture(lab: Any, tmp_path: Path)
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_in_a_real_process(lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
     (tmp_path / "room.yaml").write_text("layout: {polygon: [[0, 0], [4, 0]]}\n")

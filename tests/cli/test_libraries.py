@@ -45,6 +45,7 @@ def test_what_is_shown() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_small_sheet(tmp_path: Path) -> None:
     pytest.importorskip("mitsuba")
     words = ["library", "sheet", "--category", "ceiling_lamp", "--category", "table"]

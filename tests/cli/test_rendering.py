@@ -167,6 +167,7 @@ def test_a_ball_on_the_floor(ball, tmp_path):
     assert 2.2 < images["distance"][12, 16, 0] < 2.8
 
 
+@pytest.mark.slow
 def test_ctrl_c_in_a_real_process(ball, tmp_path):
     pytest.importorskip("mitsuba")
     out = tmp_path / "out"

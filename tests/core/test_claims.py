@@ -201,6 +201,7 @@ def test_a_link_is_not_replaced(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "view").is_symlink()
 
 
+@pytest.mark.slow
 def test_the_lock_is_taken_by_one_of_many(tmp_path: Path) -> None:
     """Twenty processes at once: at any moment one of them is inside."""
     code = (

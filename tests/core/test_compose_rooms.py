@@ -33,6 +33,7 @@ def layers(out: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in (out / "layers").glob("*.usda")}
 
 
+@pytest.mark.slow
 def test_a_room_finds_its_files_however_it_is_given(
     described: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -54,6 +54,7 @@ def test_modules_in_the_current_folder_are_not_taken(
     assert not (tmp_path / "taken").exists()
 
 
+@pytest.mark.slow
 def test_every_byte_of_a_crate_may_be_wrong(tmp_path: Path) -> None:
     """Refused or opened and read to the end, and this process lives."""
     data = crate(tmp_path / "a.usdc").read_bytes()

@@ -43,6 +43,7 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path) -> None:
         load_room(tmp_path / ("x" * 5000))
 
 
+@pytest.mark.slow
 def test_ten_thousand_mistakes_make_a_short_message() -> None:
     objects = "\n".join(
         f"    - {{category: chair, name: chair_{i}, at: [0, 0], on: chiar_{i}}}"

@@ -93,6 +93,7 @@ json_like = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.text("abcdef", min_size=1), json_like, min_size=1))
 def test_json_means_in_yaml_what_it_means_in_json(data: dict[str, Any]) -> None:
     import json
@@ -100,6 +101,7 @@ def test_json_means_in_yaml_what_it_means_in_json(data: dict[str, Any]) -> None:
     assert read(json.dumps(data, ensure_ascii=False)) == data
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.text("abcdef", min_size=1), json_like, min_size=1))
 def test_positions_are_those_of_the_node_tree(data: dict[str, Any]) -> None:
     """PyYAML's composer says where each value stands; it is another way through the parser."""
@@ -211,6 +213,7 @@ values = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.sampled_from(SECTIONS.split()), values, min_size=1))
 def test_no_data_breaks_the_models(data: dict[str, Any]) -> None:
     try:

@@ -208,6 +208,7 @@ def test_the_categories_are_those_of_the_library() -> None:
     assert sorted(get_args(LibraryCategory)) == sorted(CATEGORIES)
 
 
+@pytest.mark.slow
 def test_ten_thousand_objects_load() -> None:
     row = "    - {category: chair, at: [1.5, 2.5], yaw: 30 deg, size: [50 cm, 50 cm, 0.9]}\n"
     room = parse_room("alignment:\n  objects:\n" + row * 10_000)

@@ -53,6 +53,7 @@ def test_every_example_is_valid(path: Path) -> None:
     assert [error.message for error in VALIDATOR.iter_errors(data_of(path))] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.parent.name)
 def test_a_typo_in_any_key_of_an_example_is_found(path: Path) -> None:
     data = data_of(path)
@@ -109,6 +110,7 @@ ODD: tuple[Any, ...] = (
 )
 
 
+@pytest.mark.slow
 @given(st.data())
 def test_schema_and_models_agree_about_single_values(data: st.DataObject) -> None:
     """One value of a good description is replaced; both must say the same about the result.

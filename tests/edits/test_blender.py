@@ -194,6 +194,7 @@ def rearranged(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
     stage.RemovePrim(find("chair_b").GetPath())
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("root", "merged"), FORMS)
 def test_what_somebody_did_is_said_in_a_few_words(place: Any, root: str, merged: bool) -> None:
     adoption = adopt(place.scene, exported(place, rearranged, root, merged=merged))
@@ -216,6 +217,7 @@ def test_what_somebody_did_is_said_in_a_few_words(place: Any, root: str, merged:
     assert stage.GetPrimAtPath("/World/Cameras/eye").GetAttribute("focalLength").Get() == 0.5
 
 
+@pytest.mark.slow
 def test_a_file_that_is_saved_over_the_scene_is_adopted_and_the_scene_restored(place: Any) -> None:
     wanted = place.scene.read_bytes()
     exported(place, rearranged).replace(place.scene)
@@ -316,6 +318,7 @@ def crate(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
     UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(paint)
 
 
+@pytest.mark.slow
 def test_new_objects_come_with_their_materials(place: Any) -> None:
     adoption = adopt(place.scene, exported(place, crate))
     assert set(changed(adoption)) == {"/World/Crate", "/World/Crate/Cube"}
@@ -330,6 +333,7 @@ def test_new_objects_come_with_their_materials(place: Any) -> None:
     assert "blender" not in place.edits.read_text()
 
 
+@pytest.mark.slow
 def test_a_copy_of_an_object_refers_to_it(place: Any) -> None:
     def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
         table = find("table")
@@ -357,6 +361,7 @@ def test_a_copy_of_an_object_refers_to_it(place: Any) -> None:
     assert errors(place) == []
 
 
+@pytest.mark.slow
 def test_below_an_instance_there_is_room_once_it_is_opened(place: Any) -> None:
     def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
         ball = UsdGeom.Sphere.Define(stage, find("sofa").GetPath().AppendChild("Ball"))
@@ -389,6 +394,7 @@ def test_lamps_and_the_sky_are_as_bright_as_in_blender(place: Any) -> None:
     np.testing.assert_allclose(after[names.ENVIRONMENT], 3 * before[names.ENVIRONMENT], rtol=1e-5)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("color", [(5000.0, 100.0, 100.0), (0.0, 0.0, 0.0)])
 def test_a_lamp_of_another_hue(place: Any, color: tuple[float, float, float]) -> None:
     def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
@@ -408,6 +414,7 @@ def test_a_lamp_of_another_hue(place: Any, color: tuple[float, float, float]) ->
     assert glow is None or tuple(glow) == pytest.approx(color, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_plain_base_colour_is_taken_over(place: Any) -> None:
     def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
         for prim in stage.Traverse():

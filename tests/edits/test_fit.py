@@ -150,6 +150,7 @@ def test_nor_is_it_named_where_somebody_has_scaled_it(place, board: Callable[...
     assert misfits_of(place.out) == []
 
 
+@pytest.mark.slow
 def test_everybody_says_it(place, board: Callable[..., None], tmp_path: Path) -> None:
     board(0.01, "Y")
     text = "is 100 times too large; it needs xformOp:rotateX:unitsResolve = 90, xformOp:scale"

@@ -89,6 +89,7 @@ def test_a_prim_that_is_gone_is_switched_off(place: Any) -> None:
     assert adopt(place.scene, flat).changes == ()
 
 
+@pytest.mark.slow
 def test_an_instance_that_was_opened_and_changed_is_opened_here_too(
     place: Any, values: Values
 ) -> None:

@@ -45,6 +45,7 @@ over "World" {
 """
 
 
+@pytest.mark.slow
 def test_each_kind_is_found_with_the_nearest_path(place: Any) -> None:
     place.write_edits(LOST)
     summary = place.compose()
@@ -65,6 +66,7 @@ def test_each_kind_is_found_with_the_nearest_path(place: Any) -> None:
     assert place.compose().orphans == summary.orphans
 
 
+@pytest.mark.slow
 def test_the_same_are_said_by_the_commands_and_by_validate(place: Any) -> None:
     place.write_edits(LOST)
     said = CliRunner().invoke(orusd, ["compose", str(place.description), "-o", str(place.out)])
@@ -101,6 +103,7 @@ def test_what_does_something_is_no_orphan(place: Any) -> None:
     assert "no orphans" in CliRunner().invoke(orusd, ["edits", "orphans", str(place.out)]).output
 
 
+@pytest.mark.slow
 def test_layers_below_the_edits_are_looked_at_too(place: Any) -> None:
     below = Sdf.Layer.CreateNew(str(place.edits.with_name("more.usda")))
     Sdf.CreatePrimInLayer(below, "/World/Furniture/stool").active = False
@@ -111,6 +114,7 @@ def test_layers_below_the_edits_are_looked_at_too(place: Any) -> None:
     assert [row.path for row in place.compose().orphans] == ["/World/Furniture/stool"]
 
 
+@pytest.mark.slow
 def test_a_renamed_object_leaves_an_orphan_and_a_new_one_does_not(place: Any) -> None:
     with place.saving(place.edits) as stage:
         stage.GetPrimAtPath("/World/Furniture/sofa").GetAttribute("xformOp:translate").Set(
@@ -129,6 +133,7 @@ def test_a_renamed_object_leaves_an_orphan_and_a_new_one_does_not(place: Any) ->
     assert tuple(sofa.GetAttribute("xformOp:translate").Get()) == (1.0, 3.0, 0.0)
 
 
+@pytest.mark.slow
 def test_paths_are_stable_when_named_objects_come_and_go(place: Any) -> None:
     def named() -> set[str]:
         stage = place.stage()

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import pytest
 from click.testing import CliRunner
 from pxr import Sdf, UsdGeom
 
@@ -27,6 +28,7 @@ def call(*words: object) -> None:
     assert done.exit_code == 0, done.output
 
 
+@pytest.mark.slow
 def test_bytes_and_time_stay_over_all_commands(place: Any) -> None:
     assert place.edits.read_text() == EMPTY
     with place.saving(place.edits) as stage:

@@ -78,6 +78,7 @@ def test_the_same_room_in_another_frame(convert, demo: Path, tmp_path: Path, sho
     compare(convert, demo, tmp_path, show, fastest)
 
 
+@pytest.mark.slow
 def test_every_room_in_another_frame(room: Path, tmp_path: Path, show, fastest) -> None:
     stage = Usd.Stage.Open(str(room))
     first = str(stage.GetPrimAtPath("/World/Cameras").GetChildren()[0].GetPath())

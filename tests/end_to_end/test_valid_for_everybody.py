@@ -9,6 +9,7 @@ from pxr import Usd, UsdGeom, UsdPhysics, Vt
 from tests.validators import LEFT_OUT, nvidia_issues
 
 
+@pytest.mark.slow
 def test_a_small_room_with_bodies(
     composed_bodies: Path, assert_valid: Callable[[Path], None]
 ) -> None:
@@ -20,11 +21,13 @@ def test_the_whole_example(demo: Path, assert_valid: Callable[[Path], None]) -> 
     assert_valid(demo)
 
 
+@pytest.mark.slow
 def test_rules_that_are_left_out_do_no_more_than_warn(composed_bodies: Path) -> None:
     found = {tuple(issue.split()[:2]) for issue in nvidia_issues(composed_bodies, without={})}
     assert found == {("WARNING", rule) for rule in LEFT_OUT}
 
 
+@pytest.mark.slow
 def test_collision_shapes_and_joints_are_looked_at(composed_bodies: Path) -> None:
     stage = Usd.Stage.Open(str(composed_bodies))
     stage.SetEditTarget(stage.GetSessionLayer())

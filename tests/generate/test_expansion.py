@@ -73,6 +73,7 @@ def test_captured_rooms_are_not_furnished() -> None:
         expanded(parse_room(text))
 
 
+@pytest.mark.slow
 def test_composing_sees_the_expanded_room(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text("room: closet\nseed: 2\nlayout: {from: generate}\n" + SMALL)
     first = compose_room(tmp_path / "room.yaml", tmp_path / "out")

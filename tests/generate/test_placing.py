@@ -29,6 +29,7 @@ def polygon(row: np.ndarray) -> shapely.Polygon:
     )
 
 
+@pytest.mark.slow
 @given(boxes, boxes)
 @settings(max_examples=300, deadline=None)
 def test_boxes_overlap_where_polygons_do(a: np.ndarray, b: np.ndarray) -> None:

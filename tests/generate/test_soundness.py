@@ -59,6 +59,7 @@ def found(text: str, folder: Path) -> list[str]:
     return checks.violations(scenes.read(scene), supports)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room_type", KINDS)
 def test_generated_rooms_are_sound(room_type: str, tmp_path: Path) -> None:
     """Small rooms, which are the crowded ones; `benchmarks.generate` checks a thousand."""

@@ -72,6 +72,7 @@ def test_each_point_is_fitted_by_itself() -> None:
     assert sg.error(light, alone) == pytest.approx(sg.error(light, sg.fit(light)), abs=5e-3)
 
 
+@pytest.mark.slow
 def test_any_number_of_threads_gives_equal_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     light = np.random.default_rng(1).random((150, 16, 32, 3)) ** 3
     found = []

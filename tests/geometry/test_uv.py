@@ -69,6 +69,7 @@ def test_faces_on_a_diagonal_keep_together_whatever_rounding_says() -> None:
     np.testing.assert_allclose(st[:-1, 2], st[1:, 3], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_million_triangles_some_of_them_degenerate() -> None:
     side = 708
     x, y = np.meshgrid(np.linspace(0, 1e3, side), np.linspace(0, 1e3, side), indexing="ij")

@@ -204,6 +204,7 @@ def test_a_furnished_corner_wins_over_bare_walls() -> None:
     assert np.degrees(np.arccos(towards @ best.forwards[0])) < 30.0
 
 
+@pytest.mark.slow
 def test_selection_gives_as_many_as_asked_and_always_the_same() -> None:
     caster = RayCaster(*cuboids(ROOM, TABLE))
     candidates = sample_views(SQUARE, 0.0, 150, np.random.default_rng(8))

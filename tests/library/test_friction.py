@@ -69,6 +69,7 @@ def test_blending_in_closed_form():
     assert float(far) == pytest.approx(0.4) and float(variance) == pytest.approx(0.08)
 
 
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("substance", SUBSTANCES)
 def test_no_value_beyond_what_is_known(mapping, substance):
     albedo, roughness = random_looks(300)
@@ -80,6 +81,7 @@ def test_no_value_beyond_what_is_known(mapping, substance):
     assert (found.spread > 0.05).all() and (found.spread < 0.5).all()
 
 
+@pytest.mark.slow
 def test_a_reference_draws_its_own_looks_to_itself(mapping):
     drawn, deaf = [], Mapping(ROWS, bandwidth=np.inf)
     for row in ROWS:
@@ -92,6 +94,7 @@ def test_a_reference_draws_its_own_looks_to_itself(mapping):
     assert np.mean(drawn) < -0.005
 
 
+@pytest.mark.slow
 def test_the_shipped_table_is_what_is_made():
     data, file = table_bytes(), shipped.FILE.read_bytes()
     made = np.load(io.BytesIO(data), allow_pickle=False)

@@ -107,6 +107,7 @@ CLAIMS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("claim", sorted(CLAIMS))
 def test_what_a_glb_claims_is_weighed(tmp_path: Path, claim: str) -> None:
     header, data = boxed()

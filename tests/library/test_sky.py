@@ -58,6 +58,7 @@ def test_the_disk_has_the_energy_of_the_sun(height: int, elevation: float, angle
     assert np.count_nonzero(disk) > 0 and (disk >= 0).all()
 
 
+@pytest.mark.slow
 def test_the_disk_is_as_wide_as_the_sun() -> None:
     """Its mean square distance from the middle is half its radius squared; edges are soft."""
     height, radius = 1440, math.radians(0.2666)

@@ -153,6 +153,7 @@ def room_with_a_hole(build: Any, *, sky: bool) -> Any:
     return made
 
 
+@pytest.mark.slow
 def test_sky_through_a_rectangle_is_an_aperture_before_a_panel(build: Any, lit: Any) -> None:
     names = ("direct_i", "irradiance_i", "radiance_i", "unoccluded_i")
     seen = ("position", "normal_geometric")

@@ -63,6 +63,7 @@ def rendered(file: Path, out: Path, **how: Any) -> tuple[dict[str, Any], dict[st
     return stored, view["channels"]
 
 
+@pytest.mark.slow
 def test_what_was_no_number_is_counted_in_every_channel(
     file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -96,6 +97,7 @@ def test_what_was_no_number_is_counted_in_every_channel(
     ]
 
 
+@pytest.mark.slow
 def test_an_error_is_reached_by_each_kind_of_pass_alone(file: Path, tmp_path: Path) -> None:
     _, said = rendered(file, tmp_path / "out", channels=[*LIT], error=2e-2)
     for name in ("radiance", "irradiance", "environment"):
@@ -106,6 +108,7 @@ def test_an_error_is_reached_by_each_kind_of_pass_alone(file: Path, tmp_path: Pa
     assert samples["direct_0"] < samples["irradiance"]
 
 
+@pytest.mark.slow
 def test_time_is_spread_over_the_kinds_of_passes(
     file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -142,6 +145,7 @@ def test_what_is_made_of_others_is_what_the_files_say(file: Path, tmp_path: Path
         )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_lambertian_surfaces_have_no_specular_part_and_glossy_ones_do(
     half_hidden: Any, lit: Any, tmp_path: Path
 ) -> None:

@@ -48,7 +48,7 @@ def assert_alike(a: Passes, b: Passes) -> None:
     assert (np.abs(difference) <= 5.0 * error + 1e-9).all()
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize(
     ("name", "bounces"),
     [("mirror", 7), ("door ajar", 7), ("two openings", 7), ("slit", 7), ("50 lamps", 7),

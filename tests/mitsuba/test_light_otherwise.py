@@ -60,6 +60,7 @@ def framed(made: Any, center: Array, size: tuple[float, float], outwards: float)
     made.camera(eye, center, up=(0, 1, 0), fov=float(fov), aspect=size[0] / size[1])
 
 
+@pytest.mark.slow
 def test_a_lamp_and_a_patch_are_reciprocal(build: Any, lit: Any) -> None:
     """The flux from one to the other is the same both ways, past what stands between."""
     ends = [(np.array([0.0, 0.0, -1.0]), (0.8, 0.6)), (np.array([0.3, 0.5, 0.8]), (0.4, 0.3))]

@@ -73,6 +73,7 @@ def test_the_estimated_error_is_the_error_that_was_made(
             assert 0.56 * made - 1e-9 <= said <= 1.56 * made + 1e-9, (single, said, made)
 
 
+@pytest.mark.slow
 def test_cutting_a_render_into_passes_and_bands_is_no_more_than_another_noise(
     session: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -91,6 +91,7 @@ def assert_alike(a: Passes, b: Passes) -> None:
     assert np.mean(z**2) < 2.2
 
 
+@pytest.mark.slow
 def test_the_sum_is_what_mitsubas_own_integrator_gives(build: Any, lit: Any, sun: str) -> None:
     """The z of every block of pixels, by independent passes of both."""
     from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
@@ -114,6 +115,7 @@ def test_kinds_and_lights_are_two_ways_to_add_up_the_same(build: Any, lit: Any, 
     assert all(part.max() > 0.0 for part in (*kinds, *lights[:2]))
 
 
+@pytest.mark.slow
 def test_a_light_that_is_off_is_dark_and_changes_no_other(build: Any, lit: Any) -> None:
     both, one = (passes(integrator_of(lit(little_room(build, lamp=nits)))) for nits in (50.0, 0.0))
     # After the three kinds: the lamp, the window, the rest.
@@ -143,6 +145,7 @@ def test_bands_and_passes_agree_within_their_noise(
     assert_alike(whole[:, 3:].sum(axis=1), many[:, :3].sum(axis=1))
 
 
+@pytest.mark.slow
 def test_a_white_first_surface_receives_what_lambert_sends(build: Any, lit: Any, sun: str) -> None:
     """irradiance x base_color / pi = direct + indirect where everything is exactly Lambertian."""
     from openrooms_usd.render.scene.first_hits import first_hits

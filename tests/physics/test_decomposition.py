@@ -145,7 +145,7 @@ print(digest(collision_shapes([part(l_shape())], {method!r}, 0.03)))
 """
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["auto", "coacd", "vhacd"])
 def test_bytes_are_equal_in_other_processes_and_with_other_threads(method: str) -> None:
     here = str(Path(__file__).parent)
@@ -163,6 +163,7 @@ def test_bytes_are_equal_in_other_processes_and_with_other_threads(method: str) 
     assert len(found) == 1
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("method", ["auto", "coacd", "vhacd", "hull", "box"])
 def test_every_method_covers_and_states_its_error(method: str) -> None:
     mesh = l_shape()
@@ -218,6 +219,7 @@ def test_what_stands_inside_a_rim_is_not_lifted() -> None:
     assert 0.01 - 1e-6 <= highest <= 0.012
 
 
+@pytest.mark.slow
 def test_hundreds_of_components_apart() -> None:
     cells = [(x, y) for x in range(20) for y in range(20)]
     cubes = [box(0.05, 0.05, 0.05, at=(0.1 * x, 0.1 * y, 0.0)) for x, y in cells]

@@ -48,6 +48,7 @@ def test_a_side_at_the_wall_that_nobody_saw_is_at_the_wall() -> None:
     assert errors(with_wall.pose, true.pose())[2] < 0.05 < errors(without.pose, true.pose())[2]
 
 
+@pytest.mark.slow
 def test_a_chair_under_a_table_keeps_its_place() -> None:
     chair = Placed(CHAIR, (0.0, 0.15, 0.0), 0.1)
     table = Placed(TABLE, (0.0, 0.45, 0.0), 0.0)
@@ -64,6 +65,7 @@ def test_a_chair_under_a_table_keeps_its_place() -> None:
         assert scale < 0.05
 
 
+@pytest.mark.slow
 def test_labels_that_are_wrong_in_a_tenth_of_the_points_do_not_matter() -> None:
     chair, cabinet = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7), Placed(CABINET, (0.85, 0.75, 0.0), 0.7)
     cloud = scan([chair, cabinet], SENSOR_ORIGINS)

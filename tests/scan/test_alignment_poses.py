@@ -93,7 +93,7 @@ def test_a_noisy_pose_becomes_the_true_one(seed: int) -> None:
         assert one.coverage > 0.7
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_box_gives_pose_and_heading(seed: int) -> None:
     turns = {"table": (0, 2), "cabinet": (0, 2)}
@@ -121,6 +121,7 @@ def test_the_upright_axis_is_found_where_no_index_states_it() -> None:
         assert turn @ up == pytest.approx([0.0, 0.0, 1.0], abs=1e-9), one.cad
 
 
+@pytest.mark.slow
 def test_labelled_points_alone_find_cad_and_pose() -> None:
     plain = [
         cad("chair_a", CHAIR), cad("chair_tall", CHAIR, scale=np.array([1.0, 1.0, 0.6])),
@@ -135,6 +136,7 @@ def test_labelled_points_alone_find_cad_and_pose() -> None:
     assert found.objects[1].symmetry == "2"
 
 
+@pytest.mark.slow
 def test_equal_input_gives_equal_bits() -> None:
     hints = [Hint(1, cad="chair", pose=noisy(SCENE["chair"].pose(), 4))]
     one, other = (align(seen(), hints, models(), [room()]).objects[0] for _ in range(2))

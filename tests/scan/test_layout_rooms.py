@@ -90,6 +90,7 @@ def test_a_corridor_seen_through_a_door_is_not_the_room():
     assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.04
 
 
+@pytest.mark.slow
 def test_two_rooms_are_two_polygons():
     door, other = (1, 1.0, 1.9, 0.0, 2.05), ((4.35, 0.2), (7.3, 0.2), (7.3, 3.4), (4.35, 3.4))
     first = RoomScan(RECTANGLE, holes=(door,)).cloud()
@@ -100,6 +101,7 @@ def test_two_rooms_are_two_polygons():
         assert min(corner_error(corners[:, :2], truth) for _, corners in found) < 0.04
 
 
+@pytest.mark.slow
 def test_thirty_percent_outliers():
     cloud = RoomScan(RECTANGLE, boxes=FURNITURE).cloud()
     rng = np.random.default_rng(1)
@@ -116,6 +118,7 @@ def test_what_a_mirror_shows_is_not_the_room():
     assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.05
 
 
+@pytest.mark.slow
 def test_ceilings_that_slope_or_are_missing_have_no_height():
     cloud = RoomScan(RECTANGLE, ceiling=False).cloud()
     assert only(cloud)[0].ceiling is None
@@ -125,6 +128,7 @@ def test_ceilings_that_slope_or_are_missing_have_no_height():
     assert only(Cloud(np.concatenate([low, slope])))[0].ceiling is None
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("gable", [False, True])
 def test_slopes_of_a_ceiling_are_measured(gable):
     walls = RoomScan(RECTANGLE, ceiling=False, height=3.4).cloud()
@@ -163,6 +167,7 @@ def test_a_partial_view_is_closed_on_request():
     assert len(room.guessed) == 3
 
 
+@pytest.mark.slow
 def test_simplicity_drops_corners():
     cloud = RoomScan(ROOMS["pier"]).cloud()
     counts = [

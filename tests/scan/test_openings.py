@@ -95,6 +95,7 @@ def test_wrong_labels_on_a_flat_wall_are_no_window() -> None:
     assert window.wall == 1
 
 
+@pytest.mark.slow
 def test_a_fifth_of_the_labels_wrong() -> None:
     cloud = room([*WINDOWED, *PASSAGE, *CLOSED])
     assert cloud.label is not None

@@ -46,6 +46,7 @@ def test_guessed_walls_are_dashed() -> None:
     assert 0.62 * whole < dashed < 0.82 * whole
 
 
+@pytest.mark.slow
 def test_doors_are_drawn_in_their_wall() -> None:
     pixels = drawn(a_room(openings=(DOOR,)))
     without = drawn(a_room())

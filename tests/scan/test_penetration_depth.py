@@ -97,6 +97,7 @@ def test_parts_that_overlap_count_once() -> None:
     np.testing.assert_allclose(both.high, 2.0)
 
 
+@pytest.mark.slow
 def test_random_furniture_agrees_with_fcl() -> None:
     rng = np.random.default_rng(3)
     names, counts = ["table", "chair", "bookshelf", "box"], [0, 0]

@@ -72,6 +72,7 @@ def settled() -> Placement:
     return place(disturbed(furnished(), 1), MODELS, [HALL])
 
 
+@pytest.mark.slow
 def test_fifty_disturbed_objects() -> None:
     truth, result = furnished(), settled()
     before = disturbed(truth, 1)

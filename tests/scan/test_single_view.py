@@ -38,6 +38,7 @@ def view() -> Cloud:
     )
 
 
+@pytest.mark.slow
 def test_the_room_reaches_to_the_camera() -> None:
     found = find_rooms(view(), LayoutOptions(partial=True))
     (room,) = found.rooms

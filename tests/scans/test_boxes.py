@@ -134,6 +134,7 @@ def test_what_is_far_away_gets_an_origin_of_its_own(tmp_path: Path) -> None:
     assert found[:3] == pytest.approx(far[0]["center"], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_ten_thousand_boxes_are_read(tmp_path: Path) -> None:
     rows = "".join(
         f"o{i},chair,{i % 100},{i // 100},0,0.5,0.5,0.9,{i % 360}\n" for i in range(10_000)

@@ -112,6 +112,7 @@ def test_headers_of_arrays(tmp_path: Path, header: bytes, says: str) -> None:
     refused(tmp_path / "a.npz", npz(npy(header)), says)
 
 
+@pytest.mark.slow
 def test_arrays_that_unfold_without_end(tmp_path: Path) -> None:
     rows = 1 << 24
     header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows}, 3)}}".encode()
@@ -210,6 +211,7 @@ def test_descriptions_of_e57_declare_no_entities(tmp_path: Path) -> None:
     refused(path, bytes(data), "ends too early")
 
 
+@pytest.mark.slow
 def test_matrices_are_of_numbers(tmp_path: Path) -> None:
     nested = np.empty(1, object)
     nested[0] = np.eye(3)

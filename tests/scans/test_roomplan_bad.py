@@ -91,6 +91,7 @@ def test_curves_of_nonsense_are_named(scanner) -> None:
         assert "walls[0].curve" in str(refused(scanner.write(data)).place)
 
 
+@pytest.mark.slow
 def test_ten_thousand_objects_and_openings_are_read(scanner) -> None:
     data = scanner.room(CORNERS, 2.5)
     chair = scanner.box("chair", [1, 1, 0.4], [0.5, 0.5, 0.8], 0)

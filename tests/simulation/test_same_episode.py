@@ -106,6 +106,7 @@ def seen(path: Path, world: World, simulation: object, look: str | None = None) 
     return cameras.see(simulation, camera, (RGB, "depth"))["onlooker"]  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_another_light_shows_the_same_episode(
     composed_bodies: Path, world: World, tmp_path: Path
 ) -> None:

@@ -27,6 +27,7 @@ def room(composed_bodies: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
     return Path(shutil.copytree(composed_bodies.parent, folder)) / composed_bodies.name
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ENGINES)
 def test_nothing_placed_moves_more_than_5_mm(room: Path, engine: str, tmp_path: Path) -> None:
     settled = settle(room, engine=engine, out=tmp_path / "settled.usda")
@@ -36,6 +37,7 @@ def test_nothing_placed_moves_more_than_5_mm(room: Path, engine: str, tmp_path: 
     assert not settled.held
 
 
+@pytest.mark.slow
 def test_engines_agree_where_things_rest(room: Path, tmp_path: Path) -> None:
     """Within 2 mm, through the URDF files of one and the MJCF file of the other."""
     world = read_world(open_stage(room))
@@ -50,6 +52,7 @@ def test_engines_agree_where_things_rest(room: Path, tmp_path: Path) -> None:
         assert np.linalg.norm(a[:3, 3] - b[:3, 3]) < 2e-3
 
 
+@pytest.mark.slow
 def test_the_layer_lies_in_the_room_and_a_second_run_writes_the_same(room: Path) -> None:
     layer = room.parent / "layers" / "settled.usda"
     first = settle(room, engine="mujoco", seconds=0.2)
@@ -60,6 +63,7 @@ def test_the_layer_lies_in_the_room_and_a_second_run_writes_the_same(room: Path)
     assert layer.read_bytes() == text
 
 
+@pytest.mark.slow
 def test_edits_stay_above_and_are_what_is_simulated(room: Path, tmp_path: Path) -> None:
     """A lamp that a person has lifted falls; the layer brings it down from there."""
     edits = tmp_path / "lifted.usda"

@@ -93,6 +93,7 @@ def test_views_are_where_the_description_says() -> None:
     assert door.exposure == pytest.approx(1 / (1.2 * 2**7), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_names_are_given_or_the_next_free() -> None:
     stage = room_stage()
     look = {"eye": [1, 1, 1.5], "target": [4, 3, 0.5]}
@@ -137,6 +138,7 @@ def test_under_a_low_ceiling_eyes_stay_below_it() -> None:
     assert max(heights) <= 1.25
 
 
+@pytest.mark.slow
 def test_the_seed_decides_and_the_bytes_are_the_same() -> None:
     texts = []
     for seed in (1, 1, 2):
@@ -146,6 +148,7 @@ def test_the_seed_decides_and_the_bytes_are_the_same() -> None:
     assert texts[0] == texts[1] != texts[2]
 
 
+@pytest.mark.slow
 def test_each_selection_draws_its_own_candidates() -> None:
     stage = room_stage()
     author(stage, {"from": "select", "count": 1}, {"from": "select", "count": 1})
@@ -153,6 +156,7 @@ def test_each_selection_draws_its_own_candidates() -> None:
     assert not np.allclose(first, second)
 
 
+@pytest.mark.slow
 def test_edits_below_count() -> None:
     """What a person moved into the way is in the way."""
     stage = room_stage()
@@ -185,6 +189,7 @@ def test_a_room_without_space_is_framed_with_a_note() -> None:
     assert "framed" in context.notes[0]
 
 
+@pytest.mark.slow
 def test_many_triangles_are_chosen_by_their_boxes(monkeypatch: pytest.MonkeyPatch) -> None:
     stage = room_stage()
     exact = author(stage, {"from": "select", "count": 3})

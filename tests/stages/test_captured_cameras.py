@@ -70,6 +70,7 @@ def cameras_of(stage: Usd.Stage) -> dict[str, Usd.Prim]:
     return {prim.GetName(): prim for prim in stage.GetPrimAtPath("/World/Cameras").GetChildren()}
 
 
+@pytest.mark.slow
 def test_a_point_is_seen_in_the_pixel_of_the_photograph(tmp_path: Path) -> None:
     capture(tmp_path)
     stage = compose(tmp_path, "{from: capture}")
@@ -91,6 +92,7 @@ def test_a_point_is_seen_in_the_pixel_of_the_photograph(tmp_path: Path) -> None:
         assert point == pytest.approx((ON_FLOOR - [0, 0, 40]) / 100.0, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_names_sources_and_every(tmp_path: Path) -> None:
     capture(tmp_path)
     views = "[{from: capture, every: 3}, {from: select, count: 1}]"
@@ -117,6 +119,7 @@ def test_a_room_from_no_capture_has_no_photographs(tmp_path: Path) -> None:
         compose(tmp_path, "{from: capture, every: 33}")
 
 
+@pytest.mark.slow
 def test_a_changed_pose_runs_the_stage_again(tmp_path: Path) -> None:
     capture(tmp_path)
     eyes = []

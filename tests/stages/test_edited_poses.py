@@ -23,6 +23,7 @@ MOVED = ["/World/Room/Openings/door", "/World/Room/Openings/door/Leaf", "/World/
          "/World/Cameras/eye", "/World/Lights/Portals/door"]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", MOVED)
 def test_a_moved_prim_stays_where_it_was_put(tmp_path: Path, path: str) -> None:
     description = tmp_path / "room.yaml"

@@ -208,6 +208,7 @@ def test_more_objects_change_nothing_of_the_others(tmp_path: Path, plain: Usd.St
         assert material_of(stage, path).GetPath() == material_of(plain, path).GetPath()
 
 
+@pytest.mark.slow
 def test_bytes_never_depend_on_workers_or_on_what_was_there(tmp_path: Path) -> None:
     def digests(folder: Path) -> dict[str, str]:
         files = sorted(path for path in (folder / "layers").rglob("*") if path.is_file())

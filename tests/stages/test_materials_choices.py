@@ -66,6 +66,7 @@ def test_a_room_has_what_its_type_usually_has(tmp_path: Path) -> None:
     assert said(stage, names.CEILING, "category") == "paint"
 
 
+@pytest.mark.slow
 def test_one_material_can_be_named_and_is_the_same_everywhere(tmp_path: Path) -> None:
     terrazzo = {"family": "terrazzo", "number": 5, "size": "2 m"}
     stage = compose(
@@ -153,6 +154,7 @@ def split_chair(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_parts_of_one_kind_share_a_material(split_chair: Path) -> None:
     stage = compose(split_chair, room("chair.obj", overrides={"thing": {"leg": "metal"}}))
     by_kind: dict[str, set[str]] = {}
@@ -168,6 +170,7 @@ def test_parts_of_one_kind_share_a_material(split_chair: Path) -> None:
     assert said(stage, f"{THING}/leg_8", "category") == "metal"
 
 
+@pytest.mark.slow
 def test_annotations_say_what_numbered_parts_are(split_chair: Path) -> None:
     (split_chair / "ann.txt").write_text("# 3\n0 6\n1 8 8\n2 9\n", encoding="utf-8")
     given = {"annotations": {"thing": "ann.txt"}, "overrides": {"thing": {"part1": "leather"}}}

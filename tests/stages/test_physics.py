@@ -220,6 +220,7 @@ def test_what_moves_in_one_thing_passes_the_rest_of_it(stage: Usd.Stage) -> None
     assert filtered(leaf) == {str(p.GetPath()) for p in colliders - own}
 
 
+@pytest.mark.slow
 def test_an_opened_drawer_counts_from_where_it_is(tmp_path: Path) -> None:
     stage, _ = compose(tmp_path)
     board = next(b for b in read_world(stage).bodies if b.name == "board")

@@ -60,6 +60,7 @@ def edited(folder: Path, stage: Usd.Stage) -> Sdf.Layer:
     return layer
 
 
+@pytest.mark.slow
 def test_an_object_weighs_grips_and_stays_as_it_is_told(tmp_path: Path) -> None:
     objects = {"one": {"mass": "12 kg", "friction": 0.2}, "two": {"body": "fixed"}}
     usual = bodies(compose(tmp_path / "usual", described())[0])["one"].links[0]
@@ -114,6 +115,7 @@ def test_another_look_has_another_mass_and_friction(tmp_path: Path) -> None:
     assert bodies(stage)["two"].links[0].mass is not None
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("scale", [(2.0, 1.0, 1.0), (-1.0, 1.0, 1.0), (1.0, -2.0, 0.5)])
 def test_scaled_and_mirrored_roots_weigh_what_their_meshes_do(
     tmp_path: Path, scale: tuple[float, float, float]
@@ -149,6 +151,7 @@ def test_scaled_and_mirrored_roots_weigh_what_their_meshes_do(
     np.testing.assert_allclose(np.sort(moments), np.linalg.eigvalsh(link.mass.inertia), rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_what_people_edit_survives_the_next_run(tmp_path: Path) -> None:
     stage, _ = compose(tmp_path, described(repeats=2))
     layer = edited(tmp_path, stage)
@@ -173,6 +176,7 @@ def test_what_people_edit_survives_the_next_run(tmp_path: Path) -> None:
     assert notes == ["two: deactivated, so it has no physics"]
 
 
+@pytest.mark.slow
 def test_repeats_are_worked_out_once_and_the_workers_change_no_byte(tmp_path: Path) -> None:
     contents = []
     for workers in (1, 3):
@@ -189,6 +193,7 @@ def test_repeats_are_worked_out_once_and_the_workers_change_no_byte(tmp_path: Pa
     assert len({root.GetPrototype().GetPath() for root in roots}) == 1
 
 
+@pytest.mark.slow
 def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) -> None:
     source = tmp_path / "room.yaml"
     source.write_text("alignment: {objects: []}\nphysics: {shapes: hull}\n")

@@ -29,6 +29,7 @@ def cache(tmp_path, monkeypatch):
     monkeypatch.setattr(ahead, "_WORTH", 1)
 
 
+@pytest.mark.slow
 def test_what_one_process_takes_no_other_searches(monkeypatch):
     taken = []
     monkeypatch.setattr(ahead, "_search", lambda _, queue: taken.append(os.read(queue, 3)))

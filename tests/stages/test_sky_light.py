@@ -42,6 +42,7 @@ def file(folder: Path) -> Path:
     return found
 
 
+@pytest.mark.slow
 def test_it_is_stored_in_nits_of_a_float(tmp_path: Path) -> None:
     pixels = stored(tmp_path)
     assert pixels.shape == (720, 1440, 3) and pixels.dtype == np.float32
@@ -50,6 +51,7 @@ def test_it_is_stored_in_nits_of_a_float(tmp_path: Path) -> None:
     assert 40e3 < horizontal_illuminance(pixels) < 110e3
 
 
+@pytest.mark.slow
 def test_equal_moments_give_equal_bytes_and_names(tmp_path: Path) -> None:
     stored(tmp_path / "a", utc_offset=2)
     stored(tmp_path / "b", utc_offset=2)
@@ -60,11 +62,13 @@ def test_equal_moments_give_equal_bytes_and_names(tmp_path: Path) -> None:
     assert file(tmp_path / "a").name != b.name
 
 
+@pytest.mark.slow
 def test_a_stated_illuminance_is_what_arrives(tmp_path: Path) -> None:
     pixels = stored(tmp_path, illuminance=5000, date="2026-12-24", time="23:00")
     assert horizontal_illuminance(pixels) == pytest.approx(5000, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_dome_is_not_turned_but_the_picture_is(tmp_path: Path) -> None:
     """Turning north by a quarter moves the sun by a quarter of the columns to the left."""
     rows_columns = [

@@ -110,6 +110,7 @@ def test_instances_stay_and_no_body_moves_inside_one(copied: tuple[Path, Report]
         assert material.GetPrim().HasAPI(UsdPhysics.MaterialAPI)
 
 
+@pytest.mark.slow
 def test_another_process_writes_the_same_bytes(
     composed_bodies: Path, copied: tuple[Path, Report], tmp_path: Path
 ) -> None:
@@ -124,6 +125,7 @@ def contents(folder: Path) -> dict[Path, bytes]:
     }
 
 
+@pytest.mark.slow
 def test_coefficients_stay_on_request(composed_bodies: Path, tmp_path: Path) -> None:
     stage = open_stage(composed_bodies)
     UsdPhysicsExporter().convert(stage, tmp_path, {"roots": False})

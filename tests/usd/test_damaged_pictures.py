@@ -37,6 +37,7 @@ def test_pixels_that_the_bytes_cannot_hold_take_no_memory(
     assert read_codes(str(path)) is None
 
 
+@pytest.mark.slow
 def test_a_large_picture_of_one_colour_is_read(tmp_path: Path) -> None:
     import OpenImageIO
 
