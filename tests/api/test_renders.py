@@ -128,6 +128,7 @@ def test_what_a_renderer_can_be_asked_for_reaches_it(scene: ou.Scene, here: Path
             ask(scene, here / "none", options={"varant": "llvm"}, **given)  # type: ignore[operator]
 
 
+@pytest.mark.slow
 def test_a_probe_is_read_like_a_render(scene: ou.Scene, here: Path) -> None:
     seen: list[float] = []
     probes = ou.probe(

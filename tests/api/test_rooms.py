@@ -91,6 +91,7 @@ def test_what_has_no_physics_is_named(scene: ou.Scene) -> None:
         assert refused.value.place == str(scene.path)
 
 
+@pytest.mark.slow
 def test_edits_are_kept_and_dropped(here: Path) -> None:
     scene = ou.compose(ROOM, "out")
     untouched = scene.edits.read_bytes()

@@ -319,6 +319,7 @@ def Xform "World"
 """
 
 
+@pytest.mark.slow
 def test_what_a_stage_lacks_is_reported(orusd: Any, lab: Any, tmp_path: Path) -> None:
     stage, out = tmp_path / "holes.usda", tmp_path / "out"
     stage.write_text(HOLES)

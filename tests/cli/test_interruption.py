@@ -36,7 +36,7 @@ def slow_room(lab: Any, tmp_path: Path) -> Path:
     return room
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("reached", ["edits", "layout", "alignment", "materials"])
 def test_a_new_composition(reached: str, slow_room: Path, lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"

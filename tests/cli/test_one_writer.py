@@ -44,7 +44,7 @@ def test_two_rooms_at_once(orusd: Any, lab: Any, slow_room: Path, tmp_path: Path
     assert lab.tree(out) == lab.tree(alone)
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(36)
 @pytest.mark.parametrize(
     "command", ["compose", "import", "render", "dataset", "edits adopt", "simulate"]
 )

@@ -70,6 +70,7 @@ def board(place):
     return write
 
 
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("metres", [0.01, 0.0254, 1.0])
 @pytest.mark.parametrize("up", ["Y", "Z"])
 def test_it_stands_as_it_is_meant(
@@ -98,6 +99,7 @@ PLACED = [
 ]
 
 
+@pytest.mark.slow
 def test_where_somebody_put_it_stays_in_metres(place, board: Callable[..., None]) -> None:
     """Their order of operations leaves out that of the file, whose name they use themselves."""
     board(0.01, "Y", written(PLACED))
@@ -114,6 +116,7 @@ RAISED = ("double", "xformOp:rotateX", "90")
 MATRIX = "((0.01, 0, 0, 0), (0, 0, 0.01, 0), (0, -0.01, 0, 0), (4, 2, 0, 1))"
 
 
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize(
     ("operations", "missing"),
     [
@@ -168,6 +171,7 @@ def test_everybody_says_it(place, board: Callable[..., None], tmp_path: Path) ->
     assert place.compose().notes == ()
 
 
+@pytest.mark.slow
 def test_what_else_the_edits_say_stays(place, board: Callable[..., None]) -> None:
     board(0.01, "Y", extra='\n instanceable = true\n customData = { string who = "me" }')
     before = Sdf.Layer.FindOrOpen(str(place.edits)).ExportToString()
@@ -180,6 +184,7 @@ def test_what_else_the_edits_say_stays(place, board: Callable[..., None]) -> Non
     assert layer.ExportToString() == before
 
 
+@pytest.mark.slow
 def test_a_scan_of_an_iphone_stands_up(place, real: Callable[[str], Path]) -> None:
     """What RoomPlan exports has Y up and is in metres."""
     (place.out / "props").mkdir()

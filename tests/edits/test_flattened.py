@@ -42,6 +42,7 @@ def some(stage: Usd.Stage) -> None:
     UsdGeom.Cube.Define(stage, "/World/Crate").CreateSizeAttr(0.5)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("stack", [True, False])
 def test_an_unchanged_room_gives_no_edit(place: Any, stack: bool) -> None:
     before = place.tree()
@@ -52,6 +53,7 @@ def test_an_unchanged_room_gives_no_edit(place: Any, stack: bool) -> None:
     assert place.tree() == before
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("stack", [True, False])
 @pytest.mark.parametrize("over", [True, False])
 def test_only_what_differs_moves(place: Any, values: Values, stack: bool, over: bool) -> None:
@@ -75,6 +77,7 @@ def test_only_what_differs_moves(place: Any, values: Values, stack: bool, over: 
     assert len(place.edits.read_text()) < 1500
 
 
+@pytest.mark.slow
 def test_a_prim_that_is_gone_is_switched_off(place: Any) -> None:
     flat = flatten(place, nothing)
     layer = Sdf.Layer.FindOrOpen(str(flat))
@@ -110,6 +113,7 @@ def test_an_instance_that_was_opened_and_changed_is_opened_here_too(
     assert place.compose().orphans == ()
 
 
+@pytest.mark.slow
 def test_what_has_no_place_of_its_own_is_left_and_said(place: Any) -> None:
     flat = flatten(place, nothing)
     layer = Sdf.Layer.FindOrOpen(str(flat))
@@ -145,6 +149,7 @@ def test_a_file_without_this_room_is_refused(place: Any) -> None:
         adopt(place.scene)
 
 
+@pytest.mark.slow
 def test_a_flattened_file_that_does_not_say_its_axes_is_refused(place: Any) -> None:
     flat = flatten(place, some)
     flat.write_text(flat.read_text().replace('    upAxis = "Z"\n', "", 1))

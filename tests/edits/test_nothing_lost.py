@@ -56,6 +56,7 @@ def test_edits_that_cannot_be_read_are_named_and_stay(place: Any, data: bytes) -
     assert place.tree() == before
 
 
+@pytest.mark.slow
 def test_layers_on_top_keep_their_times_and_define_nothing_twice(place: Any) -> None:
     extra = Sdf.Layer.CreateNew(str(place.out / "mine.usda"))
     spec = Sdf.CreatePrimInLayer(extra, SOFA)

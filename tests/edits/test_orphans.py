@@ -87,6 +87,7 @@ def test_the_same_are_said_by_the_commands_and_by_validate(place: Any) -> None:
     assert wanted <= findings
 
 
+@pytest.mark.slow
 def test_what_does_something_is_no_orphan(place: Any) -> None:
     with place.saving(place.edits) as stage:
         sofa = stage.GetPrimAtPath("/World/Furniture/sofa")
@@ -156,6 +157,7 @@ def test_a_folder_without_a_room_is_refused(tmp_path: Any) -> None:
         orphans_of(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_thousand_orphans_are_counted_and_only_some_have_hints(place: Any) -> None:
     layer = Sdf.Layer.FindOrOpen(str(place.edits))
     with Sdf.ChangeBlock():

@@ -18,6 +18,7 @@ from openrooms_usd.generate.shell import shell_of
 SMALL = "materials: {resolution: 16}\n"
 
 
+@pytest.mark.slow
 def test_a_generated_layout_brings_furniture() -> None:
     room = expanded(parse_room("room: bedroom\nseed: 4\nlayout: {from: generate}\n"))
     same = parse_room(write(generate("bedroom", 4)))

@@ -71,10 +71,12 @@ def test_generated_rooms_are_sound(room_type: str, tmp_path: Path) -> None:
         assert found(write(room), tmp_path / str(seed)) == []
 
 
+@pytest.mark.slow
 def test_a_plain_room_is_sound(tmp_path: Path) -> None:
     assert found(PLAIN.format(**GOOD), tmp_path) == []
 
 
+@pytest.mark.one_in(10)
 @pytest.mark.parametrize("name", PLANTED)
 def test_what_is_planted_is_found(name: str, tmp_path: Path) -> None:
     change, wanted = PLANTED[name]
@@ -82,6 +84,7 @@ def test_what_is_planted_is_found(name: str, tmp_path: Path) -> None:
     assert any(problem.startswith(wanted) for problem in problems), problems
 
 
+@pytest.mark.slow
 def test_cut_off_doors_and_walled_in_beds_are_found(tmp_path: Path) -> None:
     row = "    - {{name: wall_{i}, category: wardrobe, at: [3, {y}], size: [1, 0.6, 2], yaw: 90}}\n"
     across = "".join(row.format(i=i, y=0.6 + 0.95 * i) for i in range(4)).replace("{{", "{")
@@ -89,6 +92,7 @@ def test_cut_off_doors_and_walled_in_beds_are_found(tmp_path: Path) -> None:
     assert "some doors are cut off from others" in found(text, tmp_path)
 
 
+@pytest.mark.slow
 def test_one_inside_another_is_found(tmp_path: Path) -> None:
     text = PLAIN.format(**GOOD) + (
         "    - {name: carton, category: box, at: [3.5, 1], size: [1, 1, 1]}\n"

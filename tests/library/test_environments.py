@@ -78,6 +78,7 @@ def test_the_sun_stands_where_it_should_and_adds_its_lux() -> None:
     assert lux == pytest.approx(20_000.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_the_zenith_has_the_luminance_of_the_paper() -> None:
     """Preetham et al. 1999, A.2, worked by hand for turbidity 3 and the sun 60 degrees down."""
     sky = make_sky(height=512, turbidity=3.0, sun_elevation=30.0, sun_illuminance=0.0).astype(float)

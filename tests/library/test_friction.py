@@ -69,7 +69,7 @@ def test_blending_in_closed_form():
     assert float(far) == pytest.approx(0.4) and float(variance) == pytest.approx(0.08)
 
 
-@pytest.mark.one_in(9)
+@pytest.mark.one_in(81)
 @pytest.mark.parametrize("substance", SUBSTANCES)
 def test_no_value_beyond_what_is_known(mapping, substance):
     albedo, roughness = random_looks(300)

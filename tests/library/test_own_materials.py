@@ -240,6 +240,7 @@ def test_constants() -> None:
             from_constants(mistake)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["wood-floor-43", "tiles", "gold"])
 def test_real_folders(name: str, real: Callable[[str], Path]) -> None:
     material = read_material(real(f"pbr_ambientcg/{name}"), physical_size=1.0)

@@ -79,6 +79,7 @@ def test_metalness_is_one_or_nothing(name: str) -> None:
         assert metallic.min() < 0.05 < 0.5 < metallic.max()
 
 
+@pytest.mark.slow
 def test_holes_of_a_perforated_sheet_have_their_share() -> None:
     """Circles of 5 mm, 8 mm apart: 20 columns of them, and 24 rows where 23.1 would be regular."""
     solid = FAMILIES["perforated_sheet"].make(order(0.16, 1024)).metallic

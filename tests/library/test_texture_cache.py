@@ -120,6 +120,7 @@ def test_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert cache_folder() == tmp_path / ".cache/openrooms_usd/textures"
 
 
+@pytest.mark.slow
 def test_many_writers_at_once(folder: Path) -> None:
     results: list[list[bytes]] = []
 

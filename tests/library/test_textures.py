@@ -32,6 +32,7 @@ def digest(made: textures.TextureSet) -> str:
     return hashlib.sha256(b"".join(field.tobytes() for field in fields)).hexdigest()
 
 
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("name", SEVERAL)
 def test_name_and_number_say_which(name: str) -> None:
     digests = [digest(textures.make(name, n, resolution=64)) for n in (4, 4, 5)]
@@ -55,6 +56,7 @@ def test_a_colour_changes_nothing_but_the_colour(name: str) -> None:
     assert dyed.roughness.mean() / 255.0 == pytest.approx(0.6, abs=0.05)
 
 
+@pytest.mark.slow
 def test_files_are_equal_in_another_process(tmp_path: Path) -> None:
     program = (
         "import sys; from pathlib import Path\n"

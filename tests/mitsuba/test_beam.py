@@ -64,6 +64,7 @@ def test_an_even_sky_has_no_beam() -> None:
 PLACES = [(0.0, 0.5, -0.6), (0.0, -3.0, 0.0), (0.0, 3.0, 0.0)]
 
 
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("share", [None, 0.3, 0.99])
 @pytest.mark.parametrize("at", PLACES, ids=["sun", "shadow", "outside"])
 def test_samples_add_up_to_all_the_light(

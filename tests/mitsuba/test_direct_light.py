@@ -87,6 +87,7 @@ def test_a_sphere_gives_pi_l_r_squared_over_d_squared(build: Any, lit: Any) -> N
     assert abs(found[:, 1].mean() - expected) < 4.0 * spread + 2e-3 * expected
 
 
+@pytest.mark.slow
 def test_the_lights_add_up_to_the_path_tracer(build: Any, lit: Any) -> None:
     from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
@@ -197,6 +198,7 @@ def window_room(build: Any, *, sky: bool) -> Any:
     return made
 
 
+@pytest.mark.slow
 def test_sky_through_a_rectangle_is_a_lamp_in_its_place(build: Any, lit: Any) -> None:
     by_lamp = lit(window_room(build, sky=False).stage)
     by_sky = lit(window_room(build, sky=True).stage)

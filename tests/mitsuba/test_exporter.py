@@ -48,6 +48,7 @@ def room(build, save_picture, folder):
     return made.stage
 
 
+@pytest.mark.one_in(2)
 def test_mitsuba_loads_the_file_and_sees_the_same(build, shoot, save_picture, tmp_path, variant):
     stage = room(build, save_picture, tmp_path)
     ours = shoot(stage, "radiance", width=64, height=48, samples=64).images["radiance"]

@@ -60,6 +60,7 @@ CONVEX = {
 }
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("kind", CONVEX)
 def test_alone_in_an_empty_convex_room_a_lamp_is_seen_whole(
     build: Any, lit: Any, kind: str

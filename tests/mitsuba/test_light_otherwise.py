@@ -24,6 +24,7 @@ def test_a_convex_lamp_does_not_shine_on_itself(build: Any, lit: Any, turned: fl
         assert found[name].max() < 1e-9 * NITS, name
 
 
+@pytest.mark.slow
 def test_what_stands_between_is_left_out_of_unoccluded_light(build: Any, lit: Any) -> None:
     """unoccluded_i is what path tracing finds once the board is gone."""
     pictures = []

@@ -127,6 +127,7 @@ def room(build: Any, save_picture: Any, folder: Any) -> Any:
     return made.stage
 
 
+@pytest.mark.slow
 def test_one_bsdf_or_many_give_the_same_picture(
     build: Any, save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
 ) -> None:

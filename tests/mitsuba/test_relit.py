@@ -69,6 +69,7 @@ CASES = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("case", CASES)
 def test_relit_agrees_with_a_fresh_render(build: Any, case: str) -> None:
     if variants.choose("auto").variant == "scalar_rgb":
@@ -115,6 +116,7 @@ def corner(build: Any, *, boxed: bool, sky: float = 500.0) -> Any:
     return room.stage
 
 
+@pytest.mark.slow
 def test_a_window_alone_is_a_hole_in_a_black_box(build: Any) -> None:
     """Brighter sky in the window, none elsewhere: as an aperture of black walls lets it in."""
     if variants.choose("auto").variant == "scalar_rgb":

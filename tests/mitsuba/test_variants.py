@@ -20,12 +20,14 @@ def python(code, **environment):
     ).stdout.split()
 
 
+@pytest.mark.slow
 def test_importing_the_adapter_imports_no_renderer():
     loaded = python("import orusd_mitsuba, sys; print(*sys.modules)")
     assert "orusd_mitsuba" in loaded
     assert not {"mitsuba", "drjit", "pxr", "numpy.testing", "scipy"} & set(loaded)
 
 
+@pytest.mark.slow
 def test_without_a_usable_llvm_the_scalar_backend_is_chosen_with_advice():
     code = "from orusd_mitsuba import variants as v; b = v.choose(); print(b.variant, b.advice)"
     chosen, *advice = python(code, **{variants.LIBRARY: "/nowhere/libLLVM.so"})
@@ -33,6 +35,7 @@ def test_without_a_usable_llvm_the_scalar_backend_is_chosen_with_advice():
     assert chosen == "cuda_ad_rgb" or "libllvm19;" in advice
 
 
+@pytest.mark.slow
 def test_asking_for_llvm_where_there_is_none_names_the_remedy():
     code = (
         "from orusd_mitsuba import variants as v\n"

@@ -100,6 +100,7 @@ def test_a_second_write_gives_the_same_bytes(render: RenderedScene, tmp_path: Pa
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
 
 
+@pytest.mark.slow
 def test_frames_count_from_where_one_says(render: RenderedScene, tmp_path: Path) -> None:
     write([render], tmp_path, first=1)
     assert write([render], tmp_path, first=3).frames == {"main_xml": [3, 4]}
@@ -118,6 +119,7 @@ def test_zero_is_the_first_of_sets_rendered_again(render: RenderedScene, tmp_pat
     assert len(read_cameras(tmp_path / "scenes/xml/scene0000_00/cam.txt")) == 2
 
 
+@pytest.mark.slow
 def test_scenes_gather_in_the_lists(render: RenderedScene, tmp_path: Path) -> None:
     write([render], tmp_path, scene="scene0001_00")
     write([render], tmp_path, scene="scene0000_00")

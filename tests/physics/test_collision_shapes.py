@@ -40,7 +40,7 @@ def farthest_outside(points: np.ndarray, meshes: list[trimesh.Trimesh]) -> float
     return float(away.max())
 
 
-@pytest.mark.one_in(16)
+@pytest.mark.one_in(64)
 @pytest.mark.parametrize("category", list(MOST))
 def test_shapes_are_few_and_within_the_tolerance_both_ways(category: str) -> None:
     found = shapes_of(category)

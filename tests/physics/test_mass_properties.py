@@ -110,6 +110,7 @@ def test_axes_of_repeated_moments_hang_on_the_body_and_not_on_its_last_bits(quat
     np.testing.assert_allclose(rebuilt, tensor, atol=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(
     st.lists(st.tuples(numbers, numbers, numbers), min_size=4, max_size=30, unique=True),

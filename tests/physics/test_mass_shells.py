@@ -68,6 +68,7 @@ def test_a_wall_that_fills_its_body_is_the_body(wall):
     np.testing.assert_array_equal(found.inertia, full.inertia)
 
 
+@pytest.mark.slow
 def test_no_shell_is_heavier_than_its_solid_and_thicker_ones_are_heavier():
     ball, ring = trimesh.creation.icosphere(2, 0.2), trimesh.creation.torus(0.4, 0.05)
     rod, pill = trimesh.creation.cylinder(0.02, 0.7), trimesh.creation.capsule(0.5, 0.1)

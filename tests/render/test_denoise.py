@@ -87,6 +87,7 @@ def test_a_black_picture_stays_black(denoiser: Denoiser) -> None:
     assert not denoiser.denoise(np.zeros((*SIZE, 3), np.float32), guides()).any()
 
 
+@pytest.mark.slow
 def test_the_number_of_threads_changes_no_byte(denoiser: Denoiser) -> None:
     pixels = noisy()
     script = (

@@ -92,6 +92,7 @@ def test_values_that_half_cannot_hold_are_counted(renderer, scene, tmp_path):
     assert bad == np.count_nonzero(~np.isfinite(stored)) > 0
 
 
+@pytest.mark.slow
 def test_two_runs_give_the_same_bytes(renderer, scene, tmp_path, snapshot):
     outs = [tmp_path / "here", tmp_path / "elsewhere" / "there"]
     for out in outs:

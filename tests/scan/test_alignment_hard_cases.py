@@ -35,6 +35,7 @@ def near(pose: Pose) -> Pose:
     )
 
 
+@pytest.mark.slow
 def test_a_side_at_the_wall_that_nobody_saw_is_at_the_wall() -> None:
     """The CAD has other sizes, and only the wall can tell the depth."""
     true = Placed(CABINET, (0.5, 1.77, 0.0), 0.0, "Z", np.array([0.85, 1.3, 1.1]))
@@ -83,6 +84,7 @@ def test_labels_that_are_wrong_in_a_tenth_of_the_points_do_not_matter() -> None:
     assert scale < 0.05
 
 
+@pytest.mark.slow
 def test_a_cad_in_millimetres_is_scaled() -> None:
     true = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7, "Y", 0.001)
     cloud = scan([true], SENSOR_ORIGINS)
@@ -96,6 +98,7 @@ def test_a_cad_in_millimetres_is_scaled() -> None:
     assert scale < 0.05
 
 
+@pytest.mark.slow
 def test_what_stands_on_a_table_ends_at_its_top() -> None:
     thing = (((-0.15, -0.10, 0.0), (0.15, 0.10, 0.35)), ((-0.15, 0.05, 0.35), (0.15, 0.10, 0.5)))
     table, box = Placed(TABLE, (0.0, 0.6, 0.0), 0.2), Placed(thing, (0.1, 0.6, 0.74), 0.2)
@@ -142,6 +145,7 @@ def test_a_cad_that_is_nowhere_near_is_refused() -> None:
     assert "does not fit" in found.rejected[0].reason
 
 
+@pytest.mark.slow
 def test_points_without_instances_are_cut_out_by_the_hint() -> None:
     chair = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7)
     cloud = scan([chair], SENSOR_ORIGINS)

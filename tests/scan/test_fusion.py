@@ -122,6 +122,7 @@ def test_a_flying_pixel_beside_a_drop_out_goes_too(mirrored: bool) -> None:
     assert set(np.round(cloud.points[:, 2], 3)) == {1.0}
 
 
+@pytest.mark.slow
 def test_voxels_that_few_frames_saw_can_be_dropped() -> None:
     all_of_them = fuse(shots(8)).cloud
     often = fuse(shots(8), FusionOptions(frames=2)).cloud

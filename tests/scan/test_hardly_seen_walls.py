@@ -33,6 +33,7 @@ def found(cloud: Cloud) -> list[np.ndarray]:
     return [room.found(stand).corners[:, :2] for room in rooms]
 
 
+@pytest.mark.slow
 def test_a_block_whose_side_nobody_saw_is_no_floor():
     scan = RoomScan(BLOCK, missing=(2,), boxes=((3.1, 1.2, 0.7, 0.6, 0.0, 0.9),))
     cloud = scan.cloud()

@@ -80,6 +80,7 @@ def test_dense_half_does_not_tilt_the_floor():
     assert_floor(level(mixed), np.eye(4))
 
 
+@pytest.mark.slow
 def test_thirty_percent_outliers():
     cloud = ROOM.cloud()
     rng = np.random.default_rng(2)

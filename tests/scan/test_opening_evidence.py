@@ -55,6 +55,7 @@ def through(cloud: Cloud, moved: np.ndarray) -> np.ndarray:
     return np.asarray(seen[inside])
 
 
+@pytest.mark.slow
 def test_a_mirror_is_no_window() -> None:
     cloud = room([HOLE], labels=False)
     assert len(find_openings(cloud, CORNERS, HEIGHT)) == 1
@@ -102,6 +103,7 @@ def test_a_small_flat_window_has_corners_and_a_blob_of_wrong_labels_none() -> No
     assert spans(find_openings(round_one, CORNERS, HEIGHT), 1) == []
 
 
+@pytest.mark.slow
 def test_the_sides_of_a_hole_are_enough_to_name_it() -> None:
     cloud = room([HOLE, *CLOSED])
     y, z = np.meshgrid([2.0, 1.0], np.arange(1.0, 1.9, 0.01))

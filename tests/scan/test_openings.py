@@ -152,6 +152,7 @@ def test_boards_around_a_door_are_not_the_door() -> None:
     assert without_casing(grid, board) == board
 
 
+@pytest.mark.slow
 def test_two_windows_stay_two() -> None:
     pair = [
         *frame_of(0, (0.5, 1.5), (0.9, 2.1), depth=0.08, label=WINDOW),
@@ -169,6 +170,7 @@ def test_openings_keep_away_from_the_corners() -> None:
     assert x.max() == pytest.approx(2.95)
 
 
+@pytest.mark.slow
 def test_what_turns_with_the_room_is_found_in_it() -> None:
     cloud, angle = room([*WINDOWED, *PASSAGE], labels=False), np.radians(33.0)
     matrix = np.eye(4)
@@ -182,6 +184,7 @@ def test_what_turns_with_the_room_is_found_in_it() -> None:
         np.testing.assert_allclose(in_wall(a), in_wall(b, corners), atol=0.03)
 
 
+@pytest.mark.slow
 def test_the_same_scan_gives_the_same_bits() -> None:
     cloud = room([*WINDOWED, *PASSAGE])
     first, second = (find_openings(cloud, CORNERS, HEIGHT) for _ in range(2))

@@ -40,6 +40,7 @@ def drawn(room: FoundRoom, *objects: FoundObject) -> np.ndarray:
     return overlay(points(), [room], objects, bounds)[:, :WIDTH]
 
 
+@pytest.mark.slow
 def test_guessed_walls_are_dashed() -> None:
     whole, dashed = (count(drawn(a_room(guessed)), WALL_COLOR) for guessed in ((), (0, 2)))
     # The two long walls lose about 9/20 of their ink.
@@ -57,6 +58,7 @@ def test_doors_are_drawn_in_their_wall() -> None:
     assert np.ptp(columns) == pytest.approx(SCALE, rel=0.1)
 
 
+@pytest.mark.slow
 def test_objects_turn_with_their_pose() -> None:
     sizes = []
     for angle in (0.0, 90.0):
@@ -89,6 +91,7 @@ def test_nothing_at_all_is_a_picture_too(tmp_path: Path) -> None:
         assert (tmp_path / "empty.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_the_same_plan_has_the_same_bytes(tmp_path: Path) -> None:
     for name in ("a.png", "b.png"):
         write_overlay(tmp_path / name, points(), [a_room((1,), (DOOR,))])

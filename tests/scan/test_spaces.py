@@ -1,6 +1,7 @@
 """Rooms end at walls: not where little was seen, nor at what stands or hangs free."""
 
 import numpy as np
+import pytest
 
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import surfels
@@ -65,6 +66,7 @@ def test_a_lamp_below_the_ceiling_leaves_the_room_whole():
     assert corner_error(corners, np.array(SQUARE)) < 0.04
 
 
+@pytest.mark.slow
 def test_a_wall_that_was_missed_stands_behind_the_floor_that_ends_in_waves():
     cloud = RoomScan(SQUARE, missing=(1,)).cloud()
     end = 4.2 - 0.04 - 0.25 * np.abs(np.sin(3.0 * cloud.points[:, 1]))

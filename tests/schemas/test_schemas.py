@@ -141,6 +141,7 @@ def run_plain(code: str, **environment: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 def test_what_is_authored_is_the_same_without_the_plugin() -> None:
     without = run_plain(AUTHOR)
     assert run_plain("import orusd_schemas\n" + AUTHOR) == without

@@ -156,6 +156,7 @@ def test_a_recorded_episode_on_another_floor(world: World, engine: str) -> None:
     assert ways[1] < 0.7 * ways[0]
 
 
+@pytest.mark.slow
 def test_another_friction_is_another_episode_and_the_same_one_is_the_same(world: World) -> None:
     first, _ = episode(world)
     again, _ = episode(world)

@@ -111,6 +111,7 @@ def test_frames_that_do_not_exist_or_go_round_are_refused() -> None:
         stands(item("a", 0, 0, relative_to="b"), item("b", 0, 0, relative_to="a"))
 
 
+@pytest.mark.slow
 def test_ten_thousand_objects_in_a_chain_and_on_walls() -> None:
     chain = [item("o0", 0.0, 0.0)]
     chain += [item(f"o{i}", 0.001, 0.0, relative_to=f"o{i - 1}") for i in range(1, 5000)]

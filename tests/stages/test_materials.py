@@ -318,6 +318,7 @@ def test_human_bindings_stay(tmp_path: Path) -> None:
     assert written.GetPrimAtPath(names.FLOOR) is None
 
 
+@pytest.mark.slow
 def test_an_override_outdoes_the_subsets_of_a_mesh(tmp_path: Path) -> None:
     layers = tmp_path / names.LAYERS
     layers.mkdir()

@@ -81,6 +81,7 @@ def test_the_dome_is_not_turned_but_the_picture_is(tmp_path: Path) -> None:
     assert step == pytest.approx(360, abs=2)
 
 
+@pytest.mark.slow
 def test_the_sun_stands_over_the_right_wall(tmp_path: Path) -> None:
     """At ten in April in Munich it is in the south-east: right and behind one who faces +Y."""
     pixels = stored(tmp_path, utc_offset="Europe/Berlin") @ WEIGHTS

@@ -59,7 +59,7 @@ def compiled(room: Room, monkeypatch: pytest.MonkeyPatch) -> Any:
     return model
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(9)
 def test_masses_agree_and_loading_is_silent(
     room: Room, client: int, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -82,7 +82,7 @@ def test_masses_agree_and_loading_is_silent(
         assert {path: found[path] for path in given} == pytest.approx(given, rel=1e-6)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(9)
 def test_nothing_explodes_in_bullet(room: Room, client: int) -> None:
     bodies = load_bullet(room.folder / "urdf", client)
     free = [bodies[body.name].number for body in room.world.bodies if not body.fixed]

@@ -29,6 +29,7 @@ def copied(composed_bodies: Path, tmp_path_factory: pytest.TempPathFactory) -> t
     return folder, report
 
 
+@pytest.mark.slow
 def test_the_copy_says_the_same_of_every_body(
     composed_bodies: Path, copied: tuple[Path, Report]
 ) -> None:
