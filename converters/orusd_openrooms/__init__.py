@@ -5,6 +5,8 @@
 ``cameras``, ``lights`` and ``unoccluded``, and the forms ``rgbe``, ``images``, ``binary``,
 ``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code with the
 writers, and opens pickles by the core's ``unpickling``.
+
+``records`` reads what a manifest says of lights, ``resampling`` brings pictures to other sizes.
 """
 
 from orusd_openrooms.dataset import OpenRoomsDataset

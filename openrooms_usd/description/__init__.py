@@ -1,4 +1,12 @@
-"""room.yaml: its models, how it is read, and its JSON Schema."""
+"""room.yaml: its models, how it is read, and its JSON Schema.
+
+- `syntax`, `scalars`, `reading`: YAML with places; `units`, `moments`, `nearest`: single values;
+- `model`, `room`: the models, by section `layout`, `polygon`, `captured`, `scanned`, `generate`,
+  `alignment`, `materials`, `lights`, `cameras`, `physics`;
+- `categories`, `families`, `substances`: the names that may be used; `naming`: of what has none;
+- `mistakes`, `diagnosis`: what is wrong, in words; `files`, `data`: of a file, of Python;
+- `schema`: the JSON Schema.
+"""
 
 from openrooms_usd.description.alignment import named_objects
 from openrooms_usd.description.files import dump_room, load_room, parse_room

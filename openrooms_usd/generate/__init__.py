@@ -1,4 +1,10 @@
-"""Rooms from nothing: pure functions of a room type, a seed and a few wishes."""
+"""Rooms from nothing: pure functions of a room type, a seed and a few wishes.
+
+- `boxes`, `polygons`, `shell`, `openings`: the empty room; `sizes`, `shapes`, `items`, `kit`: what
+  may stand in it; `groups`, `programs`: what belongs together, and what a type of room wants;
+- `standing`, `floor`, `placement`, `walls`: where it stands and hangs; `rooms`: all of it;
+- `describing`, `writing`, `folders`: as text; `expansion`: inside a description; `statistics`.
+"""
 
 from openrooms_usd.generate.expansion import expanded
 from openrooms_usd.generate.rooms import Generated, generate

@@ -1,1 +1,9 @@
-"""Pure arrays in, arrays out: knows no USD and no renderer."""
+"""Pure arrays in, arrays out: knows no USD and no renderer.
+
+- `vectors`, `rows`, `rotations`, `quaternions`: the basics; `mesh`, `topology`, `normals`,
+  `triangulation`, `raycast`: meshes; `uv`, `uvquality`, `unwrap`: texture coordinates;
+- `curves`, `polygons`, `floorplan`, `views`, `framing`, `pinhole`: the plan, and cameras in it;
+- `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `openings`, `shell`,
+  `leaves`, `doors`, `windows`: a room of them;
+- `hemisphere`, `spherical_harmonics`, `lobe_pursuit`, `spherical_gaussians`: light by direction.
+"""

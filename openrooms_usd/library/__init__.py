@@ -1,1 +1,7 @@
-"""Furniture, materials and environments: made by rules, published as USD assets."""
+"""Furniture, materials and environments: made by rules, published as USD assets.
+
+- furniture: `furniture`, `assets`, `construction`, `finishes`;
+- materials: `textures`, `assignment`, `friction`, `ownmaterials`;
+- surroundings: `solar`, `sunlight`, `skylight`, `sky`, `panorama`, `environments`, `pictures`;
+- models of others: `pieces`, `wavefront`, `gltf`, `usdfile`, `meshfile`, `cads`.
+"""

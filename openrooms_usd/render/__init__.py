@@ -6,6 +6,8 @@ its light and the core's exact channels together, ``shading``, ``friction`` and 
 others of them, and ``run`` writes. The files are ``exr``, ``previews`` (with ``color``), ``sheet``,
 ``manifest`` and the ``folder`` of them all. ``reading`` and ``manifest_schema`` give finished
 renders back and trust no file; ``relight``, ``probes``, ``datasets`` and ``coco`` use them.
+
+Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors, ``fits`` and ``lights``.
 """
 
 from openrooms_usd.render.contract import (

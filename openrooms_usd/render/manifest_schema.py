@@ -104,7 +104,7 @@ class _Part(BaseModel):
 
 
 class GaussianEntry(_Part):
-    """`openrooms_usd.render.lights.Gaussian` as it is written."""
+    """`openrooms_usd.render.scene.lights.Gaussian` as it is written."""
 
     name: LobeName
     amplitude: _Color

@@ -2,6 +2,8 @@
 
 `exhibits` chooses, `studio` composes and arranges them, `sheet` renders and tiles the pictures;
 `balls` and `materialsheet` do the same for materials.
+
+``photograph`` renders what stands in the studio.
 """
 
 from openrooms_usd.showroom.exhibits import Exhibit, exhibits

@@ -1,1 +1,10 @@
-"""The stages: each reads the composed stage below it and writes one layer."""
+"""The stages: each reads the composed stage below it and writes one layer.
+
+- `base`, `runner`, `draft`, `reports`: the contract, what runs one, where its layer waits;
+- `captures`, `captured`, `scanned`: what comes from a capture or a scan;
+- `layout` (`openings`, `surroundings`);
+- `alignment` (`catalogue`, `placement`, `poses`, `tops`, `following`, `substitutes`, `aligned`,
+  `furnished`);
+- `materials` (`swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);
+- `lights` (`daylight`, `glow`); `cameras` (`photographs`, `exposure`); `physics`.
+"""

@@ -2,6 +2,9 @@
 
 Admitted are numbers, texts, lists, tuples, dictionaries, and the four calls by which numpy stores
 numeric arrays and scalars. Every other name or instruction is an error, whatever it would do.
+
+`admitted`: the calls that are no error; `archives`: ZIP archives, opened by the one door;
+`arrays`: sizes and shapes, weighed before memory is taken.
 """
 
 import pickletools

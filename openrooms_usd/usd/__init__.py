@@ -1,1 +1,9 @@
-"""Authoring and reading USD by concept; knows no stage of the pipeline and no renderer."""
+"""Authoring and reading USD by concept; knows no stage of the pipeline and no renderer.
+
+- opening: `crates`, `crate_reader`, `preflight`, `diagnostics`; `layers`, `activation`, `outside`;
+- places: `frames`, `metrics`, `transforms`, `placements`, `settled`;
+- surfaces: `traversal`, `gprims`, `tessellation`, `meshes`;
+- materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;
+- light: `photometry`, `emitters`, `lightreader`, `lights`, `portals`; `cameras`;
+- meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.
+"""

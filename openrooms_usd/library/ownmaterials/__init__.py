@@ -2,6 +2,11 @@
 
 `read_material` chooses the reader by what lies at the path. What a file says and we cannot is never
 lost in silence: `OwnMaterial.losses` has a sentence for it.
+
+- `folders`, `naming`, `signals`, `images`: maps in a folder; `normalmaps`, `sizes`, `licences`:
+  what their files do not say;
+- `materialx`, `mtlxtext`, `shadings`: MaterialX; `constants`: numbers alone;
+- `material`: the one form of all; `publishing`: written as a material of ours.
 """
 
 from pathlib import Path

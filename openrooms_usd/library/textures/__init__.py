@@ -4,6 +4,9 @@ Each module of a substance has its families (`family.Family`); `catalogue` finds
 `storage` writes what they make, `cache` remembers it. The arithmetic is in double precision and
 draws only uniform numbers, so that the integers stored are the same on machines whose elementary
 functions differ in the last place.
+
+`base` is what all share; `fabric`, `leather`, `metal`, `paint`, `plastic`, `rough_stone`, `rubber`,
+`specular_stone` and `wood` are the substances.
 """
 
 from openrooms_usd.library.textures.base.family import Color, Family, Order, Use

@@ -1,4 +1,7 @@
-"""Stone, brick and concrete that scatter light: masonry, castings and slabs without polish."""
+"""Stone, brick and concrete that scatter light: masonry, castings and slabs without polish.
+
+`brick`, `masonry`: laid; `concrete`: cast and scraped; `quarried`: slabs without polish.
+"""
 
 from typing import Final
 

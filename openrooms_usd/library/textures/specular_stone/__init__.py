@@ -1,4 +1,7 @@
-"""Stone, ceramics and glass that shine: polished slabs, ground composites, glazed tiles."""
+"""Stone, ceramics and glass that shine: polished slabs, ground composites, glazed tiles.
+
+`veins`: polished slabs; `aggregates`: composites that were ground; `tiles`: glazed and polished.
+"""
 
 from typing import Final
 
