@@ -15,7 +15,7 @@ from openrooms_usd.edits.fitting import misfits_of
 from openrooms_usd.edits.foreign import refuse_foreign
 from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, OutputError, StageError, printable
-from openrooms_usd.progress import Progress, part, silent
+from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.draft import Draft, drafting
 from openrooms_usd.stages.reports import gather
@@ -96,7 +96,8 @@ def compose_room(
         usdz: Also write ``scene.usdz``, everything in one file.
         include_outside: Whether files outside ``out`` may go into these files.
         workers: Threads that a stage may use; all cores by default. The bytes never depend on it.
-        progress: Called with each stage's name and the finished fraction of all stages.
+        progress: Called with each stage's name, and the step where it tells its steps, and the
+            finished fraction of all stages.
 
     Returns:
         What was done.
@@ -124,7 +125,8 @@ def compose_room(
             runner.create_edits(draft)
             summaries = []
             for index, stage in enumerate(chosen):
-                share = part(progress, stage.name, index, len(chosen))
+                begin, end = index / len(chosen), (index + 1) / len(chosen)
+                share = nested(progress, stage.name, begin, end)
                 summaries.append(_run(stage, room, source, draft, workers, share))
             runner.write_scene(draft)
             if any(summary.state == "written" for summary in summaries):
@@ -179,18 +181,19 @@ def _run(
     source: Path,
     draft: Draft,
     workers: int | None,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> StageSummary:
     """Run a stage, unless its layer is up to date."""
     started = time.perf_counter()
-    progress(0.0)
+    progress("", 0.0)
     wanted = base.fingerprint(stage, room, source, draft.layer)
     notes: Sequence[str] = ()
     state: State = "unchanged"
     if not runner.is_current(stage, wanted, draft):
         state = "written"
-        notes = runner.run(stage, room, source, draft, wanted, workers or os.cpu_count() or 1)
-    progress(1.0)
+        threads = workers or os.cpu_count() or 1
+        notes = runner.run(stage, room, source, draft, wanted, threads, progress)
+    progress("", 1.0)
     return StageSummary(stage.name, state, time.perf_counter() - started, tuple(notes))
 
 

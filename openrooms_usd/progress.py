@@ -23,3 +23,20 @@ def part(progress: Progress, what: str, index: int, count: int) -> Callable[[flo
         Called with the finished fraction of the part.
     """
     return lambda fraction: progress(what, (index + min(max(fraction, 0.0), 1.0)) / count)
+
+
+def nested(progress: Progress, what: str, begin: float, end: float) -> Progress:
+    """The progress of a part that has steps of its own, as that of the whole.
+
+    Args:
+        progress: Of the whole.
+        what: What this part works on; empty: its steps say enough.
+        begin: The fraction of the whole at which it starts, from 0 to 1.
+        end: The fraction at which it ends.
+    """
+
+    def told(step: str, fraction: float) -> None:
+        done = begin + (end - begin) * min(max(fraction, 0.0), 1.0)
+        progress(": ".join(filter(None, (what, step))), done)
+
+    return told

@@ -30,7 +30,8 @@ def about_z(radians: float) -> Array:
 def _about(axis: int, radians: float) -> Array:
     matrix = np.eye(3)
     j, k = (axis + 1) % 3, (axis + 2) % 3
-    matrix[np.ix_((j, k), (j, k))] = in_plan(radians)
+    c, s = np.cos(radians), np.sin(radians)
+    matrix[j, j], matrix[j, k], matrix[k, j], matrix[k, k] = c, -s, s, c
     return matrix
 
 

@@ -17,6 +17,7 @@ from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.untrusted import check_path, kind_of
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ class StageContext:
         folder: ``layers/<stage name>``, for the files that only this layer refers to. Asset paths
             in the layer are relative to the layer: ``./<stage name>/<file>``.
         workers: How many threads the stage may use. The result never depends on it.
+        progress: Called with the step, and the finished fraction of the stage, where it takes long.
         notes: Sentences for the user: what was approximated or guessed.
     """
 
@@ -46,6 +48,7 @@ class StageContext:
     stage: "Usd.Stage"
     folder: Path
     workers: int = 1
+    progress: Progress = silent
     notes: list[str] = field(default_factory=list)
     _kept: set[str] = field(default_factory=set)
 

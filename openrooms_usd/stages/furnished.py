@@ -56,7 +56,12 @@ def furnish(
     scanned = scanned_room(context, layout)
     shelf = _Shelf(context, alignment, scanned)
     found = find_furniture(
-        scanned.layout, shelf.models, shelf.hints(alignment.objects), shelf.categories
+        scanned.layout,
+        shelf.models,
+        shelf.hints(alignment.objects),
+        shelf.categories,
+        context.workers,
+        context.progress,
     )
     keep_report(context, furniture_report(found, scanned.scan_from_level))
     bounds = {model.id: model.extent for model in shelf.models}

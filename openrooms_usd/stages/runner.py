@@ -11,6 +11,7 @@ from pxr import Sdf, Tf, Usd, UsdMedia, Vt
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import StageError, writing
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.stages.base import Stage, StageContext
 from openrooms_usd.stages.draft import Draft
 from openrooms_usd.usd import activation
@@ -75,7 +76,13 @@ def _record(layer: Sdf.Layer, stage: str) -> dict[str, Any]:
 
 
 def run(
-    stage: Stage, room: Room, source: Path, draft: Draft, fingerprint: str, workers: int
+    stage: Stage,
+    room: Room,
+    source: Path,
+    draft: Draft,
+    fingerprint: str,
+    workers: int,
+    progress: Progress = silent,
 ) -> Sequence[str]:
     """Author one stage's layer into a draft.
 
@@ -86,6 +93,7 @@ def run(
         draft: The composition that it is for.
         fingerprint: What the layer is written from; stored in it.
         workers: Threads that the stage may use.
+        progress: Called with the step and the finished fraction of the stage.
 
     Returns:
         Notes for the user.
@@ -102,7 +110,7 @@ def run(
             position = names.STAGES.index(stage.name)
             weaker = [draft.layer(name) for name in reversed(names.STAGES[:position])]
             with usd_layers.stacked(layer, [edits], weaker) as composed:
-                context = StageContext(room, source, composed, folder, workers)
+                context = StageContext(room, source, composed, folder, workers, progress)
                 stage.author(context)
                 _write_authorship(composed, stage.name, room, fingerprint)
             kept = set(context.kept())

@@ -137,8 +137,17 @@ def test_labelled_points_alone_find_cad_and_pose() -> None:
 
 
 @pytest.mark.slow
-def test_equal_input_gives_equal_bits() -> None:
-    hints = [Hint(1, cad="chair", pose=noisy(SCENE["chair"].pose(), 4))]
-    one, other = (align(seen(), hints, models(), [room()]).objects[0] for _ in range(2))
-    assert one.pose.translation.tobytes() == other.pose.translation.tobytes()
-    assert one.pose.scale.tobytes() == other.pose.scale.tobytes()
+def test_equal_input_gives_equal_bits_with_any_number_of_workers() -> None:
+    hints = [
+        Hint(i, cad=name, pose=noisy(one.pose(), i)) for i, (name, one) in enumerate(SCENE.items())
+    ]
+    one, other = (align(seen(), hints, models(), [room()], workers=count) for count in (1, 3))
+    assert [thing.cad for thing in one.objects] == [thing.cad for thing in other.objects]
+    for first, second in zip(one.objects, other.objects, strict=True):
+        assert first.pose.matrix.tobytes() == second.pose.matrix.tobytes()
+
+
+def test_every_object_is_told_in_order() -> None:
+    told: list[tuple[str, float]] = []
+    align(seen(), [Hint(90), Hint(91)], models(), progress=lambda *step: told.append(step))
+    assert told == [("object 1 of 2", 0.5), ("object 2 of 2", 1.0)]

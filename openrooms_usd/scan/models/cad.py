@@ -123,10 +123,11 @@ def _exposed(
     front, back = np.zeros((2, len(points)), dtype=np.bool_)
     for direction in _DIRECTIONS:
         side = np.sign(normals @ direction)
-        starts = points + (1e-4 * size) * side[:, None] * normals
-        free = ~caster.occluded(starts, np.broadcast_to(direction, points.shape))
-        front |= free & (side > 0)
-        back |= free & (side < 0)
+        unknown = np.flatnonzero(((side > 0) & ~front) | ((side < 0) & ~back))
+        starts = points[unknown] + (1e-4 * size) * side[unknown, None] * normals[unknown]
+        free = unknown[~caster.occluded(starts, np.broadcast_to(direction, starts.shape))]
+        front[free[side[free] > 0]] = True
+        back[free[side[free] < 0]] = True
     return front, back
 
 

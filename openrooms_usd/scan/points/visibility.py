@@ -49,15 +49,14 @@ class Panoramas:
             normals: (N, 3) unit, outward.
             two_sided: (N,) whether the back may be seen too.
         """
+        sight = self.sensor_origins[:, None] - points
+        distance = np.sqrt(np.einsum("vij,vij->vi", sight, sight))
+        cosine = np.einsum("vij,ij->vi", sight, normals) / np.maximum(distance, 1e-9)
+        sensor, row = np.nonzero(np.where(two_sided, np.abs(cosine), cosine) > _GRAZING_COS)
+        limit = self.range[sensor, _cells(-sight[sensor, row])]
+        clear = distance[sensor, row] * (1.0 - _SEEN_MARGIN_SHARE) - _SEEN_MARGIN_M < limit
         seen = np.zeros(len(points), dtype=np.bool_)
-        for origin, nearest in zip(self.sensor_origins, self.range, strict=True):
-            sight = origin - points
-            distance = np.sqrt(np.einsum("ij,ij->i", sight, sight))
-            cosine = np.einsum("ij,ij->i", sight, normals) / np.maximum(distance, 1e-9)
-            facing = np.where(two_sided, np.abs(cosine), cosine) > _GRAZING_COS
-            limit = nearest[_cells(-sight)]
-            clear = distance * (1.0 - _SEEN_MARGIN_SHARE) - _SEEN_MARGIN_M < limit
-            seen |= facing & clear & np.isfinite(limit)
+        seen[row[clear & np.isfinite(limit)]] = True
         return seen
 
 

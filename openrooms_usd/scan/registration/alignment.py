@@ -1,12 +1,14 @@
 """Aligns CADs to all objects of a scan: retrieval, pose search, and a test of the result."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.models.symmetry import symmetry_of
 from openrooms_usd.scan.points.cloud import Cloud
@@ -66,6 +68,8 @@ def align(
     models: Sequence[CadModel],
     rooms: Sequence[FoundRoom] = (),
     categories: Mapping[int, Sequence[str]] | None = None,
+    workers: int = 1,
+    progress: Progress = silent,
 ) -> Alignment:
     """Align CADs to the objects of a scan.
 
@@ -75,15 +79,17 @@ def align(
         models: CADs to choose from.
         rooms: Rooms in the frame of the cloud; hidden sides are drawn to their walls.
         categories: The CADs' categories that a label of the cloud may mean, best first.
+        workers: Threads; the result never depends on it.
+        progress: Called with every object, and the finished fraction.
     """
     scene = _Scene.of(cloud, models, rooms, categories or {})
     wanted = scene.instances() if hints is None else list(hints)
     fitted, found, rejected = [], [], []
-    for hint in wanted:
-        try:
-            fitted.append((hint, *scene.fitted(hint)))
-        except RefusedError as refusal:
-            rejected.append(Rejected(hint.instance, hint.category or "", str(refusal)))
+    for hint, fit in scene.each_fitted(wanted, workers, progress):
+        if isinstance(fit, RefusedError):
+            rejected.append(Rejected(hint.instance, hint.category or "", str(fit)))
+        else:
+            fitted.append((hint, *fit))
     for (hint, evidence, _), best in zip(fitted, sized([each[2] for each in fitted]), strict=True):
         try:
             found.append(_found(hint, best, evidence))
@@ -121,6 +127,22 @@ class _Scene:
             return []
         numbers = np.unique(cloud.instance)
         return [Hint(int(number)) for number in numbers[numbers > 0]]
+
+    def each_fitted(
+        self, hints: Sequence[Hint], workers: int, progress: Progress
+    ) -> Iterator[tuple[Hint, tuple[Evidence, Sizes] | RefusedError]]:
+        """All objects in their order, by so many threads, each fitted or refused."""
+
+        def fitted(hint: Hint) -> tuple[Evidence, Sizes] | RefusedError:
+            try:
+                return self.fitted(hint)
+            except RefusedError as refusal:
+                return refusal
+
+        with ThreadPoolExecutor(max(workers, 1)) as pool:
+            for done, (hint, fit) in enumerate(zip(hints, pool.map(fitted, hints), strict=True), 1):
+                progress(f"object {done} of {len(hints)}", done / len(hints))
+                yield hint, fit
 
     def fitted(self, hint: Hint) -> tuple[Evidence, Sizes]:
         """The points of an object, and its best fits of free and of true size."""

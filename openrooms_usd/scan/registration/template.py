@@ -21,6 +21,8 @@ SIDES: Final = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.
 # Points on a side of the box: within this share of the extent, with an outward normal.
 _SIDE_SHARE: Final = 0.02
 _OUTWARD_COS: Final = 0.9
+# Of the k-d tree: with fewer, queries of points beside a surface take longer.
+_LEAF_POINTS: Final = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,7 @@ class Template:
     @cached_property
     def tree(self) -> "KDTree[None]":
         """k-d tree of its points."""
-        return KDTree(self.points)
+        return KDTree(self.points, leafsize=_LEAF_POINTS)
 
     @cached_property
     def flat(self) -> Array:
