@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from openrooms_usd.api.light import relight as relight
     from openrooms_usd.api.renders import Render as Render
     from openrooms_usd.api.renders import View as View
+    from openrooms_usd.api.renders import compare as compare
     from openrooms_usd.api.renders import dataset as dataset
     from openrooms_usd.api.renders import read_render as read_render
     from openrooms_usd.api.renders import render as render
@@ -46,6 +47,7 @@ _HOME = {
     "Room": "openrooms_usd.description.room",
     "Scene": "openrooms_usd.api.scenes",
     "View": "openrooms_usd.api.renders",
+    "compare": "openrooms_usd.api.renders",
     "compose": "openrooms_usd.api.scenes",
     "convert": "openrooms_usd.api.scenes",
     "copy_example": "openrooms_usd.api.rooms",
@@ -73,6 +75,7 @@ __all__ = [
     "Scene",
     "View",
     "__version__",
+    "compare",
     "compose",
     "convert",
     "copy_example",

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from openrooms_usd.comparison.driver import Comparison
     from openrooms_usd.render.datasets import DatasetSummary, Layout, Order, Subset
     from openrooms_usd.render.reading import RenderedScene, RenderedView
 
@@ -272,6 +273,64 @@ def read_render(folder: AnyPath) -> Render:
     from openrooms_usd.render.reading import read_render as read
 
     return Render(read(path_of(folder, "a render's folder")))
+
+
+def compare(
+    scene: AnyPath,
+    out: AnyPath,
+    *,
+    room: AnyPath | None = None,
+    photographs: AnyPath | None = None,
+    frames: str | Sequence[str] = (),
+    count: int | None = None,
+    width: int | None = None,
+    samples: int | None = None,
+    renderer: str = "mitsuba",
+    options: Mapping[str, str] | None = None,
+    progress: Progress = silent,
+) -> "Comparison":
+    """Render a room from the cameras of its photographs, and put all side by side.
+
+    Args:
+        scene: A room that was composed from a capture with cameras.
+        out: The folder to write: ``comparison.json``, ``contact_sheet.png``, ``frames/``.
+        room: The room.yaml it was composed from; by default beside the folder of the scene.
+        photographs: The folder of the pictures; by default that of the capture.
+        frames: Identifiers of frames; by default ``count`` of all, evenly spread.
+        count: How many frames at most; 8 by default.
+        width: Of the pictures, pixels; 480 by default.
+        samples: Samples a pixel; 32 by default.
+        renderer: A registered renderer.
+        options: What is asked of the renderer, by name.
+        progress: Called with the frame's name and the finished fraction of the whole.
+
+    Returns:
+        ``.frames``: of each how many edges of the render the photograph has, and how far its depth
+        is from the scan's.
+
+    Raises:
+        InputError: A file is missing or damaged, the room comes from no capture with cameras, or
+            there is no such frame.
+        OutputError: The folder cannot be written.
+        RenderError: The renderer cannot do it.
+    """
+    from openrooms_usd.comparison import driver
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet():
+        return driver.compare_stage(
+            usd_file(scene),
+            path_of(out),
+            description=None if room is None else path_of(room, "a room.yaml"),
+            pictures=None if photographs is None else path_of(photographs),
+            frames=[frames] if isinstance(frames, str) else list(frames),
+            count=driver.DEFAULT_COUNT if count is None else count,
+            width=driver.DEFAULT_WIDTH if width is None else width,
+            samples=driver.DEFAULT_SAMPLES if samples is None else samples,
+            renderer=renderer,
+            options=options or {},
+            progress=progress,
+        )
 
 
 def dataset(

@@ -23,6 +23,7 @@ _COMMANDS: Final = {
     "edits": ("editing", "edits", "Keep what people changed in a composed room."),
     "validate": ("validating", "validate", "Check a USD stage."),
     "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
+    "compare": ("comparing", "compare", "Put renders beside the photographs of a capture."),
     "simulate": ("simulating", "simulate", "Let a room settle under gravity."),
     "dataset": ("datasets", "dataset", "Write renders as the files of a published dataset."),
     "relight": ("lighting", "relight", "Turn the lights of a finished render."),

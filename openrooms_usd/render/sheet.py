@@ -40,6 +40,11 @@ def tiles(view: str, previews: Mapping[str, Preview]) -> list[Tile]:
     ]
 
 
+def reduced(row: Sequence[Tile]) -> list[Tile]:
+    """A row of pictures as small as those of a contact sheet."""
+    return [(caption, _reduced(picture)) for caption, picture in row]
+
+
 def write_sheet(path: Path, rows: Sequence[Sequence[Tile]], *, below: bool = False) -> None:
     """Write a sheet of pictures with captions.
 

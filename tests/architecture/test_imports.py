@@ -21,6 +21,7 @@ RANKS = (
     ("cli",),
     ("api",),
     (
+        "comparison",
         "compose",
         "doctor",
         "validate",

@@ -1,0 +1,94 @@
+"""The command ``compare``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.renderer import renderer_options
+
+if TYPE_CHECKING:
+    from openrooms_usd.comparison.driver import ComparedFrame, Comparison
+
+
+@click.command()
+@click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option(
+    "--room", "description", type=click.Path(path_type=Path), metavar="ROOM.yaml",
+    help="What the stage was composed from; by default beside its folder.",
+)  # fmt: skip
+@click.option(
+    "--photographs", "pictures", type=click.Path(path_type=Path), metavar="DIR",
+    help="Where the pictures lie; by default where the capture does.",
+)  # fmt: skip
+@click.option("--frame", "frames", multiple=True, metavar="ID", help="Repeatable.")
+@click.option("--count", type=int, default=8, show_default=True, help="Frames, evenly spread.")
+@click.option("--width", type=int, default=480, show_default=True, help="Of pictures, pixels.")
+@click.option("--spp", type=int, default=32, show_default=True, help="Samples a pixel.")
+@renderer_options()
+@json_option
+def compare(
+    stage: Path,
+    out: Path,
+    description: Path | None,
+    pictures: Path | None,
+    frames: tuple[str, ...],
+    count: int,
+    width: int,
+    spp: int,
+    renderer: str,
+    options: dict[str, str],
+    as_json: bool,
+) -> None:
+    """Render a room from the cameras of its photographs, and put all side by side.
+
+    OUT receives comparison.json, contact_sheet.png and, in frames/, for each photograph: the
+    photograph, the render, the render's edges over the photograph, and the difference of depth
+    from the scan.
+    """
+    from openrooms_usd.comparison.driver import compare_stage
+    from openrooms_usd.usd.diagnostics import quiet
+
+    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+        found = compare_stage(
+            stage,
+            out,
+            description=description,
+            pictures=pictures,
+            frames=frames,
+            count=count,
+            width=width,
+            samples=spp,
+            renderer=renderer,
+            options=options,
+            progress=progress,
+        )
+    if as_json:
+        print_json(found.as_dict())
+    else:
+        _print(found)
+
+
+def _print(found: "Comparison") -> None:
+    for frame in found.frames:
+        echo(f"{frame.id:<16} {_edges(frame)}  {_depth(frame)}")
+    if found.missing:
+        count, first = len(found.missing), found.missing[0]
+        said = f"{count} photographs were not found, such as {first}: name their folder by"
+        echo(f"{said} --photographs DIR", err=True)
+    echo(f"wrote {found.out / 'contact_sheet.png'} and comparison.json")
+
+
+def _edges(frame: "ComparedFrame") -> str:
+    if frame.edges is None:
+        return "no photograph"
+    return f"edges met {frame.edges.share:.0%} (by chance {frame.edges.chance:.0%})"
+
+
+def _depth(frame: "ComparedFrame") -> str:
+    if frame.depth is None:
+        return "nothing scanned"
+    error = frame.depth
+    return f"depth off by {100 * error.median:.1f} cm, {error.right:.0%} within 10 cm"

@@ -1,0 +1,274 @@
+"""Renders a room from the cameras of its photographs, and says how near it is to them."""
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import adapters, atomic, claims
+from openrooms_usd.capture import CapturedFrame
+from openrooms_usd.comparison import sheets
+from openrooms_usd.comparison.edges import (
+    EdgeMatch,
+    geometry_edges,
+    match_edges,
+    photograph_edges,
+)
+from openrooms_usd.comparison.photographs import Photographs, chosen_frames, read_photographs
+from openrooms_usd.comparison.scandepth import DepthError, depth_error, scan_depth, spacing
+from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.progress import Progress, part, silent
+from openrooms_usd.render.contract import NO_OPTIONS, Renderer, RenderRequest, View
+from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
+from openrooms_usd.render.given import rendered
+from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.render.previews import preview
+from openrooms_usd.render.sheet import MOST_VIEWS, Tile, reduced, write_sheet
+from openrooms_usd.stages.photographs import intrinsics_for
+from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usd.diagnostics import reading
+from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.textures import read_texture
+
+Array = NDArray[np.float64]
+Bytes = NDArray[np.uint8]
+
+DEFAULT_COUNT: Final = 8
+DEFAULT_SAMPLES: Final = 32
+DEFAULT_WIDTH: Final = 480
+
+_LEDGER: Final = ".orusd.compare.sha256"
+_FRAMES: Final = "frames"
+_SHEET: Final = "contact_sheet.png"
+_RESULT: Final = "comparison.json"
+_EXACT: Final = ("depth", "normal_geometric", "instance")
+_COLOR: Final = "radiance"
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedFrame:
+    """A photograph and a render from its camera.
+
+    Attributes:
+        id: The frame's identifier in the capture.
+        picture: The picture's name in the capture; None where it has none, or it was not found.
+        edges: How many of the render's edges the photograph has; None without a photograph.
+        depth: How the render's depth differs from the scan's; None where nothing was scanned.
+    """
+
+    id: str
+    picture: str | None
+    edges: EdgeMatch | None
+    depth: DepthError | None
+
+    def as_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "id": self.id,
+            "picture": self.picture,
+            "edges": self.edges and self.edges.as_dict(),
+            "depth": self.depth and self.depth.as_dict(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """How near a room is to its photographs.
+
+    Attributes:
+        out: The folder that was written.
+        frames: One by one.
+        missing: Pictures that were not found.
+    """
+
+    out: Path
+    frames: tuple[ComparedFrame, ...]
+    missing: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """As plain data: means over all frames, and each frame."""
+        edges = [frame.edges for frame in self.frames if frame.edges]
+        depths = [frame.depth for frame in self.frames if frame.depth]
+        return {
+            "frames": [frame.as_dict() for frame in self.frames],
+            "mean": {
+                "edges": _mean([edge.as_dict() for edge in edges]),
+                "depth": _mean([depth.as_dict() for depth in depths]),
+            },
+            "missing_pictures": list(self.missing),
+        }
+
+
+def compare_stage(
+    path: Path,
+    out: Path,
+    *,
+    description: Path | None = None,
+    pictures: Path | None = None,
+    frames: Sequence[str] = (),
+    count: int = DEFAULT_COUNT,
+    width: int = DEFAULT_WIDTH,
+    samples: int = DEFAULT_SAMPLES,
+    renderer: str = "mitsuba",
+    options: Mapping[str, str] = NO_OPTIONS,
+    progress: Progress = silent,
+) -> Comparison:
+    """Render a room from the cameras of its photographs, and put all side by side.
+
+    ``out`` then holds ``comparison.json``, ``contact_sheet.png`` and a picture for each frame in
+    ``frames/``: the photograph, the render, the render's edges over the photograph, and the
+    difference of depth from the scan.
+
+    Args:
+        path: The composed stage.
+        out: The folder to write.
+        description: The room.yaml it was composed from; by default beside the stage's folder.
+        pictures: Where the photographs lie; by default where the capture does.
+        frames: Identifiers of the frames; by default ``count`` of all, evenly spread.
+        count: How many frames at most.
+        width: Of the pictures, pixels; at most the photograph's.
+        samples: Samples a pixel.
+        renderer: A registered renderer.
+        options: What is asked of it.
+        progress: Called with the frame's name and the finished fraction.
+
+    Raises:
+        InputError: A file is missing or damaged, the room comes from no capture with cameras, or
+            there is no such frame.
+        OutputError: The folder cannot be written.
+        RenderError: The renderer cannot do it.
+    """
+    if count < 1 or width < 16 or samples < 1:
+        raise InputError("counts of frames, pixels and samples are positive")
+    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
+    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
+    stage = open_stage(path)
+    taken = read_photographs(stage, path, description, pictures)
+    chosen = chosen_frames(taken.frames, frames, count)
+    with claims.claimed(out, _LEDGER) as kept:
+        with reading(path):
+            opened = open_with(adapter, stage, options)
+        painter = _Painter(opened, _denoiser(adapter), samples)
+        scan = spacing(taken.points) if taken.points is not None and len(taken.points) else None
+        done: list[ComparedFrame] = []
+        rows: list[list[Tile]] = []
+        missing: list[str] = []
+        with atomic.filling(out) as beside:
+            (beside / _FRAMES).mkdir()
+            for index, frame in enumerate(chosen):
+                share = part(progress, frame.id, index, len(chosen))
+                found, tiles = _compared(frame, taken, scan, painter, width)
+                if frame.picture and found.picture is None:
+                    missing.append(frame.picture)
+                write_sheet(beside / _FRAMES / f"{_plain(frame.id)}.png", [tiles[:2], tiles[2:]])
+                done.append(found)
+                rows.append(reduced(tiles))
+                share(1.0)
+            result = Comparison(out, tuple(done), tuple(missing))
+            write_sheet(beside / _SHEET, rows[:MOST_VIEWS])
+            text = json.dumps(result.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
+            atomic.write_text(beside / _RESULT, text + "\n")
+        stale = set(kept.below(out / _FRAMES)) - {
+            out.absolute() / _FRAMES / f"{_plain(frame.id)}.png" for frame in chosen
+        }
+        kept.remove(sorted(stale))
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class _Painter:
+    """An opened stage, and how its pictures are made."""
+
+    opened: OpenedStage
+    denoiser: Denoiser | None
+    samples: int
+
+    def paint(self, name: str, camera: PinholeCamera, size: tuple[int, int]) -> View:
+        asked: tuple[str, ...] = (_COLOR, *_EXACT)
+        needed = self.denoiser.needs(asked) if self.denoiser else asked
+        request = RenderRequest(name, needed, *size, samples=self.samples)
+        view = self.opened.picture(camera, request)
+        return self.denoiser.complete(view, asked) if self.denoiser else view
+
+
+def _compared(
+    frame: CapturedFrame,
+    taken: Photographs,
+    scan: tuple[Array, float] | None,
+    painter: _Painter,
+    width: int,
+) -> tuple[ComparedFrame, list[Tile]]:
+    size = _size(frame, width)
+    K = intrinsics_for(frame, size)
+    view = painter.paint(
+        f"/photographs/{frame.id}", PinholeCamera(K, frame.world_from_camera), size
+    )
+    depth, normal, instance = (
+        np.asarray(view.images[name].pixels, dtype=np.float64) for name in _EXACT
+    )
+    edges = geometry_edges(depth[..., 0], normal, instance[..., 0])
+    color = view.images.get(DENOISED, view.images[_COLOR])
+    file = taken.file(frame)
+    photograph = None if file is None else _photograph(file, size)
+    match = None if photograph is None else match_edges(edges, photograph_edges(photograph))
+    error, difference = None, sheets.blank(size)
+    if scan is not None:
+        scanned = scan_depth(*scan, K, frame.world_from_camera, size)
+        error = depth_error(depth[..., 0], scanned)
+        difference = sheets.depth_picture(depth[..., 0], scanned)
+    shown = sheets.blank(size) if photograph is None else photograph
+    tiles = [
+        (f"{frame.id}  photograph" + ("" if file else ": not found"), shown),
+        (f"{frame.id}  render", preview(_COLOR, color.pixels).pixels),
+        (sheets.edge_words(match), sheets.edge_picture(shown, edges, match)),
+        (sheets.depth_words(error), difference),
+    ]
+    return ComparedFrame(frame.id, frame.picture if file else None, match, error), tiles
+
+
+def _size(frame: CapturedFrame, width: int) -> tuple[int, int]:
+    own_width, own_height = frame.resolution
+    wide = min(width, own_width)
+    return wide, max(1, round(own_height * wide / own_width))
+
+
+def _photograph(path: Path, size: tuple[int, int]) -> Bytes:
+    """(H, W, 3) a picture at another size, sRGB.
+
+    Raises:
+        InputError: It cannot be read.
+    """
+    import OpenImageIO
+
+    pixels = read_texture(str(path))[..., :3]
+    if pixels.shape[2] < 3:
+        pixels = np.repeat(pixels[..., :1], 3, axis=2)
+    roi = OpenImageIO.ROI(0, size[0], 0, size[1], 0, 1, 0, 3)
+    small = OpenImageIO.ImageBufAlgo.resize(
+        OpenImageIO.ImageBuf(np.ascontiguousarray(pixels)), "box", roi=roi
+    )
+    values = np.asarray(small.get_pixels(OpenImageIO.FLOAT))
+    return np.asarray(np.clip(np.round(255.0 * values), 0, 255), dtype=np.uint8)
+
+
+def _denoiser(renderer: Renderer) -> Denoiser | None:
+    """The denoiser, if there is one: these pictures are for people."""
+    try:
+        return load_denoiser(rendered(renderer.channels))
+    except MissingPackageError:
+        return None
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[^\w.-]", "_", name, flags=re.ASCII).lstrip(".") or "frame"
+
+
+def _mean(rows: Sequence[Mapping[str, float]]) -> dict[str, float] | None:
+    if not rows:
+        return None
+    return {key: round(float(np.mean([row[key] for row in rows])), 4) for key in rows[0]}
