@@ -36,6 +36,7 @@ class CapturedOpening:
         height: Metres.
         is_open: Whether a door's leaf stands open; None when unknown.
         confidence: How sure the source is.
+        wall: The identifier of its wall in the source; None when unknown.
     """
 
     id: str
@@ -45,6 +46,26 @@ class CapturedOpening:
     width: float
     height: float
     is_open: bool | None = None
+    confidence: Confidence | None = None
+    wall: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class CapturedPartition:
+    """A wall inside the room, with the room on both of its sides.
+
+    Attributes:
+        id: The identifier in the source.
+        ends: (2, 2) of its middle line in the plan, metres.
+        thickness: Metres; None when unknown.
+        height: Metres; None for one that reaches the ceiling.
+        confidence: How sure the source is.
+    """
+
+    id: str
+    ends: NDArray[np.float64]
+    thickness: float | None = None
+    height: float | None = None
     confidence: Confidence | None = None
 
 
@@ -132,6 +153,7 @@ class Capture:
             None when the source has none.
         height: Floor to ceiling, metres; None when the source does not know.
         openings: Windows, doors and openings.
+        partitions: Walls that are not on the floor's outline but inside it.
         boxes: Objects known by their boxes.
         models: CAD models that were aligned to the capture.
         frames: The photographs whose cameras are known, in the order they were taken.
@@ -145,6 +167,7 @@ class Capture:
     floor: NDArray[np.float64] | None = None
     height: float | None = None
     openings: tuple[CapturedOpening, ...] = ()
+    partitions: tuple[CapturedPartition, ...] = ()
     boxes: tuple[CapturedBox, ...] = ()
     models: tuple[CapturedModel, ...] = ()
     frames: tuple[CapturedFrame, ...] = ()

@@ -56,6 +56,8 @@ KILOGRAMS_PER_UNIT: Final = 1.0
 # looked at for openings up to there, and must hold what is found.
 ROOM_HEIGHT: Final = 2.6
 SCANNED_HEIGHT: Final = 3.0
+# Of walls inside a room of which nobody says it, metres: two boards on a frame.
+PARTITION_THICKNESS: Final = 0.1
 
 # customLayerData key and AuthorshipAPI package of our provenance.
 NAMESPACE: Final = "openrooms"
@@ -92,6 +94,9 @@ OPENING_WIDTH: Final = "openrooms:opening:width"
 OPENING_HEIGHT: Final = "openrooms:opening:height"
 OPENING_WALL: Final = "openrooms:opening:wall"
 OPENING_STYLE: Final = "openrooms:opening:style"
+PARTITION_API: Final = "OpenRoomsPartitionAPI"
+PARTITION_OUTLINE: Final = "openrooms:partition:outline"
+PARTITION_HEIGHT: Final = "openrooms:partition:height"
 ROOM_FLOOR: Final = "openrooms:room:floor"
 SOURCE_API: Final = "OpenRoomsSourceAPI"
 SOURCE_FILE: Final = "openrooms:source:file"

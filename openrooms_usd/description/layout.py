@@ -10,6 +10,7 @@ from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.model import (
     CheckedModel,
     Found,
+    Model,
     Number,
     PrimName,
     Whole,
@@ -21,7 +22,7 @@ from openrooms_usd.description.model import (
 from openrooms_usd.description.naming import repeated_names, unique_names
 from openrooms_usd.description.polygon import simple_polygon
 from openrooms_usd.description.units import Angle, Length, PositiveLength
-from openrooms_usd.names import ROOM_HEIGHT
+from openrooms_usd.names import PARTITION_THICKNESS, ROOM_HEIGHT
 
 Point2 = Annotated[tuple[Length, Length], Field(description="x and y, metres")]
 
@@ -37,6 +38,20 @@ USUAL_OPENINGS: Final = {
 STYLES: Final = {"door": get_args(DoorStyle), "window": get_args(WindowStyle)}
 
 
+class Partition(Model):
+    """A wall that stands free in the room."""
+
+    name: PrimName | None = None
+    """Its prim name; by default partition and a number, such as partition_0."""
+    line: tuple[Point2, Point2]
+    """Both ends of its middle line. At walls, and where partitions meet, gaps of up to 15 cm are
+    closed."""
+    thickness: PositiveLength = Field(default=PARTITION_THICKNESS, ge=0.01, le=2)
+    """Half of it to each side of the line."""
+    height: PositiveLength | None = Field(default=None, ge=0.1, le=100)
+    """By default up to the ceiling."""
+
+
 class Opening(CheckedModel):
     """A window, a door or an open passage in one wall."""
 
@@ -44,8 +59,10 @@ class Opening(CheckedModel):
     """A door has a leaf, a window a frame with sashes, an opening has neither."""
     name: PrimName | None = None
     """Its prim name; by default its kind and a number, such as window_0."""
-    wall: Whole = Field(ge=0)
+    wall: Whole | None = Field(default=None, ge=0)
     """The wall's number: wall i runs from corner i to corner i + 1."""
+    partition: PrimName | None = None
+    """In place of a wall: the name of the partition that it is cut into."""
     at: Length | None = None
     """Distance from the wall's start to the middle of the opening; the wall's middle by default."""
     width: PositiveLength | None = None
@@ -57,15 +74,22 @@ class Opening(CheckedModel):
     open: Angle = Field(default=0.0, ge=0, le=180)
     """How far a door's leaf stands open."""
     hinge: Literal["left", "right"] = "left"
-    """The hinge side of a door, seen from inside the room."""
+    """The hinge side of a door, seen from inside the room; at a partition, seen from the side from
+    which its line runs to the right."""
     swing: Literal["in", "out"] = "in"
-    """Whether a door's leaf swings into the room or out of it."""
+    """Whether a door's leaf swings into the room or out of it; at a partition, to the side from
+    which its line runs to the right, or to the other."""
     style: DoorStyle | WindowStyle | None = None
     """How it is built: by default doors are panelled and windows have casements."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """A style that belongs to another kind of opening."""
+        """A style that belongs to another kind of opening; no wall, or two."""
+        places = sum(peek(given, key) is not None for key in ("wall", "partition"))
+        if places == 0:
+            yield Found((), "the key 'wall' is missing: the number of the wall that it is in")
+        elif places == 2:
+            yield Found(("partition",), "an opening is in a wall or in a partition, not in both")
         kind, style = peek_text(given, "kind"), peek_text(given, "style")
         known = STYLES.get(kind or "", ())
         if style in {name for names in STYLES.values() for name in names} - {*known}:
@@ -85,14 +109,17 @@ class PolygonLayout(CheckedModel):
     """Floor to ceiling."""
     wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
     """Thickness of the walls, outwards from the polygon."""
+    partitions: tuple[Partition, ...] = ()
+    """Walls that stand free in the room."""
     openings: tuple[Opening, ...] = ()
     """Windows, doors and passages."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """Names that repeat, and openings in walls that the polygon does not have."""
-        openings = peek_list(given, "openings")
-        yield from _name_clashes(openings)
+        """Names that repeat, and openings in walls that the room does not have."""
+        openings, partitions = (peek_list(given, key) for key in ("openings", "partitions"))
+        yield from _name_clashes(openings, partitions)
+        known = set(unique_names((peek_text(p, "name"), "partition") for p in partitions))
         whole = peek(given, "polygon") is None
         walls = len(cls.model_fields["polygon"].default if whole else peek_list(given, "polygon"))
         for index, opening in enumerate(openings):
@@ -101,6 +128,12 @@ class PolygonLayout(CheckedModel):
                 yield Found(
                     ("openings", index, "wall"),
                     f"there is no wall {wall}: the polygon has the walls 0 to {walls - 1}",
+                )
+            name = peek_text(opening, "partition")
+            if name is not None and name not in known:
+                has = f"only {', '.join(sorted(known))}" if known else "the layout has none"
+                yield Found(
+                    ("openings", index, "partition"), f"there is no partition {name!r}: {has}"
                 )
 
 
@@ -111,13 +144,15 @@ class CapturedLayout(CapturedSection):
     """Thickness of the walls, outwards from the captured surfaces."""
     height: PositiveLength | None = Field(default=None, ge=0.5, le=100)
     """Floor to ceiling; by default as captured."""
+    partitions: tuple[Partition, ...] = ()
+    """Further walls that stand free, beside the captured ones."""
     openings: tuple[Opening, ...] = ()
     """Further windows and doors beside the captured ones."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """Names that repeat."""
-        yield from _name_clashes(peek_list(given, "openings"))
+        yield from _name_clashes(*(peek_list(given, key) for key in ("openings", "partitions")))
 
 
 class RoomPlanLayout(CapturedLayout):
@@ -206,10 +241,24 @@ def named_openings(openings: Sequence[Opening]) -> list[tuple[str, Opening]]:
     return list(zip(names, openings, strict=True))
 
 
+def named_partitions(partitions: Sequence[Partition]) -> list[tuple[str, Partition]]:
+    """Give every partition its name: its own, or a number.
+
+    Args:
+        partitions: The partitions of the description, in order.
+
+    Returns:
+        The partitions in order, each with its prim name.
+    """
+    names = unique_names((partition.name, "partition") for partition in partitions)
+    return list(zip(names, partitions, strict=True))
+
+
 def _either(words: Sequence[str]) -> str:
     return f"{', '.join(words[:-1])} or {words[-1]}"
 
 
-def _name_clashes(openings: Sequence[Any]) -> Iterator[Found]:
-    given = [peek_text(opening, "name") for opening in openings]
-    yield from repeated_names(given, "openings", "opening")
+def _name_clashes(openings: Sequence[Any], partitions: Sequence[Any]) -> Iterator[Found]:
+    for rows, key in ((openings, "openings"), (partitions, "partitions")):
+        given = [peek_text(row, "name") for row in rows]
+        yield from repeated_names(given, key, key[:-1])

@@ -1,14 +1,19 @@
 """The room without furniture, as the generator sees it: walls, openings and what they keep free."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.description.layout import USUAL_OPENINGS, Opening, PolygonLayout
+from openrooms_usd.description.layout import (
+    USUAL_OPENINGS,
+    Opening,
+    PolygonLayout,
+    named_partitions,
+)
 from openrooms_usd.generate.boxes import NONE, Array, box
 from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.geometry.polygons import counter_clockwise
@@ -94,6 +99,8 @@ class Shell:
         gaps: The openings.
         numbers: For each edge, its number as the polygon was given.
         clockwise: Whether the polygon was given clockwise.
+        standing: (P, 8) the walls that stand free, as boxes.
+        free: (K, 8) what must stay free before their openings.
     """
 
     corners: Array
@@ -101,6 +108,8 @@ class Shell:
     gaps: tuple[Gap, ...] = ()
     numbers: tuple[int, ...] = ()
     clockwise: bool = False
+    standing: Array = field(default_factory=lambda: NONE)
+    free: Array = field(default_factory=lambda: NONE)
 
     @cached_property
     def sides(self) -> tuple[Side, ...]:
@@ -121,15 +130,15 @@ class Shell:
 
     @cached_property
     def walls(self) -> Array:
-        """(N, 8) the walls' inner faces as boxes without thickness."""
+        """(N, 8) the walls' inner faces as boxes without thickness, and the walls inside."""
         flat = [side.keep(0.5 * side.length, side.length, 0.0, -1.0, 99.0) for side in self.sides]
-        return np.array(flat)
+        return np.concatenate([np.array(flat), self.standing])
 
     @cached_property
     def kept(self) -> Array:
         """(K, 8) what must stay free before openings, for furniture and what hangs on walls."""
         rows = [row for gap in self.gaps for row in self._before(gap)]
-        return np.array(rows) if rows else NONE
+        return np.concatenate([np.array(rows) if rows else NONE, self.free])
 
     def _before(self, gap: Gap) -> Iterator[Array]:
         side = self.sides[gap.side]
@@ -157,8 +166,41 @@ def shell_of(layout: PolygonLayout) -> Shell:
     """A described room."""
     corners, numbers = counter_clockwise(layout.polygon)
     shell = Shell(corners, layout.height, (), tuple(numbers.tolist()), _turned(numbers.tolist()))
-    gaps = tuple(_gap(opening, shell) for opening in layout.openings)
-    return Shell(corners, layout.height, gaps, shell.numbers, shell.clockwise)
+    gaps = tuple(_gap(o, shell) for o in layout.openings if o.wall is not None)
+    standing, free = _standing(layout)
+    return Shell(corners, layout.height, gaps, shell.numbers, shell.clockwise, standing, free)
+
+
+def _standing(layout: PolygonLayout) -> tuple[Array, Array]:
+    """(P, 8) the partitions as boxes, and (K, 8) what must stay free at their openings."""
+    walls, free = [], []
+    for name, one in named_partitions(layout.partitions):
+        start, end = np.array(one.line)
+        length = float(np.linalg.norm(end - start))
+        yaw = float(np.degrees(np.arctan2(end[1] - start[1], end[0] - start[0])))
+        along, done = (end - start) / length, 0.0
+        ways = [o for o in layout.openings if o.partition == name and o.kind != "window"]
+        for at, opening in sorted(((_place(o, length), o) for o in ways), key=lambda row: row[0]):
+            width = opening.width or USUAL_OPENINGS[opening.kind][0]
+            swept = width + _BEFORE_DOOR_M if opening.kind == "door" else 0.0
+            deep = one.thickness + 2.0 * max(_DOOR_APPROACH_M, swept)
+            x, y = start + at * along
+            free.append(box(x, y, width + 2 * _BESIDE_DOOR_M, deep, 0.0, 99.0, yaw))
+            walls.append(_between(start, along, done, at - 0.5 * width, one.thickness))
+            done = at + 0.5 * width
+        walls.append(_between(start, along, done, length, one.thickness))
+    return (np.array(walls) if walls else NONE), (np.array(free) if free else NONE)
+
+
+def _place(opening: Opening, length: float) -> float:
+    return 0.5 * length if opening.at is None else opening.at
+
+
+def _between(start: Array, along: Array, low: float, high: float, thickness: float) -> Array:
+    """(8,) the piece of a wall that stands free between two distances from its start."""
+    x, y = start + 0.5 * (low + high) * along
+    yaw = float(np.degrees(np.arctan2(along[1], along[0])))
+    return box(float(x), float(y), max(high - low, 0.0), thickness, -1.0, 99.0, yaw)
 
 
 def _turned(numbers: Sequence[int]) -> bool:
@@ -166,6 +208,7 @@ def _turned(numbers: Sequence[int]) -> bool:
 
 
 def _gap(opening: Opening, shell: Shell) -> Gap:
+    assert opening.wall is not None
     index = shell.numbers.index(opening.wall)
     length = shell.sides[index].length
     given = (opening.width, opening.height, opening.sill)

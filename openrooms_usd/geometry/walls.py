@@ -28,7 +28,7 @@ class Wall:
     """One wall of a room in the plan.
 
     Attributes:
-        number: The number of its edge, as the polygon was given.
+        number: The number of its edge, as the polygon was given, or of the partition.
         left: (2,) the end of its inner edge on the left, seen from inside, metres.
         right: (2,) the other end.
         thickness: Metres.
@@ -36,6 +36,8 @@ class Wall:
             edge (0, 0), (length, 0).
         start: How far the left end is along the room's walls, clockwise from corner 0, metres:
             patterns run on from wall to wall.
+        partition: The name of a wall that stands free in the room; None for one of its outline.
+        height: Of a wall that ends below the ceiling, metres.
     """
 
     number: int
@@ -44,6 +46,17 @@ class Wall:
     thickness: float
     outline: Array
     start: float
+    partition: str | None = None
+    height: float | None = None
+
+    @property
+    def name(self) -> str:
+        """Its prim name."""
+        return self.partition or f"wall_{self.number}"
+
+    def top(self, ceiling: float) -> float:
+        """How high it reaches in a room of that height, metres."""
+        return ceiling if self.height is None else min(self.height, ceiling)
 
     @property
     def length(self) -> float:
@@ -107,7 +120,7 @@ def walls_of(corners: Array, numbers: NDArray[np.int64], thickness: float) -> tu
 
 def _free_depth(wall: Wall, corners: Array) -> float:
     """The least depth behind a wall at which its outline meets an edge of the room, or infinity."""
-    back = _half_plane(wall.outline, (0.0, -1.0), -NEAR)
+    back = half_plane(wall.outline, (0.0, -1.0), -NEAR)
     a = wall.from_plan(corners)
     b = np.roll(a, -1, axis=0)
     low, high = back.min(axis=0, initial=np.inf), back.max(axis=0, initial=-np.inf)
@@ -152,10 +165,10 @@ def footprint(length: float, left: float, right: float, thickness: float) -> Arr
     )
     for turn, side, end in ((left, -1.0, 0.0), (right, 1.0, length)):
         sine, cosine = np.sin(0.5 * turn), np.cos(0.5 * turn)
-        ring = _half_plane(ring, (side * cosine, -sine), side * cosine * end)
+        ring = half_plane(ring, (side * cosine, -sine), side * cosine * end)
         if cosine < 1.0 / MITRE_LIMIT and turn > 0.0:
             along = (side * sine, cosine)
-            ring = _half_plane(ring, along, side * sine * end + MITRE_LIMIT * thickness)
+            ring = half_plane(ring, along, side * sine * end + MITRE_LIMIT * thickness)
     back = ring[ring[:, 1] > 0.0]
     # The clipped ring starts anywhere: the corner after the inner edge is the rightmost turn.
     first = int(np.flatnonzero((ring[:, 1] > 0.0) & (np.roll(ring[:, 1], 1) == 0.0))[0])
@@ -163,8 +176,11 @@ def footprint(length: float, left: float, right: float, thickness: float) -> Arr
     return np.concatenate([[[0.0, 0.0], [length, 0.0]], back])
 
 
-def _half_plane(ring: Array, normal: tuple[float, float], limit: float) -> Array:
-    """The part of a convex ring where ``normal . x <= limit`` (Sutherland and Hodgman 1974)."""
+def half_plane(ring: Array, normal: tuple[float, float], limit: float) -> Array:
+    """The part of a convex ring (K, 2) where ``normal . x <= limit``.
+
+    I. Sutherland and G. Hodgman, Reentrant Polygon Clipping, 1974.
+    """
     excess = ring @ np.asarray(normal) - limit
     kept: list[Array] = []
     for i, j in zip(range(len(ring)), np.roll(np.arange(len(ring)), -1), strict=True):

@@ -42,10 +42,11 @@ class ImportedRoom:
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many walls, openings, objects, models, frames and points were read."""
+        """How many walls, partitions, openings, objects, models, frames and points were read."""
         read = self.capture
         return {
             "walls": 0 if read.floor is None else len(read.floor),
+            "partitions": len(read.partitions),
             "openings": len(read.openings),
             "objects": len(read.boxes) + len(read.models),
             "models": sum(model.file is not None for model in read.models),

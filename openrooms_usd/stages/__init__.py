@@ -2,7 +2,7 @@
 
 - `base`, `runner`, `draft`, `reports`: the contract, what runs one, where its layer waits;
 - `captures`, `captured`, `scanned`: what comes from a capture or a scan;
-- `layout` (`openings`, `surroundings`);
+- `layout` (`partitions`, `openings`, `surroundings`);
 - `alignment` (`catalogue`, `placement`, `poses`, `tops`, `following`, `substitutes`, `aligned`,
   `furnished`);
 - `materials` (`swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);

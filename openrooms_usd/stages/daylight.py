@@ -17,6 +17,7 @@ from openrooms_usd.library.solar import sun_position
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.frames import TIME, local_to_world
 from openrooms_usd.usd.lights import define_dome
+from openrooms_usd.usd.partitions import is_partition
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 
 # A leaf that is open by less than this is closed, and lets no light through.
@@ -69,7 +70,10 @@ def author_portals(context: StageContext) -> None:
 
 
 def _is_way(opening: Usd.Prim) -> bool:
-    """Whether light can pass: the opening has a size, and no closed leaf."""
+    """Whether light can come in: the opening leads outside, has a size and no closed leaf."""
+    walls = opening.GetRelationship(names.OPENING_WALL).GetTargets()
+    if walls and is_partition(opening.GetStage().GetPrimAtPath(walls[0])):
+        return False
     if not UsdGeom.Xformable(opening) or not all(size > 0.0 for size in _size(opening)):
         return False
     style = opening.GetAttribute(names.OPENING_STYLE)

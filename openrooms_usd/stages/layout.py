@@ -1,7 +1,7 @@
 """The layout stage: floor, ceiling, walls with real holes, and what fills these holes."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
-from openrooms_usd.capture import Capture
+from openrooms_usd.capture import Capture, CapturedPartition
 from openrooms_usd.description.layout import CapturedLayout, PolygonLayout, ScanLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError
@@ -23,6 +23,12 @@ from openrooms_usd.geometry.windows import Window, window
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.stages.openings import Cut, captured_cuts, described_cuts
+from openrooms_usd.stages.partitions import (
+    author_partition,
+    captured_partitions,
+    described_partitions,
+    walls_within,
+)
 from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.usd.frames import gf_matrix
 from openrooms_usd.usd.joints import author_joint
@@ -44,11 +50,12 @@ class Plan:
 
     Attributes:
         corners: (N, 2) the floor, counter-clockwise, metres.
-        walls: By ascending number.
+        walls: Those of the outline by ascending number, then those that stand free.
         height: Floor to ceiling, metres.
         thickness: Of the walls and slabs, metres.
         cuts: The openings.
         capture: What it is made from, if anything.
+        sources: The captured partitions by the names of their walls.
     """
 
     corners: NDArray[np.float64]
@@ -57,6 +64,7 @@ class Plan:
     thickness: float
     cuts: tuple[Cut, ...]
     capture: Capture | None = None
+    sources: Mapping[str, CapturedPartition] = field(default_factory=dict)
 
 
 class LayoutStage:
@@ -82,14 +90,14 @@ class LayoutStage:
             plan = captured_plan(layout, context)
         else:
             assert isinstance(layout, PolygonLayout), "generated sections are expanded before"
-            plan = described_plan(layout)
+            plan = described_plan(layout, context.notes)
         _author_room(stage, plan, context.room.room)
         _author_shell(stage, plan)
         for cut in plan.cuts:
             _author_opening(stage, plan, cut, context.notes)
 
 
-def described_plan(layout: PolygonLayout) -> Plan:
+def described_plan(layout: PolygonLayout, notes: list[str]) -> Plan:
     """The plan of a room that is drawn by hand."""
     if reason := defect(layout.polygon):
         raise DescriptionError(
@@ -99,6 +107,8 @@ def described_plan(layout: PolygonLayout) -> Plan:
         )
     corners, numbers = counter_clockwise(layout.polygon)
     walls = walls_of(corners, numbers, layout.wall_thickness)
+    partitions = described_partitions(layout.partitions, corners, layout.height)
+    walls += walls_within(partitions, corners, notes)
     clockwise = signed_area(np.asarray(layout.polygon)) < 0.0
     cuts = described_cuts(layout.openings, walls, layout.height, clockwise=clockwise)
     return Plan(corners, walls, layout.height, layout.wall_thickness, tuple(cuts))
@@ -120,12 +130,24 @@ def captured_plan(layout: CapturedLayout, context: StageContext) -> Plan:
         height = names.ROOM_HEIGHT
         context.notes.append(f"the capture has no height: {height} m is taken")
     corners, numbers = counter_clockwise(capture.floor)
+    found = captured_partitions(
+        capture.partitions, corners, height, described=layout.partitions, notes=context.notes
+    )
+    sources = {one.name: source for source, one in found}
+    partitions = [one for _, one in found]
+    partitions += described_partitions(layout.partitions, corners, height)
     walls = walls_of(corners, numbers, layout.wall_thickness)
+    walls += walls_within(partitions, corners, context.notes)
     cuts = captured_cuts(
-        capture.openings, walls, height, described=layout.openings, notes=context.notes
+        capture.openings,
+        walls,
+        height,
+        described=layout.openings,
+        notes=context.notes,
+        partitions={row.id: name for name, row in sources.items()},
     )
     cuts += described_cuts(layout.openings, walls, height, before=cuts)
-    return Plan(corners, walls, height, layout.wall_thickness, tuple(cuts), capture)
+    return Plan(corners, walls, height, layout.wall_thickness, tuple(cuts), capture, sources)
 
 
 def _capture(layout: CapturedLayout, context: StageContext) -> Capture:
@@ -171,24 +193,27 @@ def _author_shell(stage: Usd.Stage, plan: Plan) -> None:
     UsdGeom.Xform.Define(stage, names.WALLS)
     for wall in plan.walls:
         holes = [cut.hole for cut in plan.cuts if cut.wall is wall]
-        solid = wall_solid(wall, plan.height, holes)
-        _author_mesh(stage, _wall_path(wall), solid, category="wall")
+        top = wall.top(plan.height)
+        prim = _author_mesh(stage, _wall_path(wall), wall_solid(wall, top, holes), category="wall")
+        if wall.partition:
+            author_partition(prim, wall, top, plan.sources.get(wall.partition))
     if plan.cuts:
         UsdGeom.Xform.Define(stage, names.OPENINGS)
 
 
 def _wall_path(wall: Wall) -> str:
-    return f"{names.WALLS}/wall_{wall.number}"
+    return f"{names.WALLS}/{wall.name}"
 
 
 def _author_mesh(
     stage: Usd.Stage, path: str, mesh: Mesh, *, category: str = "", part: str = ""
-) -> None:
+) -> Usd.Prim:
     prim = define_mesh(stage, path, mesh).GetPrim()
     if category:
         label(prim, category)
     if part:
         label_part(prim, part)
+    return prim
 
 
 def _author_opening(stage: Usd.Stage, plan: Plan, cut: Cut, notes: list[str]) -> None:

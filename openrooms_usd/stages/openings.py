@@ -1,7 +1,8 @@
 """From openings as they are described or captured to holes that fit their walls."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
@@ -22,6 +23,10 @@ _AJAR_DEG: Final = 60.0
 _MAX_THRESHOLD_M: Final = 0.1
 # Largest distance (metres) and angle between a captured opening and its wall.
 _REACH, _PARALLEL = 0.5, 0.8
+
+
+NO_PARTITIONS: Final[Mapping[str, str]] = MappingProxyType({})
+"""What a capture without inner walls has."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,7 @@ def described_cuts(
 
     Args:
         openings: As they are described.
-        walls: By ascending number.
+        walls: Those of the outline by ascending number, then those that stand free.
         height: Floor to ceiling, metres.
         clockwise: Whether the polygon was given clockwise, so that walls start at their left end.
         before: Openings that are there already.
@@ -78,14 +83,13 @@ def described_cuts(
     mistakes: list[str] = []
     for index, (name, opening) in enumerate(named_openings(openings)):
         field = f"openings[{index}] ({name})"
-        if opening.wall >= len(walls):
-            last = len(walls) - 1
-            mistakes.append(f"{field}: there is no wall {opening.wall}, only 0 to {last}")
+        wall = _wanted(opening, walls)
+        if isinstance(wall, str):
+            mistakes.append(f"{field}: {wall}")
             continue
-        wall = walls[opening.wall]
         hole = _hole(opening, wall, clockwise)
-        if reason := misfit(wall, height, hole):
-            mistakes.append(f"{field} in wall {opening.wall} {reason}; {_free(wall, clockwise)}")
+        if reason := misfit(wall, wall.top(height), hole):
+            mistakes.append(f"{field} in {_words(wall)} {reason}; {_free(wall, clockwise)}")
             continue
         how = (opening.open, opening.hinge, opening.swing, opening.style)
         cuts.append(Cut(name, opening.kind, wall, hole, *how))
@@ -97,6 +101,25 @@ def described_cuts(
             remedy="change wall, at, width, height or sill of these openings",
         )
     return cuts
+
+
+def _wanted(opening: Opening, walls: Sequence[Wall]) -> Wall | str:
+    """The wall that an opening names, or why there is none."""
+    standing = {wall.partition: wall for wall in walls if wall.partition}
+    outline = walls[: len(walls) - len(standing)]
+    if opening.partition is not None:
+        has = f"only {', '.join(map(str, standing))}" if standing else "the room has none"
+        return standing.get(opening.partition) or (
+            f"there is no partition {opening.partition}: {has}"
+        )
+    assert opening.wall is not None, "the description says where each opening is"
+    if opening.wall < len(outline):
+        return outline[opening.wall]
+    return f"there is no wall {opening.wall}, only 0 to {len(outline) - 1}"
+
+
+def _words(wall: Wall) -> str:
+    return wall.partition or f"wall {wall.number}"
 
 
 def _hole(opening: Opening, wall: Wall, clockwise: bool) -> Hole:
@@ -114,9 +137,10 @@ def _hole(opening: Opening, wall: Wall, clockwise: bool) -> Hole:
 def _from_start(wall: Wall, at: float, clockwise: bool) -> float:
     """A distance from the wall's start to one from its left end, or back.
 
-    Seen from inside, the walls of a polygon that runs counter-clockwise start on the right.
+    Seen from inside, the walls of a polygon that runs counter-clockwise start on the right;
+    partitions always start on the left.
     """
-    return at if clockwise else wall.length - at
+    return at if clockwise or wall.partition else wall.length - at
 
 
 def _free(wall: Wall, clockwise: bool) -> str:
@@ -132,7 +156,7 @@ def _clashes(cuts: Sequence[Cut], clockwise: bool) -> Iterator[str]:
         for other in cuts[:i]:
             if other.wall is cut.wall and too_close(other.hole, cut.hole):
                 places = " and ".join(f"{c.name} {_extent(c, clockwise)}" for c in (other, cut))
-                yield f"{other.name} and {cut.name} in wall {cut.wall.number} overlap: {places}"
+                yield f"{other.name} and {cut.name} in {_words(cut.wall)} overlap: {places}"
 
 
 def _extent(cut: Cut, clockwise: bool) -> str:
@@ -148,15 +172,17 @@ def captured_cuts(
     *,
     described: Sequence[Opening],
     notes: list[str],
+    partitions: Mapping[str, str] = NO_PARTITIONS,
 ) -> list[Cut]:
     """The holes of captured openings, made to fit: moved to their wall, clamped, merged.
 
     Args:
         openings: As they were captured.
-        walls: By ascending number.
+        walls: Those of the outline, then those that stand free.
         height: Floor to ceiling, metres.
         described: The openings of the description, whose names stay theirs.
         notes: Receives a sentence for everything that was changed.
+        partitions: The names of captured partitions by their identifiers in the source.
 
     Returns:
         The openings in order.
@@ -167,17 +193,17 @@ def captured_cuts(
     given = captured_names([(opening.kind, opening.id) for opening in openings], taken)
     name_of = {id(opening): name for opening, name in zip(openings, given, strict=True)}
     for opening in openings:
-        wall = _nearest_wall(opening, walls)
+        wall = _nearest_wall(opening, _possible(opening, walls, partitions))
         if wall is None:
             notes.append(f"dropped the {opening.kind} {opening.id}: no wall is near it")
             continue
         whole = _captured_hole(opening, wall)
-        hole = clamped(wall, height, whole)
+        hole = clamped(wall, wall.top(height), whole)
         if hole is None:
             notes.append(f"dropped the {opening.kind} {opening.id}: it does not fit its wall")
             continue
         if max(whole.right - hole.right, hole.left - whole.left, whole.top - hole.top) > 1e-3:
-            notes.append(f"made the {opening.kind} {opening.id} smaller, to fit wall {wall.number}")
+            notes.append(f"made the {opening.kind} {opening.id} smaller, to fit {_words(wall)}")
         found.append((opening, wall, hole))
     return [
         Cut(
@@ -192,12 +218,23 @@ def captured_cuts(
     ]
 
 
+def _possible(
+    opening: CapturedOpening, walls: Sequence[Wall], partitions: Mapping[str, str]
+) -> Sequence[Wall]:
+    """The walls that an opening can be in: its own partition, or where another is its own none."""
+    if opening.wall is None:
+        return walls
+    own = partitions.get(opening.wall)
+    return [wall for wall in walls if wall.partition == own]
+
+
 def _nearest_wall(opening: CapturedOpening, walls: Sequence[Wall]) -> Wall | None:
     """The wall along an opening that is nearest to its middle."""
 
     def distance(wall: Wall) -> float:
         x, y = wall.from_plan(opening.center[:2])
-        return float(np.hypot(x - np.clip(x, 0.0, wall.length), y))
+        depth = np.clip(y, 0.0, wall.thickness) if wall.partition else 0.0
+        return float(np.hypot(x - np.clip(x, 0.0, wall.length), y - depth))
 
     along = [w for w in walls if abs(float(w.along @ opening.direction[:2])) > _PARALLEL]
     nearest = min(along, key=distance, default=None)
@@ -228,7 +265,7 @@ def _merged(
         best = min(group, key=lambda row: (row[0].kind != "door", rank.index(row[0].kind)))
         if len(group) > 1:
             ids = " and ".join(row[0].id for row in group)
-            notes.append(f"merged the overlapping openings {ids} in wall {best[1].number}")
+            notes.append(f"merged the overlapping openings {ids} in {_words(best[1])}")
         yield best[0], best[1], _box(group)
 
 

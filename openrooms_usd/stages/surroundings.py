@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.usd.frames import TIME, matrix
+from openrooms_usd.usd.frames import TIME, local_to_world, matrix
+from openrooms_usd.usd.partitions import read_partitions
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ class Hung(NamedTuple):
     """Where something hangs.
 
     Attributes:
-        wall: The number of the wall in `Surroundings.walls`.
+        wall: The number of the wall in `Surroundings.faces`.
         along: Its middle along the wall, metres from the wall's start.
         x: Middle of its base, metres.
         y: Middle of its base, metres.
@@ -68,13 +69,21 @@ class Surroundings:
         ceiling: Height of the ceiling, metres; None in a room without one.
         walls: (N, 2, 2) start and end of the walls' inner edges, metres, counter-clockwise; empty
             where the room has no polygon.
-        gaps: The openings in these walls.
+        gaps: The openings in the walls that things hang on.
+        partitions: (P, 2, 2) start and end of both faces of each wall that stands free, metres,
+            with the room on their left.
     """
 
     floor: float = 0.0
     ceiling: float | None = None
     walls: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
     gaps: tuple[Gap, ...] = ()
+    partitions: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
+
+    @property
+    def faces(self) -> Array:
+        """(N + P, 2, 2) the walls that things hang on: those of the outline, then the others."""
+        return np.concatenate([self.walls, self.partitions])
 
     def hang(self, x: float, y: float, width: float, depth: float) -> Hung:
         """Bring a box with its back flush to the wall that is nearest to a place.
@@ -87,7 +96,7 @@ class Surroundings:
             width: Of the box along the wall, metres.
             depth: Of the box off the wall, metres.
         """
-        starts, steps = self.walls[:, 0], self.walls[:, 1] - self.walls[:, 0]
+        starts, steps = self.faces[:, 0], self.faces[:, 1] - self.faces[:, 0]
         lengths = np.linalg.norm(steps, axis=1)
         offsets = np.array([x, y]) - starts
         along = np.clip((offsets * steps).sum(axis=1) / lengths, 0.0, lengths)
@@ -104,7 +113,7 @@ class Surroundings:
 
     def length(self, wall: int) -> float:
         """Length of a wall, metres."""
-        return float(np.linalg.norm(self.walls[wall, 1] - self.walls[wall, 0]))
+        return float(np.linalg.norm(self.faces[wall, 1] - self.faces[wall, 0]))
 
     def covered(self, hung: Hung, width: float, bottom: float, top: float) -> list[str]:
         """The openings that something on a wall would cover, by name."""
@@ -130,12 +139,13 @@ def surroundings(stage: Usd.Stage) -> Surroundings:
 
     below, above = extent(names.FLOOR), extent(names.CEILING)
     cache = UsdGeom.XformCache(TIME)
-    walls = _walls(stage, cache)
+    walls, standing = _walls(stage, cache), _partitions(stage, cache)
     return Surroundings(
         0.0 if below.IsEmpty() else below.GetMax()[2],
         None if above.IsEmpty() else above.GetMin()[2],
         walls,
-        tuple(_gaps(stage, walls, cache)),
+        tuple(_gaps(stage, np.concatenate([walls, standing]), len(walls), cache)),
+        standing,
     )
 
 
@@ -157,10 +167,26 @@ def _walls(stage: Usd.Stage, cache: UsdGeom.XformCache) -> Array:
     return np.asarray(edges[np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) > 0.0])
 
 
-def _gaps(stage: Usd.Stage, walls: Array, cache: UsdGeom.XformCache) -> Iterator[Gap]:
+def _partitions(stage: Usd.Stage, cache: UsdGeom.XformCache) -> Array:
+    """(P, 2, 2) the faces of the walls that stand free."""
+    found = [wall.faces for wall in read_partitions(stage)]
+    if not found:
+        return np.zeros((0, 2, 2))
+    frame = np.linalg.inv(local_to_world(stage.GetPrimAtPath(names.WORLD), cache))
+    return np.asarray(np.concatenate(found) @ frame[:2, :2].T + frame[:2, 3])
+
+
+def _gaps(stage: Usd.Stage, walls: Array, outline: int, cache: UsdGeom.XformCache) -> Iterator[Gap]:
+    """The openings in walls (N, 2, 2), of which the first ones are those of the outline."""
     openings = stage.GetPrimAtPath(names.OPENINGS)
     lengths = np.linalg.norm(walls[:, 1] - walls[:, 0], axis=1)
     ahead = (walls[:, 1] - walls[:, 0]) / lengths[:, None]
+    # The faces of a wall that stands free come in pairs, as far apart as it is thick.
+    deep = np.zeros(len(walls))
+    pairs = walls[outline:].reshape(-1, 2, 2, 2)
+    across = np.stack([-ahead[outline::2, 1], ahead[outline::2, 0]], axis=-1)
+    depths = np.abs(((pairs[:, 1, 0] - pairs[:, 0, 0]) * across).sum(axis=1))
+    deep[outline:] = np.repeat(depths, 2)
     for prim in openings.GetAllChildren() if openings and len(walls) else ():
         sizes = [prim.GetAttribute(key) for key in (names.OPENING_WIDTH, names.OPENING_HEIGHT)]
         if not UsdGeom.Xformable(prim) or not all(size and size.HasValue() for size in sizes):
@@ -170,7 +196,8 @@ def _gaps(stage: Usd.Stage, walls: Array, cache: UsdGeom.XformCache) -> Iterator
         offsets = np.array([x, y]) - walls[:, 0]
         along = (offsets * ahead).sum(axis=1)
         off = np.abs(ahead[:, 0] * offsets[:, 1] - ahead[:, 1] * offsets[:, 0])
-        on = np.flatnonzero((off < _ON_THE_EDGE) & (along > 0.0) & (along < lengths))
-        for wall in on[:1].tolist():
-            low, high = z - 0.5 * height, z + 0.5 * height
+        on = np.flatnonzero((off < deep + _ON_THE_EDGE) & (along > 0.0) & (along < lengths))
+        low, high = z - 0.5 * height, z + 0.5 * height
+        # A hole in a wall that stands free is seen on both of its faces.
+        for wall in on[: 1 if on.size and on[0] < outline else 2].tolist():
             yield Gap(prim.GetName(), wall, float(along[wall]), width, low, high)

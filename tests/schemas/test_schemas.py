@@ -21,6 +21,10 @@ PROPERTIES = {
         "openrooms:room:height": ("double", 2.6),
         "openrooms:room:floor": ("double2[]", [Gf.Vec2d(0, 0), Gf.Vec2d(4, 0), Gf.Vec2d(0, 3)]),
     },
+    "OpenRoomsPartitionAPI": {
+        "openrooms:partition:outline": ("double2[]", [Gf.Vec2d(0, 0), Gf.Vec2d(4, 0)]),
+        "openrooms:partition:height": ("double", 2.1),
+    },
     "OpenRoomsOpeningAPI": {
         "openrooms:opening:kind": ("token", "window"),
         "openrooms:opening:width": ("double", 1.2),
@@ -107,6 +111,8 @@ def test_a_schema_applies_to_what_it_is_for(schema: str) -> None:
     stage = Usd.Stage.CreateInMemory()
     xform = UsdGeom.Xform.Define(stage, "/Xform").GetPrim()
     shade = UsdShade.Material.Define(stage, "/Material").GetPrim()
+    if schema == "OpenRoomsPartitionAPI":
+        xform = UsdGeom.Mesh.Define(stage, "/Mesh").GetPrim()
     allowed = {
         "OpenRoomsMaterialAPI": (False, True),
         "OpenRoomsSourceAPI": (True, True),

@@ -2,5 +2,6 @@
 
 - `archive`, `meshes`, `usdz`: the parametric USDZ as the records that its JSON holds;
 - `records`: these, checked one by one; `spaces`: which room is meant; `curves`: curved walls;
+  `inner`: walls that are not on the outline;
 - `importer`: all of it.
 """

@@ -19,6 +19,7 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedOpen
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.floorplan import from_lower_left, heading, tidied
+from orusd_scans.roomplan.inner import inner_walls
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, placed, rectangle
 
@@ -80,6 +81,9 @@ class RoomPlanImporter:
         floor = None if corners is None else tidied(corners, notes)
         floor = None if floor is None else from_lower_left(floor)
         notes += _approximations(room)
+        # Walls outside belong to other rooms, where there are any.
+        told = notes if space.is_whole else []
+        partitions = () if floor is None else inner_walls(room.walls, floor, frame.points, told)
         openings = [
             *(_opening(record, "door", frame) for record in room.doors),
             *(_opening(record, "window", frame) for record in room.windows),
@@ -91,6 +95,7 @@ class RoomPlanImporter:
             floor=floor,
             height=_height(room, frame),
             openings=tuple(_distinct(openings, notes)),
+            partitions=partitions,
             boxes=tuple(_box(record, frame) for record in room.objects),
             notes=tuple(notes),
         )
@@ -143,6 +148,7 @@ def _opening(
         height=float(record.size[1]),
         is_open=None if is_open is None else is_open == "True",
         confidence=record.confidence,
+        wall=record.parent,
     )
 
 

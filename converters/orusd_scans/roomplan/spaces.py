@@ -40,12 +40,14 @@ class Space:
             enclose any.
         records: What belongs to it.
         notes: What was guessed.
+        is_whole: Whether nothing else was captured beside it.
     """
 
     labels: tuple[str, ...]
     outline: Array | None
     records: CapturedRoom
     notes: tuple[str, ...] = ()
+    is_whole: bool = True
 
     @property
     def area(self) -> float:
@@ -85,7 +87,7 @@ def chosen_space(rooms: Sequence[CapturedRoom], wanted: str | None, notes: list[
     notes += space.notes
     if space.outline is None or len(spaces) == len(rooms):
         return space
-    return replace(space, records=_belonging(space.records, space.outline))
+    return replace(space, records=_belonging(space.records, space.outline), is_whole=False)
 
 
 def _is(wanted: str, index: int, space: Space) -> bool:
@@ -158,6 +160,14 @@ def _base(wall: Record) -> Array:
     return placed(wall, local)
 
 
+def facets(wall: Record) -> Array:
+    """(N, 3) the base of a wall in the source's frame: both ends, and between them its facets."""
+    if not wall.arc:
+        return placed(wall, rectangle(wall)[:2])
+    x, z = wall.arc.facets(np.empty((0, 3))).T
+    return placed(wall, np.column_stack([x, np.full(len(x), -0.5 * wall.size[1]), z]))
+
+
 def _arcs(room: CapturedRoom, story: int | None) -> list[Array]:
     """(M, 2) the facets of each curved wall, x and z in the source's frame."""
     arcs = []
@@ -218,7 +228,7 @@ def _belonging(records: CapturedRoom, outline: Array) -> CapturedRoom:
 
     floor = shapely.make_valid(shapely.Polygon(outline[:, [0, 2]]))
     edge, level = floor.boundary, float(np.median(outline[:, 1]))
-    inside = floor.buffer(_OUTSIDE_FLOOR_M)
+    inside, around = floor.buffer(_OUTSIDE_FLOOR_M), floor.buffer(_EDGE_DISTANCE_M)
     shapely.prepare(inside)
 
     def at_edge(records: tuple[Record, ...]) -> tuple[Record, ...]:
@@ -233,7 +243,7 @@ def _belonging(records: CapturedRoom, outline: Array) -> CapturedRoom:
 
     return replace(
         records,
-        walls=at_edge(records.walls),
+        walls=tuple(w for w in above(records.walls) if around.contains(_point(w))),
         doors=at_edge(records.doors),
         windows=at_edge(records.windows),
         openings=at_edge(records.openings),
