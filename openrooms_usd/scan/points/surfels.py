@@ -2,7 +2,7 @@
 
 Whatever looks for planes counts surfels and not points, so that a wall that was scanned a hundred
 times weighs as much as one that was scanned once. Normals are the least principal axis of the
-points in the 27 voxels around; where a scan is sparse, larger voxels serve.
+points in the 27 voxels around; where a scan is sparse, of the nearest points (see `nearest`).
 """
 
 from dataclasses import dataclass, replace
@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.nearest import nearest_planes
+from openrooms_usd.scan.points.principal import least_principal_axes, moments
 from openrooms_usd.scan.points.thinning import thin
 
 Array = NDArray[np.float64]
@@ -21,12 +23,9 @@ Rows = NDArray[np.int64]
 VOXEL_M: Final = 0.05
 # Points are first downsampled to this part of a voxel.
 _THINNING_VOXELS: Final = 0.5
-# Least points of a plane fit; where there are fewer, the next larger voxels are tried.
+# Least points of a plane fit; where there are fewer, the nearest points serve.
 _MIN_POINTS: Final = 6
-_COARSER_VOXELS: Final = (2.0, 4.0)
 _WIDEST_VOXELS: Final = 4
-# Largest residual in those, which would else pass outliers for surfels, metres.
-_MAX_OFF_PLANE_M: Final = 0.03
 # Neighbourhoods with less than this part of the usual number of points are outliers.
 _STRAY_SHARE: Final = 0.2
 # Edge of the cubes within which numbers of points are compared, metres.
@@ -88,22 +87,21 @@ def surfels(cloud: Cloud, voxel: float = VOXEL_M) -> Surfels:
     pieces = thin(fine, voxel)
     normals, rough, count = _planes(fine.points, pieces.points, voxel)
     usual, spread = float(np.median(count)), np.ones(len(pieces))
-    for coarser in _COARSER_VOXELS:
-        lonely = count < _MIN_POINTS
-        if lonely.any():
-            wide = _planes(fine.points, pieces.points[lonely], voxel * coarser)
-            flat = (wide[2] >= 2 * _MIN_POINTS) & (wide[1] < _MAX_OFF_PLANE_M)
-            rows = np.flatnonzero(lonely)[flat]
-            normals[rows], rough[rows], count[rows] = (values[flat] for values in wide)
-            spread[rows] = 3.0 * coarser / np.sqrt(count[rows])
+    lonely = np.flatnonzero(count < _MIN_POINTS)
+    if len(lonely):
+        found = nearest_planes(fine.points, pieces.points[lonely])
+        rows = lonely[found.flat]
+        normals[rows], rough[rows] = found.normals[found.flat], found.rough[found.flat]
+        spread[rows] = found.spacing[found.flat] / voxel
+        count[rows] = np.maximum(usual, _MIN_POINTS)
     kept = (count >= _MIN_POINTS) & (count >= _STRAY_SHARE * usual) & np.isfinite(rough)
     share = _shares(bare, pieces.points, voxel)
-    found = Surfels(pieces.points, normals, rough, share, pieces.label).take(kept)
-    return _filled(found, np.rint(spread[kept]).astype(int), voxel)
+    flat = Surfels(pieces.points, normals, rough, share, pieces.label).take(kept)
+    return _filled(flat, np.rint(spread[kept]).astype(int), voxel)
 
 
 def _filled(pieces: Surfels, spread: Rows, voxel: float) -> Surfels:
-    """Coarse surfels resampled on their planes at the fine spacing."""
+    """Surfels of sparse places resampled on their planes at the fine spacing."""
     wide = np.clip(spread, 1, _WIDEST_VOXELS)
     parts = [pieces.take(wide == 1)]
     for size in range(2, _WIDEST_VOXELS + 1):
@@ -152,29 +150,14 @@ def _planes(points: Array, places: Array, voxel: float) -> tuple[Array, Array, A
     strides = np.array([spans[1] * spans[2], spans[2], 1])
     keys = np.floor((points - low) / voxel).astype(np.int64) @ strides
     cells, cell = np.unique(keys, return_inverse=True)
-    moments = np.column_stack([np.bincount(cell, column) for column in _columns(points)])
+    sums = np.column_stack([np.bincount(cell, column) for column in moments(points)])
     asked, place = np.unique(
         np.floor((places - low) / voxel).astype(np.int64) @ strides, return_inverse=True
     )
     offsets = np.array(np.meshgrid(*[(-1, 0, 1)] * 3)).reshape(3, -1).T @ strides
-    total = np.zeros((len(asked), moments.shape[1]))
+    total = np.zeros((len(asked), sums.shape[1]))
     for offset in offsets:
         at = np.minimum(np.searchsorted(cells, asked + offset), len(cells) - 1)
-        total += np.where((cells[at] == asked + offset)[:, None], moments[at], 0.0)
-    normals, rough = _least_principal_axes(total)
+        total += np.where((cells[at] == asked + offset)[:, None], sums[at], 0.0)
+    normals, rough = least_principal_axes(total)
     return normals[place], rough[place], total[place, 0]
-
-
-def _columns(points: Array) -> list[Array]:
-    x, y, z = points.T
-    return [np.ones(len(points)), x, y, z, x * x, x * y, x * z, y * y, y * z, z * z]
-
-
-def _least_principal_axes(moments: Array) -> tuple[Array, Array]:
-    """Normals and root mean squared residuals of plane fits, from moments (M, 10)."""
-    count = np.maximum(moments[:, :1], 1.0)
-    mean = moments[:, 1:4] / count
-    second = (moments[:, 4:] / count)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
-    spread = second - mean[:, :, None] * mean[:, None, :]
-    values, axes = np.linalg.eigh(spread)
-    return axes[:, :, 0], np.sqrt(np.maximum(values[:, 0], 0.0))

@@ -5,7 +5,8 @@ In the order of the work:
 - `ground`, `levelling`, `directions`: gravity, the floor, the directions of walls;
 - `ceilings`: their heights and slopes; `doorleaves`: open doors, which are no walls;
 - `walls`, `candidates`: surfels of walls, and line hypotheses for them;
-- `occupancy`, `spaces`: occupancy and free space of the plan, a watershed into rooms;
+- `occupancy`, `roofs`, `spaces`: occupancy and free space of the plan, what of it ceilings cover,
+  a watershed into rooms;
 - `cells`, `costs`, `outline`: minimum cut of a line arrangement, simplification by cost;
 - `borders`, `piers`, `refit`: walls that a scan missed, piers, robust line fits;
 - `coverage`: how much of each wall was scanned, and its residuals;

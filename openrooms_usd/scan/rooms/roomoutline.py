@@ -96,7 +96,8 @@ class Plan:
         rooms = self.spaces.rooms.ravel()
         empty = np.where(self.spaces.seen.ravel(), 0.0, _UNSEEN_GAIN)
         other = np.where(rooms == 0, empty, _OTHER_ROOM_GAIN)
-        return np.where(rooms == number, self.own * counted.ravel(), other) * PIXEL_M**2
+        own = self.own * (counted & self.spaces.indoors).ravel()
+        return np.where(rooms == number, own, other) * PIXEL_M**2
 
     def _sensors_in(self, number: int) -> Array:
         """(S, 2) sensor origins in a room, and the places that it must contain."""

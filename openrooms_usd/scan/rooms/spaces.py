@@ -15,6 +15,7 @@ from openrooms_usd.scan.rooms.occupancy import (
     free_space,
     plan_map,
 )
+from openrooms_usd.scan.rooms.roofs import roofed
 from openrooms_usd.scan.rooms.walls import Walls
 
 Array = NDArray[np.float64]
@@ -46,6 +47,7 @@ class Spaces:
         standing: (X, Y) metres of full-height wall.
         rooms: (X, Y) the number of the room, from 1; 0 where there is none.
         middles: (R, 2) for each room the place farthest from its borders.
+        indoors: (X, Y) what whole ceilings cover, in rooms that have one; all of the others.
     """
 
     low: Array
@@ -54,6 +56,7 @@ class Spaces:
     standing: Array
     rooms: NDArray[np.int32]
     middles: Array
+    indoors: Mask
 
     @property
     def high(self) -> Array:
@@ -113,8 +116,18 @@ def find_spaces(
         seen |= free_space(blocked, (sensor_origins[:, :2] - low) / PIXEL_M)
     seen |= _holes(seen, barrier)
     free = ndimage.binary_opening(seen & ~barrier, disc(1))
-    rooms, middles = _rooms(free, barrier, low)
-    return Spaces(low, seen, scanned, _standing(walls, low, shape), rooms, middles)
+    roof = roofed(pieces, barrier, low)
+    rooms, count = _rooms(free, barrier)
+    indoors = _indoors(rooms, roof, count)
+    middles = _middles(rooms, free & indoors, low, count)
+    return Spaces(low, seen, scanned, _standing(walls, low, shape), rooms, middles, indoors)
+
+
+def _indoors(rooms: NDArray[np.int32], roof: Mask, count: int) -> Mask:
+    """(X, Y) the roofs of rooms that have one, and all of the others."""
+    area = np.bincount(rooms[roof], minlength=count + 1) * PIXEL_M**2
+    bare = area < _MIN_AREA_M2
+    return np.asarray(roof | bare[rooms])
 
 
 def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
@@ -215,7 +228,8 @@ def _markers(width: Array) -> tuple[NDArray[np.integer[Any]], int]:
     return markers, count + len(lone)
 
 
-def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Array]:
+def _rooms(free: Mask, barrier: Mask) -> tuple[NDArray[np.int32], int]:
+    """(X, Y) the number of the room, the largest first, and how many there are."""
     from scipy import ndimage
 
     # The width is measured to walls, not to the border of the scan.
@@ -228,11 +242,17 @@ def _rooms(free: Mask, barrier: Mask, low: Array) -> tuple[NDArray[np.int32], Ar
     wide = ndimage.maximum(width, flooded, np.arange(count + 1)) > _ROOM_HALF_WIDTH_M
     large = [n for n in range(1, count + 1) if area[n] > _MIN_AREA_M2 and wide[n]]
     large.sort(key=lambda number: -area[number])
-    depth = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
     rooms = np.zeros(free.shape, np.int32)
-    middles = np.zeros((len(large), 2))
-    for index, number in enumerate(large):
-        rooms[flooded == number] = index + 1
-        deepest = np.where(markers == number, depth, -1.0).argmax()
-        middles[index] = low + PIXEL_M * (np.array(np.unravel_index(deepest, free.shape)) + 0.5)
-    return rooms, middles
+    for index, number in enumerate(large, 1):
+        rooms[flooded == number] = index
+    return rooms, len(large)
+
+
+def _middles(rooms: NDArray[np.int32], free: Mask, low: Array, count: int) -> Array:
+    """(R, 2) for each room the place farthest from the borders of free space."""
+    from scipy import ndimage
+
+    depth = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1]
+    places = [np.where(rooms == n, depth, -1.0).argmax() for n in range(1, count + 1)]
+    pixels = np.column_stack(np.unravel_index(np.array(places, int), rooms.shape))
+    return np.asarray(low + PIXEL_M * (pixels + 0.5))
