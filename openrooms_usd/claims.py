@@ -28,6 +28,8 @@ _LONGEST_HOLDER: Final = 120  # characters
 _HOLDER: Final = re.compile(r"(?:process \d+ \(|\Z)")
 # What this process holds: folders, each with the thread that claimed it.
 _HELD: Final[set[tuple[Path, int]]] = set()
+# Those of them that were not there before.
+_MADE: Final[set[Path]] = set()
 
 
 @contextmanager
@@ -65,14 +67,33 @@ def locked(folder: Path) -> Iterator[bool]:
     if key in _HELD:
         yield False
         return
+    is_new = not folder.exists()
     with atomic.making(folder), _exclusively(folder) as was_killed:
         _HELD.add(key)
+        if is_new:
+            _MADE.add(key[0])
         try:
             for inner in _to_sweep(folder) if was_killed else [folder]:
                 unfinished.sweep(inner)
             yield was_killed
         finally:
             _HELD.remove(key)
+            _MADE.discard(key[0])
+
+
+def abandon() -> None:
+    """Leave all folders that this process holds as if it had been interrupted.
+
+    For a process that is about to end while its main thread cannot be stopped: what it has not
+    finished is removed, and so are its lock files.
+    """
+    for folder, _ in list(_HELD):
+        for inner in list(_to_sweep(folder)):
+            unfinished.sweep(inner, own=True)
+        with suppress(OSError):
+            removal.remove_file(folder / FILE)
+        if folder in _MADE:
+            removal.remove_if_empty(folder)
 
 
 def _to_sweep(folder: Path) -> Iterator[Path]:

@@ -45,25 +45,33 @@ def is_unfinished(path: Path) -> bool:
     return any(_NAME.fullmatch(part) for part in path.parts)
 
 
-def remains(folder: Path) -> Iterator[Path]:
-    """What processes that are gone left in a folder, itself and no deeper."""
+def remains(folder: Path, *, own: bool = False) -> Iterator[Path]:
+    """What processes that are gone left in a folder, itself and no deeper.
+
+    Args:
+        folder: The folder.
+        own: Whether this process counts as gone.
+    """
     # A folder that cannot be read has nothing to sweep: whoever writes there next will say so.
     with suppress(OSError):
         for entry in sorted(folder.iterdir()):
             found = _NAME.fullmatch(entry.name)
-            if found and not _is_running(int(found["pid"]), found["began"]):
+            if found and (
+                (own and _is_this(found)) or not _is_running(int(found["pid"]), found["began"])
+            ):
                 yield entry
 
 
-def sweep(folder: Path) -> None:
+def sweep(folder: Path, *, own: bool = False) -> None:
     """Remove what processes that are gone left in a folder, itself and no deeper.
 
     An earlier folder that had just made room for a new one, which never came, is put back.
 
     Args:
         folder: One that no other process of this program writes to now.
+        own: Whether this process is as good as gone, too.
     """
-    for path in list(remains(folder)):
+    for path in list(remains(folder, own=own)):
         found = _NAME.fullmatch(path.name)
         with suppress(OSError):
             before = path.with_name(found["stem"]) if found else path
@@ -79,6 +87,10 @@ def _marked(stem: str, suffix: str) -> str:
     if len(os.fsencode(stem)) > _LONGEST_STEM_BYTES:
         stem = hashlib.sha256(os.fsencode(stem)).hexdigest()[:16]
     return f".{stem}.orusd-{os.getpid()}-{_BEGAN}-{next(_NUMBERS)}{suffix}"
+
+
+def _is_this(found: re.Match[str]) -> bool:
+    return int(found["pid"]) == os.getpid() and found["began"] == _BEGAN
 
 
 def _is_running(pid: int, began: str) -> bool:

@@ -65,8 +65,11 @@ def orusd() -> None:
 
 def main() -> None:
     """Run the command line; errors for people become one message and an exit code."""
+    from openrooms_usd.cli.interruption import leave, prompt_interrupts
+
     try:
-        orusd(standalone_mode=False)
+        with prompt_interrupts():
+            orusd(standalone_mode=False)
     except OrusdError as error:
         click.echo(f"error: {error}", err=True)
         sys.exit(error.exit_code)
@@ -74,5 +77,4 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except (click.Abort, KeyboardInterrupt):
-        click.echo("interrupted: what was finished is whole", err=True)
-        sys.exit(130)
+        leave()

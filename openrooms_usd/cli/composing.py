@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from openrooms_usd import names
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
     from openrooms_usd.compose import ComposeSummary
@@ -126,7 +126,8 @@ def demo(ctx: click.Context, out: Path, spp: int, as_json: bool) -> None:
         paths = {"description": room, "scene": out / names.SCENE, "render": out / "render"}
         print_json({name: str(path) for name, path in paths.items()})
         return
-    echo(_DEMO_TOLD.format(out=out, picture="denoised" if clean else "radiance"))
+    told = {"out": out, "typed": command_line(out), "picture": "denoised" if clean else "radiance"}
+    echo(_DEMO_TOLD.format(**told))
     if not clean:
         echo("for clean pictures: pip install openrooms-usd[denoise], and run it again")
 
@@ -140,8 +141,8 @@ made, in {out}:
 
 next:
   change it      edit {out}/source/room.yaml, then
-                 orusd compose {out}/source/room.yaml -o {out}
+                 orusd compose {typed}/source/room.yaml -o {typed}
   another room   orusd generate --type bedroom --seed 1 -o out/bedroom
                  orusd compose out/bedroom/room.yaml -o out/bedroom
   from a scan    orusd import scan SCAN.ply -o out/scanned
-  more light     orusd render {out}/scene.usda -o {out}/render --spp 256 --denoise"""
+  more light     orusd render {typed}/scene.usda -o {typed}/render --spp 256 --denoise"""

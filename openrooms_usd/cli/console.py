@@ -1,9 +1,11 @@
 """What the commands share: ``--json``, how text and a result are printed, a bar of progress."""
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
@@ -24,6 +26,11 @@ def json_option(command: Command) -> Command:
 def echo(text: object = "", *, err: bool = False, nl: bool = True) -> None:
     """Print for people: names from files cannot move the cursor or forge what stands there."""
     click.echo(printable(text), err=err, nl=nl)
+
+
+def command_line(*words: str | Path) -> str:
+    """A command that can be pasted into a shell, whatever its paths are called."""
+    return shlex.join(str(word) for word in words)
 
 
 def print_json(data: object) -> None:

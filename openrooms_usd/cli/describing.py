@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import command_line, echo, json_option, print_json
 
 
 @click.command()
@@ -20,7 +20,7 @@ def init(folder: Path, as_json: bool) -> None:
         print_json({"description": str(description), "schema": str(rules)})
         return
     echo(f"wrote {description}")
-    echo(f"next:  orusd compose {description} -o {folder / 'out'}")
+    echo(f"next:  {command_line('orusd', 'compose', description, '-o', folder / 'out')}")
 
 
 @click.command()

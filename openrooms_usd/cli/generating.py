@@ -5,7 +5,7 @@ from typing import Final, get_args
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import command_line, echo, json_option, print_json
 from openrooms_usd.description.room import RoomType
 
 _MOST: Final = 100_000
@@ -38,4 +38,4 @@ def generate(
         return
     for room in rooms:
         echo(f"wrote {room.file}: {room.made.shell.area:.1f} m2, {room.objects} objects")
-    echo(f"next: orusd compose {rooms[0].file} -o OUT")
+    echo(f"next: {command_line('orusd', 'compose', rooms[0].file, '-o', 'OUT')}")

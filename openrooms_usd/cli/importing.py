@@ -6,7 +6,7 @@ import click
 
 from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.capture import Importer, option_paths
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import command_line, echo, json_option, print_json
 
 
 class ImporterGroup(click.Group):
@@ -52,7 +52,8 @@ def _command(kind: str) -> click.Command:
             echo(f"{what:<9} {count}")
         for note in imported.notes:
             echo(f"note: {note}")
-        echo(f"wrote {imported.file}; next: orusd compose {imported.file} -o OUT")
+        following = command_line("orusd", "compose", imported.file, "-o", "OUT")
+        echo(f"wrote {imported.file}; next: {following}")
 
     for name, text in importer.options.items():
         metavar = "PATH" if name in option_paths(importer) else "TEXT"

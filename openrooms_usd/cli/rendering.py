@@ -90,6 +90,7 @@ def render(
     from openrooms_usd.usd.diagnostics import quiet
 
     _warn_of_units(stage)
+    _tell_what_goes(out)
     # What cannot be written should not be rendered first.
     writer: DatasetWriter | None = adapters.load(adapters.DATASETS, "openrooms") if root else None
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
@@ -130,6 +131,17 @@ def _warn_of_units(stage: Path) -> None:
         found = find_misfits(open_stage(stage))
     for misfit in found:
         echo(f"warning: {misfit}: see orusd edits fit", err=True)
+
+
+def _tell_what_goes(out: Path) -> None:
+    """Say before the picture that the views of an earlier render will go."""
+    from openrooms_usd.render.folder import listed_views
+
+    if earlier := sorted(listed_views(out)):
+        some = ", ".join(earlier[:4]) + (" ..." if len(earlier) > 4 else "")
+        what = "a render with the view" if len(earlier) == 1 else "a render with the views"
+        said = f"{out} holds {what} {some}: this one takes its place"
+        echo(f"note: {said}; another -o keeps both", err=True)
 
 
 def _names(text: str) -> list[str]:

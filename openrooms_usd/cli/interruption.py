@@ -1,0 +1,86 @@
+"""Ctrl-C acts at once, also while a renderer computes.
+
+Python tells the main thread of a signal only when that runs Python again, which may take many
+seconds inside of a renderer. A thread beside it is woken by the signal itself; where the main
+thread does not answer in time, it leaves the folders as after any interruption and ends the
+process.
+"""
+
+import os
+import signal
+import socket
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+from typing import Final, NoReturn
+
+from openrooms_usd.cli.console import echo
+
+EXIT_CODE: Final = 130
+_SAID: Final = "interrupted: what was finished is whole"
+_SHOW_CURSOR: Final = "\x1b[?25h"
+# How long the main thread has to answer; and then, to leave as it likes.
+_ANSWER_SECONDS: Final = 1.0
+_LEAVE_SECONDS: Final = 10.0
+
+
+@contextmanager
+def prompt_interrupts() -> Iterator[None]:
+    """Let Ctrl-C end the process within a second or so, whatever the main thread does.
+
+    Where signals are ignored (``nohup``), or belong to somebody else, nothing changes.
+    """
+    ours = threading.current_thread() is threading.main_thread()
+    if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    answered = threading.Event()
+
+    def answer(number: int, frame: FrameType | None) -> NoReturn:
+        answered.set()
+        raise KeyboardInterrupt
+
+    woken, waker = socket.socketpair()
+    waker.setblocking(False)
+    before = signal.set_wakeup_fd(waker.fileno(), warn_on_full_buffer=False)
+    signal.signal(signal.SIGINT, answer)
+    threading.Thread(target=_watch, args=(woken, answered), daemon=True).start()
+    try:
+        yield
+    except Exception:
+        # What was interrupted while it was imported says so in errors of its own.
+        if answered.is_set():
+            leave()
+        raise
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.set_wakeup_fd(before)
+        waker.close()
+
+
+def _watch(woken: socket.socket, answered: threading.Event) -> None:
+    with woken:
+        while numbers := woken.recv(1):
+            if numbers[0] == signal.SIGINT:
+                break
+        else:
+            return
+    if answered.wait(_ANSWER_SECONDS):
+        # It is leaving; it may still wait for threads of its own.
+        threading.Event().wait(_LEAVE_SECONDS)
+    from openrooms_usd import claims
+
+    claims.abandon()
+    leave()
+
+
+def leave() -> NoReturn:
+    """Say that the command was interrupted, and end the process without waiting for anything."""
+    with suppress(OSError, ValueError):
+        if sys.stderr.isatty():
+            sys.stderr.write(_SHOW_CURSOR)
+        echo(_SAID, err=True)
+        sys.stdout.flush()
+    os._exit(EXIT_CODE)

@@ -1,0 +1,83 @@
+"""Ctrl-C while the main thread computes in a library that does not look at signals."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+# A command that claims a folder, begins a file and then computes without coming back to Python.
+STUCK = """
+import hashlib, sys
+from pathlib import Path
+from openrooms_usd import atomic, claims
+from openrooms_usd.cli.interruption import leave, prompt_interrupts
+
+out = Path(sys.argv[1])
+try:
+    with prompt_interrupts(), claims.claimed(out), atomic.replacing(out / "picture.png") as beside:
+        beside.write_bytes(b"half")
+        print("ready", flush=True)
+        {compute}
+except KeyboardInterrupt:
+    leave()
+"""
+# It releases Python's lock, as renderers do.
+BLIND = "hashlib.pbkdf2_hmac('sha256', b'', b'', 200_000_000)"
+AWAKE = "import time; time.sleep(60)"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are others there")
+@pytest.mark.parametrize("compute", [BLIND, AWAKE])
+@pytest.mark.parametrize("is_there", [False, True])
+def test_the_process_ends_soon_and_leaves_nothing(
+    compute: str, is_there: bool, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    if is_there:
+        out.mkdir()
+        (out / "picture.png").write_bytes(b"earlier")
+    command = [sys.executable, "-P", "-c", STUCK.format(compute=compute), str(out)]
+    with subprocess.Popen(command, stdout=-1, stderr=-1, text=True) as process:
+        assert process.stdout
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        # Far less than the computation takes, and far more than a busy machine may need.
+        said = process.communicate(timeout=30)[1]
+    assert process.returncode == 130
+    assert said.strip() == "interrupted: what was finished is whole"
+    left = sorted(path.name for path in tmp_path.rglob("*"))
+    assert left == (["out", "picture.png"] if is_there else [])
+    if is_there:
+        assert (out / "picture.png").read_bytes() == b"earlier"
+
+
+def test_an_error_that_an_interruption_caused_is_none() -> None:
+    code = """
+import signal
+from openrooms_usd.cli.interruption import prompt_interrupts
+with prompt_interrupts():
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        raise ImportError("while it was loaded")
+"""
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
+    assert done.returncode == 130
+    assert done.stderr == "interrupted: what was finished is whole\n"
+
+
+def test_what_ignores_ctrl_c_goes_on_ignoring_it() -> None:
+    code = """
+import signal
+from openrooms_usd.cli.interruption import prompt_interrupts
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+with prompt_interrupts():
+    signal.raise_signal(signal.SIGINT)
+print("still here")
+"""
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
+    assert done.stdout == "still here\n", done.stderr
