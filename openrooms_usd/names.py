@@ -67,6 +67,7 @@ CREATOR: Final = "openrooms_usd"
 CATEGORY: Final = "category"  # our own category names
 OPENROOMS45: Final = "openrooms45"  # the 45 classes of the released dataset
 NYU40: Final = "nyu40"  # the 40 classes of NYU Depth V2
+CAPTURED: Final = "captured"  # the source's own word for what was captured
 PART: Final = "part"  # semantic parts, named as PartNet does
 
 # The categories that the room itself is made of.

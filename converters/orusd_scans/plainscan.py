@@ -18,6 +18,8 @@ from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.frames import in_world, read_frames
+from orusd_scans.records.fields import text
+from orusd_scans.records.jsonfile import read_json
 from orusd_scans.scanned import Scanned
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.worldframe import Z_UP, WorldFrame
@@ -61,8 +63,9 @@ class ScanImporter:
         "unit": "The unit of the coordinates: m, mm, or auto: guessed by their extent (default m).",
         "up": "The direction that is up, as x,y,z or an axis (default z; y for GLB).",
         "frames": "A JSON file with the cameras of photographs.",
+        "words": 'A JSON file with a word for each instance by its number: {"13": "trash can"}.',
     }
-    paths = frozenset({"frames"})
+    paths = frozenset({"frames", "words"})
 
     def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
         """Read a point cloud or a mesh.
@@ -82,6 +85,9 @@ class ScanImporter:
         frames: tuple[CapturedFrame, ...] = ()
         if "frames" in options:
             frames = in_world(read_frames(Path(options["frames"])), frame, notes)
+        if "words" in options:
+            words = read_words(Path(options["words"]))
+            scanned = replace(scanned, cloud=replace(scanned.cloud, words=words))
         return Capture(
             source=source.name,
             source_from_world=frame.source_from_world(),
@@ -90,6 +96,21 @@ class ScanImporter:
             notes=tuple(notes),
             remedy=UNDETERMINED,
         )
+
+
+def read_words(path: Path) -> dict[int, tuple[str, ...]]:
+    """The word for each instance by its number.
+
+    Raises:
+        InputError: It is no such file.
+    """
+    node = read_json(path)
+    words = node.value if isinstance(node.value, dict) else {}
+    if not words or not all(key.isdecimal() and len(key) < 9 for key in words):
+        raise node.error(
+            "this is no table of words by the numbers of instances", 'write {"13": "trash can"}'
+        )
+    return {int(key): (text(node.need(key)),) for key in words}
 
 
 def read_scanned(source: Path) -> Scanned:

@@ -148,6 +148,7 @@ class FoundObject:
         symmetry: About the CAD's vertical.
         placed: The pose after placement, its scale that of ``pose``; None before it.
         support: ``floor``, ``wall``, ``ceiling``, or the instance that it stands on, as text.
+        word: The source's own word for it; empty where there is none.
     """
 
     instance: int
@@ -159,6 +160,7 @@ class FoundObject:
     symmetry: Literal["none", "2", "4", "inf"] = "none"
     placed: Pose | None = None
     support: str = ""
+    word: str = ""
 
     def moved(self, matrix: Array) -> "FoundObject":
         """The object after a rigid motion (4, 4)."""
@@ -173,6 +175,7 @@ class FoundObject:
         return {
             "instance": self.instance,
             "category": self.category,
+            "word": self.word,
             "cad": self.cad,
             **self.pose.as_dict(),
             "residual": self.residual,

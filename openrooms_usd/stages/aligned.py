@@ -92,7 +92,15 @@ def placed_model(
     width, depth, height = (scale * np.ptp(built.extent, axis=0)).tolist()
     size: Size = (width, depth, height)
     return Placement(
-        thing.name, asset, size, x, y, z, thing.yaw, source=Source(source, model.id), pose=pose
+        thing.name,
+        asset,
+        size,
+        x,
+        y,
+        z,
+        thing.yaw,
+        source=Source(source, model.id, word=model.label),
+        pose=pose,
     )
 
 

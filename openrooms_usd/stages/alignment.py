@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from pxr import Kind, Sdf
+from pxr import Kind, Sdf, Vt
 
 from openrooms_usd import names
 from openrooms_usd.categories.record import given
@@ -140,7 +140,7 @@ def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
 def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> Placement:
     (x, y, z), emits = thing.base, category(thing.category).emits
     asset = catalogue.furniture(thing.category, thing.size, label=thing.label)
-    source = Source(file, thing.box.id, thing.box.confidence)
+    source = Source(file, thing.box.id, thing.box.confidence, thing.box.label)
     height = None if thing.on_floor else z
     return Placement(
         thing.name, asset, thing.size, x, y, height, thing.yaw, emits=emits, source=source
@@ -223,6 +223,12 @@ def _author_source(prim: Sdf.PrimSpec, source: Source) -> None:
     _set(prim, names.SOURCE_ID, _TYPES.String, source.id)
     if source.confidence:
         _set(prim, names.SOURCE_CONFIDENCE, _TYPES.Token, source.confidence)
+    if source.word:
+        apply_schema(prim, f"SemanticsLabelsAPI:{names.CAPTURED}")
+        label = Sdf.AttributeSpec(
+            prim, f"semantics:labels:{names.CAPTURED}", _TYPES.TokenArray, Sdf.VariabilityUniform
+        )
+        label.default = Vt.TokenArray([source.word])
 
 
 def _set(prim: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName, value: object) -> None:

@@ -7,10 +7,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.capture import Capture, CapturedBox
+from openrooms_usd.categories.words import plain
 from openrooms_usd.description.alignment import Placed, named_objects
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.library.furniture import MAX_SIDE, MIN_SIDE, Size
-from openrooms_usd.stages.substitutes import UNKNOWN, plain, substitute
+from openrooms_usd.stages.substitutes import UNKNOWN, substitute
 
 # Captured heights are uncertain by some centimetres: boxes this near to the floor stand on it.
 FLOOR_TOLERANCE: Final = 0.1

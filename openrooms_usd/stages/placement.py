@@ -37,11 +37,13 @@ class Source:
         file: The name of the captured file, without its folder.
         id: Its identifier there.
         confidence: How sure the source is.
+        word: The source's own word for it; empty where that is not known.
     """
 
     file: str
     id: str
     confidence: Confidence | None = None
+    word: str = ""
 
 
 @dataclass(frozen=True, eq=False)

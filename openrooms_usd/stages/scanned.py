@@ -19,7 +19,7 @@ from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_path
-from openrooms_usd.stages.substitutes import substitute
+from openrooms_usd.stages.instances import hint_of
 
 Array = NDArray[np.float64]
 
@@ -108,7 +108,8 @@ def captured_hints(scanned: ScannedRoom) -> list[Hint] | None:
     for number, box in enumerate(boxes, 1):
         turn = Rotation.from_matrix(box.rotation).as_quat(scalar_first=True)
         around = Box(box.center, box.size, turn).moved(scanned.layout.level.level_from_scan)
-        hints.append(Hint(number, substitute(box.label, {}, 0.0) or box.label, None, box=around))
+        bottom = float(around.center[2] - 0.5 * box.size[2])
+        hints.append(hint_of(number, (box.label,), bottom, box=around))
     return hints
 
 

@@ -1,29 +1,12 @@
-"""What the library builds for the words of captures: RoomPlan, ScanNet, Scan2CAD and plain ones.
+"""What the library builds for a box of a capture: by its word, its attributes and its height."""
 
-The words stand in the records of the categories: those of Apple's RoomPlan, the classes of NYU40
-and SUN RGB-D, the raw names of ScanNet and the names of ShapeNet's synsets, as those data sets
-spell them.
-"""
-
-import re
 from collections.abc import Mapping
-from functools import cache
 from typing import Final
 
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import BUILT, records
+from openrooms_usd.categories.words import category_of, plain
 
 UNKNOWN: Final = "box"
 """The category that stands for what the library has nothing for."""
-
-
-@cache
-def substitutes() -> dict[str, str]:
-    """The library's category by a captured word in plain form: its own name, and other words."""
-    built = {name: told for name, told in records() if name in BUILT}
-    words = {word: name for name, told in built.items() for word in given(told.words, "").split()}
-    return {**{name: name for name in built}, **words}
-
 
 # RoomPlan's attributes that say more than the category (CapturedRoom.Object.attributes).
 _CLOSER: Final[dict[tuple[str, str, str], str]] = {
@@ -34,18 +17,6 @@ _CLOSER: Final[dict[tuple[str, str, str], str]] = {
     ("table", "table_type", "coffee"): "coffee_table",
     ("table", "table_type", "desk"): "desk",
 }
-# A lamp that begins so high above the floor hangs, and so low stands on it, metres.
-_HANGS, _STANDS = 1.5, 0.1
-
-
-def plain(word: str) -> str:
-    """A word in lower case with underscores: ``washer_dryer`` for ``washerDryer``.
-
-    It is a valid prim name, also where nothing of the word is left.
-    """
-    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", word)
-    name = re.sub(r"[^a-z0-9]+", "_", apart.lower()).strip("_")
-    return name if name[:1].isalpha() else f"thing_{name}".rstrip("_")
 
 
 def substitute(label: str, attributes: Mapping[str, str], above_floor: float) -> str | None:
@@ -60,9 +31,6 @@ def substitute(label: str, attributes: Mapping[str, str], above_floor: float) ->
         A category of the library; None when it has nothing for it.
     """
     word = plain(label)
-    if word in ("lamp", "light", "lighting"):
-        if above_floor > _HANGS:
-            return "ceiling_lamp"
-        return "floor_lamp" if above_floor < _STANDS else "table_lamp"
     closer = (_CLOSER.get((word, plain(key), plain(value))) for key, value in attributes.items())
-    return next((category for category in closer if category), None) or substitutes().get(word)
+    found = next((category for category in closer if category), None)
+    return found or category_of(label, above_floor)

@@ -6,10 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from openrooms_usd.capture import Capture, CapturedBox
+from openrooms_usd.categories.words import library_words, plain
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.library.furniture import category
 from openrooms_usd.stages.captured import Captured, captured_objects
-from openrooms_usd.stages.substitutes import plain, substitute, substitutes
+from openrooms_usd.stages.substitutes import substitute
 
 THINGS = st.lists(
     st.tuples(st.sampled_from(["chair", "table"]), st.text(max_size=12)), unique=True, max_size=20
@@ -79,7 +80,7 @@ def test_unknown_things_are_boxes_with_their_own_label() -> None:
 
 
 def test_every_word_has_a_category_that_can_be_built() -> None:
-    for word, name in substitutes().items():
+    for word, name in library_words().items():
         assert category(name), word
         assert plain(word) == word
 

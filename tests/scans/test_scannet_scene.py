@@ -103,15 +103,53 @@ def test_classes_by_name_and_by_table(tmp_path: Path) -> None:
     capture = read_capture("scannet", folder)
     instance = capture.cloud.instance
     assert (capture.cloud.label == np.where(instance == 5, 35, 0)).all()
-    assert "1 names of objects have no NYU40 class (such as office_chair)" in capture.notes[0]
+    assert "1 names of objects have no class (such as 'office chair')" in capture.notes[0]
+    assert capture.cloud.words == {1: ("office chair",), 5: ("lamp",)}
     table = tmp_path / "labels.tsv"
     table.write_text(
-        "id\traw_category\tcategory\tnyu40id\tnyu40class\n1\toffice chair\tchair\t5\tchair\n"
-        "2\tlamp\tlamp\t35\tlamp\n3\tnothing\tnone\t\t\n"
+        "id\traw_category\tcategory\tnyu40id\tnyu40class\twnsynsetkey\n"
+        "1\toffice chair\tchair\t5\tchair\tswivel_chair.n.01\n"
+        "2\tlamp\tlamp\t35\tlamp\t\n3\tnothing\tnone\t\t\t\n"
     )
     capture = read_capture("scannet", folder, {"labels": str(table)})
     assert (capture.cloud.label == np.select([instance == 1, instance == 5], [5, 35])).all()
     assert capture.notes == ()
+    assert capture.cloud.words == {
+        1: ("office chair", "swivel chair", "chair"),
+        5: ("lamp", "lamp"),
+    }
+
+
+@pytest.mark.parametrize("place", [".", "..", "../.."])
+@pytest.mark.parametrize("name", ["scannetv2-labels.combined.tsv", "scannet-labels.combined.tsv"])
+def test_the_table_of_labels_is_found_by_itself(tmp_path: Path, place: str, name: str) -> None:
+    folder = scene(tmp_path / "a") if place == "." else tmp_path / "scans" / NAME
+    if place != ".":
+        folder.parent.mkdir()
+        scene(folder)
+    (folder / f"{NAME}_vh_clean_2.labels.ply").unlink()
+    (folder / place / name).write_text(
+        "id\tcategory\tnyu40id\tnyu40class\n1\toffice chair\t5\tchair\n2\tlamp\t35\tlamp\n"
+    )
+    capture = read_capture("scannet", folder)
+    assert capture.notes == ()
+    assert capture.cloud.words == {1: ("office chair", "chair"), 5: ("lamp", "lamp")}
+    assert set(np.unique(capture.cloud.label)) == {0, 5, 35}
+
+
+@pytest.mark.parametrize("ending", [".axisAlignment.txt", "_axis_align_matrix.txt"])
+@pytest.mark.parametrize("key", ["axisAlignment = ", ""])
+def test_the_axis_alignment_may_stand_in_its_own_file(
+    tmp_path: Path, ending: str, key: str
+) -> None:
+    folder = scene(tmp_path / NAME)
+    aligned = read_capture("scannet", folder)
+    (folder / f"{NAME}.txt").write_text("sceneType = Office\n")
+    numbers = "\n".join(" ".join(f"{v:.9f}" for v in row) for row in ALIGN)
+    (folder / f"{NAME}{ending}").write_text(key + (numbers.replace("\n", " ") if key else numbers))
+    capture = read_capture("scannet", folder)
+    assert capture.notes == ()
+    assert capture.cloud.points == pytest.approx(aligned.cloud.points)
 
 
 @pytest.mark.parametrize("coding", [0, 1])

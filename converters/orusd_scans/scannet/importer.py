@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, CapturedModel, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import DepthFrame, Fused, fuse
@@ -33,6 +34,14 @@ Array = NDArray[np.float64]
 # The meshes of a scene, the usual one first.
 _MESHES: Final = ("_vh_clean_2.ply", "_vh_clean.ply")
 _EVERY_FRAMES: Final = 10
+# Where a scene's axis alignment stands: among its settings, or in a file of its own.
+_ALIGNMENTS: Final = (
+    ".txt", ".axisAlignment.txt", "_axisAlignment.txt", ".axis_alignment.txt",
+    "_axis_alignment.txt", "_axis_align_matrix.txt",
+)  # fmt: skip
+# The tables of labels of new and old releases, which lie beside a scene or above all scenes.
+_TABLES: Final = ("scannetv2-labels.combined.tsv", "scannet-labels.combined.tsv")
+_FOLDERS_ABOVE: Final = 2
 
 
 @dataclass(frozen=True)
@@ -70,6 +79,21 @@ class _Scene:
         """The mesh with a class at each vertex."""
         return self.file(f"{self.stem}.labels.ply")
 
+    @property
+    def alignments(self) -> list[Path]:
+        """What may hold its axis alignment."""
+        paths = (self.folder / f"{self.name}{ending}" for ending in _ALIGNMENTS)
+        return [path for path in paths if path.is_file()]
+
+    def table(self, options: Mapping[str, str]) -> Path | None:
+        """The table of labels: the given one, or that of its release."""
+        if "labels" in options:
+            return Path(options["labels"])
+        folder = self.folder.resolve()
+        above = (folder, *folder.parents[:_FOLDERS_ABOVE])
+        paths = (place / name for place in above for name in _TABLES)
+        return next((path for path in paths if path.is_file()), None)
+
     def annotated(self) -> tuple[Path | None, ...]:
         """The mesh and its annotation."""
         return self.mesh, self.segments, self.aggregation, self.labelled
@@ -79,7 +103,7 @@ class ScanNetImporter:
     """Reads the folder of a scene, or its mesh with what lies beside it."""
 
     options: Mapping[str, str] = {
-        "labels": "scannetv2-labels.combined.tsv: makes NYU40 classes of the objects' names.",
+        "labels": "scannetv2-labels.combined.tsv, if it is neither here nor two folders above.",
         "frames": "Poses of the photographs: an exported folder, a .sens file or JSON.",
         "fuse": "Fuse one in this many depth pictures of the .sens file, in place of the mesh.",
         "annotation": "full_annotations.json of Scan2CAD.",
@@ -122,14 +146,14 @@ class ScanNetImporter:
             more[f"{scene.name}/{scene.name}.sens"] = _needed_sens(scene, options)
         elif frames := _frames(scene, options, []):
             kept["frames"], more["frames.json"] = "frames.json", as_text(frames)
-        if "labels" in options:
-            kept["labels"], more["labels.tsv"] = "labels.tsv", Path(options["labels"])
+        if (table := scene.table(options)) is not None and not fused:
+            kept["labels"], more["labels.tsv"] = "labels.tsv", table
         if "annotation" in options:
             models = {"scan": scene.name} | {n: options[n] for n in ("models",) if n in options}
             aligned = Scan2CadImporter().pack(Path(options["annotation"]), models)
             more |= aligned.contents
             kept |= {"annotation": aligned.file} | dict(aligned.options)
-        files = [scene.file(".txt"), *([] if fused else scene.annotated())]
+        files = [*scene.alignments, *([] if fused else scene.annotated())]
         return packed_folder(scene.folder, files, kept, scene.name, more)
 
 
@@ -153,18 +177,23 @@ def _scene(source: Path) -> _Scene:
 
 
 def _aligned_frame(scene: _Scene, notes: list[str]) -> WorldFrame:
-    """World from scan: ``axisAlignment`` of the scene's text file."""
-    path = scene.file(".txt")
-    words = settings(path).get("axisAlignment", "").split() if path is not None else []
-    if path is None or not words:
-        notes.append("the scene has no axisAlignment: its own axes are taken")
-        return WorldFrame(np.eye(3), np.zeros(3))
+    """World from scan: the scene's ``axisAlignment``, or a matrix in a file of its own."""
+    for path in scene.alignments:
+        found = settings(path)
+        own = path.name != f"{scene.name}.txt" and "axisAlignment" not in found
+        words = (untrusted.read_text(path) if own else found.get("axisAlignment", "")).split()
+        if words:
+            matrix = rigid(Node(_numbers(words, path), path, "axisAlignment"))
+            return WorldFrame(matrix[:3, :3], -matrix[:3, :3].T @ matrix[:3, 3])
+    notes.append("the scene has no axisAlignment: its own axes are taken")
+    return WorldFrame(np.eye(3), np.zeros(3))
+
+
+def _numbers(words: list[str], path: Path) -> list[float]:
     try:
-        numbers = [float(word) for word in words]
+        return [float(word) for word in words]
     except ValueError as error:
         raise InputError("axisAlignment is not of numbers", place=path) from error
-    matrix = rigid(Node(numbers, path, "axisAlignment"))
-    return WorldFrame(matrix[:3, :3], -matrix[:3, :3].T @ matrix[:3, 3])
 
 
 def _frames(
@@ -193,17 +222,17 @@ def _scanned(scene: _Scene, options: Mapping[str, str], notes: list[str]) -> Sca
             remedy="give the folder of one scene of ScanNet",
         )
     scanned = read_ply(scene.mesh)
-    labels = Path(options["labels"]) if "labels" in options else None
     found = read_annotation(
         count=len(scanned.cloud),
         segments=scene.segments,
         aggregation=scene.aggregation,
         labelled=scene.labelled,
-        table=labels,
+        table=scene.table(options),
         notes=notes,
     )
     return replace(
-        scanned, cloud=replace(scanned.cloud, label=found.label, instance=found.instance)
+        scanned,
+        cloud=replace(scanned.cloud, label=found.label, instance=found.instance, words=found.words),
     )
 
 

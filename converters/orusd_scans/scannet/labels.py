@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,14 +17,24 @@ from orusd_scans.records.table import read_table
 
 # The column of the raw names, in new and in old releases.
 _RAW: Final = ("raw_category", "category")
+# Columns of the WordNet synset's key, such as ashcan.n.01, and of the class in words.
+_SYNSET: Final = "wnsynsetkey"
+_CLASS: Final = "nyu40class"
 
 
 @dataclass(frozen=True, eq=False)
 class Annotation:
-    """Class (NYU40) and instance of each vertex, (N,); 0 where there is none; None if unknown."""
+    """What is known of a mesh.
+
+    Attributes:
+        label: (N,) NYU40 class of each vertex; 0 where there is none; None if unknown.
+        instance: (N,) number of each vertex's object; 0 where there is none; None if unknown.
+        words: For each object: its name, then its synset and class by the table.
+    """
 
     label: NDArray[np.int32] | None
     instance: NDArray[np.int32] | None
+    words: Mapping[int, tuple[str, ...]] | None = None
 
 
 def read_annotation(
@@ -37,8 +47,8 @@ def read_annotation(
 ) -> Annotation:
     """Read the annotation of a mesh.
 
-    Classes come from the table if it is given, else from the labelled mesh, else from those names
-    of the objects that are names of NYU40.
+    Classes come from the table, else from the labelled mesh, else from those names of the objects
+    that are names of NYU40.
 
     Args:
         count: How many vertices the mesh has.
@@ -51,7 +61,9 @@ def read_annotation(
     Raises:
         InputError: A file holds nonsense, or does not belong to the mesh.
     """
-    label = _labelled(labelled, count, notes) if labelled is not None and table is None else None
+    label, old = _labelled(labelled, count) if labelled is not None else (None, False)
+    if old and table is None:
+        notes.append("the labelled mesh has the numbers of an old release: it was left out")
     if segments is None or aggregation is None:
         if label is None:
             notes.append("the scene has no segments and no labels: its points have no classes")
@@ -59,21 +71,30 @@ def read_annotation(
     owners = _segments(segments, count)
     objects = _objects(aggregation)
     instance = np.zeros(count, np.int32)
-    classes = np.zeros(count, np.int32)
-    known = _classes(table) if table is not None else {n: i for i, n in enumerate(NYU40)}
-    unknown: set[str] = set()
+    classes = np.zeros(count, np.int32) if label is None else label.copy()
+    known = _classes(table) if table is not None else _NYU40
     for one in objects:
         rows = np.isin(owners, one.segments)
         instance[rows] = one.number
-        classes[rows] = known.get(one.name, 0)
-        if one.name not in known:
-            unknown.add(one.name)
-    if label is None and unknown:
+        if one.name in known and (label is None or table is not None):
+            classes[rows] = known[one.name].number
+    if table is None and label is None and (unknown := {one.name for one in objects} - {*known}):
         notes.append(
-            f"{len(unknown)} names of objects have no NYU40 class (such as {min(unknown)}): "
-            "give scannetv2-labels.combined.tsv as --labels"
+            f"{len(unknown)} names of objects have no class (such as {min(unknown)!r}): they are "
+            "known by these words alone; scannetv2-labels.combined.tsv beside the scene says more"
         )
-    return Annotation(classes if label is None else label, instance)
+    words = {o.number: (o.name, *(known[o.name].words if o.name in known else ())) for o in objects}
+    return Annotation(classes, instance, words)
+
+
+class _Class(NamedTuple):
+    """What the table says of a name."""
+
+    number: int
+    words: tuple[str, ...] = ()
+
+
+_NYU40: Final = {name.replace("_", " "): _Class(n) for n, name in enumerate(NYU40)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +106,8 @@ class _Object:
     segments: NDArray[np.int64]
 
 
-def _labelled(path: Path, count: int, notes: list[str]) -> NDArray[np.int32] | None:
+def _labelled(path: Path, count: int) -> tuple[NDArray[np.int32] | None, bool]:
+    """The classes of the labelled mesh, or whether it has other numbers, as old releases wrote."""
     scanned = read_ply(path)
     label = scanned.cloud.label
     if label is None or len(label) != count:
@@ -95,10 +117,8 @@ def _labelled(path: Path, count: int, notes: list[str]) -> NDArray[np.int32] | N
             remedy="take both meshes from one release",
         )
     if int(label.max(initial=0)) >= len(NYU40):
-        # Old releases wrote numbers of raw categories there.
-        notes.append("the labelled mesh holds no NYU40 classes: it was left out")
-        return None
-    return label
+        return None, True
+    return label, False
 
 
 def _segments(path: Path, count: int) -> NDArray[np.int64]:
@@ -120,7 +140,7 @@ def _objects(path: Path) -> list[_Object]:
         if value in numbers:
             raise number.error("this object is there already", "mend the aggregation")
         numbers.add(value)
-        name = text(node.need("label")).lower().replace(" ", "_")
+        name = " ".join(text(node.need("label")).lower().replace("_", " ").split())
         found.append(_Object(value, name, _whole_numbers(node.need("segments"))))
     return found
 
@@ -133,16 +153,23 @@ def _whole_numbers(node: Node) -> NDArray[np.int64]:
     return np.array(values, dtype=np.int64)
 
 
-def _classes(path: Path) -> Mapping[str, int]:
-    """The NYU40 class of each raw name."""
-    rows = read_table(path, ("nyu40id",), (*_RAW, "nyu40class"))
-    found: dict[str, int] = {}
+def _classes(path: Path) -> Mapping[str, _Class]:
+    """The NYU40 class of each raw name, and its WordNet synset's first word."""
+    rows = read_table(path, ("nyu40id",), (*_RAW, _SYNSET, _CLASS))
+    found: dict[str, _Class] = {}
     for row in rows:
         name = next((node for key in _RAW if (node := row.get(key)) is not None), None)
         number = row.get("nyu40id")
         if name is not None and number is not None:
             value = number.numbers(1, len(NYU40) - 1)[0]
-            found[text(name).lower().replace(" ", "_")] = int(value)
+            synset, kind = (
+                text(node) if (node := row.get(key)) else "" for key in (_SYNSET, _CLASS)
+            )
+            said = tuple(
+                word.replace("_", " ") for word in (synset.partition(".")[0], kind) if word
+            )
+            raw = " ".join(text(name).lower().replace("_", " ").split())
+            found[raw] = _Class(int(value), said)
     if not found:
         raise InputError(
             "no raw category has an NYU40 class here",

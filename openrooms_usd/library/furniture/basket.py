@@ -175,7 +175,8 @@ CATEGORY: Final = BuiltCategory(
     weighs={ANY: (0.4, 3)},
     worktop=NO_APPLIANCE,
     fixed=False,
-    words="laundry_basket hamper laundry_hamper storage_basket",
+    words="laundry_basket hamper laundry_hamper storage_basket clothes_basket clothes_hamper "
+    "storage_bin plastic_bin laundry_bin",
     classes=Classes("basket", "otherprop"),
     synsets=("02801938",),
     schemes=(

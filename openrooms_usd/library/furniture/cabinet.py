@@ -143,7 +143,8 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="storage storage_cabinet cupboard sideboard credenza tv_stand tv_cabinet "
-    "entertainment_center shoe_cabinet locker",
+    "entertainment_center shoe_cabinet locker built_in_cabinet buffet console "
+    "media_console sink_cabinet tv_bench tv_unit vanity",
     classes=Classes("cabinet", "cabinet"),
     synsets=("02933112",),
     schemes=STORAGE,

@@ -43,7 +43,8 @@ CATEGORY: Final = BuiltCategory(
     weighs=NEVER_WEIGHED,
     worktop=NO_APPLIANCE,
     fixed=True,
-    words="kitchen_counter countertop kitchen_island bar_counter bar",
+    words="kitchen_counter countertop kitchen_island bar_counter bar counter_top island "
+    "kitchen_worktop worktop",
     classes=Classes("counter", "counter"),
     synsets=NO_SYNSET,
     schemes=(

@@ -9,7 +9,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, NO_WORDS, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -226,7 +226,7 @@ CATEGORY: Final = BuiltCategory(
     weighs={ANY: (280, 450)},
     worktop=NO_APPLIANCE,
     fixed=False,
-    words=NO_WORDS,
+    words="billiard_table snooker_table",
     classes=Classes("pool_table", "otherfurniture"),
     synsets=NO_SYNSET,
     schemes=(

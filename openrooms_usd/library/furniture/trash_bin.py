@@ -203,7 +203,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="trash_can trashcan garbage_bin garbage_can bin recycling_bin waste_basket "
-    "wastebasket ashcan dustbin",
+    "wastebasket ashcan dustbin litter_bin recycle_bin rubbish_bin trash_barrel",
     classes=Classes("trash_bin", "otherfurniture"),
     synsets=("02747177",),
     schemes=(

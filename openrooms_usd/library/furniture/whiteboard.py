@@ -30,7 +30,8 @@ CATEGORY: Final = BuiltCategory(
     weighs={ANY: (8, 35)},
     worktop=NO_APPLIANCE,
     fixed=False,
-    words="white_board blackboard",
+    words="white_board blackboard board board_panel chalkboard display_panel dry_erase_board "
+    "projection_screen projector_screen",
     classes=Classes("whiteboard", "whiteboard"),
     synsets=NO_SYNSET,
     schemes=(

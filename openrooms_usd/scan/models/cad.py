@@ -54,6 +54,10 @@ class CadModel:
         faces: (F, 3) rows of ``vertices``.
         symmetry: About its vertical; None: to be found from the mesh.
         up: Its vertical axis; None: not known.
+        unit: Metres of its unit; None: not known.
+        sizes: Of a CAD that is built anew at the size that is found, Z up: (2, 3) the least and the
+            greatest at which it is still what it is, metres; None: it is what it is, and may be
+            stretched a little.
     """
 
     id: str
@@ -62,6 +66,8 @@ class CadModel:
     faces: NDArray[np.int32]
     symmetry: Symmetry | None = None
     up: Up | None = None
+    unit: float | None = None
+    sizes: Array | None = None
 
     def __post_init__(self) -> None:
         used = self.vertices[self.faces] if len(self.faces) else np.empty((0, 3))

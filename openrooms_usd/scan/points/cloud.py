@@ -1,13 +1,16 @@
 """A point cloud with its optional attributes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+# Attributes that have no value for each point.
+_OF_ALL: Final = ("sensor_origins", "words")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,8 @@ class Cloud:
         instance: (N,) instance numbers; 0 where there is none.
         confidence: (N,) from 0 to 1.
         sensor_origins: (V, 3) positions of the sensor, V being unrelated to N.
+        words: The source's words for instances by their numbers: its name, then what is said of it
+            besides, such as a synset or a class.
     """
 
     points: Array
@@ -31,6 +36,7 @@ class Cloud:
     instance: NDArray[np.int32] | None = None
     confidence: NDArray[np.float32] | None = None
     sensor_origins: Array | None = None
+    words: Mapping[int, tuple[str, ...]] | None = None
 
     def __len__(self) -> int:
         return len(self.points)
@@ -54,9 +60,9 @@ class Cloud:
         )
 
     def _each(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Cloud":
-        kept = {
+        kept: dict[str, Any] = {
             field.name: change(values)
             for field in fields(self)
-            if field.name != "sensor_origins" and (values := getattr(self, field.name)) is not None
+            if field.name not in _OF_ALL and (values := getattr(self, field.name)) is not None
         }
         return replace(self, **kept)

@@ -3,7 +3,8 @@
 In the order of the work:
 
 - `hints`: given poses, boxes and categories; `evidence`, `selection`: the points of one object;
-- `retrieval`: CADs ranked by shape; `template`: one of them with its seven parameters;
+- `scalelimits`: how far a CAD may be scaled; `retrieval`: CADs ranked by shape; `template`: one of
+  them with its seven parameters;
 - `wallsides`, `supportheights`, `surroundings`: walls, supports, the residuals of contacts;
 - `hypotheses`, `priors`: initial poses and their covariance; `discs`, `fitting`: robust ICP;
 - `posesearch`: hypotheses from coarse to fine; `truesize`: a prior of scale over all objects;

@@ -14,6 +14,7 @@ from openrooms_usd.scan.models.symmetry import symmetry_of
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
+from openrooms_usd.scan.registration.fitting import Fit
 from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, from_pose
 from openrooms_usd.scan.registration.posesearch import best_sizes, surveyed_candidates
@@ -22,7 +23,7 @@ from openrooms_usd.scan.registration.supportheights import supports
 from openrooms_usd.scan.registration.surroundings import Surroundings
 from openrooms_usd.scan.registration.template import directions, posed, template_of, unposed
 from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
-from openrooms_usd.scan.registration.wallsides import Walls, walls_of
+from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls, walls_of
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
 Array = NDArray[np.float64]
@@ -87,14 +88,20 @@ def align(
     fitted, found, rejected = [], [], []
     for hint, fit in scene.each_fitted(wanted, workers, progress):
         if isinstance(fit, RefusedError):
-            rejected.append(Rejected(hint.instance, hint.category or "", str(fit)))
+            rejected.append(Rejected(hint.instance, hint.word or hint.category or "", str(fit)))
         else:
             fitted.append((hint, *fit))
     for (hint, evidence, _), best in zip(fitted, sized([each[2] for each in fitted]), strict=True):
         try:
             found.append(_found(hint, best, evidence))
         except RefusedError as refusal:
-            rejected.append(Rejected(hint.instance, hint.category or "", str(refusal)))
+            stand_in = scene.boxed(hint, evidence, best.around)
+            if stand_in is not None:
+                found.append(_found(hint, stand_in, evidence))
+            else:
+                rejected.append(
+                    Rejected(hint.instance, hint.word or hint.category or "", str(refusal))
+                )
     return Alignment(tuple(found), tuple(rejected))
 
 
@@ -160,6 +167,15 @@ class _Scene:
         possible = supports(cloud, rows, evidence, bottom)
         box = hint.box or box_of(evidence, possible[0])
         chosen = self.selection.candidates(hint, rows, evidence, box)
+        if not chosen and hint.box is None and cloud.instance is not None:
+            down = box_of(evidence, 0.0)
+            if chosen := self.selection.of_top(hint, rows, evidence, down):
+                box, possible = down, (0.0,)
+        if not chosen:
+            around = Surroundings(self.panoramas, possible[0], NO_WALLS)
+            if (stand_in := self.boxed(hint, evidence, around)) is None:
+                raise RefusedError("there is no CAD of its size")
+            return evidence, Sizes(stand_in)
         candidates = [
             candidate
             for model, upright in chosen
@@ -169,6 +185,16 @@ class _Scene:
             )
         ]
         return evidence, best_sizes(candidates, evidence)
+
+    def boxed(self, hint: Hint, evidence: Evidence, around: Surroundings) -> Candidate | None:
+        """A box that fills the object; None where none may stand for it."""
+        model = next((one for one in self.selection.models if _is_stand_in(one)), None)
+        if model is None or hint.choices is None:
+            return None
+        box = hint.box or box_of(evidence, around.support)
+        template = template_of(model, np.eye(3), np.ones(3))
+        hypothesis = from_box(template, box, given=hint.box is not None, limited=True)[0]
+        return Candidate(template, hypothesis, around, Fit(hypothesis.parameters, 0.0))
 
     def _candidates(
         self,
@@ -186,7 +212,8 @@ class _Scene:
             hypotheses = from_pose(template, hint.pose)
         else:
             template = template_of(model, upright, _reference(model, upright, box))
-            hypotheses = from_box(template, box, given=hint.box is not None)
+            limited = hint.cad is None and hint.choices is not None
+            hypotheses = from_box(template, box, given=hint.box is not None, limited=limited)
         radius = 0.5 * float(np.linalg.norm(template.size[:2]))
         around = Surroundings(
             self.panoramas, support, self.walls.near(hypotheses[0].parameters, radius), doubt
@@ -213,20 +240,27 @@ def _found(hint: Hint, best: Candidate, evidence: Evidence) -> FoundObject:
     reached: Array = np.asarray(evidence.tree.query(places)[0])
     limit = max(_COVERED_M, evidence.spacing)
     coverage = float((reached[visible] < limit).mean()) if visible.any() else 0.0
-    if on.mean() < _MIN_INLIER_SHARE or coverage < _MIN_COVERAGE_SHARE:
+    stand_in = _is_stand_in(template.model)
+    if not stand_in and (on.mean() < _MIN_INLIER_SHARE or coverage < _MIN_COVERAGE_SHARE):
         raise RefusedError(
             f"the CAD {template.model.id} does not fit: {100 * on.mean():.0f} % of the points lie "
             f"on it, and {100 * coverage:.0f} % of what must have been seen of it has points"
         )
     return FoundObject(
         instance=hint.instance,
-        category=hint.category or template.model.category,
+        category=template.model.category if stand_in else hint.category or template.model.category,
         cad=template.model.id,
         pose=template.pose(parameters),
-        residual=float(np.sqrt(np.mean(distance[on] ** 2))),
+        residual=float(np.sqrt(np.mean(distance[on] ** 2))) if on.any() else _ON_CAD_M,
         coverage=coverage,
         symmetry=template.model.symmetry or symmetry_of(template.model, template.upright),
+        word=hint.word,
     )
+
+
+def _is_stand_in(model: CadModel) -> bool:
+    """Whether it is the box that stands for what no CAD can stand for."""
+    return model.category == "box" and model.sizes is not None
 
 
 def _reference(model: CadModel, upright: Array, box: Box) -> Array:

@@ -66,6 +66,10 @@ class Hint:
         box: A box around it, whose yaw is known up to quarter turns.
         support: Its support: ``floor``, ``wall``, ``ceiling`` or the number of an instance, as
             text; empty where that is to be found.
+        word: The source's own word for it; empty where there is none.
+        choices: Categories of CADs to choose from where none is given, in groups of equals, the
+            better groups first. A box stands for it where none of them has its size. None: by the
+            points' labels.
     """
 
     instance: int
@@ -74,6 +78,8 @@ class Hint:
     pose: Pose | None = None
     box: Box | None = None
     support: str = ""
+    word: str = ""
+    choices: tuple[tuple[str, ...], ...] | None = None
 
     def moved(self, matrix: Array) -> "Hint":
         """The hint after a rigid motion (4, 4)."""

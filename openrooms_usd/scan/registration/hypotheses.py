@@ -11,18 +11,20 @@ from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.registration.priors import PoseHypothesis
+from openrooms_usd.scan.registration.scalelimits import CAD_UNITS_M, sizes_of
 from openrooms_usd.scan.registration.template import Template, turn_of
 from openrooms_usd.scan.results import Pose
 
 Array = NDArray[np.float64]
 
-# Units that CADs are in, and the largest log scale error at which one is accepted.
-_CAD_UNITS_M: Final = (1.0, 0.001, 0.01, 0.0254)
+# The largest log scale error at which a unit of CADs is accepted.
 _UNIT_LOG_TOLERANCE: Final = 0.25
 # Standard deviations of a given pose or box: metres, radians, logarithms of scale.
 _GIVEN_POSE_SIGMAS: Final = np.array([0.12, 0.12, 0.12, 0.2, 0.12, 0.12, 0.12])
 # The same of a box around the points, which cover only a part of the object.
 _SEEN_BOX_SIGMAS: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.25])
+# The same of a CAD that is built at any size: its top was seen, and it has no height of its own.
+_BUILT_SIGMAS: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.1])
 # Standard deviation of anisotropic scale, and its limit where only points, perhaps outliers, give
 # the box.
 _BOX_STRETCH_LOG: Final = 0.18
@@ -62,29 +64,39 @@ def from_pose(template: Template, pose: Pose) -> list[PoseHypothesis]:
     return [PoseHypothesis(known, _GIVEN_POSE_SIGMAS, plain(template))]
 
 
-def from_box(template: Template, box: Box, *, given: bool) -> list[PoseHypothesis]:
+def from_box(
+    template: Template, box: Box, *, given: bool, limited: bool = False
+) -> list[PoseHypothesis]:
     """The hypotheses of a box: one for each side that may be its front.
 
     Args:
         template: The CAD.
         box: Around the object.
         given: Whether it was annotated; else it bounds the points.
+        limited: Whether the CAD must stay what it is, as it was chosen for its category.
     """
     base, size, heading = box.upright()
     hypotheses = []
     for quarter in range(4):
         lengths = size if quarter % 2 == 0 else size[[1, 0, 2]]
         scale = np.log(np.maximum(lengths, 0.01) / np.maximum(template.size, 0.01))
-        if not given:
+        free = template.model.sizes is not None
+        if not given and not free:
             usual = float(np.median(scale - plain(template)))
             scale = np.minimum(scale, plain(template) + usual + _POINTS_STRETCH_LOG)
+        limits = None
+        if limited:
+            limits = np.log(sizes_of(template.model, template.upright, lengths) / template.size)
+            scale = np.clip(scale, *limits)
         known = np.array([*base, heading + quarter * 0.5 * np.pi, *scale])
         hypotheses.append(
             PoseHypothesis(
                 known,
-                _GIVEN_POSE_SIGMAS if given else _SEEN_BOX_SIGMAS,
+                _GIVEN_POSE_SIGMAS if given else _BUILT_SIGMAS if free else _SEEN_BOX_SIGMAS,
                 plain(template),
-                _BOX_STRETCH_LOG,
+                np.inf if free else _BOX_STRETCH_LOG,
+                limits,
+                to_scale=not free,
             )
         )
     return hypotheses
@@ -98,10 +110,13 @@ def plain(template: Template) -> Array:
 def true_size(hypothesis: PoseHypothesis) -> Array | None:
     """(3,) log scales at which a CAD has its own size in the likeliest unit.
 
-    That is the unit with the size nearest to the hypothesis; None where none is near.
+    That is the unit with the size nearest to the hypothesis; None where none is near, or where the
+    CAD has no size of its own.
     """
+    if not hypothesis.to_scale:
+        return None
     mean = float(np.mean(hypothesis.parameters[4:] - hypothesis.plain))
-    nearest = min((np.log(unit) for unit in _CAD_UNITS_M), key=lambda log: abs(log - mean))
+    nearest = min((np.log(unit) for unit in CAD_UNITS_M), key=lambda log: abs(log - mean))
     return (
         np.asarray(hypothesis.plain + nearest)
         if abs(nearest - mean) < _UNIT_LOG_TOLERANCE

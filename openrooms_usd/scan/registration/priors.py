@@ -26,12 +26,16 @@ class PoseHypothesis:
         deviation: (7,) standard deviations.
         plain: (3,) log scales of the CAD's own size in metres.
         stretch: Standard deviation of anisotropic log scale.
+        limits: (2, 3) least and greatest log scales; None: any.
+        to_scale: Whether the CAD's own size may be that of the object.
     """
 
     parameters: Array
     deviation: Array
     plain: Array
     stretch: float = np.inf
+    limits: Array | None = None
+    to_scale: bool = True
 
     def rows(self, parameters: Array) -> System:
         """Its normal equations at some parameters."""
@@ -51,6 +55,8 @@ class PoseHypothesis:
         """The parameters with scales clipped around the mean."""
         reach = _MAX_SCALE_SIGMAS * self.deviation[4:]
         scale = np.clip(parameters[4:], self.parameters[4:] - reach, self.parameters[4:] + reach)
+        if self.limits is not None:
+            scale = np.clip(scale, *self.limits)
         return np.concatenate([parameters[:4], scale])
 
     def at(self, scale: Array) -> "PoseHypothesis":
@@ -61,6 +67,7 @@ class PoseHypothesis:
             np.concatenate([self.deviation[:4], np.full(3, _EQUAL_SCALE_LOG)]),
             self.plain,
             self.stretch,
+            self.limits,
         )
 
 

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.categories.registry import record
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box, Hint, corners_of
 from openrooms_usd.scan.registration.retrieval import ranked
+from openrooms_usd.scan.registration.scalelimits import may_have
 from openrooms_usd.scan.registration.template import upright_of
 
 Array = NDArray[np.float64]
@@ -26,6 +28,11 @@ _CROP_MARGIN_M: Final = 0.08
 _ROOM_LABELS: Final = (1, 2, 22)
 # Classes (NYU40) that belong to the layout.
 _LAYOUT_LABELS: Final = {1: "wall", 2: "floor", 8: "door", 9: "window", 22: "ceiling"}
+# Of what hangs above nothing only the top may have been seen: cells of the plan, the part of them
+# that may have other objects below, and where these begin above the floor, metres.
+_PLAN_CELL_M: Final = 0.05
+_MAX_COVERED_SHARE: Final = 0.1
+_FLOOR_M: Final = 0.05
 # CADs that are fitted to one object.
 _MAX_CADS: Final = 4
 
@@ -69,7 +76,8 @@ class Selection:
         if self.cloud.label is None:
             return cropped
         label = self.cloud.label[cropped]
-        meant = [k for k, names in self.categories.items() if hint.category in names]
+        kinds = {hint.category, *(hint.choices[0] if hint.choices else ())}
+        meant = [k for k, names in self.categories.items() if kinds & {*names}]
         alike = cropped[np.isin(label, meant)]
         return alike if len(alike) >= MIN_OBJECT_POINTS else cropped[~np.isin(label, _ROOM_LABELS)]
 
@@ -78,6 +86,8 @@ class Selection:
     ) -> list[tuple[CadModel, Array]]:
         """CADs with their possible upright orientations, the most similar first.
 
+        Empty where a box shall stand for the object, because no CAD may have its size.
+
         Raises:
             RefusedError: There is none.
         """
@@ -85,6 +95,8 @@ class Selection:
             fitting = [model for model in self.models if model.id == hint.cad]
             if not fitting:
                 raise RefusedError(f"there is no CAD {hint.cad!r}")
+        elif hint.choices is not None:
+            return self._chosen(hint.choices, evidence, box)
         else:
             wanted = self._wanted(hint, rows)
             fitting = [model for model in self.models if model.category in wanted]
@@ -93,11 +105,58 @@ class Selection:
         if hint.pose is not None and hint.cad is not None:
             rotation = Rotation.from_quat(hint.pose.rotation, scalar_first=True).as_matrix()
             return [(fitting[0], upright_of(rotation))]
-        standing = [(model, upright) for model in fitting for upright in _uprights(model)]
-        if len(standing) > _MAX_CADS:
-            order = ranked([m for m, _ in standing], [u for _, u in standing], evidence, box)
-            standing = [standing[row] for row in order[:_MAX_CADS]]
-        return standing
+        return _most_alike(_standing(fitting), evidence, box)
+
+    def of_top(
+        self, hint: Hint, rows: Rows, evidence: Evidence, box: Box
+    ) -> list[tuple[CadModel, Array]]:
+        """The same for what stands on the floor, where no more than its top was seen.
+
+        Args:
+            hint: The object.
+            rows: Its points.
+            evidence: The same without outliers.
+            box: Around them, down to the floor.
+        """
+        standing = [group for group in map(_standing_on_floor, hint.choices or ()) if group]
+        if not standing or self._covered(rows, evidence) > _MAX_COVERED_SHARE:
+            return []
+        return self._chosen(standing, evidence, box)
+
+    def _covered(self, rows: Rows, evidence: Evidence) -> float:
+        """The share of an object's plan that has points of other instances below it."""
+        assert self.cloud.instance is not None
+        low = np.quantile(evidence.points, 0.02, axis=0)
+        own = self.cloud.instance[rows[0]]
+        below = (self.cloud.instance > 0) & (self.cloud.instance != own)
+        if self.cloud.label is not None:
+            below &= ~np.isin(self.cloud.label, _ROOM_LABELS)
+        below &= (self.cloud.points[:, 2] > _FLOOR_M) & (self.cloud.points[:, 2] < low[2])
+        cells = {tuple(cell) for cell in _cells(evidence.points).tolist()}
+        others = {tuple(cell) for cell in _cells(self.cloud.points[below]).tolist()}
+        return len(cells & others) / max(len(cells), 1)
+
+    def _chosen(
+        self, choices: Sequence[Sequence[str]], evidence: Evidence, box: Box
+    ) -> list[tuple[CadModel, Array]]:
+        """CADs of the first group of categories of which some may have the object's size.
+
+        People's own come before those that the library would build.
+        """
+        _, size, _ = box.upright()
+        for group in choices:
+            for built in (False, True):
+                ours = [
+                    model
+                    for model in self.models
+                    if model.category in group and (model.sizes is not None) == built
+                ]
+                fitting = [
+                    (model, up) for model, up in _standing(ours) if may_have(model, up, size)
+                ]
+                if fitting:
+                    return _most_alike(fitting, evidence, box)
+        return []
 
     def _wanted(self, hint: Hint, rows: Rows) -> Sequence[str]:
         if hint.category is not None:
@@ -119,7 +178,31 @@ class Selection:
         label = self._label(rows)
         if label in _LAYOUT_LABELS:
             return f"its points are labelled {_LAYOUT_LABELS[label]}, which the layout finds"
-        return f"there is no CAD of the category that its points' label means (NYU40: {label})"
+        return f"there is no CAD of the class of its points, which has the number {label}"
+
+
+def _standing_on_floor(group: Sequence[str]) -> tuple[str, ...]:
+    """Those of some categories that stand on the floor and nowhere else."""
+    known = ((kind, record(kind)) for kind in group)
+    return tuple(k for k, told in known if told and told.support == "floor" and not told.also)
+
+
+def _cells(points: Array) -> NDArray[np.int64]:
+    """(K, 2) the cells of the plan that have points."""
+    return np.unique(np.floor(points[:, :2] / _PLAN_CELL_M).astype(np.int64), axis=0)
+
+
+def _standing(models: Sequence[CadModel]) -> list[tuple[CadModel, Array]]:
+    return [(model, upright) for model in models for upright in _uprights(model)]
+
+
+def _most_alike(
+    standing: list[tuple[CadModel, Array]], evidence: Evidence, box: Box
+) -> list[tuple[CadModel, Array]]:
+    if len(standing) <= _MAX_CADS:
+        return standing
+    order = ranked([m for m, _ in standing], [u for _, u in standing], evidence, box)
+    return [standing[row] for row in order[:_MAX_CADS]]
 
 
 def _uprights(model: CadModel) -> list[Array]:

@@ -1,0 +1,81 @@
+"""CADs keep their proportions: what does not fit is built anew, or a box stands for it."""
+
+import numpy as np
+import pytest
+
+from openrooms_usd.library.cads import furniture_cads, merged
+from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.registration.alignment import align
+from openrooms_usd.scan.registration.hints import Hint
+from openrooms_usd.scan.registration.scalelimits import SCALES, may_have, sizes_of
+from openrooms_usd.stages.shelf import sizes_of as sizes_of_category
+from tests.scan.alignment_cases import CHAIR, SENSOR_ORIGINS, Block, Placed, cad, room, scan
+
+UP = np.eye(3)
+
+
+def built(category: str) -> list[CadModel]:
+    """What the library builds for a category."""
+    made = []
+    for one in furniture_cads((category,)):
+        model = one.model()
+        vertices, faces = merged(model, model.file_from_object)
+        sizes = sizes_of_category(category)
+        made.append(CadModel(one.id, category, vertices, faces, up="Z", sizes=sizes))
+    return made
+
+
+def test_a_cad_of_known_size_is_scaled_by_little() -> None:
+    chair = CadModel("c", "chair", *mesh_of(CHAIR), unit=1.0)
+    own = np.ptp(chair.extent, axis=0)
+    assert may_have(chair, UP, 0.61 * own)
+    assert may_have(chair, UP, 1.59 * own)
+    assert not may_have(chair, UP, own * [1.0, 1.0, 0.5])
+    assert not may_have(chair, UP, own * 1.7)
+    assert sizes_of(chair, UP, own) == pytest.approx(np.outer(SCALES, own))
+
+
+def test_a_cad_without_unit_keeps_its_proportions() -> None:
+    chair = CadModel("c", "chair", *mesh_of(CHAIR))
+    own = np.ptp(chair.extent, axis=0)
+    assert may_have(chair, UP, 0.08 * own)
+    assert not may_have(chair, UP, own * [0.4, 0.4, 0.08])
+
+
+def test_depth_that_nobody_saw_is_no_reason_to_refuse() -> None:
+    cabinet = built("cabinet")[0]
+    assert may_have(cabinet, UP, np.array([1.8, 0.05, 0.9]))
+    assert may_have(cabinet, UP, np.array([0.05, 1.8, 0.9]))
+    assert not may_have(cabinet, UP, np.array([1.8, 0.6, 0.05]))
+
+
+def test_what_fits_no_category_is_a_box_of_its_size() -> None:
+    """A slab on legs is no table of 6 cm, and a cube of 2 m no chair."""
+    cube: tuple[Block, ...] = (((-0.8, -0.8, 0.0), (0.8, 0.8, 2.6)),)
+    cloud = scan([Placed(cube, (0.0, 0.3, 0.0), 0.0)], SENSOR_ORIGINS)
+    models = [*built("chair"), *built("box")]
+    hint = Hint(1, word="chair", choices=(("chair",), ("guitar",)))
+    found = align(cloud, [hint], models, [room()]).objects[0]
+    assert (found.category, found.word, found.cad) == ("box", "chair", "box.plain")
+    assert found.pose.scale * [0.4, 0.3, 0.3] == pytest.approx([1.6, 1.6, 2.6], abs=0.08)
+
+
+@pytest.mark.slow
+def test_own_cads_come_first_where_their_proportions_do() -> None:
+    cloud = scan([Placed(CHAIR, (0.2, 0.1, 0.0), 0.4)], SENSOR_ORIGINS)
+    squat = cad("chair_squat", CHAIR, scale=np.array([0.4, 0.4, 2.0]))
+    own = cad("chair_own", CHAIR, scale=np.array([1.1, 1.1, 1.1]))
+    models = [*built("chair"), *built("box"), squat, own]
+    hint = Hint(1, word="chair", choices=(("chair",),))
+    assert align(cloud, [hint], models, [room()]).objects[0].cad == "chair_own"
+    found = align(cloud, [hint], models[:-1], [room()]).objects[0]
+    assert found.cad.startswith("chair.")
+    low, high = sizes_of_category("chair")
+    size = found.pose.scale * np.ptp(next(m for m in models if m.id == found.cad).extent, axis=0)
+    assert (size >= low - 1e-9).all()
+    assert (size <= high + 1e-9).all()
+
+
+def mesh_of(blocks: tuple[Block, ...]) -> tuple[np.ndarray, np.ndarray]:
+    made = cad("c", blocks)
+    return made.vertices, made.faces
