@@ -172,6 +172,9 @@ class ScanAlignment(CheckedModel):
     default furniture is built by the library."""
     objects: tuple[ScannedObject, ...] | None = None
     """What is known of objects; by default every labelled instance of the scan is taken."""
+    unresolved: Literal["leave_out", "keep"] = "leave_out"
+    """What becomes of objects that still lie in others or in walls, or float, after they were moved
+    by up to 30 cm."""
     further: tuple[AlignedObject, ...] = ()
     """Further objects that the scan does not show, such as a lamp."""
 

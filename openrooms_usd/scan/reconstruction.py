@@ -4,9 +4,9 @@ Everything is found in the level frame (see `levelling`); the report is in the s
 metres.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,10 @@ from numpy.typing import NDArray
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.openings.detection import find_openings
-from openrooms_usd.scan.placement.correcting import Unresolved, moved_by, place
+from openrooms_usd.scan.placement.correcting import moved_by, place
+from openrooms_usd.scan.placement.elsewhere import elsewhere
+from openrooms_usd.scan.placement.leavingout import LeftOut
+from openrooms_usd.scan.placement.violations import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.registration.alignment import Rejected, align
@@ -67,12 +70,16 @@ class FoundFurniture:
         objects: In the level frame, with their placed poses.
         rejected: Instances without a CAD.
         unresolved: Violations that no small motion resolves.
+        left_out: Objects that have no place.
+        elsewhere: Instances of other rooms.
         notes: What people should know, one sentence each.
     """
 
     objects: tuple[FoundObject, ...]
     rejected: tuple[Rejected, ...] = ()
     unresolved: tuple[Unresolved, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+    elsewhere: tuple[int, ...] = ()
     notes: tuple[str, ...] = field(default=())
 
 
@@ -104,6 +111,8 @@ def find_furniture(
     models: Sequence[CadModel],
     hints: Sequence[Hint] | None = None,
     categories: Mapping[int, Sequence[str]] | None = None,
+    rooms: Sequence[FoundRoom] | None = None,
+    unresolved: Literal["leave_out", "keep"] = "keep",
     workers: int = 1,
     progress: Progress = silent,
 ) -> FoundFurniture:
@@ -114,16 +123,38 @@ def find_furniture(
         models: CADs to choose from.
         hints: The objects, in the level frame; None: every labelled instance.
         categories: The CADs' categories that a label may mean, best first.
+        rooms: Those that are composed; None: all.
+        unresolved: What becomes of objects that penetrate others or walls, or float.
         workers: Threads; the result never depends on it.
         progress: Called with every object, and the finished fraction.
     """
+    composed = layout.rooms if rooms is None else tuple(rooms)
+    away = elsewhere(layout.cloud, hints, composed)
+    cloud = _without(layout.cloud, away)
+    here = None if hints is None else [hint for hint in hints if hint.instance not in away]
     share = nested(progress, "", 0.0, _ALIGNING_SHARE)
-    aligned = align(layout.cloud, hints, models, layout.rooms, categories, workers, share)
+    aligned = align(cloud, here, models, composed, categories, workers, share)
     progress("placement", _ALIGNING_SHARE)
     known = {hint.instance: hint.support for hint in hints or ()}
     objects = [replace(o, support=known.get(o.instance, "")) for o in aligned.objects]
-    placed = place(objects, {model.id: model for model in models}, layout.rooms)
-    return FoundFurniture(placed.objects, aligned.rejected, placed.unresolved, placed.notes)
+    by_id = {model.id: model for model in models}
+    placed = place(objects, by_id, composed, unresolved=unresolved)
+    return FoundFurniture(
+        placed.objects,
+        aligned.rejected,
+        placed.unresolved,
+        placed.left_out,
+        tuple(sorted(away)),
+        placed.notes,
+    )
+
+
+def _without(cloud: Cloud, instances: Collection[int]) -> Cloud:
+    """The cloud, whose points of some instances belong to none."""
+    if cloud.instance is None or not instances:
+        return cloud
+    away = np.isin(cloud.instance, list(instances))
+    return replace(cloud, instance=np.where(away, 0, cloud.instance).astype(np.int32))
 
 
 def layout_report(layout: FoundLayout, scan_from_level: Array) -> dict[str, Any]:
@@ -144,6 +175,11 @@ def furniture_report(found: FoundFurniture, scan_from_level: Array) -> dict[str,
             {"instance": r.instance, "category": r.category, "reason": r.reason}
             for r in found.rejected
         ],
+        "left_out": [
+            {"instance": one.instance, "word": one.word, "reason": one.reason}
+            for one in found.left_out
+        ],
+        "elsewhere": list(found.elsewhere),
         "unresolved": [
             {"kind": u.kind, "instance": u.instance, "other": u.other, "depth": u.depth}
             for u in found.unresolved

@@ -1,6 +1,7 @@
 """The furniture of a scan: CADs at the poses that were measured, and where they were placed."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -51,6 +52,8 @@ def furnish(
         shelf.models,
         shelf.hints,
         shelf.categories,
+        (scanned.room,),
+        alignment.unresolved,
         context.workers,
         context.progress,
     )
@@ -59,7 +62,9 @@ def furnish(
     keep_report(context, furniture_report(found, scanned.scan_from_level))
     bounds = {model.id: model.extent for model in shelf.models}
     keep_overlay(context, scanned.layout, found.objects, bounds)
-    context.notes.extend([*told_left_out(left), *_told(found, len(left))])
+    words = {hint.instance: hint.word or hint.category or "" for hint in shelf.hints or ()}
+    told = _told_elsewhere([words.get(number, "") for number in found.elsewhere])
+    context.notes.extend([*told_left_out(left), *told, *_told(found, len(left))])
     labels = [
         (plain(thing.word or thing.category or "object"), str(thing.instance))
         for thing in found.objects
@@ -69,6 +74,14 @@ def furnish(
     by_instance = {str(o.instance): name for o, name in zip(found.objects, names, strict=True)}
     for name, thing in zip(names, found.objects, strict=True):
         yield shelf.placement(catalogue, name, thing, by_instance.get(thing.support))
+
+
+def _told_elsewhere(words: Sequence[str]) -> Iterator[str]:
+    """One sentence about all that stands in other rooms."""
+    if words:
+        counts = Counter(word or "object" for word in words)
+        listed = ", ".join(f"{count} {word}" for word, count in sorted(counts.items()))
+        yield f"beyond the walls of this room, and left out: {listed}"
 
 
 def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
@@ -88,4 +101,9 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
     for rejected in found.rejected[left_out:]:
         what = f" ({rejected.category})" if rejected.category else ""
         yield f"instance {rejected.instance}{what} has no CAD: {rejected.reason}"
+    if found.left_out:
+        each = "; ".join(
+            f"{one.word} (instance {one.instance}): {one.reason}" for one in found.left_out
+        )
+        yield f"left out, where `alignment.unresolved: keep` keeps them: {each}"
     yield from (str(unresolved) for unresolved in found.unresolved)

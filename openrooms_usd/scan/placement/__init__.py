@@ -1,7 +1,10 @@
 """Physical plausibility of aligned objects: upright, supported, inside the room, not penetrating.
 
 - `bodies`, `chords`, `penetration`: meshes as solids, and translational penetration depths;
-- `enclosure`, `support`: the room's boundary, and the support relation;
+- `elsewhere`: things of other rooms; `enclosure`, `support`: the room's boundary, and the support
+  relation;
 - `arrangement`: the poses so far; `settling`: tilt, supports, and yaw along walls;
-- `least_motion`, `spreading`: penetrations resolved by a quadratic program; `correcting`: all.
+- `least_motion`, `spreading`: penetrations resolved by a quadratic program;
+- `violations`, `leavingout`: what is still wrong, and without which objects nothing is;
+  `correcting`: all.
 """

@@ -74,6 +74,13 @@ class Arrangement:
                 yield other
                 yield from self.carried(other)
 
+    def weight(self, row: int) -> float:
+        """The weight of an object's motion: larger for large and for well measured ones."""
+        found, body = self.objects[row], self.bodies[row]
+        size = float(np.cbrt(np.prod(np.maximum(body.high - body.low, 0.01))))
+        trust = np.clip(found.coverage, 0.1, 1.0) * 0.02 / (0.02 + max(found.residual, 0.0))
+        return max(size * float(trust), 1e-3)
+
     def ancestry(self) -> Array:
         """(N, N) 1 where the object of the row moves with that of the column, itself included."""
         found = np.eye(len(self))

@@ -2,7 +2,8 @@
 
 One pass: small tilts are removed; supports are found and touched exactly; objects that penetrate a
 wall at a small angle are turned along it; then all penetrations, between objects and with walls,
-are resolved by the least motion. Plausible poses are returned unchanged.
+are resolved by the least motion. Plausible poses are returned unchanged. What is wrong after that
+may be moved farther, and where that does not help either, be left out.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,49 +15,28 @@ from numpy.typing import NDArray
 
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
-from openrooms_usd.scan.placement.penetration import FINE_LINES, near, penetration
+from openrooms_usd.scan.placement.leavingout import LeftOut, left_out
 from openrooms_usd.scan.placement.settling import (
     find_supports,
-    gap_below,
     lay_along_walls,
     set_upright,
     settle_again,
 )
 from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support
+from openrooms_usd.scan.placement.violations import Unresolved, violations
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
 Array = NDArray[np.float64]
 
-# Least penetration of objects, and least penetration of walls or floating gap, that is reported as
-# unresolved, metres.
-_UNRESOLVED_OVERLAP_M: Final = 0.004
-_UNRESOLVED_GAP_M: Final = 0.008
-
-
 # Motions shorter than this are none, metres.
 _NO_MOTION_M: Final = 1e-4
-
-
-@dataclass(frozen=True)
-class Unresolved:
-    """A violation that no small motion resolves.
-
-    Attributes:
-        kind: Of violation.
-        instance: The instance.
-        other: The instance that it overlaps with; None otherwise.
-        depth: Of penetration, or of the gap, metres.
-    """
-
-    kind: Literal["overlaps", "in a wall", "floats"]
-    instance: int
-    other: int | None
-    depth: float
-
-    def __str__(self) -> str:
-        subject = f"instance {self.instance} {self.kind}"
-        return f"{subject}{'' if self.other is None else f' with {self.other}'}: {self.depth:.3f} m"
+# Motion by which objects of real scans that overlap still come apart, whose CADs have not their
+# shapes, metres: further they stand elsewhere.
+_FAR_REACH_M: Final = 0.3
+# Times that objects are left out and the others placed anew: what one pushed away stays where it
+# was measured without it.
+_MAX_TRIES: Final = 3
 
 
 @dataclass(frozen=True)
@@ -66,11 +46,13 @@ class Placement:
     Attributes:
         objects: As given, with ``placed`` and ``support``.
         unresolved: Remaining violations.
+        left_out: Objects that are not among these, because they have no place.
         notes: What people should know, one sentence each.
     """
 
     objects: tuple[FoundObject, ...]
     unresolved: tuple[Unresolved, ...]
+    left_out: tuple[LeftOut, ...]
     notes: tuple[str, ...]
 
 
@@ -79,6 +61,7 @@ def place(
     models: Mapping[str, CadModel],
     rooms: Sequence[FoundRoom],
     reach: float = 0.10,
+    unresolved: Literal["leave_out", "keep"] = "keep",
 ) -> Placement:
     """Make poses physically plausible by the least motion.
 
@@ -88,20 +71,55 @@ def place(
         models: CADs by their ids.
         rooms: In the same frame; their walls and ceilings bound the objects.
         reach: Largest motion by penetrations of other objects, metres.
+        unresolved: What becomes of objects that penetrate others or walls, or float, after this
+            motion and a farther one.
     """
-    rows = sorted(range(len(objects)), key=lambda row: objects[row].instance)
-    state = arranged([objects[row] for row in rows], models, rooms)
+    kept = sorted(objects, key=lambda thing: thing.instance)
+    gone: dict[int, LeftOut] = {}
+    state, wrong = _settled(kept, models, rooms, reach)
+    for tries in range(_MAX_TRIES if unresolved == "leave_out" else 0):
+        wrong = _moved_farther(state, wrong)
+        out = left_out(state, wrong, with_carried=tries == _MAX_TRIES - 1)
+        gone |= {found.instance: found for found in out.values()}
+        if not out or tries == _MAX_TRIES - 1:
+            break
+        kept = [thing for row, thing in enumerate(kept) if row not in out]
+        state, wrong = _settled(kept, models, rooms, reach)
+    placed = {thing.instance: thing for thing in _placed(state)}
+    in_order = tuple(placed[one.instance] for one in objects if one.instance not in gone)
+    left = tuple(one for one in wrong if one.instance not in gone and one.other not in gone)
+    return Placement(in_order, left, tuple(gone.values()), tuple(state.notes))
+
+
+def _settled(
+    objects: Sequence[FoundObject],
+    models: Mapping[str, CadModel],
+    rooms: Sequence[FoundRoom],
+    reach: float,
+) -> tuple[Arrangement, list[Unresolved]]:
+    """Objects by the least motion, and what is wrong with them after it."""
+    state = arranged(objects, models, rooms)
     state.given = _given(state)
     set_upright(state)
     find_supports(state)
     lay_along_walls(state)
+    _spread(state, reach)
+    return state, violations(state)
+
+
+def _spread(state: Arrangement, reach: float) -> None:
     for row, shift in enumerate(Spread(state, reach).run()):
         if np.abs(shift).max() > _NO_MOTION_M:
             state.shift(row, np.append(shift, 0.0))
     settle_again(state)
-    placed = dict(zip(rows, _placed(state), strict=True))
-    in_order = tuple(placed[row] for row in range(len(objects)))
-    return Placement(in_order, tuple(_unresolved(state)), tuple(state.notes))
+
+
+def _moved_farther(state: Arrangement, wrong: list[Unresolved]) -> list[Unresolved]:
+    """What is wrong still after objects that overlap were moved farther."""
+    if any(one.kind != "floats" for one in wrong):
+        _spread(state, _FAR_REACH_M)
+        return violations(state)
+    return wrong
 
 
 def correction(found: FoundObject) -> Array:
@@ -150,34 +168,3 @@ def _placed(state: Arrangement) -> tuple[FoundObject, ...]:
         pose = posed(found.pose, state.motions[row]) if state.has_moved(row) else found.pose
         placed.append(replace(found, placed=pose, support=on))
     return tuple(placed)
-
-
-def _unresolved(state: Arrangement) -> list[Unresolved]:
-    found = []
-    for i, body in enumerate(state.bodies):
-        name, room = state.objects[i].instance, state.rooms[i]
-        beyond = float(room.beyond(room.footprint(body)).max())
-        if beyond > _UNRESOLVED_GAP_M:
-            found.append(Unresolved("in a wall", name, None, beyond))
-        gap = _floating(state, i)
-        if gap > _UNRESOLVED_GAP_M:
-            found.append(Unresolved("floats", name, None, gap))
-        for j in range(i):
-            if near(body, state.bodies[j], -_UNRESOLVED_OVERLAP_M):
-                overlap = penetration(body, state.bodies[j], _UNRESOLVED_OVERLAP_M, FINE_LINES)
-                if overlap is not None:
-                    other = state.objects[j].instance
-                    found.append(Unresolved("overlaps", name, other, overlap.depth))
-    return found
-
-
-def _floating(state: Arrangement, row: int) -> float:
-    """The gap between an object and its support, metres."""
-    kind, body, room = state.supports[row].kind, state.bodies[row], state.rooms[row]
-    if kind == WALL:
-        facing = room.facing(body, np.inf)
-        return max(facing.gap, 0.0) if facing else float(body.low[2] - room.floor)
-    gap = gap_below(state, row)
-    if gap is None:
-        return 0.0 if kind == CEILING else float(body.low[2] - room.floor)
-    return abs(gap)

@@ -76,7 +76,7 @@ class Spread:
             for room, points in zip(self.state.rooms, self._footprints, strict=True)
         ]
         self._out = [0.0] * len(self.state)
-        self._weights = np.array([_weight(self.state, row) for row in range(len(self.state))])
+        self._weights = np.array([self.state.weight(row) for row in range(len(self.state))])
 
     def run(self) -> Array:
         """(N, 2) total motions of the best state found, metres."""
@@ -214,11 +214,3 @@ def _contact(a: Body, b: Body) -> Array | None:
         if min(back, ahead) < _CONTACT_M:
             return direction if ahead < back else -direction
     return None
-
-
-def _weight(state: Arrangement, row: int) -> float:
-    """The weight of an object's motion: larger for large and for well measured ones."""
-    found, body = state.objects[row], state.bodies[row]
-    size = float(np.cbrt(np.prod(np.maximum(body.high - body.low, 0.01))))
-    trust = np.clip(found.coverage, 0.1, 1.0) * 0.02 / (0.02 + max(found.residual, 0.0))
-    return max(size * float(trust), 1e-3)

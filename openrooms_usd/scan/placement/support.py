@@ -193,7 +193,10 @@ def support_of(
     found = found or _standing(body, bodies, below, room, MAX_DEEP_M, fall)
     if usual not in (FLOOR, OBJECT):
         found += _hanging(body, room)
-    return min(found, key=lambda item: item[0])[1] if found else Support("nothing")
+    if not found:
+        # Far above all that may carry it, beside a wall: a shelf or a bracket that nobody modelled.
+        return Support("nothing" if room.facing(body) is None else WALL)
+    return min(found, key=lambda item: item[0])[1]
 
 
 def _hanging(body: Body, room: Enclosure) -> Iterator[tuple[float, Support]]:

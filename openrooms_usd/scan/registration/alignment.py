@@ -17,7 +17,12 @@ from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.fitting import Fit
 from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, from_pose
-from openrooms_usd.scan.registration.posesearch import best_sizes, surveyed_candidates
+from openrooms_usd.scan.registration.posesearch import (
+    Survey,
+    best_sizes,
+    rough_candidates,
+    surveyed,
+)
 from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS, RefusedError, Selection
 from openrooms_usd.scan.registration.supportheights import supports
 from openrooms_usd.scan.registration.surroundings import Surroundings
@@ -176,15 +181,15 @@ class _Scene:
             if (stand_in := self.boxed(hint, evidence, around)) is None:
                 raise RefusedError("there is no CAD of its size")
             return evidence, Sizes(stand_in)
-        candidates = [
-            candidate
+        surveys = [
+            survey
             for model, upright in chosen
             for rank, support in enumerate(possible)
-            for candidate in self._candidates(
+            for survey in self._surveys(
                 hint, model, upright, evidence, box, support, _OTHER_SUPPORT_ENERGY * (rank > 0)
             )
         ]
-        return evidence, best_sizes(candidates, evidence)
+        return evidence, best_sizes(rough_candidates(surveys, evidence), evidence)
 
     def boxed(self, hint: Hint, evidence: Evidence, around: Surroundings) -> Candidate | None:
         """A box that fills the object; None where none may stand for it."""
@@ -196,7 +201,7 @@ class _Scene:
         hypothesis = from_box(template, box, given=hint.box is not None, limited=True)[0]
         return Candidate(template, hypothesis, around, Fit(hypothesis.parameters, 0.0))
 
-    def _candidates(
+    def _surveys(
         self,
         hint: Hint,
         model: CadModel,
@@ -205,8 +210,8 @@ class _Scene:
         box: Box,
         support: float | None,
         doubt: float,
-    ) -> list[Candidate]:
-        """Roughly refined pose hypotheses of one CAD."""
+    ) -> list[Survey]:
+        """Scored pose hypotheses of one CAD."""
         if hint.pose is not None and hint.cad is not None:
             template = template_of(model, upright, hint.pose.scale)
             hypotheses = from_pose(template, hint.pose)
@@ -218,11 +223,7 @@ class _Scene:
         around = Surroundings(
             self.panoramas, support, self.walls.near(hypotheses[0].parameters, radius), doubt
         )
-        return [
-            candidate
-            for hypothesis in hypotheses
-            for candidate in surveyed_candidates(template, evidence, around, hypothesis)
-        ]
+        return [surveyed(template, evidence, around, hypothesis) for hypothesis in hypotheses]
 
 
 def _found(hint: Hint, best: Candidate, evidence: Evidence) -> FoundObject:

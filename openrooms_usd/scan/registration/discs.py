@@ -49,6 +49,11 @@ class Pairs(NamedTuple):
     local: Array
     turn: Array
 
+    def energy(self, weights: Array, width: float) -> float:
+        """The energy alone, with weights (N,) and a kernel of some width, metres."""
+        squared = self.height**2 + self.beyond**2
+        return float(weights @ (squared * (width**2 / (width**2 + squared))))
+
     def robust(self, weights: Array, width: float) -> System:
         """Normal equations with weights (N,) and a kernel of some width, metres."""
         squared = self.height**2 + self.beyond**2

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.registration.discs import System, paired
+from openrooms_usd.scan.registration.discs import Pairs, System, paired
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.surroundings import Surroundings, hidden_sides
@@ -119,9 +119,10 @@ def energy(
     """The energy of a pose at an annealing level."""
     part, scan = template.part(level.points), evidence.part(level.points)
     weights, hidden = _seen(part, around, parameters)
-    return _system(
-        template, part, evidence, scan, around, prior, parameters, level, weights, hidden
-    ).energy
+    terms = _residuals(template, part, evidence, scan, parameters, level, weights)
+    surfaces = sum(pairs.energy(each, level.width) for pairs, each in terms)
+    contacts = around.rows(part, parameters, hidden).energy
+    return surfaces + contacts + prior.rows(parameters).energy
 
 
 def _step(system: System) -> Array:
@@ -162,6 +163,27 @@ def _system(
     hidden: NDArray[np.bool_],
 ) -> System:
     """Normal equations of all terms about a pose."""
+    terms = _residuals(whole, template, evidence, scan, parameters, level, weights)
+    first, second = (pairs.robust(each, level.width) for pairs, each in terms)
+    contacts = around.rows(template, parameters, hidden)
+    before = prior.rows(parameters)
+    return System(
+        first.matrix + second.matrix + contacts.slope.T @ contacts.slope + before.matrix,
+        first.vector + second.vector + contacts.slope.T @ contacts.residual + before.vector,
+        first.energy + second.energy + contacts.energy + before.energy,
+    )
+
+
+def _residuals(
+    whole: Template,
+    template: Template,
+    evidence: Evidence,
+    scan: Array,
+    parameters: Array,
+    level: AnnealingLevel,
+    weights: Array,
+) -> tuple[tuple[Pairs, Array], tuple[Pairs, Array]]:
+    """Correspondences from points to the CAD and from its visible surface, with their weights."""
     # Nearest neighbours in all points: those in a sample may be on another surface of the CAD.
     _, nearest = whole.tree.query(unposed(scan, parameters))
     one = paired(
@@ -182,12 +204,7 @@ def _system(
         parameters,
     )
     scale = _INDEPENDENT_DISTANCES / _DISTANCE_SIGMA_M**2
-    first = one.robust(np.full(len(scan), scale / len(scan)), level.width)
-    second = other.robust(scale / len(weights) * weights[used], level.width)
-    contacts = around.rows(template, parameters, hidden)
-    before = prior.rows(parameters)
-    return System(
-        first.matrix + second.matrix + contacts.slope.T @ contacts.slope + before.matrix,
-        first.vector + second.vector + contacts.slope.T @ contacts.residual + before.vector,
-        first.energy + second.energy + contacts.energy + before.energy,
+    return (
+        (one, np.full(len(scan), scale / len(scan))),
+        (other, scale / len(weights) * weights[used]),
     )
