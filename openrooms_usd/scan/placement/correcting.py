@@ -32,8 +32,8 @@ Array = NDArray[np.float64]
 # Motions shorter than this are none, metres.
 _NO_MOTION_M: Final = 1e-4
 # Motion by which objects of real scans that overlap still come apart, whose CADs have not their
-# shapes, metres: further they stand elsewhere.
-_FAR_REACH_M: Final = 0.3
+# shapes, metres: what stands still farther off stands elsewhere.
+_FAR_REACH_M: Final = 0.2
 # Times that objects are left out and the others placed anew: what one pushed away stays where it
 # was measured without it.
 _MAX_TRIES: Final = 3
