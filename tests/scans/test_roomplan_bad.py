@@ -150,7 +150,7 @@ BAD_LAYERS = {
         ),
         "no flat polygon",
     ),
-    "no category": (f'{HEAD}def Xform "Room"\n{{\n}}\n', "no parametric export"),
+    "no category": (f'{HEAD}def Xform "Room"\n{{\n}}\n', "no export of RoomPlan"),
     "no USD": ("#usda 1.0\ndef Xform {{{", "not readable as USD"),
     "text": ("hello", "not readable as USD"),
 }

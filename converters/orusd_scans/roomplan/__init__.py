@@ -1,6 +1,6 @@
 """Apple RoomPlan: its exports, JSON or USDZ, become Captures.
 
-- `archive`, `meshes`, `usdz`: the parametric USDZ as the records that its JSON holds;
+- `archive`, `shapes`, `meshes`, `usdz`: the USDZ as the records that its JSON holds;
 - `records`: these, checked one by one; `spaces`: which room is meant; `curves`: curved walls;
   `inner`: walls that are not on the outline;
 - `importer`: all of it.
