@@ -27,8 +27,8 @@ _MAX_BUNDLE_WIDTH_M: Final = 0.6
 
 def curtain_weights(grid: WallGrid) -> Array:
     """(Z, X) weights of curtains and blinds, by their labels."""
-    curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS])
-    share = curtain / np.maximum(around(grid.labelled), 1e-9)
+    curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS], grid.window)
+    share = curtain / np.maximum(around(grid.labelled, grid.window), 1e-9)
     return np.asarray(np.where(curtain > 0, 2.0 * share - 1.0, np.where(grid.solid, -1.0, -0.2)))
 
 

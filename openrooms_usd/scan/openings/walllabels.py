@@ -43,8 +43,14 @@ _MIN_PANE_DEPTH_M: Final = 0.012
 
 def label_weights(grid: WallGrid, kind: Kind) -> Array:
     """(Z, X) weights by labels, and where there are none, by geometry."""
-    votes, all_votes = (around(counts) for counts in (grid.labels[LABELS[kind]], grid.labelled))
-    curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS])
+    votes, all_votes, curtain = (
+        around(counts, grid.window)
+        for counts in (
+            grid.labels[LABELS[kind]],
+            grid.labelled,
+            grid.labels[CURTAIN] + grid.labels[BLINDS],
+        )
+    )
     others = all_votes - curtain
     geometry = hole_weights(grid)
     named = ndimage.distance_transform_edt(votes <= 0) * CELL_M < _FRAME_TO_PANE_M
@@ -61,16 +67,16 @@ def label_weights(grid: WallGrid, kind: Kind) -> Array:
     return np.asarray(weights + geometry * (1.0 - np.minimum(others / enough, 1.0)))
 
 
-def around(counts: Array) -> Array:
-    """(Z, X) means over a cell and its neighbours."""
-    smooth = ndimage.uniform_filter(counts, 3, mode="nearest")
+def around(counts: Array, window: int) -> Array:
+    """(Z, X) means over windows of so many cells."""
+    smooth = ndimage.uniform_filter(counts, window, mode="nearest")
     return np.where(smooth < 1e-9, 0.0, smooth)
 
 
 def is_round(grid: WallGrid, kind: Kind, where: Rectangle) -> bool:
     """Whether the returns with a label form a disc rather than a rectangle."""
-    known = around(grid.labelled)
-    named = around(grid.labels[LABELS[kind]]) > 0.5 * known
+    known = around(grid.labelled, grid.window)
+    named = around(grid.labels[LABELS[kind]], grid.window) > 0.5 * known
     high, wide = (
         max(1, round(_CORNER_SHARE * size)) for size in named[where.rows, where.columns].shape
     )

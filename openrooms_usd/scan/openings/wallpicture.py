@@ -35,8 +35,15 @@ _PLANE_REFIT_M: Final = 0.12
 _PLANE_REFIT_ROUNDS: Final = 6
 # Cells with less than this part of the wall's usual number of returns are empty.
 _EMPTY_CELL_SHARE: Final = 0.2
+# Windows in which returns are counted, cells: the smallest that usually holds so many of them. A
+# scan with returns every six centimetres shows nothing in cells of half of that.
+_WINDOWS_CELLS: Final = (3, 5, 7, 9)
+_RETURNS_IN_WINDOW: Final = 4.0
+_BLOCK_CELLS: Final = 10
 # Radius of the local mean of returns, because density varies, metres.
 _DENSITY_RADIUS_M: Final = 0.25
+# Where the usual number of returns of a cell is less than this, the scan is sparse.
+_MIN_USUAL_COUNT: Final = 0.5
 # Number of sensors that look through a cell from which on it is a certain void.
 _SURE_SENSORS: Final = 3.0
 # Labels count of returns with normals within 25 degrees of the wall's.
@@ -60,6 +67,7 @@ class WallGrid:
         labelled: (Z, X) the number of returns near the wall with any label.
         threshold: (X,) whether floor was seen just behind the wall's plane.
         deviation: Root mean squared residual of the wall's plane, metres.
+        window: Edge of the windows in which returns are counted, cells; larger in sparse scans.
     """
 
     face: WallFace
@@ -72,6 +80,7 @@ class WallGrid:
     labelled: Array
     threshold: Mask
     deviation: float
+    window: int = 3
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -114,24 +123,46 @@ def _grid(
     inner = above & ~_other_side(cloud, face, y)
     near = float(np.clip(_RETURN_SIGMAS * deviation, *_ON_WALL_LIMITS_M))
     on, behind, before = above & (np.abs(y) < near), inner & (y >= near), above & (y <= -near)
-    counts = (_counted(cell[kind], shape) for kind in (on, behind, before))
-    solid, recess, covered = _layers(*counts)
+    standing, opened, hidden = (_counted(cell[kind], shape) for kind in (on, behind, before))
+    window = _window(standing + opened + hidden)
+    solid, recess, covered = _layers(standing, opened, hidden, window)
     face_like = inner & (y > -_RELIEF_LIMITS_M[0]) & (y < _RELIEF_LIMITS_M[1])
-    relief = _mean_depth(cell[face_like], -y[face_like], shape)
-    tint = _mean_depth(cell[on], _tints(cloud, on), shape)
+    relief = _mean_depth(cell[face_like], -y[face_like], shape, window - 2)
+    tint = _mean_depth(cell[on], _tints(cloud, on), shape, window - 2)
     labels, labelled = _label_counts(cloud, cell, above, y >= near, face, classes, shape)
     floor = (np.abs(z) < 2 * CELL_M) & (y > 0.1)
     threshold = _counted(cell[floor], shape).sum(axis=0) > 0
     standing = solid | recess
     seen = _seen_through(~(standing | covered), face, plane, sight)
     void = np.where(enclosed(seen > 0, standing), seen, 0.0)
-    return WallGrid(face, solid, recess, void, relief, tint, labels, labelled, threshold, deviation)
+    return WallGrid(
+        face, solid, recess, void, relief, tint, labels, labelled, threshold, deviation, window
+    )
 
 
-def _mean_depth(cells: Rows, values: Array, shape: tuple[int, int]) -> Array:
+def _window(counts: Array) -> int:
+    """The least window that usually holds some returns, where there are any."""
+    rows, columns = (size // _BLOCK_CELLS * _BLOCK_CELLS for size in counts.shape)
+    blocks = counts[:rows, :columns].reshape(
+        rows // _BLOCK_CELLS, _BLOCK_CELLS, columns // _BLOCK_CELLS, _BLOCK_CELLS
+    )
+    returns = blocks.mean(axis=(1, 3))
+    usual = float(np.median(returns[returns > 0])) if (returns > 0).any() else 1.0
+    enough = (edge for edge in _WINDOWS_CELLS if edge**2 * usual >= _RETURNS_IN_WINDOW)
+    return next(enough, _WINDOWS_CELLS[-1])
+
+
+def _mean_depth(cells: Rows, values: Array, shape: tuple[int, int], window: int) -> Array:
     counts = _counted(cells, shape)
     total = np.bincount(cells, values, shape[0] * shape[1]).reshape(shape)
-    return np.where(counts > 0, total / np.maximum(counts, 1), np.nan)
+    if window > 1:
+        counts, total = (
+            ndimage.uniform_filter(part, window, mode="constant") for part in (counts, total)
+        )
+        known = counts > 0.5 / window**2
+    else:
+        known = counts > 0
+    return np.where(known, total / np.where(known, counts, 1.0), np.nan)
 
 
 def _tints(cloud: Cloud, on: Mask) -> Array:
@@ -151,10 +182,13 @@ def _other_side(cloud: Cloud, face: WallFace, y: Array) -> Mask:
     return np.asarray((y > _ON_WALL_LIMITS_M[1]) & (cloud.normals[:, :2] @ face.outward > 0.7))
 
 
-def _layers(standing: Array, opened: Array, hidden: Array) -> tuple[Mask, Mask, Mask]:
+def _layers(
+    standing: Array, opened: Array, hidden: Array, window: int
+) -> tuple[Mask, Mask, Mask]:
     """Masks: the face returned; only surfaces behind it; only surfaces before it."""
     on, behind, before = (
-        ndimage.uniform_filter(counts, 3, mode="nearest") for counts in (standing, opened, hidden)
+        ndimage.uniform_filter(counts, window, mode="nearest")
+        for counts in (standing, opened, hidden)
     )
     usual = usual_counts(standing, on)
     present = on + behind > _EMPTY_CELL_SHARE * usual
@@ -177,7 +211,9 @@ def usual_counts(counts: Array, smooth: Array) -> Array:
         for part in (counts, some.astype(np.float64))
     )
     here = total / np.maximum(cells, 1e-3)
-    return np.asarray(np.clip(here, 0.5, max(0.5, float(np.median(smooth[some])))))
+    middle = float(np.median(smooth[some]))
+    least = min(_MIN_USUAL_COUNT, middle)
+    return np.asarray(np.clip(here, least, max(least, middle)))
 
 
 def _plane(x: Array, y: Array, z: Array) -> tuple[Array, float]:

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from openrooms_usd.scan.points.visibility import likely_sensor_origins
 
@@ -22,6 +23,8 @@ _CLEAR_BEFORE_SURFACE_M: Final = 0.12
 # Voxels with at most this part of the usual number of points hold outliers.
 _STRAY_SHARE: Final = 0.15
 _MAX_POINTS: Final = 100_000
+# Surfaces with less points in a usual voxel have gaps.
+_DENSE_COUNT: Final = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,4 +104,8 @@ def sight_of(points: Array, sensor_origins: Array | None) -> Sight:
         else sensor_origins
     )
     chosen = np.unique(np.linspace(0, len(origins) - 1, _MOST_SENSORS).round().astype(np.int64))
-    return Sight(origins[chosen], low, counts > _STRAY_SHARE * usual)
+    full = counts > _STRAY_SHARE * usual
+    if usual < _DENSE_COUNT:
+        # Between the voxels of a sparse surface lines of sight would slip through.
+        full |= ndimage.binary_closing(np.pad(full, 1), np.ones((3, 3, 3), bool))[1:-1, 1:-1, 1:-1]
+    return Sight(origins[chosen], low, full)
