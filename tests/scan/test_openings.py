@@ -86,6 +86,13 @@ def test_wardrobe_before_a_wall_is_no_hole() -> None:
     assert find_openings(cloud.take(cloud.points[:, 1] > -0.05), CORNERS, HEIGHT) == ()
 
 
+def test_returns_six_centimetres_apart_suffice() -> None:
+    cloud = room([*WINDOWED, *PASSAGE], labels=False)
+    _, rows = np.unique(np.round(cloud.points / 0.06), axis=0, return_index=True)
+    found = find_openings(cloud.take(np.sort(rows)), CORNERS, HEIGHT)
+    assert sorted(opening.type for opening in found) == ["door", "window"]
+
+
 def test_wrong_labels_on_a_flat_wall_are_no_window() -> None:
     cloud = room(WINDOWED)
     assert cloud.label is not None

@@ -19,6 +19,7 @@ from openrooms_usd.scan.openings.curtains import (
     under_curtains,
 )
 from openrooms_usd.scan.openings.doorframes import frames
+from openrooms_usd.scan.openings.judgement import likelihood
 from openrooms_usd.scan.openings.mirrors import Echoes, echoes
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
@@ -52,19 +53,19 @@ MIN_GAP_M: Final = 0.02
 _VIEW_MARGIN_M: Final = 1.0
 # Least and greatest width and height, metres.
 _SIZES_M: Final = {"door": ((0.5, 4.0), (1.6, 3.2)), "window": ((0.25, 8.0), (0.25, 4.0))}
-_MIN_SCORE: Final = 0.4
-# Calibration on generated rooms: slope of the share of false positives over one minus the score,
+# Openings less probable than this are not built.
+LIKELY: Final = 0.4
+# Calibration of labelled openings: slope of the share of false positives over one minus the score,
 # and the share of true positives at full score.
 _UNSURE_WRONG_SHARE: Final = 0.65
 _SUREST_RIGHT_SHARE: Final = 0.97
+_HIDDEN_WINDOW_SCORE: Final = 0.6
 # Proposals nearer to an opening than this, metres, and smaller than this part of it belong to it.
 _SCRAP_M_AND_SHARE: Final = (0.15, 0.35)
 # Walls of which less was scanned give no holes.
-_MIN_SCANNED_SHARE: Final = 0.15
+_MIN_SCANNED_SHARE: Final = 0.1
 # Holes down to the floor that are lower than this are shadows of furniture, metres.
 _MIN_PASSAGE_M: Final = 1.8
-# Higher doors are unlikely, metres.
-_USUAL_DOOR_M: Final = 2.35
 # Least part of an open door's cells that are a hole.
 _AJAR_SHARE: Final = 0.2
 # Least part of a closed leaf that returned.
@@ -123,10 +124,10 @@ def _in_wall(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Found
     for proposals in (named, shaped):
         judged = [(confidence(p, labelled), p) for p in proposals if _plausible(p)]
         for sure, proposal in sorted(judged, key=lambda pair: -pair[0]):
-            if sure >= _MIN_SCORE and not any(_suppressed(proposal, q) for q in kept):
+            if sure >= LIKELY and not any(_suppressed(proposal, q) for q in kept):
                 kept.append(proposal)
     for proposal in sorted(kept, key=lambda p: p.where.left):
-        yield _opening(grid, proposal, _as_probability(confidence(proposal, labelled)))
+        yield _opening(grid, proposal, confidence(proposal, labelled))
 
 
 def _by_holes(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Proposal]:
@@ -151,7 +152,8 @@ def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
     for where, clear in frames(grid):
         proposal = replace(measured(grid, "door", where), leaf=clear)
         # An open door shows the floor behind it, a closed one its leaf; shelves show neither.
-        shut = proposal.hole < _AJAR_SHARE and proposal.solid > _CLOSED_LEAF_SHARE
+        returned = proposal.solid + proposal.recess
+        shut = proposal.hole - proposal.recess < _AJAR_SHARE and returned > _CLOSED_LEAF_SHARE
         if shut or proposal.threshold > 0.3:
             yield proposal
 
@@ -194,18 +196,14 @@ def _plausible(proposal: Proposal) -> bool:
 
 
 def confidence(proposal: Proposal, labelled: bool) -> float:
-    """The score of a proposal, from 0 to 1."""
+    """The probability that a proposal is an opening."""
     p = proposal
     if labelled and p.label > _MIN_NAMED_SHARE:
-        return min(1.0, 0.5 + 0.4 * p.label + 0.2 * p.hole + (0.1 if p.leaf else 0.0))
+        score = 0.5 + 0.4 * p.label + 0.2 * p.hole + (0.1 if p.leaf else 0.0)
+        return _as_probability(min(1.0, score))
     if p.curtain == 1.0:
-        return 0.6
-    if p.leaf:
-        return 0.0 if labelled else 0.25 + 0.65 * p.leaf
-    if p.kind == "door":
-        usual = 1.0 if p.height < _USUAL_DOOR_M else 0.6
-        return usual * min(1.0, p.framed) * min(1.0, p.hole + 0.2) * (0.4 + 0.6 * p.threshold)
-    return min(1.0, p.framed) * min(1.0, 0.2 + 0.35 * p.hole + 3.0 * p.recess)
+        return _as_probability(_HIDDEN_WINDOW_SCORE)
+    return 0.0 if labelled and p.leaf else likelihood(p)
 
 
 def _overlap(a: Proposal, b: Proposal, apart: float = MIN_GAP_M) -> bool:

@@ -28,7 +28,7 @@ _PARTS_UNSEEN: Final = 1
 # The steps of all sides are similar: least ratio of the smallest to the largest.
 _MIN_STEP_RATIO: Final = 0.3
 _TOP_HEIGHTS_M: Final = (1.85, 2.45)
-_WIDTHS_M: Final = (0.6, 1.25)
+_WIDTHS_M: Final = (0.6, 1.4)
 # Widths of the two windows that a step compares, cells.
 _FRAME_CELLS: Final = 3
 _BESIDE_CELLS: Final = 3

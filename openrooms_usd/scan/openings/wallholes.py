@@ -39,6 +39,11 @@ _MIN_AREA_M2: Final = 0.07
 _MAX_PROPOSALS: Final = 10
 # Width of the strips of wall around a rectangle, metres.
 _WALL_AROUND_M: Final = 0.075
+# Width of the surroundings in which furniture is looked for, metres.
+_SURROUNDINGS_M: Final = 0.3
+# Heights of a walking body, metres, and the share of them that blocks its way.
+_BODY_M: Final = (0.3, 1.5)
+_BLOCKING_SHARE: Final = 0.12
 # Probability that a cell without evidence is wall, beside an opening and above it.
 _MAY_BE_WALL_SHARE: Final = {"beside": 0.5, "top": 0.42}
 # Holes that begin below the first height are doors, above the sill windows; between, the evidence
@@ -66,6 +71,11 @@ class Proposal:
         framed: Share of the strips around it where the wall returned; the least of its sides.
         threshold: Share of its width where floor was seen behind the plane.
         leaf: Score of a closed leaf with its frame.
+        walled: As ``framed``; the mean of its sides.
+        beyond: Share of its cells through which something was seen far behind the wall.
+        clutter: Share of a wider strip around it where things before the wall hide it.
+        blocked: Share of its width before which something stands at the height of a body.
+        headroom: From its upper edge to the top of the wall, metres.
     """
 
     kind: Kind
@@ -78,6 +88,11 @@ class Proposal:
     framed: float = 0.0
     threshold: float = 0.0
     leaf: float = 0.0
+    walled: float = 0.0
+    beyond: float = 0.0
+    clutter: float = 0.0
+    blocked: float = 0.0
+    headroom: float = 0.0
 
     @property
     def width(self) -> float:
@@ -194,6 +209,7 @@ def measured(grid: WallGrid, kind: Kind, where: Rectangle) -> Proposal:
         veil = (grid.labels[CURTAIN] + grid.labels[BLINDS])[where.rows, where.columns]
         votes = named / max(labelled - float(veil.sum()), 1.0)
         curtain = float((veil > 0).mean())
+    sides = _framing(grid, where, kind)
     return Proposal(
         kind,
         where,
@@ -202,21 +218,49 @@ def measured(grid: WallGrid, kind: Kind, where: Rectangle) -> Proposal:
         recess=float(recess.mean()),
         solid=float(solid.mean()),
         curtain=curtain,
-        framed=_framed(grid, where, kind),
+        framed=min(sides),
         threshold=float(grid.threshold[where.columns].mean()),
+        walled=float(np.mean(sides)),
+        beyond=float(grid.beyond[where.rows, where.columns].mean()),
+        clutter=_clutter(grid, where, kind),
+        blocked=_blocked(grid, where),
+        headroom=CELL_M * (len(grid.solid) - where.top),
     )
 
 
-def _framed(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
-    strips = ring(grid.shape, where, round(_WALL_AROUND_M / CELL_M))
-    sides = ("left", "right", "top") + (("bottom",) if kind == "window" else ())
+def _sides(kind: Kind) -> tuple[str, ...]:
+    return ("left", "right", "top") + (("bottom",) if kind == "window" else ())
+
+
+def _clutter(grid: WallGrid, where: Rectangle, kind: Kind) -> float:
+    strips = ring(grid.shape, where, round(_SURROUNDINGS_M / CELL_M))
+    hidden = grid.before & ~grid.solid
+    parts = [hidden[s.rows, s.columns].ravel() for side in _sides(kind) if (s := strips.get(side))]
+    return float(np.concatenate(parts).mean()) if parts else 0.0
+
+
+def _blocked(grid: WallGrid, where: Rectangle) -> float:
+    low, high = (round(height / CELL_M) for height in _BODY_M)
+    standing = grid.before[low:high, where.columns].mean(axis=0)
+    return float((standing > _BLOCKING_SHARE).mean())
+
+
+def _framing(grid: WallGrid, where: Rectangle, kind: Kind) -> list[float]:
+    """The part of the strip on each side of a rectangle where the wall returned, or may have."""
+    # Where returns are counted in wide windows a hole seems smaller than it is.
+    apart = (grid.window - 3) // 2
+    outer = Rectangle(
+        max(where.bottom - apart, 0), min(where.top + apart, grid.shape[0]),
+        max(where.left - apart, 0), min(where.right + apart, grid.shape[1]),
+    )  # fmt: skip
+    strips = ring(grid.shape, outer, round(_WALL_AROUND_M / CELL_M))
     hidden = ~grid.solid & ~grid.recess & (grid.void == 0)
     parts = []
-    for side in sides:
+    for side in _sides(kind):
         known = grid.solid + _MAY_BE_WALL_SHARE["top" if side == "top" else "beside"] * hidden
         strip = strips.get(side)
         parts.append(float(known[strip.rows, strip.columns].mean()) if strip else 0.0)
-    return min(parts)
+    return parts
 
 
 def kind_of(grid: WallGrid, where: Rectangle) -> Kind:

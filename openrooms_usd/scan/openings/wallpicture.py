@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from openrooms_usd.scan.openings.wallfaces import WallFace, faces_of, nearest_walls
+from openrooms_usd.scan.openings.wallviews import wall_views
 from openrooms_usd.scan.openings.wallvoids import enclosed
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import Sight
@@ -68,6 +69,8 @@ class WallGrid:
         threshold: (X,) whether floor was seen just behind the wall's plane.
         deviation: Root mean squared residual of the wall's plane, metres.
         window: Edge of the windows in which returns are counted, cells; larger in sparse scans.
+        before: (Z, X) where something stands before the wall.
+        beyond: (Z, X) where sensors looked through it at something far behind.
     """
 
     face: WallFace
@@ -80,7 +83,9 @@ class WallGrid:
     labelled: Array
     threshold: Mask
     deviation: float
-    window: int = 3
+    window: int
+    before: Mask
+    beyond: Mask
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -106,11 +111,12 @@ def wall_grids(
     ends = np.searchsorted(nearest[order], np.arange(len(faces) + 1))
     for face, first, last in zip(faces, ends, ends[1:], strict=False):
         if face.length > 4 * CELL_M:
-            yield _grid(cloud.take(order[first:last]), face, height, classes, sight)
+            own = cloud.take(order[first:last])
+            yield _grid(own, cloud.points, face, height, classes, sight)
 
 
 def _grid(
-    cloud: Cloud, face: WallFace, height: float, classes: Sequence[int], sight: Sight
+    cloud: Cloud, points: Array, face: WallFace, height: float, classes: Sequence[int], sight: Sight
 ) -> WallGrid:
     shape = (max(round(height / CELL_M), 8), max(round(face.length / CELL_M), 4))
     x, y, z = face.from_level(cloud.points).T
@@ -123,21 +129,24 @@ def _grid(
     inner = above & ~_other_side(cloud, face, y)
     near = float(np.clip(_RETURN_SIGMAS * deviation, *_ON_WALL_LIMITS_M))
     on, behind, before = above & (np.abs(y) < near), inner & (y >= near), above & (y <= -near)
-    standing, opened, hidden = (_counted(cell[kind], shape) for kind in (on, behind, before))
-    window = _window(standing + opened + hidden)
-    solid, recess, covered = _layers(standing, opened, hidden, window)
+    layers = [_counted(cell[kind], shape) for kind in (on, behind, before)]
+    window = _window(layers[0])
+    solid, recess, covered = _layers(layers, window)
     face_like = inner & (y > -_RELIEF_LIMITS_M[0]) & (y < _RELIEF_LIMITS_M[1])
     relief = _mean_depth(cell[face_like], -y[face_like], shape, window - 2)
-    tint = _mean_depth(cell[on], _tints(cloud, on), shape, window - 2)
+    tint = _mean_depth(cell[face_like], _tints(cloud, face_like), shape, window - 2)
     labels, labelled = _label_counts(cloud, cell, above, y >= near, face, classes, shape)
     floor = (np.abs(z) < 2 * CELL_M) & (y > 0.1)
     threshold = _counted(cell[floor], shape).sum(axis=0) > 0
     standing = solid | recess
     seen = _seen_through(~(standing | covered), face, plane, sight)
     void = np.where(enclosed(seen > 0, standing), seen, 0.0)
+    views = wall_views(points, face, shape, CELL_M, window, sight)
+    beyond = views.beyond & (void > 0)
     return WallGrid(
-        face, solid, recess, void, relief, tint, labels, labelled, threshold, deviation, window
-    )
+        face, solid, recess, void, relief, tint, labels, labelled, threshold, deviation, window,
+        views.before, beyond,
+    )  # fmt: skip
 
 
 def _window(counts: Array) -> int:
@@ -154,14 +163,11 @@ def _window(counts: Array) -> int:
 
 def _mean_depth(cells: Rows, values: Array, shape: tuple[int, int], window: int) -> Array:
     counts = _counted(cells, shape)
-    total = np.bincount(cells, values, shape[0] * shape[1]).reshape(shape)
-    if window > 1:
-        counts, total = (
-            ndimage.uniform_filter(part, window, mode="constant") for part in (counts, total)
-        )
-        known = counts > 0.5 / window**2
-    else:
-        known = counts > 0
+    total = np.bincount(cells, values, shape[0] * shape[1]).reshape(shape).astype(np.float64)
+    counts, total = (
+        ndimage.uniform_filter(part, window, mode="constant") for part in (counts, total)
+    )
+    known = counts > 0.5 / window**2
     return np.where(known, total / np.where(known, counts, 1.0), np.nan)
 
 
@@ -182,15 +188,17 @@ def _other_side(cloud: Cloud, face: WallFace, y: Array) -> Mask:
     return np.asarray((y > _ON_WALL_LIMITS_M[1]) & (cloud.normals[:, :2] @ face.outward > 0.7))
 
 
-def _layers(
-    standing: Array, opened: Array, hidden: Array, window: int
-) -> tuple[Mask, Mask, Mask]:
-    """Masks: the face returned; only surfaces behind it; only surfaces before it."""
+def _layers(layers: Sequence[Array], window: int) -> tuple[Mask, Mask, Mask]:
+    """Masks: the face returned; only surfaces behind it; only surfaces before it.
+
+    Args:
+        layers: (Z, X) returns on the face, behind it and before it.
+        window: Edge of the windows in which they are counted, cells.
+    """
     on, behind, before = (
-        ndimage.uniform_filter(counts, window, mode="nearest")
-        for counts in (standing, opened, hidden)
+        ndimage.uniform_filter(counts, window, mode="nearest") for counts in layers
     )
-    usual = usual_counts(standing, on)
+    usual = usual_counts(layers[0], on)
     present = on + behind > _EMPTY_CELL_SHARE * usual
     solid = present & ((on > behind) | (on > 0.5 * usual))
     return solid, present & ~solid, ~present & (before > _EMPTY_CELL_SHARE * usual)
