@@ -1,4 +1,4 @@
-"""Finds importers, renderers, exporters and datasets by entry point, ours and anybody's alike."""
+"""Finds importers, renderers, exporters, segmenters and the like by entry point, ours and anybody's alike."""
 
 import difflib
 from collections.abc import Mapping
@@ -12,6 +12,7 @@ RENDERERS: Final = "openrooms_usd.renderers"
 EXPORTERS: Final = "openrooms_usd.exporters"
 DATASETS: Final = "openrooms_usd.datasets"
 ENGINES: Final = "openrooms_usd.engines"
+SEGMENTERS: Final = "openrooms_usd.segmenters"
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -39,7 +40,7 @@ def load(group: str, name: str) -> Any:
     """Import the adapter ``name`` of a group and make one.
 
     Args:
-        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`.
+        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`, `SEGMENTERS`.
         name: The name under which it is registered.
 
     Returns:

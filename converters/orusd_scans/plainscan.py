@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame
+from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import clean
@@ -21,6 +21,7 @@ from orusd_scans.frames import in_world, read_frames
 from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import read_json
 from orusd_scans.scanned import Scanned
+from orusd_scans.segments import with_segments
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.worldframe import Z_UP, WorldFrame
 
@@ -64,8 +65,9 @@ class ScanImporter:
         "up": "The direction that is up, as x,y,z or an axis (default z; y for GLB).",
         "frames": "A JSON file with the cameras of photographs.",
         "words": 'A JSON file with a word for each instance by its number: {"13": "trash can"}.',
+        "segments": "An .npz or .npy file with a label, a number of a thing, or both, per point.",
     }
-    paths = frozenset({"frames", "words"})
+    paths = frozenset({"frames", "words", "segments"})
 
     def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
         """Read a point cloud or a mesh.
@@ -79,6 +81,9 @@ class ScanImporter:
             MissingPackageError: Its kind needs a package that is not installed.
         """
         scanned = read_scanned(source)
+        if "segments" in options:
+            cloud = with_segments(scanned.cloud, Path(options["segments"]))
+            scanned = replace(scanned, cloud=cloud)
         notes = list(scanned.notes)
         unit = unit_of(scanned.cloud, options.get("unit", "m"), source, notes)
         frame = _frame(scanned, unit, options.get("up"), source)
@@ -96,6 +101,15 @@ class ScanImporter:
             notes=tuple(notes),
             remedy=UNDETERMINED,
         )
+
+    def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
+        """The scan, and the files beside it that the options name."""
+        kept, contents = dict(options), {source.name: source}
+        for name in sorted(self.paths & options.keys()):
+            beside = f"{name}{Path(options[name]).suffix}"
+            kept[name] = beside if beside not in contents else f"{name}_{beside}"
+            contents[kept[name]] = Path(options[name])
+        return Packed(source.name, contents, kept)
 
 
 def read_words(path: Path) -> dict[int, tuple[str, ...]]:

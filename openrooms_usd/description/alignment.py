@@ -175,6 +175,13 @@ class ScanAlignment(CheckedModel):
     unresolved: Literal["leave_out", "keep"] = "leave_out"
     """What becomes of objects that still lie in others or in walls, or float, after they were moved
     by up to 30 cm."""
+    unlabelled: Literal["furnish", "boxes", "leave"] = "furnish"
+    """What becomes of a scan that does not say what stands in it: pieces of furniture are found and
+    named where their shape is telling, only boxes of their size stand for them, or they are left
+    out."""
+    segmenter: str | None = None
+    """What tells the things of the scan apart: `shapes`, our own, or another installed segmenter, as
+    `orusd doctor` lists them; by default the scan's labels, or else `shapes`."""
     further: tuple[AlignedObject, ...] = ()
     """Further objects that the scan does not show, such as a lamp."""
 

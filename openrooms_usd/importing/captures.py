@@ -5,7 +5,7 @@ import os
 import re
 import shutil
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
@@ -15,10 +15,15 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, Importer, Packed, checked
 from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.errors import InputError, OutputError, writing
-from openrooms_usd.importing.text import describe, describe_scan
+from openrooms_usd.importing.text import describe, describe_scan, unlabelled
 from openrooms_usd.untrusted import check_path, opened
 
 ROOM: Final = "room.yaml"
+_UNLABELLED: Final = (
+    "nothing says what stands in the scan: compose will find furniture by its shape, name what is "
+    "plain and put boxes for the rest; a segmentation of your own comes by `--segments FILE` or "
+    "`alignment: {segmenter: NAME}`, and `unlabelled: leave` there leaves furniture out"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +95,8 @@ def import_capture(
         asked = checked_options(kind, importer, options)
         capture = importer.read(source, asked)
         _check_usable(capture, source)
+        if unlabelled(capture):
+            capture = replace(capture, notes=(*capture.notes, _UNLABELLED))
         packed = _packed(kind, importer, source, asked)
         _check_names(packed)
     except OSError as error:

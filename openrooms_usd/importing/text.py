@@ -144,6 +144,15 @@ def describe_scan(
     )
 
 
+def unlabelled(capture: Capture) -> bool:
+    """Whether a capture of points does not say what stands in it."""
+    cloud = capture.cloud
+    if capture.floor is not None or cloud is None or capture.boxes:
+        return False
+    told = (cloud.instance, cloud.label)
+    return not any(values is not None and values.any() for values in told)
+
+
 def _shows_lamps(capture: Capture) -> bool:
     """Whether points are labelled as a lamp."""
     cloud = capture.cloud
@@ -160,6 +169,10 @@ def _furniture(capture: Capture, options: Mapping[str, str]) -> Iterator[str]:
     """The section of objects: every one of the scan, or the CADs that were aligned to it."""
     known = [model for model in capture.models if model.file is not None]
     if "models" not in options or not known:
+        if unlabelled(capture):
+            yield "# The scan has no labels: furniture is found by its shape, or nothing is, by `leave`."
+            yield from ("from: scan", "unlabelled: furnish  # or boxes, leave")
+            return
         yield "# Every labelled instance of the scan; a folder of your own meshes: `cad: FOLDER`."
         yield "from: scan"
         return

@@ -163,7 +163,7 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
     section = getattr(room, stage.name)
     parts: dict[str, Any] = {
         "stage": stage.name,
-        "code": code_digest(*code_of(stage), *_importers(room)),
+        "code": code_digest(*code_of(stage), *_adapters(room)),
         "section": section and section.model_dump(mode="json"),
         "room": [room.room, room.seed],
         "inputs": {
@@ -186,11 +186,15 @@ def code_of(stage: Stage) -> tuple[str, ...]:
     return type(stage).__module__, _RUNNER, *registry.modules()
 
 
-def _importers(room: Room) -> Iterator[str]:
-    """The modules of the importers that fill sections; what is missing is said later."""
+def _adapters(room: Room) -> Iterator[str]:
+    """The modules of the importers and segmenters that fill sections; what is missing is said
+    later."""
     sections = [s for s in (room.layout, room.alignment) if isinstance(s, CapturedSection)]
     known = adapters.available(adapters.IMPORTERS) if sections else {}
     yield from (known[s.reader].module for s in sections if s.reader in known)
+    segmenter = getattr(room.alignment, "segmenter", None)
+    known = adapters.available(adapters.SEGMENTERS) if segmenter else {}
+    yield from (known[name].module for name in (segmenter,) if name in known)
 
 
 def file_digest(path: Path) -> str:

@@ -21,6 +21,7 @@ from openrooms_usd.stages.instances import told_left_out
 from openrooms_usd.stages.placement import Placement
 from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.stages.scanned import scanned_room
+from openrooms_usd.stages.segmented import segmented
 from openrooms_usd.stages.shelf import Shelf
 from openrooms_usd.stages.substitutes import UNKNOWN
 
@@ -45,7 +46,7 @@ def furnish(
             place="alignment",
             remedy="give `layout: {from: scan, scan: FILE}` too",
         )
-    scanned = scanned_room(context, layout)
+    scanned = segmented(context, alignment, scanned_room(context, layout))
     shelf = Shelf(context, alignment, scanned)
     found = find_furniture(
         scanned.layout,

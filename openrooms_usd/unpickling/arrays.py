@@ -1,6 +1,7 @@
 """NumPy's files of unknown origin: what a header claims is weighed before memory is taken.
 
-Only numbers are admitted: no objects, which would be pickles, no texts and no records.
+Only numbers are admitted, and texts where they are asked for: no objects, which would be pickles,
+and no records.
 """
 
 import math
@@ -19,6 +20,9 @@ from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling.archives import opened_archive
 
+# Letters of numpy for numbers, and for texts of a fixed length.
+NUMBERS: Final = "buif"
+TEXTS: Final = "US"
 # Version 3 differs only in the names of records, which are not admitted.
 _HEADERS: Final = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 # What numpy raises for headers that are damaged: it takes them for Python.
@@ -32,12 +36,18 @@ _MOST_GAIN: Final = 64
 
 
 def read_arrays(
-    path: Path, names: Collection[str], kind: untrusted.Kind = "array"
+    path: Path, names: Collection[str], kind: untrusted.Kind = "array", kinds: str = NUMBERS
 ) -> dict[str, NDArray[Any]]:
     """Those arrays of an ``.npz`` file that have one of some names, by their names.
 
+    Args:
+        path: The file.
+        names: Of the arrays.
+        kind: What the file should be.
+        kinds: What the arrays may hold, by numpy's letters.
+
     Raises:
-        InputError: It cannot be read, is damaged, or such an array holds anything but numbers.
+        InputError: It cannot be read, is damaged, or such an array holds anything else.
     """
     found = {}
     with opened_archive(path, kind) as archive:
@@ -49,37 +59,39 @@ def read_arrays(
         for info in entries:
             with archive.open(info) as stream:
                 found[wanted[info.filename]] = _array(
-                    stream, info.file_size, f"{path}[{info.filename}]"
+                    stream, info.file_size, f"{path}[{info.filename}]", kinds
                 )
     return found
 
 
-def read_array(path: Path, dimensions: int, kinds: str) -> NDArray[Any]:
+def read_array(path: Path, dimensions: int | None, kinds: str) -> NDArray[Any]:
     """The array of an ``.npy`` file, whole: nothing is missing, and nothing comes after it.
 
     Args:
         path: The file.
-        dimensions: How many it must have.
-        kinds: What its numbers may be, by numpy's letters: such as ``f`` or ``iu``.
+        dimensions: How many it must have; None: any.
+        kinds: What it may hold, by numpy's letters: such as ``f`` or ``iu``.
 
     Raises:
         InputError: It cannot be read, is damaged, or is no such array.
     """
     with untrusted.opened(path, "array", remedy="make the file again") as stream:
         size = os.fstat(stream.fileno()).st_size
-        found = _array(stream, size, path)
+        found = _array(stream, size, path, kinds)
         if stream.read(1):
             raise _refused(path, f"there are more than its {found.nbytes:,} bytes of numbers")
-    if found.ndim != dimensions or found.dtype.kind not in kinds or not found.size:
+    right = dimensions is None or found.ndim == dimensions
+    if not right or found.dtype.kind not in kinds or not found.size:
         raise _refused(path, f"{found.ndim} dimensions of {found.dtype}, or nothing in it")
     return found
 
 
-def _array(stream: IO[bytes], size: int, place: object) -> NDArray[Any]:
+def _array(stream: IO[bytes], size: int, place: object, kinds: str) -> NDArray[Any]:
     """The array that a stream of that many bytes holds."""
     shape, fortran, dtype = _header(stream, place)
-    if dtype.kind not in "buif" or dtype.fields or dtype.subdtype:
-        raise _refused(place, f"it holds no numbers but {str(dtype)[:60]}")
+    if dtype.kind not in kinds or dtype.fields or dtype.subdtype or not dtype.itemsize:
+        what = "numbers or words" if set(TEXTS) <= set(kinds) else "numbers"
+        raise _refused(place, f"it holds no {what} but {str(dtype)[:60]}")
     if any(side < 0 for side in shape):
         raise _refused(place, f"its shape is {str(shape)[:60]}")
     count = math.prod(shape)

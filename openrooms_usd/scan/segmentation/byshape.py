@@ -1,0 +1,108 @@
+"""Our own segmenter: finds furniture by its shape, without trained weights."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.surfels import Surfels, surfels
+from openrooms_usd.scan.points.thinning import thin
+from openrooms_usd.scan.registration.wallsides import Walls, walls_of
+from openrooms_usd.scan.results import FoundRoom
+from openrooms_usd.scan.segmentation.contents import contents
+from openrooms_usd.scan.segmentation.contract import Segments
+from openrooms_usd.scan.segmentation.grouping import grouped
+from openrooms_usd.scan.segmentation.naming import named
+from openrooms_usd.scan.segmentation.shape import Shape, shape_of
+
+Array = NDArray[np.float64]
+
+_THINNING_M: Final = 0.02
+# Points belong to the surfel that is nearest, up to this distance, metres.
+_OF_SURFEL_M: Final = 0.07
+# Pieces of fewer surfels are outliers.
+_MIN_SURFELS: Final = 20
+# Smaller things are clutter; larger ones are no furniture, but walls that the layout lacks.
+_MIN_SIDE_M: Final = 0.25
+_MIN_VOLUME_M3: Final = 0.015
+_MAX_SIDE_M: Final = 4.5
+_MAX_AREA_M2: Final = 9.0
+# Upright sheets are curtains, leaves of doors, and pieces of wall: thinner than the one and taller
+# than the other, metres; what is thinner still is one at any height.
+_SHEET_M: Final = 0.18
+_TALL_M: Final = 1.2
+_THIN_M: Final = 0.08
+# What begins higher hangs; nothing carries it if no wall is as near as this, metres.
+_HANGS_M: Final = 0.3
+_AT_WALL_M: Final = 0.3
+# What ends this near to the ceiling is a part of the building or a curtain, metres.
+_BELOW_CEILING_M: Final = 0.15
+
+
+class ShapeSegmenter:
+    """Pieces of furniture around their tops and fronts, named where their shape is telling."""
+
+    def segment(self, cloud: Cloud, rooms: Sequence[FoundRoom]) -> Segments:
+        """Find the furniture of a scan; see `openrooms_usd.scan.segmentation.contract`."""
+        everything = surfels(thin(Cloud(cloud.points), _THINNING_M))
+        rows = np.flatnonzero(contents(everything, rooms))
+        pieces = everything.take(rows)
+        piece, words = np.zeros(len(everything), dtype=np.int32), {}
+        for number, found in enumerate(_things(cloud, pieces, rooms), 1):
+            piece[rows[found.rows]] = number
+            words[number] = named(found.shape)
+        distance, nearest = KDTree(everything.points).query(
+            cloud.points, distance_upper_bound=_OF_SURFEL_M
+        )
+        instance = np.append(piece, 0)[np.where(np.isfinite(distance), nearest, len(piece))]
+        return Segments(instance.astype(np.int32), words)
+
+
+@dataclass(frozen=True, eq=False)
+class _Thing:
+    rows: NDArray[np.intp]
+    shape: Shape
+
+
+def _things(cloud: Cloud, pieces: Surfels, rooms: Sequence[FoundRoom]) -> Iterator[_Thing]:
+    """The pieces that are furniture, the largest first."""
+    walls, of_surfel = walls_of(rooms), grouped(pieces)
+    bright = _brightness(cloud, pieces)
+    ceiling = min((room.ceiling for room in rooms if room.ceiling is not None), default=np.inf)
+    sizes = np.bincount(of_surfel) if len(of_surfel) else np.zeros(0, dtype=np.int64)
+    for number in np.argsort(-sizes, kind="stable"):
+        rows = np.flatnonzero(of_surfel == number)
+        if len(rows) < _MIN_SURFELS:
+            return
+        shape = _shape(pieces.take(rows), walls, bright[rows])
+        if _is_thing(shape, ceiling):
+            yield _Thing(rows, shape)
+
+
+def _shape(piece: Surfels, walls: Walls, bright: Array) -> Shape:
+    return shape_of(piece.points, piece.normals, walls, float(np.median(bright)))
+
+
+def _brightness(cloud: Cloud, pieces: Surfels) -> Array:
+    """(M,) of the nearest point's colour, from 0 to 1; NaN without colours."""
+    if cloud.colors is None or not len(pieces):
+        return np.full(len(pieces), np.nan)
+    _, nearest = KDTree(cloud.points).query(pieces.points)
+    return np.asarray(cloud.colors[nearest].mean(axis=1) / 255.0)
+
+
+def _is_thing(shape: Shape, ceiling: float) -> bool:
+    """Whether a piece may be furniture, by its size and its place."""
+    long, short, height = shape.size.tolist()
+    top = shape.bottom + height
+    if long < _MIN_SIDE_M and height < _MIN_SIDE_M or long * short * height < _MIN_VOLUME_M3:
+        return False
+    if long > _MAX_SIDE_M or long * short > _MAX_AREA_M2 or top > ceiling - _BELOW_CEILING_M:
+        return False
+    if short < _THIN_M or (short < _SHEET_M and height > _TALL_M):
+        return False
+    return shape.bottom < _HANGS_M or shape.to_wall < _AT_WALL_M

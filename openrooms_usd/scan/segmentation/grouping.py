@@ -1,0 +1,168 @@
+"""Groups the surfels of a room's contents into pieces of furniture.
+
+Tops are seeds: a piece is what can be reached along the surface from its tops sooner than from
+others, where a way over an edge counts as longer. What no top reaches falls into connected parts,
+which are cut where they only touch.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial import KDTree
+
+from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
+from openrooms_usd.scan.segmentation.tops import Top, tops_of, united
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int32]
+Pairs = NDArray[np.intp]
+
+# Surfels touch if they are nearer than this, metres.
+_TOUCH_M: Final = 0.085
+# A way over an edge between surfaces counts this many times: pieces that touch meet at edges.
+_EDGE_FACTOR: Final = 4.0
+_EDGE_COS: Final = 0.7
+# Farthest surfel of a piece from its tops, along the surface, metres.
+_MAX_REACH_M: Final = 2.2
+# What stands on a table or a cabinet begins this far above its top; on seats and beds lies what
+# belongs to them, such as pillows. Metres.
+_ABOVE_TOP_M: Final = 0.06
+_HIGHEST_SEAT_M: Final = 0.62
+# Parts that are connected by less than this width are two, metres, unless one is smaller than this.
+_NECK_M: Final = 0.15
+_SMALLEST_PART_M2: Final = 0.04
+_LONGEST_UNCUT_M: Final = 1.2
+# A piece floats if it begins higher than this; what stands on the floor below is its foot if at
+# least this part of it does. Metres.
+_FLOATS_M: Final = 0.12
+_FOOT_M: Final = 0.12
+_FOOT_SHARE: Final = 0.6
+_LONGEST_FOOT_M: Final = 0.35
+
+
+def grouped(pieces: Surfels) -> Numbers:
+    """(M,) the number of the piece that each surfel belongs to.
+
+    Args:
+        pieces: The surfels of what stands in a room, floor at z = 0.
+    """
+    if not len(pieces):
+        return np.zeros(0, dtype=np.int32)
+    pairs = KDTree(pieces.points).query_pairs(_TOUCH_M, output_type="ndarray")
+    tops = tops_of(pieces)
+    piece_of_top = united(tops)
+    found = _spread(pieces, pairs, tops, piece_of_top)
+    found = _renumbered(found, _loose_parts(pieces, pairs, found < 0))
+    above = _above_tops(pieces, tops, piece_of_top, found)
+    found = _renumbered(np.where(above, -1, found), _connected(pairs, above))
+    return _with_feet(pieces, found)
+
+
+def _spread(
+    pieces: Surfels, pairs: Pairs, tops: Sequence[Top], piece_of_top: Sequence[int]
+) -> Numbers:
+    """(M,) the piece whose tops are nearest along the surface; -1 where none is reached."""
+    found = np.full(len(pieces), -1, dtype=np.int32)
+    for top, number in zip(tops, piece_of_top, strict=True):
+        found[top.rows] = number
+    seeds = np.flatnonzero(found >= 0)
+    if not len(seeds):
+        return found
+    a, b = pairs.T
+    length = np.linalg.norm(pieces.points[b] - pieces.points[a], axis=1)
+    edge = np.abs(np.einsum("ij,ij->i", pieces.normals[a], pieces.normals[b])) < _EDGE_COS
+    weight = np.maximum(length, 1e-6) * np.where(edge, _EDGE_FACTOR, 1.0)
+    distance, _, source = dijkstra(
+        coo_array((weight, (a, b)), shape=(len(pieces),) * 2).tocsr(), directed=False,
+        indices=seeds, limit=_MAX_REACH_M, min_only=True, return_predecessors=True,
+    )  # fmt: skip
+    reached = np.isfinite(distance)
+    found[reached] = found[source[reached]]
+    return found
+
+
+def _loose_parts(pieces: Surfels, pairs: Pairs, loose: NDArray[np.bool_]) -> Numbers:
+    """(M,) connected parts of some surfels, cut at narrow necks of their plan; -1 for others."""
+    found = _connected(pairs, loose)
+    for number in range(int(found.max(initial=-1)) + 1):
+        rows = np.flatnonzero(found == number)
+        plan = pieces.points[rows, :2]
+        if np.ptp(plan, axis=0).max(initial=0.0) > _LONGEST_UNCUT_M:
+            parts = _cut(plan)
+            found[rows] = np.where(parts == 0, number, found.max() + parts)
+    return found
+
+
+def _cut(plan: Array) -> NDArray[np.int64]:
+    """(N,) numbers of the parts of a plan (N, 2) that narrow necks connect, from 0."""
+    cells = np.floor((plan - plan.min(axis=0)) / VOXEL_M).astype(np.int64) + 2
+    full = np.zeros(cells.max(axis=0) + 3, dtype=np.bool_)
+    full[tuple(cells.T)] = True
+    full = ndimage.binary_fill_holes(ndimage.binary_closing(full))
+    wide = ndimage.binary_opening(full, ndimage.iterate_structure(
+        ndimage.generate_binary_structure(2, 1), max(round(0.5 * _NECK_M / VOXEL_M), 1)
+    ))  # fmt: skip
+    cores, count = ndimage.label(wide)
+    sizes = np.bincount(cores.ravel(), minlength=count + 1) * VOXEL_M**2
+    cores[(sizes < _SMALLEST_PART_M2)[cores]] = 0
+    kept = np.unique(cores[cores > 0])
+    if len(kept) < 2:
+        return np.zeros(len(plan), dtype=np.int64)
+    nearest = ndimage.distance_transform_edt(cores == 0, return_distances=False, return_indices=True)
+    return np.asarray(np.searchsorted(kept, cores[tuple(nearest)][tuple(cells.T)]))
+
+
+def _above_tops(
+    pieces: Surfels, tops: Sequence[Top], piece_of_top: Sequence[int], found: Numbers
+) -> NDArray[np.bool_]:
+    """(M,) whether surfels belong to things that stand on their piece's highest top."""
+    above = np.zeros(len(found), dtype=np.bool_)
+    for number in set(piece_of_top):
+        heights = [t.height for t, n in zip(tops, piece_of_top, strict=True) if n == number]
+        if max(heights) > _HIGHEST_SEAT_M:
+            above |= (found == number) & (pieces.points[:, 2] > max(heights) + _ABOVE_TOP_M)
+    return above
+
+
+def _with_feet(pieces: Surfels, found: Numbers) -> Numbers:
+    """The same; what stands under a seat or a top that nothing carries is joined to it.
+
+    Thin legs and columns are often not scanned, their feet are.
+    """
+    found = found.copy()
+    count = int(found.max(initial=-1)) + 1
+    order = np.argsort(found, kind="stable")
+    parts = np.split(order, np.cumsum(np.bincount(found, minlength=count))[:-1])
+    ends = [np.quantile(pieces.points[rows, 2], (0.02, 0.98)) if len(rows) else (0.0, 0.0)
+            for rows in parts]  # fmt: skip
+    for number, rows in enumerate(parts):
+        if ends[number][0] < _FLOATS_M + _FOOT_M or not len(rows):
+            continue
+        low, high = pieces.points[rows, :2].min(axis=0), pieces.points[rows, :2].max(axis=0)
+        for other, feet in enumerate(parts):
+            if not len(feet) or ends[other][0] > _FOOT_M or ends[other][1] > _LONGEST_FOOT_M:
+                continue
+            plan = pieces.points[feet, :2]
+            if ((plan > low) & (plan < high)).all(axis=1).mean() > _FOOT_SHARE:
+                found[feet] = number
+    return found
+
+
+def _connected(pairs: Pairs, some: NDArray[np.bool_]) -> Numbers:
+    """(M,) connected parts of some surfels, numbered from 0; -1 for others."""
+    a, b = pairs[some[pairs].all(axis=1)].T
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(some),) * 2)
+    parts = connected_components(graph, directed=False)[1]
+    found = np.full(len(some), -1, dtype=np.int32)
+    found[some] = np.unique(parts[some], return_inverse=True)[1]
+    return found
+
+
+def _renumbered(found: Numbers, more: Numbers) -> Numbers:
+    """Pieces, and after their numbers those of others where there are none."""
+    return np.where(found < 0, more + found.max(initial=-1) + 1, found).astype(np.int32)

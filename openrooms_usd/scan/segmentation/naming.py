@@ -1,0 +1,138 @@
+"""Names pieces of furniture by shape and size: a name only where the evidence is good.
+
+The lengths are those of furniture as it is made (as the library's own ranges are): seats are 40 to
+50 cm high and beds and tables hardly vary, because people do not. What fits no row stays a thing
+of its size without a name.
+"""
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+from openrooms_usd.scan.segmentation.shape import Shape
+
+UNNAMED: Final = "object"
+
+Range = tuple[float, float]
+_ANY: Final[Range] = (0.0, 99.0)
+_AT_WALL_M: Final = 0.25
+
+
+class _Row(NamedTuple):
+    """What a category looks like; lengths in metres.
+
+    Attributes:
+        word: The category.
+        long: Its longer level side.
+        short: Its shorter one.
+        height: From the floor to its highest point.
+        shows: What else must be seen.
+    """
+
+    word: str
+    long: Range
+    short: Range
+    height: Range
+    shows: Callable[[Shape], bool]
+
+
+def named(shape: Shape) -> str:
+    """The category of a piece; `UNNAMED` where nothing is likely enough."""
+    measured = (shape.long, shape.short, shape.height)
+    for row in _ROWS:
+        ranges = (row.long, row.short, row.height)
+        if all(low <= v <= high for v, (low, high) in zip(measured, ranges, strict=True)):
+            if row.shows(shape):
+                return row.word
+    return UNNAMED
+
+
+def _stands(shape: Shape) -> bool:
+    return shape.bottom == 0.0
+
+
+def _seats(shape: Shape, share: float) -> bool:
+    return shape.seat[1] >= share
+
+
+def _backed(shape: Shape, part: float, wide: float) -> bool:
+    found = shape.backed
+    return found[0] >= part and found[1] >= wide
+
+
+def _sofa(shape: Shape) -> bool:
+    return (
+        _stands(shape) and _seats(shape, 0.12) and _backed(shape, 0.6, 0.75)
+        and shape.backed[2] > 0.0 and shape.closed(0.1, shape.seat[0]) > 0.35
+    )  # fmt: skip
+
+
+def _armchair(shape: Shape) -> bool:
+    return (
+        _stands(shape) and _seats(shape, 0.25) and _backed(shape, 0.55, 0.7)
+        and shape.closed(0.1, shape.seat[0]) > 0.55
+    )  # fmt: skip
+
+
+def _chair(shape: Shape) -> bool:
+    return _stands(shape) and _seats(shape, 0.2) and _backed(shape, 0.7, 0.7)
+
+
+def _bed(shape: Shape) -> bool:
+    height, share = shape.top
+    if not _stands(shape) or share < 0.5:
+        return False
+    wide = shape.short > 1.1 and shape.closed(0.1, height) > 0.6
+    return 0.25 <= height <= (0.85 if wide else 0.65)
+
+
+def _table(shape: Shape) -> bool:
+    height, share = shape.top
+    return (
+        _stands(shape) and 0.62 <= height <= 0.82 and share >= 0.55
+        and shape.height - height < 0.12 and shape.closed(0.1, height - 0.12) < 0.5
+    )  # fmt: skip
+
+
+def _low_table(shape: Shape) -> bool:
+    height, share = shape.top
+    return (
+        _stands(shape) and share >= 0.6 and shape.height - height < 0.08
+        and shape.closed(0.08, height - 0.08) < 0.5 and shape.to_wall > _AT_WALL_M
+    )  # fmt: skip
+
+
+def _desk(shape: Shape) -> bool:
+    return _table(shape) and shape.to_wall < _AT_WALL_M
+
+
+def _cabinet(shape: Shape) -> bool:
+    return (
+        _stands(shape) and shape.to_wall < _AT_WALL_M
+        and shape.closed(0.15, shape.height - 0.08) > 0.6
+    )  # fmt: skip
+
+
+def _bookshelf(shape: Shape) -> bool:
+    boards = [height for height, share in shape.layers if share > 0.25]
+    return _stands(shape) and shape.to_wall < _AT_WALL_M and len(boards) >= 3
+
+
+def _television(shape: Shape) -> bool:
+    wide = shape.long / shape.height
+    return shape.bottom > 0.35 and 1.4 < wide < 2.1 and shape.brightness < 0.25
+
+
+# The first that fits.
+_ROWS: Final = (
+    _Row("bed", (1.75, 2.4), (0.8, 2.3), (0.3, 1.5), _bed),
+    _Row("sofa", (1.2, 3.6), (0.65, 2.6), (0.55, 1.2), _sofa),
+    _Row("armchair", (0.65, 1.15), (0.6, 1.1), (0.6, 1.25), _armchair),
+    _Row("chair", (0.38, 0.8), (0.33, 0.75), (0.65, 1.25), _chair),
+    _Row("desk", (0.9, 2.2), (0.45, 0.9), (0.62, 0.85), _desk),
+    _Row("table", (0.6, 3.5), (0.5, 1.6), (0.62, 0.85), _table),
+    _Row("coffee_table", (0.5, 1.6), (0.4, 1.1), (0.25, 0.55), _low_table),
+    _Row("bookshelf", (0.5, 6.0), (0.15, 0.5), (0.8, 2.5), _bookshelf),
+    _Row("wardrobe", (0.95, 4.0), (0.45, 0.75), (1.6, 2.6), _cabinet),
+    _Row("cabinet", (0.7, 4.0), (0.3, 0.65), (0.55, 1.3), _cabinet),
+    _Row("television", (0.6, 2.0), (0.0, 0.2), (0.35, 1.2), _television),
+)
