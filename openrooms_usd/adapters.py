@@ -1,4 +1,4 @@
-"""Finds importers, renderers, exporters, segmenters and the like by entry point, ours and anybody's alike."""
+"""Finds importers, renderers, exporters and the like by entry point, ours and anybody's alike."""
 
 import difflib
 from collections.abc import Mapping

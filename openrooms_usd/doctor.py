@@ -37,7 +37,7 @@ class Diagnosis:
         packages: Version of each required package; None where it is not installed.
         extras: What the package of each extra is: its version, or how to install it.
         ray_caster: What casts the core's rays; None where nothing can.
-        adapters: Names of the installed adapters by kind: importers, renderers, exporters, engines, segmenters.
+        adapters: Names of the installed adapters by kind, such as importers.
         renderers: By renderer: what each of its backends says about this machine.
         remedies: What to do, in words; empty when nothing is missing.
     """

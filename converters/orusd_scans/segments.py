@@ -94,8 +94,6 @@ def _whole(values: Values, name: str, path: Path) -> NDArray[np.int32]:
 def _words(values: Values, path: Path) -> list[str]:
     """One word for each point."""
     try:
-        return [
-            word.decode() if isinstance(word, bytes) else str(word) for word in values.tolist()
-        ]
+        return [word.decode() if isinstance(word, bytes) else str(word) for word in values.tolist()]
     except (UnicodeDecodeError, ValueError) as error:
         raise InputError("a label is no text", place=path, remedy=_REMEDY) from error

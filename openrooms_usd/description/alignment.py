@@ -180,8 +180,8 @@ class ScanAlignment(CheckedModel):
     named where their shape is telling, only boxes of their size stand for them, or they are left
     out."""
     segmenter: str | None = None
-    """What tells the things of the scan apart: `shapes`, our own, or another installed segmenter, as
-    `orusd doctor` lists them; by default the scan's labels, or else `shapes`."""
+    """What tells the things of the scan apart: `shapes`, which is ours, or any that is installed,
+    as `orusd doctor` lists them; by default the scan's labels, or else `shapes`."""
     further: tuple[AlignedObject, ...] = ()
     """Further objects that the scan does not show, such as a lamp."""
 

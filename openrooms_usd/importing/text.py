@@ -170,7 +170,7 @@ def _furniture(capture: Capture, options: Mapping[str, str]) -> Iterator[str]:
     known = [model for model in capture.models if model.file is not None]
     if "models" not in options or not known:
         if unlabelled(capture):
-            yield "# The scan has no labels: furniture is found by its shape, or nothing is, by `leave`."
+            yield "# The scan does not say what stands in it: furniture is found by its shape."
             yield from ("from: scan", "unlabelled: furnish  # or boxes, leave")
             return
         yield "# Every labelled instance of the scan; a folder of your own meshes: `cad: FOLDER`."

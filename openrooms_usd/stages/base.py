@@ -187,8 +187,7 @@ def code_of(stage: Stage) -> tuple[str, ...]:
 
 
 def _adapters(room: Room) -> Iterator[str]:
-    """The modules of the importers and segmenters that fill sections; what is missing is said
-    later."""
+    """The modules of importers and segmenters that fill sections; what is missing is said later."""
     sections = [s for s in (room.layout, room.alignment) if isinstance(s, CapturedSection)]
     known = adapters.available(adapters.IMPORTERS) if sections else {}
     yield from (known[s.reader].module for s in sections if s.reader in known)

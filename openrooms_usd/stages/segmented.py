@@ -53,9 +53,7 @@ def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedR
     return replace(scanned, layout=replace(scanned.layout, cloud=marked))
 
 
-def _segments(
-    cloud: Cloud, room: FoundRoom, alignment: ScanAlignment
-) -> tuple[Segments, str]:
+def _segments(cloud: Cloud, room: FoundRoom, alignment: ScanAlignment) -> tuple[Segments, str]:
     """The things of a scan, and how they were found."""
     if alignment.segmenter not in (None, _BY_SHAPE):
         name = str(alignment.segmenter)

@@ -1,7 +1,6 @@
 """Our own segmenter: finds furniture by its shape, without trained weights."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,15 +10,16 @@ from scipy.spatial import KDTree
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
 from openrooms_usd.scan.points.thinning import thin
-from openrooms_usd.scan.registration.wallsides import Walls, walls_of
+from openrooms_usd.scan.registration.wallsides import walls_of
 from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.contents import contents
 from openrooms_usd.scan.segmentation.contract import Segments
 from openrooms_usd.scan.segmentation.grouping import grouped
-from openrooms_usd.scan.segmentation.naming import named
+from openrooms_usd.scan.segmentation.naming import UNNAMED, named
 from openrooms_usd.scan.segmentation.shape import Shape, shape_of
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.intp]
 
 _THINNING_M: Final = 0.02
 # Points belong to the surfel that is nearest, up to this distance, metres.
@@ -36,9 +36,12 @@ _MAX_AREA_M2: Final = 9.0
 _SHEET_M: Final = 0.18
 _TALL_M: Final = 1.2
 _THIN_M: Final = 0.08
-# What begins higher hangs; nothing carries it if no wall is as near as this, metres.
+# What begins higher hangs, or stands on another piece where some surfels of that are at most so far
+# below, metres. Small things on others are clutter, cubic metres.
 _HANGS_M: Final = 0.3
-_AT_WALL_M: Final = 0.3
+_BELOW_M: Final = 0.12
+_MIN_SURFELS_BELOW: Final = 6
+_MIN_VOLUME_ON_TOP_M3: Final = 0.03
 # What ends this near to the ceiling is a part of the building or a curtain, metres.
 _BELOW_CEILING_M: Final = 0.15
 
@@ -50,11 +53,9 @@ class ShapeSegmenter:
         """Find the furniture of a scan; see `openrooms_usd.scan.segmentation.contract`."""
         everything = surfels(thin(Cloud(cloud.points), _THINNING_M))
         rows = np.flatnonzero(contents(everything, rooms))
-        pieces = everything.take(rows)
         piece, words = np.zeros(len(everything), dtype=np.int32), {}
-        for number, found in enumerate(_things(cloud, pieces, rooms), 1):
-            piece[rows[found.rows]] = number
-            words[number] = named(found.shape)
+        for number, (own, word) in enumerate(_furniture(cloud, everything.take(rows), rooms), 1):
+            piece[rows[own]], words[number] = number, word
         distance, nearest = KDTree(everything.points).query(
             cloud.points, distance_upper_bound=_OF_SURFEL_M
         )
@@ -62,29 +63,25 @@ class ShapeSegmenter:
         return Segments(instance.astype(np.int32), words)
 
 
-@dataclass(frozen=True, eq=False)
-class _Thing:
-    rows: NDArray[np.intp]
-    shape: Shape
-
-
-def _things(cloud: Cloud, pieces: Surfels, rooms: Sequence[FoundRoom]) -> Iterator[_Thing]:
-    """The pieces that are furniture, the largest first."""
+def _furniture(
+    cloud: Cloud, pieces: Surfels, rooms: Sequence[FoundRoom]
+) -> Iterator[tuple[Rows, str]]:
+    """The surfels of each piece of furniture and its name, the largest first."""
     walls, of_surfel = walls_of(rooms), grouped(pieces)
     bright = _brightness(cloud, pieces)
     ceiling = min((room.ceiling for room in rooms if room.ceiling is not None), default=np.inf)
     sizes = np.bincount(of_surfel) if len(of_surfel) else np.zeros(0, dtype=np.int64)
-    for number in np.argsort(-sizes, kind="stable"):
-        rows = np.flatnonzero(of_surfel == number)
-        if len(rows) < _MIN_SURFELS:
+    kept = np.zeros(len(pieces), dtype=np.bool_)
+    for number in sorted(range(len(sizes)), key=lambda n: -int(sizes[n])):
+        if sizes[number] < _MIN_SURFELS:
             return
-        shape = _shape(pieces.take(rows), walls, bright[rows])
-        if _is_thing(shape, ceiling):
-            yield _Thing(rows, shape)
-
-
-def _shape(piece: Surfels, walls: Walls, bright: Array) -> Shape:
-    return shape_of(piece.points, piece.normals, walls, float(np.median(bright)))
+        rows = np.flatnonzero(of_surfel == number)
+        points, normals = pieces.points[rows], pieces.normals[rows]
+        shape = shape_of(points, normals, walls, float(np.median(bright[rows])))
+        word = named(shape)
+        if word != UNNAMED or _is_thing(shape, ceiling, points, pieces.points[kept]):
+            kept[rows] = True
+            yield rows, word
 
 
 def _brightness(cloud: Cloud, pieces: Surfels) -> Array:
@@ -95,14 +92,19 @@ def _brightness(cloud: Cloud, pieces: Surfels) -> Array:
     return np.asarray(cloud.colors[nearest].mean(axis=1) / 255.0)
 
 
-def _is_thing(shape: Shape, ceiling: float) -> bool:
-    """Whether a piece may be furniture, by its size and its place."""
+def _is_thing(shape: Shape, ceiling: float, points: Array, others: Array) -> bool:
+    """Whether a piece without a name may be furniture, by its size and its place."""
     long, short, height = shape.size.tolist()
-    top = shape.bottom + height
-    if long < _MIN_SIDE_M and height < _MIN_SIDE_M or long * short * height < _MIN_VOLUME_M3:
+    top, volume = shape.bottom + height, long * short * height
+    if (long < _MIN_SIDE_M and height < _MIN_SIDE_M) or volume < _MIN_VOLUME_M3:
         return False
     if long > _MAX_SIDE_M or long * short > _MAX_AREA_M2 or top > ceiling - _BELOW_CEILING_M:
         return False
     if short < _THIN_M or (short < _SHEET_M and height > _TALL_M):
         return False
-    return shape.bottom < _HANGS_M or shape.to_wall < _AT_WALL_M
+    if shape.lowest < _HANGS_M:
+        return True
+    low, high = points.min(axis=0), points.max(axis=0)
+    below = (others[:, :2] > low[:2]).all(axis=1) & (others[:, :2] < high[:2]).all(axis=1)
+    below &= np.abs(others[:, 2] - shape.lowest) < _BELOW_M
+    return volume > _MIN_VOLUME_ON_TOP_M3 and int(below.sum()) >= _MIN_SURFELS_BELOW

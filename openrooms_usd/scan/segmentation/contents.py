@@ -58,9 +58,7 @@ def _inside(pieces: Surfels, room: FoundRoom) -> Mask:
     return kept
 
 
-def _of_wall(
-    pieces: Surfels, start: Array, end: Array, openings: Sequence[FoundOpening]
-) -> Mask:
+def _of_wall(pieces: Surfels, start: Array, end: Array, openings: Sequence[FoundOpening]) -> Mask:
     """(M,) whether surfels are a wall's, or those of its openings."""
     length = float(np.linalg.norm(end - start))
     along = (end - start) / max(length, 1e-9)

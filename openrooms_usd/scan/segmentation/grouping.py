@@ -113,7 +113,9 @@ def _cut(plan: Array) -> NDArray[np.int64]:
     kept = np.unique(cores[cores > 0])
     if len(kept) < 2:
         return np.zeros(len(plan), dtype=np.int64)
-    nearest = ndimage.distance_transform_edt(cores == 0, return_distances=False, return_indices=True)
+    nearest = ndimage.distance_transform_edt(
+        cores == 0, return_distances=False, return_indices=True
+    )
     return np.asarray(np.searchsorted(kept, cores[tuple(nearest)][tuple(cells.T)]))
 
 

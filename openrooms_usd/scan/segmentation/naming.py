@@ -13,8 +13,8 @@ from openrooms_usd.scan.segmentation.shape import Shape
 UNNAMED: Final = "object"
 
 Range = tuple[float, float]
-_ANY: Final[Range] = (0.0, 99.0)
 _AT_WALL_M: Final = 0.25
+_TOUCHES_M: Final = 0.15
 
 
 class _Row(NamedTuple):
@@ -40,9 +40,9 @@ def named(shape: Shape) -> str:
     measured = (shape.long, shape.short, shape.height)
     for row in _ROWS:
         ranges = (row.long, row.short, row.height)
-        if all(low <= v <= high for v, (low, high) in zip(measured, ranges, strict=True)):
-            if row.shows(shape):
-                return row.word
+        fits = all(low <= v <= high for v, (low, high) in zip(measured, ranges, strict=True))
+        if fits and row.shows(shape):
+            return row.word
     return UNNAMED
 
 
@@ -73,8 +73,24 @@ def _armchair(shape: Shape) -> bool:
     )  # fmt: skip
 
 
+def _toilet(shape: Shape) -> bool:
+    at_its_end = shape.backed[2] == 0.0
+    return (
+        _stands(shape) and _seats(shape, 0.3) and _backed(shape, 0.7, 0.7) and at_its_end
+        and _solid_below(shape) and shape.to_wall < _TOUCHES_M and not shape.brightness < 0.5
+    )  # fmt: skip
+
+
+def _solid_below(shape: Shape) -> bool:
+    return shape.closed(0.1, shape.seat[0] - 0.05) > 0.75
+
+
 def _chair(shape: Shape) -> bool:
-    return _stands(shape) and _seats(shape, 0.2) and _backed(shape, 0.7, 0.7)
+    narrow = shape.short < 0.5
+    return (
+        _stands(shape) and _seats(shape, 0.2) and _backed(shape, 0.7, 0.7)
+        and not (narrow and _solid_below(shape))
+    )  # fmt: skip
 
 
 def _bed(shape: Shape) -> bool:
@@ -124,9 +140,11 @@ def _television(shape: Shape) -> bool:
 
 # The first that fits.
 _ROWS: Final = (
+    _Row("sofa", (1.2, 3.6), (0.65, 1.15), (0.55, 1.2), _sofa),
     _Row("bed", (1.75, 2.4), (0.8, 2.3), (0.3, 1.5), _bed),
     _Row("sofa", (1.2, 3.6), (0.65, 2.6), (0.55, 1.2), _sofa),
     _Row("armchair", (0.65, 1.15), (0.6, 1.1), (0.6, 1.25), _armchair),
+    _Row("toilet", (0.5, 0.85), (0.3, 0.5), (0.6, 1.0), _toilet),
     _Row("chair", (0.38, 0.8), (0.33, 0.75), (0.65, 1.25), _chair),
     _Row("desk", (0.9, 2.2), (0.45, 0.9), (0.62, 0.85), _desk),
     _Row("table", (0.6, 3.5), (0.5, 1.6), (0.62, 0.85), _table),

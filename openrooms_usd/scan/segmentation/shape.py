@@ -43,6 +43,7 @@ class Shape:
         level: (N,) which of them lie on horizontal surfaces.
         size: (3,) along the box's own axes: the long side, the short side, the height.
         base: (3,) the middle of the base in the room, metres.
+        lowest: Where its points begin above the floor, metres: the base may be lower.
         yaw: Of the long side, radians.
         to_wall: Metres from the nearest wall to the side that faces it; infinite far from walls.
         brightness: Of its colours: median, from 0 to 1; NaN without colours.
@@ -52,6 +53,7 @@ class Shape:
     level: NDArray[np.bool_]
     size: Array
     base: Array
+    lowest: float
     yaw: float
     to_wall: float
     brightness: float
@@ -153,14 +155,14 @@ def shape_of(points: Array, normals: Array, walls: Walls, brightness: float) -> 
         brightness: See `Shape`.
     """
     yaw, low, high = _rectangle(points, walls)
-    bottom, top = np.quantile(points[:, 2], _INSIDE_QUANTILES)
-    plate = bottom < _PLATE_M[0] and top < _PLATE_M[1]
-    bottom = 0.0 if bottom < _STANDS_M or plate else bottom
+    lowest, top = np.quantile(points[:, 2], _INSIDE_QUANTILES)
+    plate = lowest < _PLATE_M[0] and top < _PLATE_M[1]
+    bottom = 0.0 if lowest < _STANDS_M or plate else lowest
     base = np.array([*(in_plan(yaw) @ (0.5 * (low + high))), bottom])
     size = np.maximum([*(high - low), top - bottom], 0.02)
     local = (points - base) @ _about_z(yaw)
     return Shape(
-        local, np.abs(normals[:, 2]) > _LEVEL_COS, size, base, yaw,
+        local, np.abs(normals[:, 2]) > _LEVEL_COS, size, base, float(lowest), yaw,
         _to_wall(base, size, yaw, walls), brightness,
     )  # fmt: skip
 

@@ -30,7 +30,7 @@ _SHELF_SHARE: Final = 0.3
 # Seats: their heights; a back or an arm of one is a narrow top that rises beside it, metres.
 _SEAT_M: Final = (0.25, 0.62)
 _RISES_M: Final = (0.06, 0.75)
-_NARROW_M: Final = 0.38
+_NARROW_M: Final = 0.27
 _LARGEST_BACK_FACTOR: Final = 1.5  # of the seat's area: cushions hide much of it
 _BESIDE_M: Final = 0.15
 # The part of a back that must be beside the seat.
@@ -58,11 +58,13 @@ class Top:
 
     @property
     def breadth(self) -> float:
-        """The shorter side of a rectangle with its area and second moments, metres."""
-        if len(self.cells) < 3:
-            return VOXEL_M
-        spread = np.linalg.eigvalsh(np.cov(self.cells.T) + np.eye(2) * VOXEL_M**2 / 12.0)
-        return float(np.sqrt(12.0 * spread[0]))
+        """The breadth of a strip with its area and outline, whichever way that bends, metres."""
+        cells = np.floor(self.cells / VOXEL_M).astype(np.int64)
+        cells = cells - cells.min(axis=0) + 1
+        full = np.zeros(cells.max(axis=0) + 2, dtype=np.bool_)
+        full[tuple(cells.T)] = True
+        sides = sum(int(np.count_nonzero(np.diff(full, axis=axis))) for axis in range(2))
+        return 2.0 * self.area / max(sides * VOXEL_M, VOXEL_M)
 
 
 def tops_of(pieces: Surfels) -> list[Top]:
@@ -72,7 +74,9 @@ def tops_of(pieces: Surfels) -> list[Top]:
     if not len(rows):
         return []
     squeezed = pieces.points[rows] * [1.0, 1.0, _NEIGHBOUR_M / _STEP_M]
-    found = _components(len(rows), KDTree(squeezed).query_pairs(_NEIGHBOUR_M, output_type="ndarray"))
+    found = _components(
+        len(rows), KDTree(squeezed).query_pairs(_NEIGHBOUR_M, output_type="ndarray")
+    )
     tops = [_top(pieces, rows[found == number]) for number in range(int(found.max()) + 1)]
     large = [top for top in tops if top.area >= _SMALLEST_TOP_M2]
     return sorted(large, key=lambda top: -top.area)

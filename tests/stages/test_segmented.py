@@ -1,0 +1,123 @@
+"""Scans that nobody labelled: what finds their things, what is noted, and what can be asked."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from openrooms_usd import adapters
+from openrooms_usd.capture import Capture, CapturedBox
+from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.reconstruction import FoundLayout
+from openrooms_usd.scan.results import FoundRoom
+from openrooms_usd.scan.segmentation.contract import Segments
+from openrooms_usd.stages.scanned import ScannedRoom
+from openrooms_usd.stages.segmented import segmented
+
+
+def room_of(cloud: Cloud, **capture: Any) -> ScannedRoom:
+    corners = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
+    room = FoundRoom(np.array([0.0, 0, 1]), np.zeros(3), corners, ceiling=2.5)
+    level = SimpleNamespace()
+    layout = FoundLayout(level, cloud, (room,))  # type: ignore[arg-type]
+    return ScannedRoom(Capture("scan.ply", np.eye(4), **capture), layout, room, np.eye(4))
+
+
+def asked(**keys: Any) -> ScanAlignment:
+    return ScanAlignment(**{"from": "scan", **keys})
+
+
+def carton() -> Cloud:
+    """The top and the sides of a carton in the middle of the room."""
+    steps = np.arange(0.0, 0.6001, 0.02)
+    u, v = (grid.ravel() for grid in np.meshgrid(steps, steps))
+    low, high = np.zeros_like(u), np.full_like(u, 0.6)
+    faces = [(u, v, high), (u, low, v), (u, high, v), (low, u, v), (high, u, v)]
+    return Cloud(np.concatenate([np.column_stack(face) for face in faces]) + [1.7, 1.7, 0.0])
+
+
+def run(cloud: Cloud, alignment: ScanAlignment, **capture: Any) -> tuple[Cloud, list[str]]:
+    context = SimpleNamespace(notes=[])
+    found = segmented(context, alignment, room_of(cloud, **capture))  # type: ignore[arg-type]
+    return found.layout.cloud, context.notes
+
+
+def test_things_are_found_and_people_are_told() -> None:
+    cloud, notes = run(carton(), asked())
+    assert cloud.words == {1: ("object",)}
+    assert cloud.instance is not None
+    assert (cloud.instance == 1).mean() > 0.8
+    assert "the scan does not say what stands in it" in notes[0]
+    assert "1 without a name" in notes[0]
+    assert "--segments FILE" in notes[0]
+
+
+def test_nothing_is_looked_for_where_that_is_asked_but_it_is_said() -> None:
+    cloud, notes = run(carton(), asked(unlabelled="leave"))
+    assert cloud.instance is None
+    assert "the scan has no labels" in notes[0]
+
+
+def test_an_empty_room_is_told_too() -> None:
+    cloud, notes = run(Cloud(np.random.default_rng(0).uniform(0, 4, (200, 3)) * [1, 1, 0]), asked())
+    assert not cloud.words
+    assert "nothing was found by their shape" in notes[0]
+
+
+@pytest.mark.parametrize("kind", ["instances", "boxes", "objects"])
+def test_what_the_scan_or_the_description_says_counts(kind: str) -> None:
+    cloud = carton()
+    marked = replace(cloud, instance=np.ones(len(cloud), "i4"))
+    box = CapturedBox("1", "sofa", np.zeros(3), np.eye(3), np.ones(3))
+    found, notes = {
+        "instances": lambda: run(marked, asked()),
+        "boxes": lambda: run(cloud, asked(), boxes=(box,)),
+        "objects": lambda: run(cloud, asked(objects=({"instance": 1, "category": "sofa"},))),
+    }[kind]()
+    assert found.words is None
+    assert notes == []
+
+
+def test_labels_without_numbers_make_things_of_connected_points() -> None:
+    cloud = carton()
+    label = np.full(len(cloud), 29, "i4")
+    label[:5] = 2
+    found, notes = run(replace(cloud, label=label), asked())
+    assert found.words == {1: ("box",)}
+    assert found.instance is not None
+    assert not found.instance[:5].any()
+    assert "connected points of one label" in notes[0]
+
+
+class _Halves:
+    """A segmenter that cuts the scan in two."""
+
+    def segment(self, cloud: Cloud, rooms: tuple[FoundRoom, ...]) -> Segments:
+        assert len(rooms) == 1
+        left = cloud.points[:, 0] < 2.0
+        return Segments(np.where(left, 1, 2).astype("i8"), {1: "guitar", 2: "sofa"})
+
+
+def test_a_segmenter_of_somebody_else_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(adapters, "load", lambda group, name: {"halves": _Halves}[name]())
+    cloud, notes = run(carton(), asked(segmenter="halves"))
+    assert cloud.words == {1: ("guitar",), 2: ("sofa",)}
+    assert "found by 'halves': 1 guitar, 1 sofa" in notes[0]
+    boxes, _ = run(carton(), asked(segmenter="halves", unlabelled="boxes"))
+    assert boxes.words == {1: ("object",), 2: ("object",)}
+
+
+def test_a_segmenter_that_is_not_there_is_named() -> None:
+    with pytest.raises(InputError, match="no segmenter is named 'sahpes'"):
+        run(carton(), asked(segmenter="sahpes"))
+
+
+def test_our_own_needs_no_installation() -> None:
+    cloud, _ = run(carton(), asked(segmenter="shapes"))
+    assert cloud.words == {1: ("object",)}
+
+
