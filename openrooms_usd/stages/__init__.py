@@ -4,7 +4,7 @@
 - `captures`, `captured`, `scanned`: what comes from a capture or a scan;
 - `layout` (`partitions`, `openings`, `surroundings`);
 - `alignment` (`catalogue`, `placement`, `poses`, `tops`, `following`, `substitutes`, `aligned`,
-  `furnished`, `instances`, `shelf`);
+  `furnished`, `instances`, `segmented`, `shelf`);
 - `materials` (`swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);
 - `lights` (`daylight`, `glow`); `cameras` (`photographs`, `exposure`); `physics`.
 """

@@ -65,7 +65,8 @@ def test_a_wheel_registers_the_command_and_the_adapters(wheel: zipfile.ZipFile) 
     points = configparser.ConfigParser()
     points.read_string(wheel.read(name).decode())
     assert dict(points["console_scripts"]) == {"orusd": "openrooms_usd.cli:main"}
-    assert {"importers", "renderers", "exporters", "datasets", "engines"} == {
+    kinds = {"importers", "renderers", "exporters", "datasets", "engines", "segmenters"}
+    assert kinds == {
         section.removeprefix("openrooms_usd.") for section in points if "openrooms_usd" in section
     }
 

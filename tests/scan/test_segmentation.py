@@ -135,7 +135,7 @@ def test_what_is_flat_against_a_wall_or_outside_is_no_furniture() -> None:
 
 def test_words_become_things_and_the_room_keeps_its_classes() -> None:
     rng = np.random.default_rng(1)
-    sofas = [rng.uniform(0, 0.3, (400, 3)) + [x, 0, 0] for x in (0.0, 2.0)]
+    sofas = [rng.uniform(0, 0.3, (400, 3)) + np.array([x, 0, 0]) for x in (0.0, 2.0)]
     wall = rng.uniform(0, 1, (300, 3)) * [1, 0, 1]
     points = np.concatenate([*sofas, wall, rng.uniform(0, 1, (10, 3))])
     words = ["Sofa"] * 800 + ["wall"] * 300 + [""] * 10
@@ -153,7 +153,9 @@ def test_words_become_things_and_the_room_keeps_its_classes() -> None:
 
 def test_things_of_one_class_are_its_connected_parts() -> None:
     rng = np.random.default_rng(2)
-    points = np.concatenate([rng.uniform(0, 0.4, (500, 3)) + [x, 0, 0] for x in (0.0, 0.3, 1.5)])
+    points = np.concatenate(
+        [rng.uniform(0, 0.4, (500, 3)) + np.array([x, 0, 0]) for x in (0.0, 0.3, 1.5)]
+    )
     kind = np.repeat([5, 5, 5], 500)
     kind[:3] = 0
     found = things_of(Cloud(points), kind)

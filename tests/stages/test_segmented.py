@@ -37,7 +37,9 @@ def carton() -> Cloud:
     u, v = (grid.ravel() for grid in np.meshgrid(steps, steps))
     low, high = np.zeros_like(u), np.full_like(u, 0.6)
     faces = [(u, v, high), (u, low, v), (u, high, v), (low, u, v), (high, u, v)]
-    return Cloud(np.concatenate([np.column_stack(face) for face in faces]) + [1.7, 1.7, 0.0])
+    return Cloud(
+        np.concatenate([np.column_stack(face) for face in faces]) + np.array([1.7, 1.7, 0.0])
+    )
 
 
 def run(cloud: Cloud, alignment: ScanAlignment, **capture: Any) -> tuple[Cloud, list[str]]:
@@ -119,5 +121,3 @@ def test_a_segmenter_that_is_not_there_is_named() -> None:
 def test_our_own_needs_no_installation() -> None:
     cloud, _ = run(carton(), asked(segmenter="shapes"))
     assert cloud.words == {1: ("object",)}
-
-

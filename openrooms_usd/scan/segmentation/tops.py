@@ -96,7 +96,7 @@ def united(tops: list[Top]) -> list[int]:
 
 def _belong(low: Top, high: Top) -> bool:
     """Whether two tops are of one piece: one surface, a shelf, or a seat with its back."""
-    gap, _ = KDTree(high.cells).query(low.cells)
+    gap: Array = np.asarray(KDTree(high.cells).query(low.cells)[0])
     rise = high.height - low.height
     if rise < _SAME_HEIGHT_M:
         return bool(gap.min() < _SEAM_M)
@@ -107,14 +107,14 @@ def _belong(low: Top, high: Top) -> bool:
         return False
     if high.breadth > _NARROW_M or high.area > _LARGEST_BACK_FACTOR * low.area:
         return False
-    back, _ = KDTree(low.cells).query(high.cells)
+    back: Array = np.asarray(KDTree(low.cells).query(high.cells)[0])
     return bool((back < _BESIDE_M + 0.5 * high.breadth).mean() > _BESIDE_SHARE)
 
 
 def _top(pieces: Surfels, rows: Rows) -> Top:
     points = pieces.points[rows]
     cells = np.unique(np.floor(points[:, :2] / VOXEL_M).astype(np.int64), axis=0)
-    return Top(rows, (cells + 0.5) * VOXEL_M, float(np.median(points[:, 2])))
+    return Top(rows, VOXEL_M * (cells.astype(np.float64) + 0.5), float(np.median(points[:, 2])))
 
 
 def _components(count: int, pairs: NDArray[np.intp]) -> NDArray[np.int32]:
