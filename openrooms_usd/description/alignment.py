@@ -175,7 +175,7 @@ class ScanAlignment(CheckedModel):
     unresolved: Literal["leave_out", "keep"] = "leave_out"
     """What becomes of objects that still lie in others or in walls, or float, after they were moved
     by up to 30 cm."""
-    unlabelled: Literal["furnish", "boxes", "leave"] = "furnish"
+    unlabelled: Literal["furnish", "boxes", "leave_out"] = "furnish"
     """What becomes of a scan that does not say what stands in it: pieces of furniture are found and
     named where their shape is telling, only boxes of their size stand for them, or they are left
     out."""

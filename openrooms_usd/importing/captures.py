@@ -22,7 +22,7 @@ ROOM: Final = "room.yaml"
 _UNLABELLED: Final = (
     "nothing says what stands in the scan: compose will find furniture by its shape, name what is "
     "plain and put boxes for the rest; a segmentation of your own comes by `--segments FILE` or "
-    "`alignment: {segmenter: NAME}`, and `unlabelled: leave` there leaves furniture out"
+    "`alignment: {segmenter: NAME}`, and `unlabelled: leave_out` there leaves furniture out"
 )
 
 

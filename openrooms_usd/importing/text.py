@@ -171,7 +171,7 @@ def _furniture(capture: Capture, options: Mapping[str, str]) -> Iterator[str]:
     if "models" not in options or not known:
         if unlabelled(capture):
             yield "# The scan does not say what stands in it: furniture is found by its shape."
-            yield from ("from: scan", "unlabelled: furnish  # or boxes, leave")
+            yield from ("from: scan", "unlabelled: furnish  # or boxes, leave_out")
             return
         yield "# Every labelled instance of the scan; a folder of your own meshes: `cad: FOLDER`."
         yield "from: scan"

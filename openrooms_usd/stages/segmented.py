@@ -20,7 +20,7 @@ from openrooms_usd.usd.taxonomies import NYU40
 _BY_SHAPE: Final = "shapes"
 _REMEDY: Final = (
     "Say better by a file (`orusd import scan --segments FILE`), a segmenter of your own "
-    "(`alignment: {segmenter: NAME}`) or `objects`; `unlabelled: leave` leaves them out"
+    "(`alignment: {segmenter: NAME}`) or `objects`; `unlabelled: leave_out` leaves them out"
 )
 
 
@@ -36,9 +36,9 @@ def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedR
         told = cloud.instance is not None and bool(cloud.instance.any())
         if alignment.objects is not None or scanned.capture.boxes or told:
             return scanned
-        if alignment.unlabelled == "leave":
+        if alignment.unlabelled == "leave_out":
             context.notes.append(
-                "the scan has no labels, and `unlabelled: leave` was asked for: no furniture is "
+                "the scan has no labels, and `unlabelled: leave_out` was asked for: no furniture is "
                 "looked for in it"
             )
             return scanned

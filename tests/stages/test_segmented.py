@@ -59,7 +59,7 @@ def test_things_are_found_and_people_are_told() -> None:
 
 
 def test_nothing_is_looked_for_where_that_is_asked_but_it_is_said() -> None:
-    cloud, notes = run(carton(), asked(unlabelled="leave"))
+    cloud, notes = run(carton(), asked(unlabelled="leave_out"))
     assert cloud.instance is None
     assert "the scan has no labels" in notes[0]
 
