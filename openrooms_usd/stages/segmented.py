@@ -38,7 +38,7 @@ def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedR
             return scanned
         if alignment.unlabelled == "leave_out":
             context.notes.append(
-                "the scan has no labels, and `unlabelled: leave_out` was asked for: no furniture is "
+                "the scan has no labels, and by `unlabelled: leave_out` no furniture is "
                 "looked for in it"
             )
             return scanned
