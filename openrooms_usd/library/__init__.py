@@ -3,5 +3,6 @@
 - furniture: `furniture`, `assets`, `construction`, `finishes`;
 - materials: `textures`, `assignment`, `friction`, `ownmaterials`;
 - surroundings: `solar`, `sunlight`, `skylight`, `sky`, `panorama`, `environments`, `pictures`;
-- models of others: `pieces`, `wavefront`, `gltf`, `usdfile`, `meshfile`, `cads`.
+- models of others: `pieces`, `wavefront`, `gltf`, `usdfile`, `urdf` (with
+  `urdftree`, `plainxml`), `meshfile`, `cads`.
 """

@@ -1,6 +1,6 @@
-"""The user's own models: OBJ, GLB, PLY and USD files as parts in our object frame."""
+"""The user's own models: OBJ, GLB, PLY, URDF and USD files as parts in our object frame."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, Literal
@@ -15,9 +15,17 @@ from openrooms_usd.geometry.topology import is_closed
 from openrooms_usd.geometry.uv import cube_projection, metric
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import Model
-from openrooms_usd.library.furniture.joinery import Size
+from openrooms_usd.library.furniture.joinery import Joint, Size
 from openrooms_usd.library.gltf import read_glb, read_ply
-from openrooms_usd.library.pieces import Piece, Reading, is_textured, mended, prim_names
+from openrooms_usd.library.pieces import (
+    ForeignJoint,
+    Piece,
+    Reading,
+    is_textured,
+    mended,
+    prim_names,
+)
+from openrooms_usd.library.urdf import meshes_of, read_urdf
 from openrooms_usd.library.usdfile import USD_SUFFIXES, layers_of, read_usd
 from openrooms_usd.library.wavefront import libraries_of, read_obj
 
@@ -40,16 +48,17 @@ def read_model(
     *,
     size: Size | None = None,
     up: Up | None = None,
-    front: Front = "-Y",
+    front: Front | None = None,
     unit: float | None = None,
 ) -> Model:
     """Read a mesh file as an asset's parts.
 
     Args:
-        path: An OBJ, GLB, PLY or USD file.
+        path: An OBJ, GLB, PLY, URDF or USD file.
         size: Width, depth and height to stretch it to, metres; by default its own size.
         up: The file's up axis; by default Y for OBJ and GLB, Z for PLY, as stated in USD.
-        front: Where its front looks after the up axis is turned to Z.
+        front: Where its front looks after the up axis is turned to Z; by default -Y, in
+            URDF where doors and drawers open to.
         unit: Metres for one unit of the file; by default 1, in USD as stated.
 
     Returns:
@@ -71,8 +80,8 @@ def read_model(
         )
     untrusted.checked(path, "model" if suffix not in USD_SUFFIXES else "usd")
     reading = reader(path)
-    turn = _turn(up or reading.up, front) * (unit or reading.unit)
-    model = replace(_as_model(_sound(reading, path), turn, reading.notes), licence=reading.licence)
+    turn = _turn(up or reading.up, front or reading.front) * (unit or reading.unit)
+    model = replace(_as_model(_sound(reading, path), turn, reading), licence=reading.licence)
     return _fitted(model, size, turn, path)
 
 
@@ -122,15 +131,38 @@ def _sound(reading: Reading, path: Path) -> list[Piece]:
     return sound
 
 
-def _as_model(pieces: Sequence[Piece], turn: NDArray[np.float64], notes: Sequence[str]) -> Model:
+def _as_model(pieces: Sequence[Piece], turn: NDArray[np.float64], reading: Reading) -> Model:
     names = prim_names([piece.title for piece in pieces])
     found = list(zip(names, pieces, strict=True))
+    turned = np.eye(4)
+    turned[:3, :3] = turn
     return Model(
         parts={name: piece.mesh.transformed(turn) for name, piece in found},
         titles={name: piece.title for name, piece in found if piece.title not in ("", name)},
         surfaces={name: piece.surface for name, piece in found if piece.surface is not None},
-        notes=tuple(notes),
+        notes=tuple(reading.notes),
+        joints=tuple(_under(joint, turned) for joint in _joints(reading.joints, found)),
     )
+
+
+def _joints(joints: Sequence[ForeignJoint], found: Sequence[tuple[str, Piece]]) -> Iterator[Joint]:
+    """The joints of parts that are there, each named by the first of these."""
+    for joint in joints:
+        meshes = tuple(name for name, piece in found if piece.link == joint.link)
+        if meshes:
+            x, y, z = joint.origin.tolist()
+            u, v, w = joint.axis.tolist()
+            yield Joint(meshes[0], joint.kind, meshes, (x, y, z), (u, v, w), joint.limits)
+
+
+def _under(joint: Joint, M: NDArray[np.float64]) -> Joint:
+    """A joint under a (4, 4) matrix for column vectors: what slides, slides by as much more."""
+    x, y, z = (M[:3, :3] @ joint.origin + M[:3, 3]).tolist()
+    along = M[:3, :3] @ joint.axis
+    length = float(np.linalg.norm(along))
+    u, v, w = (np.round(along / length, 12) + 0.0).tolist()
+    low, high = (limit * (length if joint.kind == "rail" else 1.0) for limit in joint.limits)
+    return replace(joint, origin=(x, y, z), axis=(u, v, w), limits=(low, high))
 
 
 def _fitted(model: Model, size: Size | None, turn: NDArray[np.float64], path: Path) -> Model:
@@ -157,6 +189,7 @@ def _fitted(model: Model, size: Size | None, turn: NDArray[np.float64], path: Pa
         model,
         parts={name: mesh for name, (mesh, _) in mapped.items()},
         notes=(*model.notes, *(note for _, note in mapped.values() if note)),
+        joints=tuple(_under(joint, fit) for joint in model.joints),
         # Sheets without thickness are seen from behind too.
         double_sided=not all(is_closed(mesh) for mesh in fitted.values()),
         file_from_object=np.asarray(np.linalg.inv(fit @ turned), dtype=np.float64),
@@ -179,15 +212,40 @@ def _mapped(model: Model, name: str, mesh: Mesh) -> tuple[Mesh, str]:
     return mesh, f"texture coordinates of {title}: {quality.fault}" if quality.fault else ""
 
 
+def _read_part(path: Path) -> Reading:
+    """A mesh that a URDF file names.
+
+    Raises:
+        InputError: It is of no kind that holds a mesh.
+    """
+    reader = _READERS.get(path.suffix.lower())
+    if reader is None or path.suffix.lower() == _URDF:
+        known = ", ".join(suffix for suffix in _READERS if suffix != _URDF)
+        raise InputError(
+            "a mesh of this kind cannot be read", place=path, remedy=f"convert it to one of {known}"
+        )
+    untrusted.checked(path, "model" if path.suffix.lower() not in USD_SUFFIXES else "usd")
+    return reader(path)
+
+
+def _files_of_urdf(path: Path) -> Iterator[Path]:
+    for mesh in meshes_of(path):
+        yield mesh
+        yield from dependencies(mesh)
+
+
+_URDF: Final = ".urdf"
 _READERS: Final[dict[str, Callable[[Path], Reading]]] = {
     ".obj": read_obj,
     ".glb": read_glb,
     ".ply": read_ply,
+    _URDF: lambda path: read_urdf(path, _read_part),
     **dict.fromkeys(USD_SUFFIXES, read_usd),
 }
 
 _FINDERS: Final[dict[str, Callable[[Path], Iterable[Path]]]] = {
     ".obj": libraries_of,
+    _URDF: _files_of_urdf,
     ".usd": layers_of,
     ".usda": layers_of,
     ".usdc": layers_of,

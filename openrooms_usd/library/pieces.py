@@ -24,11 +24,32 @@ class Piece:
         title: Its name in the file.
         mesh: Its polygons.
         surface: The material that the file gives it.
+        link: The moving part that it belongs to; empty for what does not move.
     """
 
     title: str
     mesh: Mesh
     surface: "PreviewSurface | None" = None
+    link: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ForeignJoint:
+    """How a part of a foreign model moves, in the file's own frame.
+
+    Attributes:
+        link: The part.
+        kind: ``hinge`` turns about the axis, ``rail`` slides along it.
+        origin: (3,) a point of the axis.
+        axis: (3,) unit vector; hinges turn counter-clockwise about it.
+        limits: The range from how it is built: degrees, or the file's unit.
+    """
+
+    link: str
+    kind: Literal["hinge", "rail"]
+    origin: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    limits: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +62,8 @@ class Reading:
         up: The up axis that the file states, or that its format has.
         unit: Metres for one unit, likewise.
         licence: The terms that the file states; empty where it states none.
+        front: Where its front looks once the up axis is turned to Z, as its format has it.
+        joints: How parts of it move.
     """
 
     pieces: Sequence[Piece]
@@ -48,6 +71,8 @@ class Reading:
     up: Literal["Y", "Z"] = "Y"
     unit: float = 1.0
     licence: str = ""
+    front: Literal["+X", "-X", "+Y", "-Y"] = "-Y"
+    joints: Sequence[ForeignJoint] = ()
 
 
 def is_textured(surface: "PreviewSurface | None") -> bool:
