@@ -2,7 +2,9 @@
 
 Eyes are sampled along the walls, looking at the room's centre; each view is scored from a quick
 cast of depth and normals (OpenRooms, CVPR 2021, section 3, "views"); the ranges of height, distance
-and angles are those of the released sampler. The N best that differ are kept.
+and angles are those of the released sampler. The best is kept, and then, one by one, those that are
+good and show what the others do not: parts of the room, and its openings. So several views cover a
+room, and do not all look into its most furnished corner.
 """
 
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.floorplan import inside, room_centre
 from openrooms_usd.geometry.pinhole import intrinsics, pixel_directions, rotations
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.sights import Sights, parts_of, sights_of, visible
 
 Array = NDArray[np.float64]
 
@@ -34,6 +37,9 @@ SECOND_LOOK: Final = (160, 120)
 # How different two views are: these distances, in these units, added up.
 APART: Final = 1.0  # metres
 TURNED: Final = 40.0  # degrees
+
+# Share of a room of which less is nothing new.
+_LITTLE_NEW: Final = 0.02
 
 # How different the chosen views shall be; the next number where too few are.
 SEPARATIONS: Final = (2.0, 1.5, 1.0, 0.5, 0.25, 0.0)
@@ -127,9 +133,15 @@ def sample_views(
 
 
 def select_views(
-    caster: RayCaster, views: Views, count: int, *, fov_degrees: float, aspect: float = 4.0 / 3.0
+    caster: RayCaster,
+    views: Views,
+    count: int,
+    *,
+    fov_degrees: float,
+    aspect: float = 4.0 / 3.0,
+    places: Array | None = None,
 ) -> Views:
-    """The best views that differ from each other, best first.
+    """The best views that differ from each other and together show the room, best first.
 
     Args:
         caster: The room with all that stands in it.
@@ -137,13 +149,16 @@ def select_views(
         count: How many to keep; fewer come back where there are fewer good candidates.
         fov_degrees: Horizontal field of view.
         aspect: Width over height of the pictures.
+        places: (K, 3) what shall be seen besides, such as the middles of openings; metres.
     """
-    free = views[clear(caster, views.eyes)]
-    first = rate_views(caster, free, fov_degrees, _look(FIRST_LOOK, aspect))
-    best = _ranked(first)[: max(3 * count, 32)]
-    short = free[best]
-    second = rate_views(caster, short, fov_degrees, _look(SECOND_LOOK, aspect))
-    return short[differing(short, second, count)]
+    wanted = np.zeros((0, 3)) if places is None else places
+    short = views[clear(caster, views.eyes)]
+    for look, keep in ((FIRST_LOOK, max(3 * count, 32)), (SECOND_LOOK, count)):
+        scores, parts = _looks(caster, short, fov_degrees, _look(look, aspect))
+        where = short.eyes, short.forwards
+        seen = visible(caster, *where, wanted, fov_degrees=fov_degrees, aspect=aspect)
+        short = short[differing(short, scores, keep, sights_of(parts, seen))]
+    return short
 
 
 def clear(caster: RayCaster, eyes: Array, clearance: float = CLEARANCE) -> NDArray[np.bool_]:
@@ -170,14 +185,26 @@ def rate_views(
         fov_degrees: Horizontal field of view.
         resolution: Width and height of the pictures that are cast.
     """
+    return _looks(caster, views, fov_degrees, resolution)[0]
+
+
+def _looks(
+    caster: RayCaster, views: Views, fov_degrees: float, resolution: tuple[int, int]
+) -> tuple[Array, NDArray[np.int64]]:
+    """(C,) the score of each view, and (C, N) the parts of the room in its pixels."""
     rated = [
         _rate(caster, views[start : start + 32], fov_degrees, *resolution)
         for start in range(0, len(views), 32)
     ]
-    return np.concatenate([np.zeros(0), *rated])
+    pixels = resolution[0] * resolution[1]
+    scores = np.concatenate([np.zeros(0), *(row[0] for row in rated)])
+    parts = [np.zeros((0, pixels), dtype=np.int64), *(row[1] for row in rated)]
+    return scores, np.concatenate(parts)
 
 
-def _rate(caster: RayCaster, views: Views, fov: float, width: int, height: int) -> Array:
+def _rate(
+    caster: RayCaster, views: Views, fov: float, width: int, height: int
+) -> tuple[Array, NDArray[np.int64]]:
     rays = pixel_directions(intrinsics(fov, width, height), width, height).reshape(-1, 3)
     lengths = np.linalg.norm(rays, axis=1)
     directions = rays @ rotations(views.forwards).swapaxes(1, 2)
@@ -194,33 +221,52 @@ def _rate(caster: RayCaster, views: Views, fov: float, width: int, height: int) 
     normals[away] *= -1.0
     blocked = (seen & (depth < NEAR)).mean(axis=(1, 2)) > BLOCKED
     empty = (~seen).mean(axis=(1, 2)) > OPEN
-    return np.where(blocked | empty, -np.inf, score(normals, depth))
+    places = origins + np.where(hits.hit, hits.distance, 0.0)[:, None] * directions.reshape(-1, 3)
+    parts = parts_of(places, hits.hit).reshape(len(views), -1)
+    return np.where(blocked | empty, -np.inf, score(normals, depth)), parts
 
 
-def differing(views: Views, scores: Array, count: int) -> NDArray[np.int64]:
+def differing(
+    views: Views, scores: Array, count: int, sights: Sights | None = None
+) -> NDArray[np.int64]:
     """Rows of the best views, each apart from all better ones.
 
     Greedy; where too few are apart, less and less distance is asked for until there are enough.
     Views with a score of -inf are never taken.
+
+    Args:
+        views: The views.
+        scores: (C,) how good they are.
+        count: How many to take.
+        sights: What they see: after the best, those count for more that show something new.
     """
     order = _ranked(scores)
     chosen: list[int] = []
+    # What has been shown; all is new again when nothing new is left.
+    round_start = 0
     for apart in SEPARATIONS:
-        for row in order:
-            if len(chosen) == count:
+        while len(chosen) < count:
+            away = _separations(views, chosen)
+            rest = order[(away[order] >= apart) & ~np.isin(order, chosen)]
+            if not len(rest):
                 break
-            if row not in chosen and _separation(views, row, chosen) >= apart:
-                chosen.append(int(row))
+            value = scores[rest]
+            if sights is not None and chosen:
+                news = sights.news(np.array(chosen[round_start:], dtype=np.int64))[rest]
+                if news.max() < _LITTLE_NEW:
+                    round_start = len(chosen)
+                value = value * news
+            chosen.append(int(rest[np.argmax(value)]))
     return np.array(sorted(chosen, key=lambda row: -scores[row]), dtype=np.int64)
 
 
-def _separation(views: Views, row: int, others: list[int]) -> float:
-    """How different a view is from the most similar of the others."""
+def _separations(views: Views, others: list[int]) -> Array:
+    """(C,) how different each view is from the most similar of the others."""
     if not others:
-        return np.inf
-    moved = np.linalg.norm(views.eyes[others] - views.eyes[row], axis=1)
-    cosines = np.clip(views.forwards[others] @ views.forwards[row], -1.0, 1.0)
-    return float((moved / APART + np.degrees(np.arccos(cosines)) / TURNED).min())
+        return np.full(len(views), np.inf)
+    moved = np.linalg.norm(views.eyes[:, None] - views.eyes[others], axis=2)
+    cosines = np.clip(views.forwards @ views.forwards[others].T, -1.0, 1.0)
+    return np.asarray((moved / APART + np.degrees(np.arccos(cosines)) / TURNED).min(axis=1))
 
 
 def _ranked(scores: Array) -> NDArray[np.int64]:

@@ -35,6 +35,7 @@ from openrooms_usd.stages.photographs import (
     photographs,
 )
 from openrooms_usd.usd.cameras import define_camera, exposure_of_ev100
+from openrooms_usd.usd.frames import TIME, local_to_world
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes, world_triangles
 
 Array = NDArray[np.float64]
@@ -45,6 +46,9 @@ MANY_TRIANGLES: Final = 2_000_000
 # Candidates for each view that is kept, and at least this many.
 _CANDIDATES_PER_VIEW: Final = 24
 _MIN_CANDIDATES: Final = 192
+
+# Where a look at an opening ends, before the inner edge of its wall, metres.
+_BEFORE_OPENING_M: Final = 0.05
 
 # Room between an eye and the ceiling, metres.
 _BELOW_CEILING: Final = 0.25
@@ -190,6 +194,7 @@ class _Selection:
         polygon: (P, 2) floor.
         floor: Height of the floor.
         headroom: From the floor to a little below the ceiling, metres.
+        openings: (K, 3) the middles of windows, doors and passages, on the room's side.
     """
 
     points: Array
@@ -197,6 +202,7 @@ class _Selection:
     polygon: Array
     floor: float
     headroom: float
+    openings: Array
 
     @classmethod
     def of(cls, stage: Usd.Stage) -> "_Selection":
@@ -211,7 +217,8 @@ class _Selection:
         if polygon is None:
             polygon = np.array([low[:2], [high[0], low[1]], high[:2], [low[0], high[1]]])
         caster = RayCaster(points, triangles)
-        return cls(points[triangles], caster, polygon, ground, top - ground - _BELOW_CEILING)
+        headroom = top - ground - _BELOW_CEILING
+        return cls(points[triangles], caster, polygon, ground, headroom, _openings(stage))
 
     def choose(self, context: StageContext, number: int, view: SelectedCameras) -> Array:
         """(C, 4, 4) poses of the best views."""
@@ -226,7 +233,12 @@ class _Selection:
             distance=(min(view.distance), max(view.distance)),
         )
         chosen = select_views(
-            self.caster, candidates, view.count, fov_degrees=view.fov, aspect=width / height
+            self.caster,
+            candidates,
+            view.count,
+            fov_degrees=view.fov,
+            aspect=width / height,
+            places=self.openings,
         )
         if not len(chosen):
             context.notes.append("no free view along the walls: the room is framed as a whole")
@@ -242,6 +254,16 @@ def _points(meshes: list[PlacedMesh], root: str) -> Array:
     """(N, 3) points in the world of all meshes at or below a path."""
     below = [m.world_points() for m in meshes if m.path == root or m.path.startswith(f"{root}/")]
     return np.concatenate([np.zeros((0, 3)), *below])
+
+
+def _openings(stage: Usd.Stage) -> Array:
+    """(K, 3) a little before the middle of every opening, in the world."""
+    openings, cache = stage.GetPrimAtPath(names.OPENINGS), UsdGeom.XformCache(TIME)
+    rows = [
+        prim for prim in (openings.GetChildren() if openings else ()) if UsdGeom.Xformable(prim)
+    ]
+    before = np.array([0.0, -_BEFORE_OPENING_M, 0.0, 1.0])
+    return np.array([(local_to_world(prim, cache) @ before)[:3] for prim in rows]).reshape(-1, 3)
 
 
 def _floor_polygon(stage: Usd.Stage) -> Array | None:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import is_rotation
+from openrooms_usd.geometry.sights import NOTHING, Sights, parts_of, sights_of, visible
 from openrooms_usd.geometry.views import (
     CLEARANCE,
     PITCH,
@@ -42,6 +43,11 @@ def cuboids(*boxes: tuple[tuple[float, ...], tuple[float, ...], bool]) -> tuple[
 
 ROOM = ((0.0, 0, 0), (5.0, 4, 2.6), True)
 TABLE = ((2.0, 1.5, 0.7), (3.2, 2.5, 0.75), False)
+FURNISHED = [
+    ((4.0 + 0.2 * (k % 4), 3.0 + 0.2 * (k // 4), 0.0),
+     (4.12 + 0.2 * (k % 4), 3.12 + 0.2 * (k // 4), 0.4 + 0.1 * (k % 3)), False)
+    for k in range(16)
+]  # fmt: skip
 
 
 # --- score ---
@@ -191,12 +197,7 @@ def test_the_best_that_differ_are_taken_in_their_order() -> None:
 
 def test_a_furnished_corner_wins_over_bare_walls() -> None:
     """All furniture stands in one corner: the best view must show it."""
-    corner = [
-        ((4.0 + 0.2 * (k % 4), 3.0 + 0.2 * (k // 4), 0.0),
-         (4.12 + 0.2 * (k % 4), 3.12 + 0.2 * (k // 4), 0.4 + 0.1 * (k % 3)), False)
-        for k in range(16)
-    ]  # fmt: skip
-    caster = RayCaster(*cuboids(ROOM, *corner))
+    caster = RayCaster(*cuboids(ROOM, *FURNISHED))
     candidates = sample_views(SQUARE, 0.0, 200, np.random.default_rng(7))
     best = select_views(caster, candidates, 1, fov_degrees=60.0)
     towards = np.array([4.35, 3.35, 0.3]) - best.eyes[0]
@@ -213,3 +214,59 @@ def test_selection_gives_as_many_as_asked_and_always_the_same() -> None:
     np.testing.assert_array_equal(first.eyes, again.eyes)
     assert clear(caster, first.eyes).all()
     assert not len(select_views(caster, candidates[:0], 5, fov_degrees=60.0))
+
+
+def test_several_views_show_the_room_and_its_openings() -> None:
+    """All furniture stands in one corner: the first view shows it, the others what is elsewhere."""
+    caster = RayCaster(*cuboids(ROOM, *FURNISHED))
+    candidates = sample_views(SQUARE, 0.0, 200, np.random.default_rng(7))
+    doors = np.array([[0.05, 1.0, 1.0], [1.0, 0.05, 1.0], [4.95, 1.0, 1.5]])
+    best = select_views(caster, candidates, 3, fov_degrees=60.0, places=doors)
+    seen = visible(caster, best.eyes, best.forwards, doors, fov_degrees=60.0, aspect=4 / 3)
+    assert seen.any(axis=0).all()
+    assert not seen[0].all()
+    cosines = best.forwards[:, :2] @ best.forwards[:, :2].T
+    level = np.linalg.norm(best.forwards[:, :2], axis=1)
+    turned = np.degrees(np.arccos(np.clip(cosines / np.outer(level, level), -1, 1)))
+    assert turned.max() > 60.0
+
+
+def test_what_is_seen_is_in_the_picture_and_not_behind_a_thing() -> None:
+    caster = RayCaster(*cuboids(ROOM, ((2.3, 1.0, 0.0), (2.4, 3.0, 2.6), False)))
+    eye, ahead = np.array([[1.0, 2, 1.5]]), np.array([[1.0, 0, 0]])
+    places = np.array([
+        [2.2, 2.0, 1.5],  # before the wall in the middle
+        [2.28, 2.0, 1.5],  # at it
+        [4.9, 2.0, 1.5],  # behind it
+        [2.0, 3.9, 1.5],  # beside the picture
+        [0.1, 2.0, 1.5],  # behind the camera
+    ])  # fmt: skip
+    seen = visible(caster, eye, ahead, places, fov_degrees=60.0, aspect=4 / 3)
+    assert seen.tolist() == [[True, True, False, False, False]]
+    assert visible(caster, eye, ahead, places[:0], fov_degrees=60.0, aspect=1.0).shape == (1, 0)
+
+
+def test_news_are_the_share_of_parts_and_of_places_that_nobody_else_shows() -> None:
+    points = np.array([[[0.1, 0.1, 0.1], [0.2, 0.4, 0.3]], [[0.1, 0.1, 0.1], [0.7, 0.1, 0.1]],
+                       [[3.0, 3.0, 1.0], [-0.1, 0.0, 0.0]]])  # fmt: skip
+    parts = parts_of(points, np.array([[True, True], [True, True], [True, False]]))
+    assert parts[0, 0] == parts[0, 1] == parts[1, 0] != parts[1, 1]
+    assert parts[2, 1] == NOTHING
+    sights = sights_of(parts, np.array([[True, False], [True, False], [False, True]]))
+    assert sights.parts.sum(axis=1).tolist() == [1, 2, 1]
+    none = np.zeros(0, dtype=np.int64)
+    assert sights.news(none) == pytest.approx([1 / 3 + 1 / 2, 2 / 3 + 1 / 2, 1 / 3 + 1 / 2])
+    assert sights.news(np.array([0])) == pytest.approx([0.0, 1 / 3, 1 / 3 + 1 / 2])
+
+
+def test_what_shows_something_new_comes_before_what_is_a_little_better() -> None:
+    """Four views apart from each other; the second best shows what the best shows."""
+    eyes = np.array([[0.0, 0, 1.5], [3, 0, 1.5], [6, 0, 1.5], [9, 0, 1.5]])
+    views = Views(eyes, np.tile([1.0, 0, 0], (4, 1)))
+    scores = np.array([10.0, 9.0, 8.0, 1.0])
+    parts = np.array([[1, 1, 0, 0], [1, 1, 0, 0], [1, 0, 1, 0], [0, 0, 0, 1]], dtype=bool)
+    sights = Sights(parts, np.zeros((4, 0), dtype=bool))
+    assert differing(views, scores, 2).tolist() == [0, 1]
+    assert differing(views, scores, 2, sights).tolist() == [0, 2]
+    assert differing(views, scores, 3, sights).tolist() == [0, 2, 3]
+    assert differing(views, scores, 4, sights).tolist() == [0, 1, 2, 3]
