@@ -48,9 +48,9 @@ _HUNG_M: Final = 0.6
 
 # What else a broad word means, without anything that would tell.
 _BROAD: Final[dict[str, tuple[str, ...]]] = {
-    "cabinet": ("kitchen_cabinet", "wardrobe"),
+    "cabinet": ("kitchen_cabinet",),
     "chair": ("armchair", "office_chair"),
-    "storage": ("kitchen_cabinet", "wardrobe"),
+    "storage": ("kitchen_cabinet",),
     "table": ("coffee_table", "side_table"),
     "tv_monitor": ("monitor",),
 }
@@ -61,7 +61,7 @@ _KIN: Final[dict[str, tuple[str, ...]]] = {
     "basket": ("trash_bin",),
     "bench": ("stool", "coffee_table"),
     "bookshelf": ("cabinet",),
-    "cabinet": ("dresser", "side_table"),
+    "cabinet": ("wardrobe", "dresser", "side_table"),
     "chair": ("stool",),
     "coffee_table": ("table", "side_table"),
     "counter": ("cabinet", "kitchen_cabinet"),

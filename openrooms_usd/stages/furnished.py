@@ -1,6 +1,6 @@
 """The furniture of a scan: CADs at the poses that were measured, and where they were placed."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
@@ -99,9 +99,12 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
     if boxed:
         listed = ", ".join(boxed)
         yield f"boxes stand for what the library has nothing for, or not of its size: {listed}"
+    reasons = defaultdict[str, list[str]](list)
     for rejected in found.rejected[left_out:]:
         what = f" ({rejected.category})" if rejected.category else ""
-        yield f"instance {rejected.instance}{what} has no CAD: {rejected.reason}"
+        reasons[rejected.reason].append(f"{rejected.instance}{what}")
+    for reason, whom in reasons.items():
+        yield f"without a CAD: {', '.join(whom)}; {reason}"
     if found.left_out:
         each = "; ".join(
             f"{one.word} (instance {one.instance}): {one.reason}" for one in found.left_out

@@ -2,12 +2,14 @@
 
 import os
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.record import UNLABELED
+from openrooms_usd.categories.record import UNLABELED, given
+from openrooms_usd.categories.registry import records
 from openrooms_usd.categories.words import category_of, named_in, plain
 from openrooms_usd.description.alignment import FileObject, ScanAlignment
 from openrooms_usd.description.scanned import ScannedObject
@@ -55,11 +57,14 @@ class Shelf:
     def models(self) -> list[CadModel]:
         """In the CADs' own frames: those of their files."""
         made = []
+        folder = self.context.source / (self.alignment.cad or "")
         for name, cad in self.cads.items():
             vertices, faces = merged(self.built[name], self.built[name].file_from_object)
-            model = CadModel(name, _kind(cad), vertices, faces, cad.symmetry, _up(cad))
-            sizes = None if cad.file else sizes_of(cad.category)
-            made.append(replace(model, unit=_unit_of(model), sizes=sizes))
+            model = CadModel(name, _kind(cad, folder), vertices, faces, cad.symmetry, _up(cad))
+            if cad.file is None:
+                suits = category(cad.category).styles[cad.style].suits
+                model = replace(model, sizes=sizes_of(cad.category), suits=suits)
+            made.append(replace(model, unit=_unit_of(model)))
         return made
 
     @cached_property
@@ -147,12 +152,18 @@ class Shelf:
         return catalogue.file(item), False
 
 
-def _kind(cad: Cad) -> str:
-    """The category of a CAD: the library's where it has a word for it, else the file's own."""
+def _kind(cad: Cad, folder: Path) -> str:
+    """The category of a CAD: the library's where it has a word for it, else the file's own.
+
+    Where neither the index nor its folder has such a word, the folders above may, also as ShapeNet
+    numbers them, and then the file's own name.
+    """
     if cad.file is None or cad.category in classes():
         return cad.category
-    said = category_of(cad.category, 0.0) if cad.category else named_in(cad.file.stem)
-    return said or (plain(cad.category) if cad.category else "")
+    above = reversed(cad.file.relative_to(folder).parts[:-1])
+    said = (_synsets().get(word) or category_of(word, 0.0) for word in (cad.category, *above))
+    found = next((kind for kind in said if kind), None) or named_in(cad.file.stem)
+    return found or (plain(cad.category) if cad.category else "")
 
 
 def sizes_of(name: str) -> Array:
@@ -171,11 +182,19 @@ def _unit_of(model: CadModel) -> float | None:
     return next((unit for unit in units if (lengths * unit <= most).all()), None)
 
 
+@cache
+def _synsets() -> dict[str, str]:
+    """The library's categories by the numbers that ShapeNet files them under."""
+    return {synset: name for name, told in records() for synset in given(told.synsets, ())}
+
+
 def _up(cad: Cad) -> Up | None:
     """A CAD's vertical; None where nobody says it: OBJ and PLY files stand either way."""
     if cad.file is None:
         return "Z"
-    return cad.up or ("Y" if cad.file.suffix.lower() == ".glb" else None)
+    # GLB is Y up, and so are ShapeNet's models, which lie in folders of synsets.
+    known = cad.file.suffix.lower() == ".glb" or any(part in _synsets() for part in cad.file.parts)
+    return cad.up or ("Y" if known else None)
 
 
 def _hint(thing: ScannedObject, level_from_scan: Array, seen: Instance | None) -> Hint:

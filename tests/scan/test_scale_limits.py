@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from openrooms_usd.library.cads import furniture_cads, merged
+from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.alignment import align
-from openrooms_usd.scan.registration.hints import Hint
-from openrooms_usd.scan.registration.scalelimits import SCALES, may_have, sizes_of
+from openrooms_usd.scan.registration.evidence import Evidence
+from openrooms_usd.scan.registration.hints import Box, Hint
+from openrooms_usd.scan.registration.scalelimits import SCALES, sizes_of, turns_of
+from openrooms_usd.scan.registration.selection import Selection
 from openrooms_usd.stages.shelf import sizes_of as sizes_of_category
 from tests.scan.alignment_cases import CHAIR, SENSOR_ORIGINS, Block, Placed, cad, room, scan
 
@@ -20,33 +24,46 @@ def built(category: str) -> list[CadModel]:
     for one in furniture_cads((category,)):
         model = one.model()
         vertices, faces = merged(model, model.file_from_object)
-        sizes = sizes_of_category(category)
-        made.append(CadModel(one.id, category, vertices, faces, up="Z", sizes=sizes))
+        sizes, suits = sizes_of_category(category), CATEGORIES[category].styles[one.style].suits
+        made.append(CadModel(one.id, category, vertices, faces, up="Z", sizes=sizes, suits=suits))
     return made
 
 
 def test_a_cad_of_known_size_is_scaled_by_little() -> None:
     chair = CadModel("c", "chair", *mesh_of(CHAIR), unit=1.0)
     own = np.ptp(chair.extent, axis=0)
-    assert may_have(chair, UP, 0.61 * own)
-    assert may_have(chair, UP, 1.59 * own)
-    assert not may_have(chair, UP, own * [1.0, 1.0, 0.5])
-    assert not may_have(chair, UP, own * 1.7)
+    assert turns_of(chair, UP, 0.61 * own)
+    assert turns_of(chair, UP, 1.59 * own)
+    assert not turns_of(chair, UP, own * [1.0, 1.0, 0.5])
+    assert not turns_of(chair, UP, own * 1.7)
     assert sizes_of(chair, UP, own) == pytest.approx(np.outer(SCALES, own))
 
 
 def test_a_cad_without_unit_keeps_its_proportions() -> None:
     chair = CadModel("c", "chair", *mesh_of(CHAIR))
     own = np.ptp(chair.extent, axis=0)
-    assert may_have(chair, UP, 0.08 * own)
-    assert not may_have(chair, UP, own * [0.4, 0.4, 0.08])
+    assert turns_of(chair, UP, 0.08 * own)
+    assert not turns_of(chair, UP, own * [0.4, 0.4, 0.08])
 
 
 def test_depth_that_nobody_saw_is_no_reason_to_refuse() -> None:
     cabinet = built("cabinet")[0]
-    assert may_have(cabinet, UP, np.array([1.8, 0.05, 0.9]))
-    assert may_have(cabinet, UP, np.array([0.05, 1.8, 0.9]))
-    assert not may_have(cabinet, UP, np.array([1.8, 0.6, 0.05]))
+    assert turns_of(cabinet, UP, np.array([1.8, 0.05, 0.9])) == [0]
+    assert turns_of(cabinet, UP, np.array([0.05, 1.8, 0.9])) == [1]
+    assert not turns_of(cabinet, UP, np.array([1.8, 0.6, 0.05]))
+
+
+def test_headings_and_styles_are_those_that_are_natural() -> None:
+    """A pedestal desk is no narrower than 1 m, and a bunk bed no lower than a door handle."""
+    desk = next(model for model in built("desk") if model.id == "desk.pedestal")
+    assert turns_of(desk, UP, np.array([0.63, 1.16, 0.75])) == [1]
+    beds = Selection(Cloud(np.zeros((1, 3))), built("bed"), {})
+    size = np.array([1.5, 1.94, 0.9])
+    box = Box(0.5 * size, size, np.array([1.0, 0.0, 0.0, 0.0]))
+    evidence = Evidence(np.random.default_rng(1).random((200, 3)) * size, 0.02)
+    hint = Hint(1, choices=(("bed",),))
+    chosen = beds.candidates(hint, np.zeros(0, np.intp), evidence, box)
+    assert "bed.bunk" not in {model.id for model, _ in chosen}
 
 
 def test_what_fits_no_category_is_a_box_of_its_size() -> None:
@@ -79,3 +96,18 @@ def test_own_cads_come_first_where_their_proportions_do() -> None:
 def mesh_of(blocks: tuple[Block, ...]) -> tuple[np.ndarray, np.ndarray]:
     made = cad("c", blocks)
     return made.vertices, made.faces
+
+
+def test_a_table_of_which_only_the_top_was_seen_stands_on_the_floor() -> None:
+    """Unless something else is below it, on which it may lie."""
+    top: tuple[Block, ...] = (((-0.5, -0.3, 0.42), (0.5, 0.3, 0.46)),)
+    stand: tuple[Block, ...] = (((-0.4, -0.2, 0.0), (0.4, 0.2, 0.38)),)
+    hint = Hint(1, word="table", choices=(("coffee_table",),))
+    models = [*built("coffee_table"), *built("box")]
+    for below, category in (((), "coffee_table"), ((stand,), "box")):
+        blocks = [Placed(one, (0.2, 0.2, 0.0), 0.0) for one in (top, *below)]
+        found = align(scan(blocks, SENSOR_ORIGINS), [hint], models, [room()]).objects[0]
+        assert found.category == category
+    size = models[0].sizes
+    assert size is not None
+    assert size[0][2] > 0.1

@@ -1,5 +1,6 @@
 """CAD models that are fitted to a scan: a mesh, its category, and points on its surface."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal
@@ -58,6 +59,7 @@ class CadModel:
         sizes: Of a CAD that is built anew at the size that is found, Z up: (2, 3) the least and the
             greatest at which it is still what it is, metres; None: it is what it is, and may be
             stretched a little.
+        suits: Of such a CAD: whether a width, depth and height are natural for it, metres.
     """
 
     id: str
@@ -68,6 +70,7 @@ class CadModel:
     up: Up | None = None
     unit: float | None = None
     sizes: Array | None = None
+    suits: Callable[[tuple[float, float, float]], bool] | None = None
 
     def __post_init__(self) -> None:
         used = self.vertices[self.faces] if len(self.faces) else np.empty((0, 3))

@@ -163,19 +163,17 @@ class _Scene:
         bounds = bounds_of(hint, models)
         evidence = gathered(cloud.points[rows], bounds, self.walls)
         if len(evidence.points) < MIN_OBJECT_POINTS:
-            raise RefusedError(
-                f"only {len(evidence.points)} points (at 1.2 cm) belong to it; "
-                f"{MIN_OBJECT_POINTS} are needed"
-            )
+            raise RefusedError(f"fewer than {MIN_OBJECT_POINTS} points, 1.2 cm apart, belong to it")
         corners = corners_of(hint, models)
         bottom = None if corners is None else float(corners[:, 2].min())
         possible = supports(cloud, rows, evidence, bottom)
         box = hint.box or box_of(evidence, possible[0])
-        chosen = self.selection.candidates(hint, rows, evidence, box)
-        if not chosen and hint.box is None and cloud.instance is not None:
+        chosen = []
+        if possible[0] != 0.0 and hint.box is None:
             down = box_of(evidence, 0.0)
             if chosen := self.selection.of_top(hint, rows, evidence, down):
                 box, possible = down, (0.0,)
+        chosen = chosen or self.selection.candidates(hint, rows, evidence, box)
         if not chosen:
             around = Surroundings(self.panoramas, possible[0], NO_WALLS)
             if (stand_in := self.boxed(hint, evidence, around)) is None:

@@ -11,7 +11,7 @@ from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.registration.priors import PoseHypothesis
-from openrooms_usd.scan.registration.scalelimits import CAD_UNITS_M, sizes_of
+from openrooms_usd.scan.registration.scalelimits import CAD_UNITS_M, sizes_of, turns_of
 from openrooms_usd.scan.registration.template import Template, turn_of
 from openrooms_usd.scan.results import Pose
 
@@ -29,6 +29,8 @@ _BUILT_SIGMAS: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.1])
 # the box.
 _BOX_STRETCH_LOG: Final = 0.18
 _POINTS_STRETCH_LOG: Final = 0.3
+# The same deviation of what is built at any size: headings are told by it where little else tells.
+_BUILT_STRETCH_LOG: Final = 0.4
 _TURNS_RAD: Final = (0.0, 0.14, -0.14)
 _STRETCHES_LOG: Final = (-0.18, -0.1, 0.1, 0.18)
 # Axis and direction of the end that moves while the other one stays; the base always stays.
@@ -77,7 +79,10 @@ def from_box(
     """
     base, size, heading = box.upright()
     hypotheses = []
+    turns = turns_of(template.model, template.upright, size) if limited else []
     for quarter in range(4):
+        if turns and quarter % 2 not in turns:
+            continue
         lengths = size if quarter % 2 == 0 else size[[1, 0, 2]]
         scale = np.log(np.maximum(lengths, 0.01) / np.maximum(template.size, 0.01))
         free = template.model.sizes is not None
@@ -94,7 +99,7 @@ def from_box(
                 known,
                 _GIVEN_POSE_SIGMAS if given else _BUILT_SIGMAS if free else _SEEN_BOX_SIGMAS,
                 plain(template),
-                np.inf if free else _BOX_STRETCH_LOG,
+                _BUILT_STRETCH_LOG if free else _BOX_STRETCH_LOG,
                 limits,
                 to_scale=not free,
             )

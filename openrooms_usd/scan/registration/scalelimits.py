@@ -35,15 +35,37 @@ def sizes_of(model: CadModel, upright: Array, size: Array) -> Array:
     return np.asarray(np.outer(SCALES, own * unit))
 
 
-def may_have(model: CadModel, upright: Array, size: Array) -> bool:
-    """Whether a CAD, turned by quarters, may have a size (3,), metres.
+def turns_of(model: CadModel, upright: Array, size: Array) -> list[int]:
+    """The quarter turns, 0 or 1, by which a CAD may have a size; the natural ones if there are any.
 
-    The points of an object bound its size from below: of what was seen from one side, the lesser
-    of the level sides is not known.
+    The points of an object bound its size from below: how deep it is, is not known where only its
+    front was seen. Which side is the front of people's own CADs is not known either.
+
+    Args:
+        model: The CAD.
+        upright: (3, 3) signed permutation from its axes to Z up.
+        size: (3,) metres.
     """
-    for turned in (size, size[[1, 0, 2]]):
-        least, most = sizes_of(model, upright, turned)
-        known = np.array([turned[0] >= turned[1], turned[1] > turned[0], True])
-        if (turned <= most).all() and (turned >= least)[known].all():
-            return True
-    return False
+    possible = [turn for turn in (0, 1) if _may_be(model, upright, _turned(size, turn))]
+    return [turn for turn in possible if _suits(model, _turned(size, turn))] or possible
+
+
+def is_natural(model: CadModel, upright: Array, size: Array) -> bool:
+    """Whether a size (3,) that a CAD may have is a usual one of its style, metres."""
+    return any(_suits(model, _turned(size, turn)) for turn in turns_of(model, upright, size))
+
+
+def _turned(size: Array, turn: int) -> Array:
+    return size[[1, 0, 2]] if turn else size
+
+
+def _suits(model: CadModel, size: Array) -> bool:
+    width, depth, height = size.tolist()
+    return model.suits is None or model.suits((width, depth, height))
+
+
+def _may_be(model: CadModel, upright: Array, size: Array) -> bool:
+    least, most = sizes_of(model, upright, size)
+    deep = 1 if model.sizes is not None else int(np.argmin(size[:2]))
+    seen = np.arange(3) != deep
+    return bool((size <= most).all() and (size >= least)[seen].all())

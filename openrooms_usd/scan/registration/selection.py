@@ -14,7 +14,7 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box, Hint, corners_of
 from openrooms_usd.scan.registration.retrieval import ranked
-from openrooms_usd.scan.registration.scalelimits import may_have
+from openrooms_usd.scan.registration.scalelimits import is_natural, turns_of
 from openrooms_usd.scan.registration.template import upright_of
 
 Array = NDArray[np.float64]
@@ -110,7 +110,7 @@ class Selection:
     def of_top(
         self, hint: Hint, rows: Rows, evidence: Evidence, box: Box
     ) -> list[tuple[CadModel, Array]]:
-        """The same for what stands on the floor, where no more than its top was seen.
+        """The same for what stands on the floor alone, and above nothing: only its top was seen.
 
         Args:
             hint: The object.
@@ -119,7 +119,9 @@ class Selection:
             box: Around them, down to the floor.
         """
         standing = [group for group in map(_standing_on_floor, hint.choices or ()) if group]
-        if not standing or self._covered(rows, evidence) > _MAX_COVERED_SHARE:
+        if not standing or self.cloud.instance is None:
+            return []
+        if self._covered(rows, evidence) > _MAX_COVERED_SHARE:
             return []
         return self._chosen(standing, evidence, box)
 
@@ -152,10 +154,11 @@ class Selection:
                     if model.category in group and (model.sizes is not None) == built
                 ]
                 fitting = [
-                    (model, up) for model, up in _standing(ours) if may_have(model, up, size)
+                    (model, up) for model, up in _standing(ours) if turns_of(model, up, size)
                 ]
                 if fitting:
-                    return _most_alike(fitting, evidence, box)
+                    natural = [(model, up) for model, up in fitting if is_natural(model, up, size)]
+                    return _most_alike(natural or fitting, evidence, box)
         return []
 
     def _wanted(self, hint: Hint, rows: Rows) -> Sequence[str]:
@@ -178,7 +181,7 @@ class Selection:
         label = self._label(rows)
         if label in _LAYOUT_LABELS:
             return f"its points are labelled {_LAYOUT_LABELS[label]}, which the layout finds"
-        return f"there is no CAD of the class of its points, which has the number {label}"
+        return f"there is no CAD of the category that its points' class {label} means"
 
 
 def _standing_on_floor(group: Sequence[str]) -> tuple[str, ...]:
