@@ -40,6 +40,14 @@ def written(path: Path, form: str, polygons: list[list[int]]) -> Path:
 
 
 @pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_an_empty_list_of_faces_is_no_surface(tmp_path: Path, form: str) -> None:
+    # As MeshLab writes point clouds.
+    scanned = read_ply(written(tmp_path / "a.ply", form, []))
+    assert scanned.faces is None
+    assert (scanned.cloud.points == VERTICES).all()
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("polygons", [[[0, 1, 2], [0, 2, 3]], [[0, 1, 2, 3], [0, 1, 3]]])
 def test_all_forms_give_the_same(tmp_path: Path, form: str, polygons: list[list[int]]) -> None:
     scanned = read_ply(written(tmp_path / "a.ply", form, polygons))

@@ -252,12 +252,12 @@ class _Ascii:
 
 def _triangles(polygons: Any, path: Path) -> NDArray[np.int64]:
     """(F, 3) fans of the polygons; those of two corners or fewer are left out."""
-    if isinstance(polygons, np.ndarray):
-        if polygons.ndim != 2 and len(polygons):
-            raise broken(path, "its faces are no lists of vertices")
-        return _fans(polygons.reshape(len(polygons), -1), path)
     if not len(polygons):
         return np.empty((0, 3), np.int64)
+    if isinstance(polygons, np.ndarray):
+        if polygons.ndim != 2:
+            raise broken(path, "its faces are no lists of vertices")
+        return _fans(polygons, path)
     by_size: dict[int, list[NDArray[Any]]] = {}
     for polygon in polygons:
         by_size.setdefault(len(polygon), []).append(polygon)
