@@ -1,6 +1,6 @@
 """Importers of scans: each turns foreign files into the neutral Capture.
 
-- `roomplan`, `scannet` (with Scan2CAD's models), `sunrgbd`, `arkitscenes`: known captures;
+- `roomplan`, `scannet` (with Scan2CAD's models), `sunrgbd`, `arkitscenes`, `s3dis`: known captures;
 - `boxes`: a list of boxes; `plainscan`: any cloud or mesh, whose rooms are found later;
   `segments`: a segmentation beside it;
 - `formats`: files of points, meshes and depth; `records`: JSON and tables;

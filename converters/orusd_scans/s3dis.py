@@ -1,0 +1,92 @@
+"""A room of S3DIS becomes a Capture: one text file for each thing, whose name says what it is.
+
+``<room>/Annotations/chair_1.txt`` has a line for each point: x, y, z in metres, Z up, and red,
+green, blue (Armeni et al., "3D Semantic Parsing of Large-Scale Indoor Spaces", CVPR 2016).
+"""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import names, untrusted
+from openrooms_usd.capture import NO_OPTIONS, Capture, Packed
+from openrooms_usd.categories.words import category_of
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.usd.taxonomies import class_of, number_of
+from orusd_scans.formats.pointtext import read_text
+from orusd_scans.packing import packed_folder
+from orusd_scans.plainscan import UNDETERMINED, cloud_in
+from orusd_scans.scanned import Scanned
+from orusd_scans.worldframe import WorldFrame
+
+_FOLDER: Final = "Annotations"
+_MOST_THINGS: Final = 10_000
+
+
+class S3disImporter:
+    """Reads the folder of a room."""
+
+    options: Mapping[str, str] = {}
+
+    def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
+        """Read a room.
+
+        Args:
+            source: Its folder, which holds ``Annotations``.
+            options: None are known.
+
+        Raises:
+            InputError: It is no such folder, or a file holds nonsense; names the place.
+        """
+        files, notes = _files(source), list[str]()
+        read = [read_text(path) for path in files]
+        counts = [len(one.cloud) for one in read]
+        words = [re.sub(r"_\d+$", "", path.stem).replace("_", " ") for path in files]
+        cloud = Cloud(
+            points=np.concatenate([one.cloud.points for one in read]),
+            colors=_colors(read),
+            label=np.repeat(np.array([_class(word) for word in words], np.int32), counts),
+            instance=np.repeat(np.arange(1, len(files) + 1, dtype=np.int32), counts),
+            words={number: (word,) for number, word in enumerate(words, 1)},
+        )
+        frame = WorldFrame(np.eye(3), np.zeros(3))
+        return Capture(
+            source=source.name,
+            source_from_world=frame.source_from_world(),
+            cloud=cloud_in(frame, Scanned(cloud), source, notes),
+            notes=tuple(notes),
+            remedy=UNDETERMINED,
+        )
+
+    def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
+        """The annotated points; the room's own file has the same ones."""
+        return packed_folder(source, _files(source), options)
+
+
+def _files(source: Path) -> list[Path]:
+    untrusted.check_path(source)
+    found = sorted((source / _FOLDER).glob("*.txt"))
+    # Archives of other systems leave hidden files beside.
+    found = [path for path in found if not path.name.startswith(".")]
+    if not 0 < len(found) <= _MOST_THINGS:
+        raise InputError(
+            f"no room of S3DIS: {len(found)} files {_FOLDER}/*.txt are here",
+            place=source,
+            remedy=f"give the folder of one room, such as Area_1/office_1, with {_FOLDER} in it",
+        )
+    return found
+
+
+def _colors(read: list[Scanned]) -> NDArray[np.uint8] | None:
+    colors = [one.cloud.colors for one in read if one.cloud.colors is not None]
+    return np.concatenate(colors) if len(colors) == len(read) else None
+
+
+def _class(word: str) -> int:
+    """The class of NYU40; 0 for clutter and whatever else that list does not tell."""
+    return number_of(class_of(category_of(word, 0.0) or word, names.NYU40), names.NYU40)
