@@ -37,6 +37,10 @@ _HIGHEST_SEAT_M: Final = 0.62
 _NECK_M: Final = 0.15
 _SMALLEST_PART_M2: Final = 0.04
 _LONGEST_UNCUT_M: Final = 1.2
+# Of what is mostly lower than this, metres, the tall part is something else if it covers less than
+# this part of the plan.
+_LOW_M: Final = 1.1
+_MAX_TALL_SHARE: Final = 0.4
 # A piece floats if it begins higher than this; what stands on the floor below is its foot if at
 # least this part of it does. Metres.
 _FLOATS_M: Final = 0.12
@@ -91,11 +95,26 @@ def _loose_parts(pieces: Surfels, pairs: Pairs, loose: NDArray[np.bool_]) -> Num
     found = _connected(pairs, loose)
     for number in range(int(found.max(initial=-1)) + 1):
         rows = np.flatnonzero(found == number)
-        plan = pieces.points[rows, :2]
-        if np.ptp(plan, axis=0).max(initial=0.0) > _LONGEST_UNCUT_M:
-            parts = _cut(plan)
+        points = pieces.points[rows]
+        if np.ptp(points[:, :2], axis=0).max(initial=0.0) > _LONGEST_UNCUT_M:
+            parts = 2 * _cut(points[:, :2]) + _tall(points)
+            parts = np.unique(parts, return_inverse=True)[1]
             found[rows] = np.where(parts == 0, number, found.max() + parts)
     return found
+
+
+def _tall(points: Array) -> NDArray[np.bool_]:
+    """(N,) which surfels belong to the tall part of something that is mostly low, if it has one.
+
+    A curtain or a wardrobe beside low things reaches higher in a small part of the plan.
+    """
+    cells = np.floor((points[:, :2] - points[:, :2].min(axis=0)) / VOXEL_M).astype(np.int64)
+    reached = np.zeros(cells.max(axis=0) + 1)
+    np.maximum.at(reached, tuple(cells.T), points[:, 2])
+    tall = ndimage.binary_dilation(reached > _LOW_M)
+    if (reached > _LOW_M).sum() > _MAX_TALL_SHARE * (reached > 0.0).sum():
+        return np.zeros(len(points), dtype=np.bool_)
+    return np.asarray(tall[tuple(cells.T)])
 
 
 def _cut(plan: Array) -> NDArray[np.int64]:

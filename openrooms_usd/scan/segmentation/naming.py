@@ -86,9 +86,10 @@ def _solid_below(shape: Shape) -> bool:
 
 
 def _chair(shape: Shape) -> bool:
+    square = shape.long < 1.4 * shape.short
     narrow = shape.short < 0.5
     return (
-        _stands(shape) and _seats(shape, 0.2) and _backed(shape, 0.7, 0.7)
+        _stands(shape) and square and _seats(shape, 0.2) and _backed(shape, 0.7, 0.7)
         and not (narrow and _solid_below(shape))
     )  # fmt: skip
 
@@ -122,20 +123,17 @@ def _desk(shape: Shape) -> bool:
 
 
 def _cabinet(shape: Shape) -> bool:
+    # Desks are as high, and what stands below them closes their sides.
+    like_desk = 0.66 < shape.height < 0.82
     return (
         _stands(shape) and shape.to_wall < _AT_WALL_M
-        and shape.closed(0.15, shape.height - 0.08) > 0.6
+        and shape.closed(0.15, shape.height - 0.08) > (0.85 if like_desk else 0.6)
     )  # fmt: skip
 
 
 def _bookshelf(shape: Shape) -> bool:
     boards = [height for height, share in shape.layers if share > 0.25]
     return _stands(shape) and shape.to_wall < _AT_WALL_M and len(boards) >= 3
-
-
-def _television(shape: Shape) -> bool:
-    wide = shape.long / shape.height
-    return shape.bottom > 0.35 and 1.4 < wide < 2.1 and shape.brightness < 0.25
 
 
 # The first that fits.
@@ -148,9 +146,8 @@ _ROWS: Final = (
     _Row("chair", (0.38, 0.8), (0.33, 0.75), (0.65, 1.25), _chair),
     _Row("desk", (0.9, 2.2), (0.45, 0.9), (0.62, 0.85), _desk),
     _Row("table", (0.6, 3.5), (0.5, 1.6), (0.62, 0.85), _table),
-    _Row("coffee_table", (0.5, 1.6), (0.4, 1.1), (0.25, 0.55), _low_table),
+    _Row("coffee_table", (0.6, 1.6), (0.4, 1.1), (0.3, 0.55), _low_table),
     _Row("bookshelf", (0.5, 6.0), (0.15, 0.5), (0.8, 2.5), _bookshelf),
     _Row("wardrobe", (0.95, 4.0), (0.45, 0.75), (1.6, 2.6), _cabinet),
     _Row("cabinet", (0.7, 4.0), (0.3, 0.65), (0.55, 1.3), _cabinet),
-    _Row("television", (0.6, 2.0), (0.0, 0.2), (0.35, 1.2), _television),
 )

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
@@ -32,8 +33,11 @@ _SEAT_M: Final = (0.25, 0.62)
 _RISES_M: Final = (0.06, 0.75)
 _NARROW_M: Final = 0.27
 _LARGEST_BACK_FACTOR: Final = 1.5  # of the seat's area: cushions hide much of it
-_BESIDE_M: Final = 0.15
-# The part of a back that must be beside the seat.
+# So far from the seat: cushions lean on backs and hide the rest of it.
+_BESIDE_M: Final = 0.22
+# Area over squared breadth of the squarest strip: 5 is three times as long as broad.
+_STRIP_AREA: Final = 5.0
+# The part of a back that must be so near.
 _BESIDE_SHARE: Final = 0.4
 
 
@@ -60,11 +64,13 @@ class Top:
     def breadth(self) -> float:
         """The breadth of a strip with its area and outline, whichever way that bends, metres."""
         cells = np.floor(self.cells / VOXEL_M).astype(np.int64)
-        cells = cells - cells.min(axis=0) + 1
-        full = np.zeros(cells.max(axis=0) + 2, dtype=np.bool_)
+        cells = cells - cells.min(axis=0) + 3
+        full = np.zeros(cells.max(axis=0) + 4, dtype=np.bool_)
         full[tuple(cells.T)] = True
+        # Sparse scans have holes, which would count as outline.
+        full = ndimage.binary_fill_holes(ndimage.binary_closing(full, np.ones((3, 3))))
         sides = sum(int(np.count_nonzero(np.diff(full, axis=axis))) for axis in range(2))
-        return 2.0 * self.area / max(sides * VOXEL_M, VOXEL_M)
+        return 2.0 * VOXEL_M * float(np.count_nonzero(full)) / max(sides, 1)
 
 
 def tops_of(pieces: Surfels) -> list[Top]:
@@ -106,6 +112,8 @@ def _belong(low: Top, high: Top) -> bool:
     if not (_SEAT_M[0] < low.height < _SEAT_M[1] and _RISES_M[0] < rise < _RISES_M[1]):
         return False
     if high.breadth > _NARROW_M or high.area > _LARGEST_BACK_FACTOR * low.area:
+        return False
+    if high.area < _STRIP_AREA * high.breadth**2:
         return False
     back: Array = np.asarray(KDTree(low.cells).query(high.cells)[0])
     return bool((back < _BESIDE_M + 0.5 * high.breadth).mean() > _BESIDE_SHARE)
