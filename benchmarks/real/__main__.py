@@ -66,7 +66,7 @@ def main(
         ]
     found = totals(captures, rows)
     data = {"totals": found, "rows": [_saved(row) for row in rows]}
-    publish("real", data, f"{_lines(rows)}\n\n{_targets(found)}", target)
+    publish("real", data, "\n\n".join([_lines(rows), _targets(found), _confidence(found)]), target)
 
 
 def _rows(
@@ -105,6 +105,11 @@ def _targets(found: dict[str, Any]) -> str:
             for name, value, aim, met in verdicts(found)
         ],
     )
+
+
+def _confidence(found: dict[str, Any]) -> str:
+    titles = ["confidence of openings", "how many", "claimed", "true"]
+    return table(titles, found["confidence"])
 
 
 if __name__ == "__main__":

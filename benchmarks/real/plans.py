@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -21,26 +22,36 @@ OPENING_AWAY: Final = 0.45
 OPENING_TURN: Final = 30.0
 # What lies on an uncertain opening to these shares (of the union, of itself) counts neither way.
 _ON_UNCERTAIN: Final = (0.15, 0.5)
+# Steps of confidence in which claimed and true are compared.
+STEPS: Final = (0.5, 0.6, 0.7, 0.8, 0.9)
 _PANE: Final = 0.6  # share of itself, on a true opening of several panes
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """Confidences that were claimed of openings, and those that were true."""
+    """Confidences that were claimed of openings, each with whether the opening is true."""
 
-    claimed: float = 0.0
-    true: int = 0
-    count: int = 0
+    claims: tuple[tuple[float, bool], ...] = ()
 
     def __add__(self, other: "Calibration") -> "Calibration":
-        return Calibration(
-            self.claimed + other.claimed, self.true + other.true, self.count + other.count
-        )
+        return Calibration(self.claims + other.claims)
 
     @property
     def gap(self) -> float | None:
         """Mean confidence less the share that is true; None without any."""
-        return (self.claimed - self.true) / self.count if self.count else None
+        if not self.claims:
+            return None
+        return sum(claimed - true for claimed, true in self.claims) / len(self.claims)
+
+    def steps(self, edges: Sequence[float] = STEPS) -> list[tuple[str, int, float, float]]:
+        """Claimed against true: each step of confidence, how many, their mean, the true share."""
+        lines = []
+        for low, high in pairwise((0.0, *edges, 1.0)):
+            some = [c for c in self.claims if low <= c[0] < high or c[0] == high == 1.0]
+            if some:
+                claimed, true = (sum(column) / len(some) for column in zip(*some, strict=True))
+                lines.append((f"{low:g} to {high:g}", len(some), claimed, true))
+        return lines
 
 
 @dataclass(frozen=True)
@@ -156,15 +167,15 @@ def opening_score(found: Sequence[Hole], true: Sequence[Hole]) -> OpeningScore:
 
     typed, counted = count(_same_type)
     untyped, counted_too = count(lambda a, b: True)
-    sworn = [
+    sworn = tuple(
         (confidence, i in typed)
         for i in sorted(counted)
         if (confidence := found[i].confidence) is not None
-    ]
+    )
     return OpeningScore(
         Counts(len(typed), len(counted), len(sure)),
         Counts(len(untyped), len(counted_too), len(sure)),
-        Calibration(sum(claimed for claimed, _ in sworn), sum(hit for _, hit in sworn), len(sworn)),
+        Calibration(sworn),
     )
 
 

@@ -13,7 +13,9 @@ from typing import Final
 from benchmarks.real.captures import Run
 from benchmarks.real.variants import variant
 
-_SAID: Final = 6000  # letters of what was said that are kept
+# Letters that are kept of what was said, and of that in a refusal.
+_SAID: Final = 20_000
+_REFUSAL: Final = 300
 _ONE_THREAD: Final = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
 
 
@@ -38,8 +40,11 @@ class Outcome:
         """What was said against it; None where a room was composed."""
         if (self.folder / "scene.usda").exists():
             return None
-        lines = [line for line in self.said.splitlines() if "error" in line or "remedy" in line]
-        return " ".join(lines)[:300] or "nothing was composed, and nothing was said"
+        lines = [line.strip() for line in self.said.splitlines() if line.strip()]
+        if "Traceback (most recent call last):" in lines:
+            return f"crashed: {lines[-1]}"[:_REFUSAL]
+        kept = [line for line in lines if "error" in line or "remedy" in line]
+        return " ".join(kept)[:_REFUSAL] or "nothing was composed, and nothing was said"
 
 
 def outcome_of(run: Run, base: Path, tool: Sequence[str], timeout: float, reuse: bool) -> Outcome:

@@ -33,6 +33,16 @@ AT_MOST: Final = {
     "changed_in_silence": 0,
     "calibration": 0.1,
 }
+# What is told beside them.
+BESIDE: Final = (
+    "sizes",
+    "pairs",
+    "floating",
+    "states",
+    "exports_alike",
+    "refused",
+    "seconds",
+)
 
 
 def totals(captures: Iterable[Capture], rows: Sequence[Row]) -> dict[str, Any]:
@@ -55,7 +65,7 @@ def totals(captures: Iterable[Capture], rows: Sequence[Row]) -> dict[str, Any]:
     plans = [row.plan for name, row in scans.items() if row.plan and not truths[name].loose]
     labelled, plain = _openings(rows, scans)
     things = sum((row.things for row in scans.values() if row.things), ThingScore())
-    bodies = sum((row.bodies for row in rows if row.bodies and row.run.labels), BodyScore())
+    bodies = sum((row.bodies for row in rows if row.bodies), BodyScore())
     exports = [row.export for row in rows if row.export]
     corners = sum((plan.corners for plan in plans), NOTHING)
     return {
@@ -65,6 +75,7 @@ def totals(captures: Iterable[Capture], rows: Sequence[Row]) -> dict[str, Any]:
         **_both("labelled", labelled.typed if labelled.typed.true else None),
         **_both("plain", plain.typed if plain.typed.true else None),
         "calibration": (labelled + plain).calibration.gap,
+        "confidence": (labelled + plain).calibration.steps(),
         "category": things.category / things.present if things.present else None,
         "sizes": things.size / things.sized if things.sized else None,
         "invented": things.invented,
@@ -73,7 +84,7 @@ def totals(captures: Iterable[Capture], rows: Sequence[Row]) -> dict[str, Any]:
         "exports": len(exports),
         "exports_equal": sum(e.equal for e in exports) / len(exports) if exports else None,
         "states": f"{sum(e.states for e in exports)}/{sum(e.doors for e in exports)}",
-        "pairs_of_exports_alike": _alike(by_capture.values()),
+        "exports_alike": _alike(by_capture.values()),
         "wrong_axis": sum(
             _axis_unnoticed(by_capture[name][0]) for name in scans if truths[name].up_axis != "z"
         ),
@@ -141,4 +152,5 @@ def verdicts(found: Mapping[str, Any]) -> list[tuple[str, Any, str, bool | None]
     for name, most in AT_MOST.items():
         value = found.get(name)
         lines.append((name, value, f"<= {most:g}", None if value is None else abs(value) <= most))
+    lines += [(name, found.get(name), "", None) for name in BESIDE]
     return lines

@@ -111,6 +111,13 @@ def test_a_wrong_axis_in_silence_shows(data):
     assert helpful.plan.openings.typed.true == 1
 
 
+def test_a_crash_is_no_refusal(data):
+    said = "Traceback (most recent call last):\n  File x\nValueError: the unit --up\n"
+    crashed = row(data, 0, said=said)
+    assert crashed.refusal == "crashed: ValueError: the unit --up"
+    assert not row(data, 2, said=said).honest and not row(data, 3, said=said).honest
+
+
 def test_a_changed_scan_is_corrected_or_refused_with_the_remedy(data):
     from benchmarks.real.variants import ON_ITS_SIDE
 

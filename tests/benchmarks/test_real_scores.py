@@ -142,7 +142,19 @@ def test_what_is_uncertain_counts_neither_way(tmp_path):
     truth = truth_of(written(tmp_path, rooms=[room]))
     score = plan_score([found(openings=[hole(), hole(x=2.5)])], truth)
     assert score.openings.typed == Counts(1, 1, 1)
-    assert score.openings.calibration.count == 1
+    assert score.openings.calibration.claims == ((0.9, True),)
+
+
+def test_claimed_confidence_is_compared_with_what_is_true():
+    from benchmarks.real.plans import Calibration
+
+    found = Calibration(((0.95, True), (0.93, False), (1.0, True), (0.6, False)))
+    assert found.gap == pytest.approx((0.95 + 0.93 + 1 + 0.6 - 2) / 4)
+    assert found.steps() == [
+        ("0.6 to 0.7", 1, pytest.approx(0.6), 0),
+        ("0.9 to 1", 3, pytest.approx(0.96), pytest.approx(2 / 3)),
+    ]
+    assert Calibration().gap is None and Calibration().steps() == []
 
 
 def test_a_doorway_without_a_leaf_is_a_door_or_a_passage(tmp_path):
