@@ -98,7 +98,9 @@ def test_ten_thousand_objects_and_openings_are_read(scanner) -> None:
     door = scanner.surface("door", [1, 0], [2, 0], 0, 2)
     data["objects"] = [chair | {"identifier": f"{i}"} for i in range(10_000)]
     data["doors"] = [door | {"identifier": f"{i}"} for i in range(2_000)]
-    spread = [[*door["transform"][:12], 3.0 * i, 0.0, 0.0, 1.0] for i in range(8_000)]
+    # One over the other: what lies outside the floor would be left out.
+    x, y, z = door["transform"][12:15]
+    spread = [[*door["transform"][:12], x, y + 3.0 + 3.0 * i, z, 1.0] for i in range(8_000)]
     data["windows"] = [door | {"identifier": f"w{i}", "transform": M} for i, M in enumerate(spread)]
     capture = read(scanner.write(data))
     assert len(capture.boxes) == 10_000

@@ -53,7 +53,7 @@ def test_a_wall_inside_the_floor_is_a_partition_with_its_door(scanner) -> None:
     assert one.id == "inner"
     assert np.linalg.norm(one.ends[1] - one.ends[0]) == pytest.approx(4.0)
     assert one.height == pytest.approx(2.5)
-    assert capture.notes == ("left out the wall outer (2.00 m): it is outside the floor",)
+    assert capture.notes == ("left out 1 wall that is outside the floor: outer (2.00 m)",)
     (path.parent / "room.yaml").write_text(f"layout: {{from: roomplan, file: {path.name}}}\n")
     compose_room(path.parent / "room.yaml", path.parent / "out", only="layout")
     stage = Usd.Stage.Open(str(path.parent / "out" / names.SCENE))

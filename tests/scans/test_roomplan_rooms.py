@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 import shapely
 from click.testing import CliRunner
@@ -61,6 +62,8 @@ def test_the_largest_floor_is_taken_and_the_others_are_named(scanner) -> None:
     (note,) = capture.notes
     for words in ("2 rooms", "0 bedroom (9.0 m2)", "1 kitchen (15.0 m2)", "1 was taken"):
         assert words in note
+    # The bed, the stove of another story, and the walls of the bedroom but the one beside.
+    assert note.endswith("left out with the others: 3 walls, 2 objects")
 
 
 @pytest.mark.parametrize("wanted", ["bedroom", "Bedroom", "0", "bed_room"])
@@ -165,3 +168,73 @@ def test_the_command_takes_a_room(scanner, tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert json.loads(done.output)["objects"] == 1
     assert "bedroom" in (out / "room.yaml").read_text()
+
+
+def storeys(scanner) -> dict:
+    """The flat with a passage between its rooms, and a storey above it."""
+    data = flat(scanner)
+    above = scanner.room(LARGE, HEIGHT)
+    for key in ("walls", "floors"):
+        for row in above[key]:
+            row["story"] = 1
+            row["transform"][13] += 2.8
+            row["identifier"] += "-above"
+        data[key] += above[key]
+    data["objects"][2]["transform"][13] += 2.8
+    return data
+
+
+def test_all_rooms_of_a_storey_become_one_with_the_wall_between_them(scanner) -> None:
+    capture = read(scanner.write(storeys(scanner)), "all")
+    assert shapely.Polygon(capture.floor).equals_exact(
+        shapely.box(0, 0, 8.2, 3), 1e-6, normalize=True
+    )
+    assert sorted(ids(capture)[0]) == ["far", "passage"]
+    assert sorted(ids(capture)[1]) == ["bed", "table"]
+    # Its two faces, which both rooms have, are one wall.
+    [wall] = capture.partitions
+    assert wall.thickness == pytest.approx(0.2)
+    assert np.sort(wall.ends, axis=0) == pytest.approx(np.array([[3.1, 0], [3.1, 3]]))
+    (note,) = capture.notes
+    assert "2 of them were taken as one, as asked" in note
+    assert note.endswith("left out with the others: 4 walls, 1 object")
+
+
+def test_all_rooms_of_a_structure_become_one(scanner) -> None:
+    capture = read(scanner.write(structure(scanner)), "all")
+    assert area(capture) == pytest.approx(24.6)
+    assert sorted(ids(capture)[1]) == ["bed", "table"]
+    assert len(capture.partitions) == 1
+
+
+def test_rooms_that_do_not_touch_are_not_joined(scanner) -> None:
+    data = flat(scanner)
+    away = [[x + 5.0, y] for x, y in LARGE]
+    data["floors"][1] = scanner.room(away, HEIGHT)["floors"][0]
+    capture = read(scanner.write(data), "all")
+    assert area(capture) == pytest.approx(15.0)
+    assert "1 of them were taken" not in capture.notes[0]
+    assert "1 was taken" in capture.notes[0]
+
+
+def test_what_is_outside_the_only_floor_is_left_out_and_said(scanner) -> None:
+    data = scanner.room(SMALL, HEIGHT)
+    data["objects"] = [
+        scanner.box("bed", [1, 1.2, 0.3], [1.6, 2, 0.6], 0, identifier="bed"),
+        scanner.box("chair", [3.2, 2, 0.4], [0.5, 0.5, 0.8], 0, identifier="at the door"),
+        scanner.box("sofa", [6, 2, 0.4], [2, 0.9, 0.8], 0, identifier="elsewhere"),
+    ]
+    data["doors"] = [scanner.surface("door", [6, 0], [7, 0], 0, 2, identifier="far")]
+    capture = read(scanner.write(data))
+    assert ids(capture) == ([], ["bed", "at the door"])
+    assert capture.notes == ("left out what lies outside the floor: 1 door, 1 object",)
+
+
+def test_an_opening_between_two_rooms_is_where_its_wall_is(scanner) -> None:
+    """Both rooms are near it; only one has its wall."""
+    data = flat(scanner)
+    own = next(row for row in data["walls"] if "[3.0, 0.0]-[3.0, 3.0]" in row["identifier"])
+    data["openings"][0]["parentIdentifier"] = own["identifier"]
+    data["floors"][1] = scanner.room([[x + 1.0, y] for x, y in LARGE], HEIGHT)["floors"][0]
+    path = scanner.write(data)
+    assert ids(read(path, "bedroom"))[0] == ["passage"]

@@ -7,7 +7,7 @@ down, however far from the origin the source is.
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Final, Literal
@@ -19,7 +19,7 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedOpen
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.floorplan import from_lower_left, heading, tidied
-from orusd_scans.roomplan.inner import inner_walls
+from orusd_scans.roomplan.inner import InnerWalls, inner_walls
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, placed, rectangle
 
@@ -54,7 +54,8 @@ class RoomPlanImporter:
     """Reads the exports of Apple RoomPlan (iOS 16 and later): JSON, or parametric USDZ."""
 
     options: Mapping[str, str] = {
-        "room": "which room: its label, such as livingRoom, or its number; by default the largest",
+        "room": "which room: its label, such as livingRoom, its number, or all of a storey as one; "
+        "by default the largest",
     }
 
     def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
@@ -83,7 +84,9 @@ class RoomPlanImporter:
         notes += _approximations(room)
         # Walls outside belong to other rooms, where there are any.
         told = notes if space.is_whole else []
-        partitions = () if floor is None else inner_walls(room.walls, floor, frame.points, told)
+        inner = (
+            InnerWalls() if floor is None else inner_walls(room.walls, floor, frame.points, told)
+        )
         openings = [
             *(_opening(record, "door", frame) for record in room.doors),
             *(_opening(record, "window", frame) for record in room.windows),
@@ -94,8 +97,11 @@ class RoomPlanImporter:
             source_from_world=frame.source_from_world(),
             floor=floor,
             height=_height(room, frame),
-            openings=tuple(_distinct(openings, notes)),
-            partitions=partitions,
+            openings=tuple(
+                replace(opening, wall=inner.wall_of(opening.wall))
+                for opening in _distinct(openings, notes)
+            ),
+            partitions=inner.partitions,
             boxes=tuple(_box(record, frame) for record in room.objects),
             notes=tuple(notes),
         )

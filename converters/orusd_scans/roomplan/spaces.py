@@ -6,28 +6,28 @@ the sections whose middles lie in it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from orusd_scans.floorplan import bent, chained
+from orusd_scans.floorplan import bent, chained, joined_floors
+from orusd_scans.roomplan.belonging import belonging, left_out, merged, of_story
 from orusd_scans.roomplan.records import CapturedRoom, Record
-
-if TYPE_CHECKING:
-    from shapely import Point
 
 Array = NDArray[np.float64]
 
 Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Y up to Z up: (x, y, z) -> (x, -z, y)."""
 
-# Largest distance of a floor's walls and openings from its edge, and of objects outside it, metres.
-_EDGE_DISTANCE_M: Final = 0.5
-_OUTSIDE_FLOOR_M: Final = 0.1
-# Heights above a floor between which the centres of its records are, metres.
-_ABOVE_FLOOR_LIMITS_M: Final = (-0.5, 4.0)
+ALL: Final = "all"
+"""What asks for all rooms of a storey as one."""
+
+# Floors whose heights differ by less than this are on one storey, metres: steps, not stairs.
+_SAME_STOREY_M: Final = 1.0
+# Largest distance of an opening from the wall that it is in, metres.
+_IN_WALL_M: Final = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +41,7 @@ class Space:
         records: What belongs to it.
         notes: What was guessed.
         is_whole: Whether nothing else was captured beside it.
+        story: The number of its story.
     """
 
     labels: tuple[str, ...]
@@ -48,6 +49,7 @@ class Space:
     records: CapturedRoom
     notes: tuple[str, ...] = ()
     is_whole: bool = True
+    story: int | None = None
 
     @property
     def area(self) -> float:
@@ -56,6 +58,11 @@ class Space:
             return 0.0
         x, z = (self.outline - self.outline[0])[:, [0, 2]].T
         return 0.5 * abs(float(x @ np.roll(z, -1) - z @ np.roll(x, -1)))
+
+    @property
+    def level(self) -> float:
+        """The height of its floor in the source's frame, metres."""
+        return 0.0 if self.outline is None else float(np.median(self.outline[:, 1]))
 
     @property
     def name(self) -> str:
@@ -76,18 +83,52 @@ def chosen_space(rooms: Sequence[CapturedRoom], wanted: str | None, notes: list[
     """
     spaces = [space for room in rooms for space in _spaces(room)]
     known = ", ".join(f"{i} {s.name} ({s.area:.1f} m2)" for i, s in enumerate(spaces))
-    fitting = [i for i, s in enumerate(spaces) if wanted is None or _is(wanted, i, s)]
+    fitting = [i for i, s in enumerate(spaces) if wanted in (None, ALL) or _is(wanted or "", i, s)]
     if not fitting:
         raise InputError(f"the capture has no room {wanted!r}", remedy=f"it has: {known}")
     index = max(fitting, key=lambda i: spaces[i].area)
+    space, taken = spaces[index], f"{index} was taken"
+    if wanted == ALL and len(spaces) > 1:
+        space, count = _joined(spaces, index, rooms)
+        taken = f"{count} of them were taken as one" if count > 1 else taken
+    if space.outline is not None:
+        own = len(spaces) == 1 or (len(spaces) == len(rooms) and wanted != ALL)
+        records = belonging(space.records, space.outline, is_only=own)
+        space = replace(space, records=records, is_whole=len(spaces) == 1)
+    missing = left_out(rooms, space.records)
     if len(spaces) > 1:
-        why = "as asked" if wanted is not None else "the largest; the option room takes another"
-        notes.append(f"the capture has {len(spaces)} rooms: {known}; {index} was taken, {why}")
-    space = spaces[index]
+        why = (
+            "as asked"
+            if wanted is not None
+            else "the largest; the option room takes another, or all"
+        )
+        rest = f"; left out with the others: {missing}" if missing else ""
+        notes.append(f"the capture has {len(spaces)} rooms: {known}; {taken}, {why}{rest}")
+    elif missing:
+        notes.append(f"left out what lies outside the floor: {missing}")
     notes += space.notes
-    if space.outline is None or len(spaces) == len(rooms):
-        return space
-    return replace(space, records=_belonging(space.records, space.outline), is_whole=False)
+    return space
+
+
+def _joined(
+    spaces: Sequence[Space], index: int, rooms: Sequence[CapturedRoom]
+) -> tuple[Space, int]:
+    """All rooms of the storey of one of them that touch each other, as one; and how many."""
+    first = spaces[index]
+    assert first.outline is not None or len(spaces) == 1
+    level = first.level
+    same = [s for s in spaces if s.outline is not None and abs(s.level - level) < _SAME_STOREY_M]
+    base = first.outline[0] if first.outline is not None else np.zeros(3)
+    plans = [(s.outline - base)[:, [0, 2]] for s in same if s.outline is not None]
+    found = joined_floors(plans, same.index(first))
+    if found is None:
+        return first, 1
+    plan, members = found
+    corners = np.column_stack([plan[:, 0], np.full(len(plan), level - base[1]), plan[:, 1]]) + base
+    labels = _known([label for i in members for label in same[i].labels])
+    said = tuple(dict.fromkeys(note for i in members for note in same[i].notes))
+    records = of_story(merged(rooms), first.story)
+    return Space(labels, corners, records, said, story=first.story), len(members)
 
 
 def _is(wanted: str, index: int, space: Space) -> bool:
@@ -104,9 +145,10 @@ def _spaces(room: CapturedRoom) -> list[Space]:
     if len(floors) < 2:
         labels = [section.label for section in room.sections]
         outline = floors[0][0] if floors else _from_walls(room, notes)
-        return [Space(_known(labels), outline, room, tuple(notes))]
+        story = room.floors[0].story if floors else None
+        return [Space(_known(labels), outline, room, tuple(notes), story=story)]
     return [
-        Space(_known(_labels_in(outline, story, room)), outline, _of_story(room, story))
+        Space(_known(_labels_in(outline, story, room)), outline, of_story(room, story), story=story)
         for outline, story in floors
     ]
 
@@ -186,28 +228,10 @@ def _openings_in(wall: Record, room: CapturedRoom) -> Array:
     for opening in (*room.doors, *room.windows, *room.openings):
         x, _, z = (opening.center - wall.center) @ wall.source_from_local[:3, :3]
         off = abs(float(np.hypot(x - wall.arc.center[0], z - wall.arc.center[1])) - wall.arc.radius)
-        is_near = (
-            off < _EDGE_DISTANCE_M and abs(float(wall.arc.turn(np.array([[x, z]]))[0]) - 0.5) < 0.5
-        )
+        is_near = off < _IN_WALL_M and abs(float(wall.arc.turn(np.array([[x, z]]))[0]) - 0.5) < 0.5
         if opening.parent == wall.id or (opening.parent is None and is_near):
             found.append([x, z, opening.size[0]])
     return np.array(found).reshape(-1, 3)
-
-
-def _of_story(room: CapturedRoom, story: int | None) -> CapturedRoom:
-    """The records that a floor's story may have."""
-
-    def some(records: tuple[Record, ...]) -> tuple[Record, ...]:
-        return tuple(r for r in records if story is None or r.story in (None, story))
-
-    return replace(
-        room,
-        walls=some(room.walls),
-        doors=some(room.doors),
-        windows=some(room.windows),
-        openings=some(room.openings),
-        objects=some(room.objects),
-    )
 
 
 def _labels_in(outline: Array, story: int | None, room: CapturedRoom) -> list[str]:
@@ -220,38 +244,3 @@ def _labels_in(outline: Array, story: int | None, room: CapturedRoom) -> list[st
         if (story is None or section.story in (None, story))
         and shapely.contains_xy(polygon, section.center[0], section.center[2])
     ]
-
-
-def _belonging(records: CapturedRoom, outline: Array) -> CapturedRoom:
-    """The walls and openings along the edge of a floor, and the objects on it."""
-    import shapely
-
-    floor = shapely.make_valid(shapely.Polygon(outline[:, [0, 2]]))
-    edge, level = floor.boundary, float(np.median(outline[:, 1]))
-    inside, around = floor.buffer(_OUTSIDE_FLOOR_M), floor.buffer(_EDGE_DISTANCE_M)
-    shapely.prepare(inside)
-
-    def at_edge(records: tuple[Record, ...]) -> tuple[Record, ...]:
-        return tuple(r for r in above(records) if edge.distance(_point(r)) < _EDGE_DISTANCE_M)
-
-    def above(records: tuple[Record, ...]) -> tuple[Record, ...]:
-        return tuple(
-            r
-            for r in records
-            if _ABOVE_FLOOR_LIMITS_M[0] < r.center[1] - level < _ABOVE_FLOOR_LIMITS_M[1]
-        )
-
-    return replace(
-        records,
-        walls=tuple(w for w in above(records.walls) if around.contains(_point(w))),
-        doors=at_edge(records.doors),
-        windows=at_edge(records.windows),
-        openings=at_edge(records.openings),
-        objects=tuple(r for r in above(records.objects) if inside.contains(_point(r))),
-    )
-
-
-def _point(record: Record) -> "Point":
-    from shapely import Point
-
-    return Point(record.center[[0, 2]])
