@@ -172,3 +172,9 @@ def test_the_order_of_objects_changes_nothing() -> None:
             assert np.array_equal(item.placed.translation, other.placed.translation)
             assert np.array_equal(item.placed.rotation, other.placed.rotation)
             assert item.support == other.support
+
+
+@pytest.mark.parametrize(("word", "carrier"), [("radiator", "wall"), ("carton", "floor")])
+def test_a_box_hangs_where_what_it_stands_for_does(word: str, carrier: str) -> None:
+    thing = replace(found(1, "box", (2, 2.895, 0.15)), word=word)
+    assert run(thing).objects[0].support == carrier

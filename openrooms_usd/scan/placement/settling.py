@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories.words import category_of, plain
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.scan.placement.arrangement import Arrangement
 from openrooms_usd.scan.placement.bodies import Body
@@ -85,7 +86,11 @@ def find_supports(state: Arrangement) -> None:
 
 
 def _found(state: Arrangement, row: int, below: Sequence[int]) -> Support:
-    category, room = state.objects[row].category, state.rooms[row]
+    thing, room = state.objects[row], state.rooms[row]
+    # A box that stands for a radiator hangs where radiators do.
+    stand_in = thing.category == "box" and thing.word
+    meant = category_of(thing.word, 0.0) or plain(thing.word)
+    category = meant if stand_in else thing.category
     return support_of(row, category, state.bodies, below, room)
 
 
