@@ -2,7 +2,7 @@
 
 - `roomplan`, `scannet` (with Scan2CAD's models), `sunrgbd`, `arkitscenes`, `s3dis`: known captures;
 - `boxes`: a list of boxes; `plainscan`: any cloud or mesh, whose rooms are found later;
-  `segments`: a segmentation beside it;
+  `segments`, `words`: a segmentation and words beside it;
 - `formats`: files of points, meshes and depth; `records`: JSON and tables;
 - `floorplan`, `plan`, `frames`, `worldframe`, `packing`, `scanned`, `surfaces`, `synsets`: what
   several of them share.

@@ -18,11 +18,10 @@ from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.frames import in_world, read_frames
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import read_json
-from orusd_scans.scanned import Scanned
+from orusd_scans.scanned import OTHER_CLASSES, Scanned
 from orusd_scans.segments import with_segments
 from orusd_scans.surfaces import as_cloud
+from orusd_scans.words import classified, read_words
 from orusd_scans.worldframe import Z_UP, WorldFrame
 
 Array = NDArray[np.float64]
@@ -64,10 +63,11 @@ class ScanImporter:
         "unit": "The unit of the coordinates: m, mm, or auto: guessed by their extent (default m).",
         "up": "The direction that is up, as x,y,z or an axis (default z; y for GLB).",
         "frames": "A JSON file with the cameras of photographs.",
+        "classes": 'A JSON file with a word for each number of label: {"0": "ceiling"}.',
         "words": 'A JSON file with a word for each instance by its number: {"13": "trash can"}.',
         "segments": "An .npz or .npy file with a label, a number of a thing, or both, per point.",
     }
-    paths = frozenset({"frames", "words", "segments"})
+    paths = frozenset({"frames", "classes", "words", "segments"})
 
     def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
         """Read a point cloud or a mesh.
@@ -85,6 +85,9 @@ class ScanImporter:
             cloud = with_segments(scanned.cloud, Path(options["segments"]))
             scanned = replace(scanned, cloud=cloud)
         notes = list(scanned.notes)
+        if "classes" in options:
+            scanned = replace(scanned, cloud=classified(scanned.cloud, Path(options["classes"])))
+            notes = [note for note in notes if not note.endswith(OTHER_CLASSES)]
         unit = unit_of(scanned.cloud, options.get("unit", "m"), source, notes)
         frame = _frame(scanned, unit, options.get("up"), source)
         frames: tuple[CapturedFrame, ...] = ()
@@ -110,21 +113,6 @@ class ScanImporter:
             kept[name] = beside if beside not in contents else f"{name}_{beside}"
             contents[kept[name]] = Path(options[name])
         return Packed(source.name, contents, kept)
-
-
-def read_words(path: Path) -> dict[int, tuple[str, ...]]:
-    """The word for each instance by its number.
-
-    Raises:
-        InputError: It is no such file.
-    """
-    node = read_json(path)
-    words = node.value if isinstance(node.value, dict) else {}
-    if not words or not all(key.isdecimal() and len(key) < 9 for key in words):
-        raise node.error(
-            "this is no table of words by the numbers of instances", 'write {"13": "trash can"}'
-        )
-    return {int(key): (text(node.need(key)),) for key in words}
 
 
 def read_scanned(source: Path) -> Scanned:

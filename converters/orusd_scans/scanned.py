@@ -27,6 +27,8 @@ _LONGEST_MESSAGE: Final = 400  # letters
 # Classes and numbers of objects.
 _LARGEST_NUMBER: Final = 1 << 24
 _NYU40: Final = 40
+OTHER_CLASSES: Final = "NYU40 classes were expected (say by --classes FILE what yours mean)"
+"""The end of a note about labels that NYU40 does not have."""
 
 _PLACE: Final = (("x", "y", "z"),)
 _NORMAL: Final = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
@@ -184,7 +186,7 @@ def _numbers(
     if values.max(initial=0) > _LARGEST_NUMBER or (values % 1 != 0).any():
         raise broken(path, f"{name!r} must hold whole numbers below {_LARGEST_NUMBER:,}")
     if usual is not None and (beyond := int(np.count_nonzero(values > usual))):
-        notes.append(f"{beyond} points have labels beyond {usual}: NYU40 classes were expected")
+        notes.append(f"{beyond} points have labels beyond {usual}: {OTHER_CLASSES}")
     return values.astype(np.int32)
 
 

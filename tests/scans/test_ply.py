@@ -9,6 +9,7 @@ import trimesh
 
 from openrooms_usd.errors import InputError
 from orusd_scans.formats.ply import read_ply
+from orusd_scans.scanned import OTHER_CLASSES
 
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [1, 2, 0], [0, 2, 3.5]], float)
 FACES = np.array([[0, 1, 2], [0, 2, 3]])
@@ -152,7 +153,7 @@ def test_labels_that_are_unknown_mean_none(tmp_path: Path) -> None:
     (tmp_path / "l.ply").write_bytes(text + b"0 0 0 nan\n0 0 0 -1\n0 0 0 41\n")
     scanned = read_ply(tmp_path / "l.ply")
     assert scanned.cloud.label.tolist() == [0, 0, 41]
-    assert scanned.notes == ("1 points have labels beyond 40: NYU40 classes were expected",)
+    assert scanned.notes == (f"1 points have labels beyond 40: {OTHER_CLASSES}",)
 
 
 def test_colours_of_other_types(tmp_path: Path) -> None:

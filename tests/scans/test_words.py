@@ -165,3 +165,22 @@ def test_a_plain_scan_may_have_words(tmp_path: Path) -> None:
     table.write_text('["guitar"]')
     with pytest.raises(InputError, match="no table of words"):
         read_capture("scan", tmp_path / "a.npz", {"words": str(table)})
+
+
+def test_labels_may_be_numbers_of_another_list(tmp_path: Path) -> None:
+    """S3DIS counts ceilings from 0; NYU40 would take its floor for a wall."""
+    side = np.arange(0.0, 1.0, 0.02)
+    plane = np.stack(np.meshgrid(side, side), -1).reshape(-1, 2)
+    heights, label = np.array([2.5, 0.0, 0.5]), np.array([0, 1, 8], np.int32)
+    points = np.concatenate([np.column_stack([plane, np.full(len(plane), z)]) for z in heights])
+    np.savez(tmp_path / "a.npz", points=points, label=np.repeat(label, len(plane)))
+    table = tmp_path / "s3dis.json"
+    table.write_text('{"0": "ceiling", "1": "floor", "8": "chair"}')
+    cloud = read_capture("scan", tmp_path / "a.npz", {"classes": str(table)}).cloud
+    assert cloud is not None
+    assert cloud.label is not None
+    assert [NYU40[n] for n in cloud.label[:: len(plane)]][:2] == ["ceiling", "floor"]
+    assert cloud.words == {1: ("chair",)}
+    with pytest.raises(InputError, match="no labels"):
+        np.savez(tmp_path / "b.npz", points=points)
+        read_capture("scan", tmp_path / "b.npz", {"classes": str(table)})
