@@ -160,6 +160,7 @@ class Capture:
         cloud: The scanned points.
         notes: What was dropped or guessed, one sentence each.
         remedy: What to do where the floor is missing.
+        settled: Options that say what the importer found out by itself, so that it can be changed.
     """
 
     source: str
@@ -174,6 +175,7 @@ class Capture:
     cloud: Cloud | None = None
     notes: tuple[str, ...] = ()
     remedy: str = "scan the room again, so that its walls close"
+    settled: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,10 @@ from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.frames import in_world, read_frames
 from orusd_scans.scanned import OTHER_CLASSES, Scanned
 from orusd_scans.segments import with_segments
+from orusd_scans.standing import AUTO, Asked, Standing, find_standing, unit_named
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.words import classified, read_words
-from orusd_scans.worldframe import Z_UP, WorldFrame
+from orusd_scans.worldframe import WorldFrame
 
 Array = NDArray[np.float64]
 
@@ -43,12 +44,11 @@ READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".csv": read_text,
     ".npz": read_npz,
 }
-UNITS: Final = {"m": 1.0, "mm": 0.001}
 UNDETERMINED: Final = (
     "a scan says nothing of its floor: let it be found, by `layout: {from: scan, scan: FILE}`"
 )
-# Extents below this are metres, larger ones millimetres.
-_MAX_SITE_M: Final = 250.0
+# Samples of a mesh by which it is seen how it stands.
+_SAMPLES: Final = 200_000
 # Percentiles that bound the extent, without outliers.
 _EXTENT_PERCENTILES: Final = (1.0, 99.0)
 _MAX_SAMPLE_POINTS: Final = 100_000
@@ -60,8 +60,10 @@ class ScanImporter:
     """Reads point clouds and meshes by the ending of their names."""
 
     options: Mapping[str, str] = {
-        "unit": "The unit of the coordinates: m, mm, or auto: guessed by their extent (default m).",
-        "up": "The direction that is up, as x,y,z or an axis (default z; y for GLB).",
+        "unit": "The unit of the coordinates: m, dm, cm, mm, in, ft, metres for one unit, or auto"
+        " (default): metres, unless the scan shows otherwise.",
+        "up": "The direction that is up, as x,y,z or an axis (default z, y for GLB, unless the scan"
+        " shows otherwise).",
         "frames": "A JSON file with the cameras of photographs.",
         "classes": 'A JSON file with a word for each number of label: {"0": "ceiling"}.',
         "words": 'A JSON file with a word for each instance by its number: {"13": "trash can"}.',
@@ -88,8 +90,9 @@ class ScanImporter:
         if "classes" in options:
             scanned = replace(scanned, cloud=classified(scanned.cloud, Path(options["classes"])))
             notes = [note for note in notes if not note.endswith(OTHER_CLASSES)]
-        unit = unit_of(scanned.cloud, options.get("unit", "m"), source, notes)
-        frame = _frame(scanned, unit, options.get("up"), source)
+        stands = _standing(scanned, options, source)
+        notes += stands.notes
+        frame = _frame(scanned, stands, source)
         frames: tuple[CapturedFrame, ...] = ()
         if "frames" in options:
             frames = in_world(read_frames(Path(options["frames"])), frame, notes)
@@ -103,6 +106,7 @@ class ScanImporter:
             cloud=with_sensor_origins(cloud_in(frame, scanned, source, notes), frames),
             notes=tuple(notes),
             remedy=UNDETERMINED,
+            settled=stands.settled,
         )
 
     def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
@@ -169,35 +173,37 @@ def with_sensor_origins(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Clou
     )
 
 
-def unit_of(cloud: Cloud, asked: str, source: Path, notes: list[str]) -> float:
-    """Metres for one unit of the source.
-
-    Raises:
-        InputError: The unit is not known.
-    """
-    if asked not in (*UNITS, "auto"):
-        raise InputError(
-            f"the unit {asked[:20]!r} is not known", place=source, remedy="give m, mm or auto"
-        )
-    low, high = _range(cloud.points)
-    extent = float((high - low).max())
-    large = extent > _MAX_SITE_M
-    if asked == "auto":
-        chosen = "mm" if large else "m"
-        notes.append(f"the scan is {extent:.4g} units wide: {chosen} is taken for their unit")
-        return UNITS[chosen]
-    if asked == "m" and large:
-        notes.append(f"the scan is {extent:.4g} m wide: are these millimetres (unit: mm)?")
-    return UNITS[asked]
+def _standing(scanned: Scanned, options: Mapping[str, str], source: Path) -> Standing:
+    """How the scan stands, by what is said of it and what it shows."""
+    said = options.get("up")
+    asked = Asked(
+        direction(said or scanned.up, source), bool(said),
+        unit_named(options.get("unit", AUTO), source),
+    )  # fmt: skip
+    cloud = scanned.cloud
+    if scanned.faces is not None:
+        cloud, _ = as_cloud(cloud, scanned.faces, _spacing(cloud.points, scanned.faces))
+    whole = cloud.take(np.asarray(np.isfinite(cloud.points).all(axis=1)))
+    if not len(whole):
+        raise InputError("no point has finite coordinates", place=source)
+    return find_standing(whole, asked, source)
 
 
-def _frame(scanned: Scanned, unit: float, up: str | None, source: Path) -> WorldFrame:
+def _spacing(points: Array, faces: NDArray[np.int64]) -> float:
+    """Of samples of a mesh, in its unit, for a certain number of them."""
+    corners = points[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = 0.5 * float(np.nansum(np.linalg.norm(normals, axis=1)))
+    return max(float(np.sqrt(area / _SAMPLES)), 1e-9)
+
+
+def _frame(scanned: Scanned, stands: Standing, source: Path) -> WorldFrame:
     """The source's own axes, upright; its own origin unless that is far away."""
-    rotation = Z_UP[scanned.up] if up is None else upright(up, source)
     low, high = _range(scanned.cloud.points)
     middle = 0.5 * (low + high)
-    far = unit * float(np.abs(middle).max()) > _FAR_FROM_ORIGIN_M
-    return WorldFrame(rotation, np.floor(middle) if far else np.zeros(3), unit)
+    far = stands.unit * float(np.abs(middle).max()) > _FAR_FROM_ORIGIN_M
+    origin = np.floor(middle) if far else np.zeros(3)
+    return WorldFrame(upright(stands.up), origin, stands.unit)
 
 
 def _range(points: Array) -> tuple[Array, Array]:
@@ -210,8 +216,8 @@ def _range(points: Array) -> tuple[Array, Array]:
     return low, high
 
 
-def upright(up: str, source: Path) -> Array:
-    """(3, 3) the least rotation that turns a direction up.
+def direction(up: str, source: Path) -> Array:
+    """(3,) unit, of a direction in words.
 
     Args:
         up: Three numbers with commas between them, or x, y or z.
@@ -230,7 +236,12 @@ def upright(up: str, source: Path) -> Array:
         raise InputError(
             f"the direction {up[:40]!r} is none", place=source, remedy="give up as 0,0,1 or as z"
         )
-    x, y, z = vector / length
+    return np.asarray(vector / length)
+
+
+def upright(up: Array) -> Array:
+    """(3, 3) the least rotation that turns a unit vector up."""
+    x, y, z = up
     if z < -1.0 + 1e-12:
         return np.diag([1.0, -1.0, -1.0])
     # Rodrigues' formula for the rotation about up x z.

@@ -185,10 +185,12 @@ class ScanLayout(CapturedLayout):
     importer: str = Field(default="scan", min_length=1)
     """What reads it: `scan` for PLY, PCD, OBJ, GLB, LAS, E57 and the like, or another importer that
     gives points, as `orusd import --help` lists them."""
-    unit: Literal["m", "mm", "auto"] = "m"
-    """The unit of the coordinates; `auto` guesses by the extent and says so."""
+    unit: Literal["auto", "m", "dm", "cm", "mm", "in", "ft", "km"] | PositiveLength = "auto"
+    """The unit of the coordinates, or how long it is; `auto` takes metres unless the scan shows
+    otherwise, and says so."""
     up: Direction | None = None
-    """Roughly upwards, in the scan's own frame; by default as the file format has it."""
+    """Roughly upwards, in the scan's own frame; by default as the file format has it, unless the
+    scan shows otherwise."""
     simplicity: PositiveLength = Field(default=0.1, le=10)
     """What a corner must save in missing wall to be worth its while; larger values give plainer
     rooms."""
@@ -209,7 +211,7 @@ class ScanLayout(CapturedLayout):
         if self.importer != "scan":
             return self.options
         up = {"up": ",".join(map(repr, self.up))} if self.up else {}
-        return {"unit": self.unit, **up, **self.options}
+        return {"unit": str(self.unit), **up, **self.options}
 
 
 class ImportedLayout(ImportedSection, CapturedLayout):

@@ -102,7 +102,7 @@ def import_capture(
     except OSError as error:
         raise _unreadable(source, error) from error
     described = describe if capture.floor is not None else describe_scan
-    text = described(kind, capture, packed.file, packed.options)
+    text = described(kind, capture, packed.file, {**packed.options, **capture.settled})
     room = parse_room(text, str(out / ROOM), folder=out)
     with locked(out):
         with writing(out):

@@ -20,6 +20,8 @@ _CLEAR: Final = 0.3
 # Objects that are known beside the scan are numbered from here: its own instances are fewer.
 _FIRST: Final = 100_001
 _NYU_LAMP: Final = 35
+# Options of plain scans that the description has words for.
+_STANDS: Final = ("unit", "up")
 
 _TEMPLATE: Final = """\
 # Made from {file} by: orusd import {kind}
@@ -129,7 +131,8 @@ def describe_scan(
     """
     lines = ["from: scan", f"scan: {_quoted(file)}"]
     lines += [] if kind == "scan" else [f"importer: {_quoted(kind)}"]
-    lines += _options(options)
+    lines += _stands(kind, options)
+    lines += _options(options if kind != "scan" else _but(options, _STANDS))
     if len(capture.frames) == 1:
         lines += ["# A single view shows little of a room: the rest is guessed.", "partial: true"]
     lit = _shows_lamps(capture)
@@ -211,6 +214,19 @@ def _options(options: Mapping[str, str]) -> Iterator[str]:
     if options:
         pairs = (f"{_quoted(name)}: {_quoted(value)}" for name, value in options.items())
         yield f"options: {{{', '.join(pairs)}}}"
+
+
+def _stands(kind: str, options: Mapping[str, str]) -> Iterator[str]:
+    """How a plain scan stands, in words of the description."""
+    if kind == "scan" and (unit := options.get("unit")):
+        yield f"unit: {unit}"
+    if kind == "scan" and (up := options.get("up")):
+        axis = {"x": "1, 0, 0", "y": "0, 1, 0", "z": "0, 0, 1"}.get(up.lower())
+        yield f"up: [{axis or ', '.join(up.split(','))}]"
+
+
+def _but(options: Mapping[str, str], names: Iterable[str]) -> dict[str, str]:
+    return {name: value for name, value in options.items() if name not in names}
 
 
 def _indented(lines: Iterable[str]) -> str:

@@ -7,9 +7,16 @@ import pytest
 
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
-from orusd_scans.plainscan import upright
+from orusd_scans.plainscan import direction, upright
+from tests.scan.scanned_rooms import RoomScan
 
-ROOM = np.random.default_rng(0).uniform(0, 1, (3000, 3)) * [5.0, 4.0, 2.5]
+FURNITURE = (
+    (0.3, 0.2, 1.6, 0.8, 0.0, 0.75), (2.2, 1.4, 0.9, 0.9, 0.0, 0.45),
+    (4.3, 0.5, 0.6, 1.9, 0.0, 1.8), (0.2, 2.9, 2.0, 0.9, 0.0, 0.5),
+)  # fmt: skip
+CORNERS = ((0, 0), (5, 0), (5, 4), (0, 4))
+DOOR = (0, 3, 4, 0, 2)
+ROOM = RoomScan(CORNERS, boxes=FURNITURE, holes=[DOOR], spacing=0.05).cloud().points
 
 
 def stored(path: Path, points: np.ndarray, **more: np.ndarray) -> Path:
@@ -26,27 +33,14 @@ def test_metres_and_z_up_stay_as_they_are(tmp_path: Path) -> None:
     assert "from: scan" in capture.remedy
 
 
-@pytest.mark.parametrize(("unit", "note"), [("mm", ""), ("auto", "mm is taken for their unit")])
-def test_millimetres(tmp_path: Path, unit: str, note: str) -> None:
+@pytest.mark.parametrize("unit", ["mm", "auto", "0.001"])
+def test_millimetres(tmp_path: Path, unit: str) -> None:
     capture = read_capture("scan", stored(tmp_path, 1000 * ROOM), {"unit": unit})
     assert capture.cloud.points == pytest.approx(ROOM)
-    assert note in " ".join(capture.notes)
+    assert ("millimetres are taken" in " ".join(capture.notes)) == (unit == "auto")
+    assert capture.settled == ({"unit": "mm"} if unit == "auto" else {})
     back = capture.cloud.points @ capture.source_from_world[:3, :3].T
     assert back + capture.source_from_world[:3, 3] == pytest.approx(1000 * ROOM)
-
-
-@pytest.mark.parametrize("scale", [0.25, 1.0, 10.0])
-def test_metres_are_guessed_from_a_bathroom_to_a_site(tmp_path: Path, scale: float) -> None:
-    points = np.concatenate([ROOM * scale, [[9e5, 0, 0]]])  # an outlier is no extent
-    capture = read_capture("scan", stored(tmp_path, points), {"unit": "auto"})
-    assert "m is taken" in capture.notes[0]
-    assert capture.cloud.points[:-1] == pytest.approx(ROOM * scale)
-
-
-def test_what_looks_like_millimetres_is_asked_about_but_left(tmp_path: Path) -> None:
-    capture = read_capture("scan", stored(tmp_path, 1000 * ROOM))
-    assert "are these millimetres" in capture.notes[0]
-    assert np.ptp(capture.cloud.points, axis=0).max() > 4000
 
 
 def test_coordinates_of_a_map_keep_their_digits(tmp_path: Path) -> None:
@@ -73,14 +67,15 @@ def test_up_becomes_z(tmp_path: Path, up: str) -> None:
 
 def test_the_least_turn_is_taken() -> None:
     tilt = np.radians(5.0)
-    turn = upright(f"0,{np.sin(tilt)},{np.cos(tilt)}", Path("s"))
+    turn = upright(direction(f"0,{np.sin(tilt)},{np.cos(tilt)}", Path("s")))
     assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(5.0)
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"unit": "ft"}, "unit 'ft' is not known"),
+        ({"unit": "ell"}, "unit 'ell' is not known"),
+        ({"unit": "-1"}, "unit '-1' is not known"),
         ({"up": "0,0,0"}, "direction"),
         ({"up": "up"}, "direction"),
         ({"up": "0,0,nan"}, "direction"),

@@ -34,7 +34,7 @@ def test_a_box_by_trimesh(tmp_path: Path, ending: str) -> None:
     assert scanned.cloud.points.max(axis=0) == pytest.approx([5.5, 1, 1.5])
     assert len(scanned.faces) == 12
     assert scanned.up == ("Y" if ending == "glb" else "Z")
-    cloud = ScanImporter().read(path).cloud
+    cloud = ScanImporter().read(path, {"up": scanned.up}).cloud
     # 22 m2 at a point for 4 cm2, and on the surface.
     assert len(cloud) == pytest.approx(22 / 0.02**2, rel=0.02)
     half = [0.5, 1.5, 1.0] if ending == "glb" else [0.5, 1.0, 1.5]

@@ -2,6 +2,7 @@
 
 In the order of the work:
 
+- `verticals`: what speaks for every axis that may be up, in a scan of any unit;
 - `ground`, `levelling`, `directions`: gravity, the floor, the directions of walls;
 - `ceilings`: their heights and slopes; `doorleaves`: open doors, which are no walls;
 - `walls`, `candidates`: surfels of walls, and line hypotheses for them;

@@ -1,0 +1,148 @@
+"""Scans that are turned to every axis and written in every unit: never nonsense without a word."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from openrooms_usd.capture import read_capture
+from openrooms_usd.errors import InputError
+from openrooms_usd.scan.points.cloud import Cloud
+from orusd_scans.plainscan import upright
+from orusd_scans.standing import UNITS, Asked, Standing, find_standing, unit_named
+from tests.scan.scanned_rooms import RoomScan
+
+Real = Callable[[str], Path]
+
+WAYS = [np.array(way, float) for way in (
+    (0, 0, 1), (0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0),
+)]  # fmt: skip
+Z = WAYS[0]
+SCALES = (0.001, 0.01, 0.3048, 1.0, 1 / 0.3048, 1 / 0.0254, 100.0, 1000.0)
+THINGS = (
+    (0.3, 0.2, 1.6, 0.8, 0.0, 0.75), (2.2, 1.4, 0.9, 0.9, 0.0, 0.45),
+    (4.3, 0.5, 0.6, 1.9, 0.0, 1.8), (0.2, 2.9, 2.0, 0.9, 0.0, 0.5), (3.0, 2.6, 1.2, 0.7, 0.7, 0.74),
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def room() -> Cloud:
+    """A furnished room of 5 by 4 by 2.5 metres, Z up, without labels."""
+    scan = RoomScan(((0, 0), (5, 0), (5, 4), (0, 4)), boxes=THINGS, spacing=0.05)
+    return Cloud(scan.cloud().points)
+
+
+def turned(cloud: Cloud, way: np.ndarray, scale: float = 1.0) -> Cloud:
+    return Cloud(scale * cloud.points @ upright(way), label=cloud.label)
+
+
+def stands(cloud: Cloud, up: str | None = None, unit: str = "auto") -> Standing:
+    said = np.array([float(word) for word in (up or "0,0,1").split(",")])
+    asked = Asked(said, up is not None, unit_named(unit, Path("s")))
+    return find_standing(cloud, asked, Path("s"))
+
+
+def outcome(cloud: Cloud, way: np.ndarray, scale: float) -> str:
+    """What becomes of a Z-up scan in metres that is turned and scaled."""
+    try:
+        found = stands(turned(cloud, way, scale))
+    except InputError as error:
+        assert "--up" in error.remedy or "--unit" in error.remedy
+        return "refused"
+    right = found.up @ way > np.cos(np.deg2rad(14)) and found.unit * scale == pytest.approx(1.0)
+    return ("right" if right else "wrong") + (", told" if found.notes else "")
+
+
+@pytest.mark.parametrize("way", WAYS[2:], ids=str)
+def test_a_room_on_its_side_is_put_upright_and_that_is_said(room: Cloud, way: np.ndarray) -> None:
+    found = stands(turned(room, way))
+    np.testing.assert_array_equal(found.up, way)
+    assert "taken for up" in found.notes[0]
+    assert "--up" in found.notes[0]
+    assert found.settled == {"up": ",".join(f"{value:g}" for value in way)}
+
+
+def test_what_stands_as_files_do_goes_without_a_word(room: Cloud) -> None:
+    found = stands(room)
+    assert (found.up == Z).all()
+    assert (found.unit, dict(found.settled), found.notes) == (1.0, {}, ())
+
+
+def test_a_room_upside_down_is_never_silent(room: Cloud) -> None:
+    assert outcome(room, WAYS[1], 1.0) != "wrong"
+
+
+@pytest.mark.parametrize("unit", ["mm", "cm", "in", "ft", "km"])
+def test_other_units_are_found_or_asked_for(room: Cloud, unit: str) -> None:
+    assert outcome(room, Z, 1.0 / UNITS[unit]) in ("right, told", "refused")
+
+
+@pytest.mark.parametrize("scale", [0.01, 0.3048])
+def test_a_unit_that_nobody_has_is_asked_for_in_metres(room: Cloud, scale: float) -> None:
+    with pytest.raises(InputError, match="no usual unit") as caught:
+        stands(turned(room, Z, scale))
+    assert float(caught.value.remedy.split("--unit ")[1].split("`")[0]) * scale == pytest.approx(
+        1.0, rel=0.1
+    )
+
+
+def test_metres_that_are_called_millimetres_are_a_room_of_four_millimetres(room: Cloud) -> None:
+    with pytest.raises(InputError, match=r"would be .* mm wide and 2\.5 mm high") as caught:
+        stands(room, unit="mm")
+    assert "--unit m`" in caught.value.remedy
+
+
+@pytest.mark.parametrize("up", ["0,1,0", "1,0,0", "0,0,-1", "0,-1,0", "0,0.7,0.7"])
+def test_a_wrong_up_is_told(room: Cloud, up: str) -> None:
+    try:
+        found = stands(room, up=up)
+    except InputError as error:
+        assert "--up 0,0,1" in error.remedy
+    else:
+        assert "--up 0,0,1" in " ".join(found.notes)
+
+
+def test_labels_tell_the_floor(room: Cloud) -> None:
+    bare = RoomScan(((0, 0), (2.5, 0), (2.5, 2.5), (0, 2.5)), spacing=0.04).cloud()
+    for way in WAYS:
+        np.testing.assert_array_equal(stands(turned(bare, way)).up, way)
+
+
+def test_a_cube_is_never_silent() -> None:
+    bare = Cloud(RoomScan(((0, 0), (2.5, 0), (2.5, 2.5), (0, 2.5)), spacing=0.04).cloud().points)
+    assert all(outcome(bare, way, 1.0) != "wrong" for way in WAYS[1:])
+
+
+CAPTURES = {
+    "real_dev/data/arkit_lounge/textured.obj": (0, 1, 0),
+    "real_dev/data/laser_offset/scan.ply": (0, 0, 1),
+    "real_dev/data/scannet_0002_00/scan.ply": (0, 0, 1),
+    "real_dev/data/scannet_0000_00/scene0000_00_vh_clean_2.ply": (0, 0, 1),
+    "pcl_room_scan/room_scan1.pcd": (0, 0, 1),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CAPTURES)
+def test_a_real_scan_on_every_side_and_in_every_unit(real: Real, name: str) -> None:
+    read = read_capture("scan", real(name))
+    up = np.linalg.inv(read.source_from_world)[:3, :3] @ CAPTURES[name]
+    assert up @ Z > 0.99
+    scan = Cloud(read.cloud.points - np.median(read.cloud.points, axis=0))
+    for way in WAYS[1:]:
+        assert outcome(scan, way, 1.0) != "wrong"
+    for scale in SCALES:
+        assert outcome(scan, Z, scale) != "wrong"
+
+
+def test_a_capture_that_lies_on_its_side(real: Real) -> None:
+    lounge = read_capture("scan", real("real_dev/data/arkit_lounge/textured.obj"))
+    assert lounge.settled == {"up": "0,1,0"}
+    assert any("0,1,0 is taken for up" in note for note in lounge.notes)
+    fragment = real("real_dev/data/rgbd_fragment/cloud_bin_2.ply")
+    with pytest.raises(InputError, match="which way is up") as caught:
+        read_capture("scan", fragment)
+    assert "--up" in caught.value.remedy
+    assert "partial: true" in caught.value.remedy
+    assert read_capture("scan", fragment, {"up": "0,-1,0"}).settled == {}
