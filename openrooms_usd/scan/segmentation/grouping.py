@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
-from openrooms_usd.scan.segmentation.tops import Top, tops_of, united
+from openrooms_usd.scan.segmentation.tops import LOWEST_SEAT_M, Top, tops_of, united
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int32]
@@ -33,6 +33,13 @@ _MAX_REACH_M: Final = 2.2
 # belongs to them, such as pillows. Metres.
 _ABOVE_TOP_M: Final = 0.06
 _HIGHEST_SEAT_M: Final = 0.62
+# A back rises over its seat by so much, has its middle within the outline of what the seat has or
+# this near to it, metres, and touches that at so many places for each of its surfels.
+_BESIDE_SEAT_M: Final = 0.1
+# The least length of a back by that of its seat: a night stand beside a bed is shorter.
+_BACK_LENGTH_SHARE: Final = 0.6
+_RISES_M: Final = (0.06, 0.75)
+_CONTACT_SHARE: Final = 0.15
 # Parts that are connected by less than this width are two, metres, unless one is smaller than this.
 _NECK_M: Final = 0.15
 _SMALLEST_PART_M2: Final = 0.04
@@ -62,6 +69,7 @@ def grouped(pieces: Surfels) -> Numbers:
     piece_of_top = united(tops)
     found = _spread(pieces, pairs, tops, piece_of_top)
     found = _renumbered(found, _loose_parts(pieces, pairs, found < 0))
+    found = _with_backs(pieces, pairs, tops, piece_of_top, found)
     above = _above_tops(pieces, tops, piece_of_top, found)
     found = _renumbered(np.where(above, -1, found), _connected(pairs, above))
     return _with_feet(pieces, found)
@@ -148,6 +156,45 @@ def _above_tops(
         if max(heights) > _HIGHEST_SEAT_M:
             above |= (found == number) & (pieces.points[:, 2] > max(heights) + _ABOVE_TOP_M)
     return above
+
+
+def _with_backs(
+    pieces: Surfels,
+    pairs: Pairs,
+    tops: Sequence[Top],
+    piece_of_top: Sequence[int],
+    found: Numbers,
+) -> Numbers:
+    """The same; what rises within the outline of a seat and touches it is its back, or its arm."""
+    import shapely
+
+    found = found.copy()
+    for top, seat in zip(tops, piece_of_top, strict=True):
+        own = found == seat
+        if not (LOWEST_SEAT_M < top.height < _HIGHEST_SEAT_M) or not own.any():
+            continue
+        outline = shapely.MultiPoint(pieces.points[own, :2]).convex_hull.buffer(_BESIDE_SEAT_M)
+        length = _length(pieces, np.flatnonzero(own))
+        sides = own[pairs]
+        touching = found[np.where(sides[:, 0], pairs[:, 1], pairs[:, 0])][sides.sum(axis=1) == 1]
+        numbers, contacts = np.unique(touching, return_counts=True)
+        for number, contact in zip(numbers.tolist(), contacts.tolist(), strict=True):
+            rows = np.flatnonzero(found == number)
+            rise = float(np.quantile(pieces.points[rows, 2], 0.98)) - top.height
+            if contact < _CONTACT_SHARE * len(rows) or not _RISES_M[0] < rise < _RISES_M[1]:
+                continue
+            if _length(pieces, rows) < _BACK_LENGTH_SHARE * length:
+                continue
+            if shapely.contains_xy(outline, *pieces.points[rows, :2].mean(axis=0)):
+                found[rows] = seat
+    return found
+
+
+def _length(pieces: Surfels, rows: NDArray[np.intp]) -> float:
+    """The longest extent of some surfels in the plan, along the axes or the diagonals, metres."""
+    x, y = pieces.points[rows, :2].T
+    half = np.sqrt(0.5)
+    return max(float(np.ptp(along)) for along in (x, y, half * (x + y), half * (x - y)))
 
 
 def _with_feet(pieces: Surfels, found: Numbers) -> Numbers:

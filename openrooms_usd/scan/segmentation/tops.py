@@ -29,7 +29,8 @@ _SEAM_M: Final = 0.13
 _BELOW_SHARE: Final = 0.7
 _SHELF_SHARE: Final = 0.3
 # Seats: their heights; a back or an arm of one is a narrow top that rises beside it, metres.
-_SEAT_M: Final = (0.25, 0.62)
+LOWEST_SEAT_M: Final = 0.25
+_SEAT_M: Final = (LOWEST_SEAT_M, 0.62)
 _RISES_M: Final = (0.06, 0.75)
 _NARROW_M: Final = 0.27
 _LARGEST_BACK_FACTOR: Final = 1.5  # of the seat's area: cushions hide much of it
