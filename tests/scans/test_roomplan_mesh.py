@@ -158,6 +158,38 @@ def test_a_wall_that_is_lower_at_one_end_has_no_hole_there(scanner, tmp_path: Pa
     }
     usdz = read(pack(tmp_path / "Room.usdz", mesh_layers(data)))
     assert sorted(o.kind for o in usdz.openings) == ["door", "window"]
+    assert usdz.notes == ("1 wall that is no rectangle is built up to the full height",)
+
+
+def test_a_curved_wall_with_a_thickness_has_the_arc_of_its_front(scanner, tmp_path: Path) -> None:
+    data = furnished(scanner) | {"windows": []}
+    wall, layers = data["walls"][0], mesh_layers(data)
+    # Bulging out of the room, whose inside is at -z of this wall: it is thick towards its centre.
+    radius, half, y = 4.0, np.arcsin(2.5 / 4.0), 0.5 * 2.45
+    angles = np.linspace(0.5 * np.pi + half, 0.5 * np.pi - half, 25)
+    rings = []
+    for r in (radius, radius - THICK):
+        x, z = r * np.cos(angles), r * np.sin(angles) - radius * np.cos(half)
+        rings += [np.column_stack([x, np.full(25, side), z]) for side in (-y, y)]
+    faces = [[k + i, k + i + 1, k + i + 26, k + i + 25] for k in (0, 50) for i in range(24)]
+    mesh = (
+        '    def Mesh "Wall0"\n    {\n'
+        f"        int[] faceVertexCounts = {[4] * 48}\n"
+        f"        int[] faceVertexIndices = {[i for face in faces for i in face]}\n"
+        f"        point3f[] points = {[tuple(map(float, p)) for p in np.concatenate(rings)]}\n"
+        f"        matrix4d xformOp:transform = {matrix_text(wall['transform'])}\n"
+        '        uniform token[] xformOpOrder = ["xformOp:transform"]\n    }\n'
+    )
+    name = "assets/Mesh/Walls/Wall0/Wall0.usda"
+    layers[name] = component("Wall0", "Wall", wall["identifier"], mesh)
+    usdz = read(pack(tmp_path / "Room.usdz", layers))
+    wall["curve"] = {
+        "radius": radius, "center": [0, -radius * np.cos(half)],
+        "startAngle": 0.5 * np.pi + half, "endAngle": 0.5 * np.pi - half,
+    }  # fmt: skip
+    known = read(scanner.write(data))
+    assert len(known.floor) > 12
+    assert usdz.floor == pytest.approx(known.floor, abs=1e-4)
 
 
 def test_furniture_models_stand_in_their_boxes(scanner, tmp_path: Path) -> None:

@@ -238,3 +238,15 @@ def test_an_opening_between_two_rooms_is_where_its_wall_is(scanner) -> None:
     data["floors"][1] = scanner.room([[x + 1.0, y] for x, y in LARGE], HEIGHT)["floors"][0]
     path = scanner.write(data)
     assert ids(read(path, "bedroom"))[0] == ["passage"]
+
+
+def test_a_floor_without_corners_has_those_of_the_walls(scanner) -> None:
+    """Its sides alone would be the rectangle around it."""
+    corners = [[0, 0], [5, 0], [5, 2], [2, 2], [2, 4], [0, 4]]
+    data = scanner.room(corners, HEIGHT)
+    whole = read(scanner.write(data))
+    data["floors"][0]["polygonCorners"] = []
+    capture = read(scanner.write(data))
+    assert area(capture) == pytest.approx(area(whole)) == pytest.approx(14.0)
+    assert not capture.partitions
+    assert capture.notes == ()

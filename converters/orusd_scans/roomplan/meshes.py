@@ -1,6 +1,7 @@
 """Floors and walls that are given as triangle meshes: outlines, and the holes in them."""
 
 from collections import Counter
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from shapely import Polygon
     from shapely.geometry.base import BaseGeometry
 
 Array = NDArray[np.float64]
@@ -156,28 +158,51 @@ def middle_part(points: Array) -> float:
     return float(min(-points[:, 0].min(), points[:, 0].max()))
 
 
-def holes(points: Array, faces: Faces, half: float) -> list[Hole]:
-    """The rectangles that are missing in the face of a flat wall.
+def missing(points: Array, faces: Faces, half: float) -> "list[Polygon]":
+    """What the face of a flat wall leaves open of its rectangle.
 
     Args:
         points: (N, 3) in the wall's frame, whose plane is z = 0, metres.
         faces: The faces.
         half: Half the wall's length, metres.
+
+    Returns:
+        Polygons in the wall's x and y, from left to right.
     """
     import shapely
 
     depth = np.abs(points[:, 2])
     front = [face for face in faces if (depth[face] < depth.min() + _FLAT_M).all()]
     bottom, top = points[:, 1].min(), points[:, 1].max()
-    missing = shapely.box(-half, bottom, half, top).difference(_union(points[:, :2], front))
+    rest = shapely.box(-half, bottom, half, top).difference(_union(points[:, :2], front))
     # Without the slivers that rounding leaves along the wall's ends.
-    missing = missing.buffer(-_SLIVER_M).buffer(_SLIVER_M, join_style="mitre")
+    rest = rest.buffer(-_SLIVER_M).buffer(_SLIVER_M, join_style="mitre")
+    parts = [part for part in shapely.get_parts(rest) if part.area > _MIN_HOLE_M2]
+    return sorted(parts, key=lambda part: tuple(part.bounds))
+
+
+def holes(parts: "Sequence[Polygon]", top: float) -> list[Hole]:
+    """The rectangles among what is missing in a wall.
+
+    Args:
+        parts: What is missing. Where that is open at the top, the wall is lower there.
+        top: The wall's top in its y, metres.
+    """
     found = []
-    for part in shapely.get_parts(missing):
+    for part in parts:
         left, low, right, high = part.bounds
         box = (right - left) * (high - low)
-        # What is open at the top is no hole: the wall is lower there.
-        is_hole = part.area > _MIN_HOLE_M2 and high < top - _SLIVER_M
-        if is_hole and part.area > _MIN_RECTANGLE_SHARE * box:
+        if high < top - _SLIVER_M and part.area > _MIN_RECTANGLE_SHARE * box:
             found.append(Hole(left, right, low, high))
-    return sorted(found)
+    return found
+
+
+def lowered(parts: "Sequence[Polygon]", half: float, bottom: float, top: float) -> Array:
+    """(K, 3) the corners of a wall that is not as high everywhere; none of a rectangle."""
+    import shapely
+
+    cuts = [part for part in parts if part.bounds[3] >= top - _SLIVER_M]
+    whole = shapely.box(-half, bottom, half, top).difference(shapely.union_all(cuts))
+    if not cuts or whole.geom_type != "Polygon":
+        return np.empty((0, 3))
+    return np.insert(shapely.get_coordinates(whole.exterior)[:-1], 2, 0.0, axis=1)

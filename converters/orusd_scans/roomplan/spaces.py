@@ -145,6 +145,8 @@ def _spaces(room: CapturedRoom) -> list[Space]:
     if len(floors) < 2:
         labels = [section.label for section in room.sections]
         outline = floors[0][0] if floors else _from_walls(room, notes)
+        if floors and not len(room.floors[0].corners):
+            outline = _around(room, outline)
         story = room.floors[0].story if floors else None
         return [Space(_known(labels), outline, room, tuple(notes), story=story)]
     return [
@@ -176,6 +178,13 @@ def _floor(floor: Record, room: CapturedRoom) -> Array:
     if len(plan) == len(corners):
         return corners
     return np.asarray(np.column_stack([plan[:, 0], np.full(len(plan), level), plan[:, 1]]) + base)
+
+
+def _around(room: CapturedRoom, rectangle: Array | None) -> Array | None:
+    """What the walls enclose where they close, in place of a floor that only tells its sides."""
+    notes: list[str] = []
+    found = _from_walls(room, notes)
+    return rectangle if found is None or notes else found
 
 
 def _from_walls(room: CapturedRoom, notes: list[str]) -> Array | None:

@@ -27,7 +27,15 @@ from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import Node
 from orusd_scans.roomplan.archive import layers as archived
 from orusd_scans.roomplan.curves import Arc, fitted_arc
-from orusd_scans.roomplan.meshes import Hole, floor_outline, holes, is_flat, middle_part
+from orusd_scans.roomplan.meshes import (
+    Hole,
+    floor_outline,
+    holes,
+    is_flat,
+    lowered,
+    middle_part,
+    missing,
+)
 from orusd_scans.roomplan.records import CapturedRoom, Record, Section
 from orusd_scans.roomplan.shapes import AGAIN, Shape, local, shape_of, walk
 
@@ -236,17 +244,20 @@ def _wall(identifier: str, shape: Shape, place: str) -> tuple[Record, list[Hole]
     middle[0] = 0.0 if len(own) < len(shape.points) else middle[0]
     arc: Arc | None = None
     gaps: list[Hole] = []
+    corners = np.empty((0, 3))
     if is_flat(shape.points):
-        gaps = holes(shape.points, shape.faces, half)
+        bottom, top = own[:, 1].min(), own[:, 1].max()
+        parts = missing(shape.points, shape.faces, half)
+        gaps, corners = holes(parts, top), lowered(parts, half, bottom, top) - middle
     else:
         middle[2] = 0.0
         arc = fitted_arc((_front(own) - middle)[:, [0, 2]])
-    record = Record(identifier, "wall", size, _moved(shape, middle), arc=arc)
-    at_middle = [
-        Hole(g.left - middle[0], g.right - middle[0], g.bottom - middle[1], g.top - middle[1])
-        for g in gaps
+    moved = _moved(shape, middle)
+    record = Record(identifier, "wall", size, moved, corners=corners, arc=arc)
+    x, y, _ = middle
+    return _checked(record, place), [
+        Hole(gap.left - x, gap.right - x, gap.bottom - y, gap.top - y) for gap in gaps
     ]
-    return _checked(record, place), at_middle
 
 
 def _front(points: Array) -> Array:
