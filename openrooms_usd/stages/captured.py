@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.capture import Capture, CapturedBox
-from openrooms_usd.categories.words import plain
+from openrooms_usd.categories.words import category_of, plain
 from openrooms_usd.description.alignment import Placed, named_objects
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.library.furniture import MAX_SIDE, MIN_SIDE, Size
-from openrooms_usd.stages.substitutes import UNKNOWN, substitute
+from openrooms_usd.stages.substitutes import UNKNOWN, of_size, substitute
 
 # Captured heights are uncertain by some centimetres: boxes this near to the floor stand on it.
 FLOOR_TOLERANCE: Final = 0.1
@@ -55,12 +55,15 @@ def captured_objects(
     """
     kinds = [_kind(box, floor) for box in capture.boxes]
     modelled = {model.id for model in capture.models if model.file}
-    unknown = [
-        box.label
-        for box, (made, _) in zip(capture.boxes, kinds, strict=True)
+    boxed = {
+        (box.label, label)
+        for box, (made, label) in zip(capture.boxes, kinds, strict=True)
         if not made and box.id not in modelled
-    ]
-    notes += [f"captured {word!r} is unknown: a box stands for it" for word in sorted({*unknown})]
+    }
+    for word, label in sorted(boxed):
+        known = category_of(label, 0.0) is not None
+        why = "has a size that no such thing has" if known else "is unknown"
+        notes.append(f"captured {word!r} {why}: a box stands for it")
     taken = {name for name, _ in named_objects(described)}
     labels = [(label, box.id) for box, (_, label) in zip(capture.boxes, kinds, strict=True)]
     return [
@@ -73,8 +76,10 @@ def captured_objects(
 
 def _kind(box: CapturedBox, floor: float) -> tuple[str | None, str]:
     """What the library builds for a box, if it knows it, and what it is called."""
-    found = substitute(box.label, box.attributes, float(box.center[2] - 0.5 * box.size[2]) - floor)
-    return found, found or plain(box.label)
+    bottom = float(box.center[2] - 0.5 * box.size[2]) - floor
+    found = substitute(box.label, box.attributes, bottom)
+    possible = found and of_size(found, box.label, bottom, box.size)
+    return possible, possible or found or plain(box.label)
 
 
 def _object(name: str, box: CapturedBox, category: str, label: str, floor: float) -> Captured:

@@ -20,14 +20,14 @@ from openrooms_usd.names import SHELL
 from openrooms_usd.scan.models.cad import CadModel, Up
 from openrooms_usd.scan.placement.correcting import correction
 from openrooms_usd.scan.registration.hints import Box, Hint
-from openrooms_usd.scan.registration.scalelimits import CAD_UNITS_M, SCALES
+from openrooms_usd.scan.registration.scalelimits import CAD_UNITS_M
 from openrooms_usd.scan.results import FoundObject, Pose
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.catalogue import Catalogue
 from openrooms_usd.stages.instances import Instance, hint_of, instances_of
 from openrooms_usd.stages.placement import Measured, Placement, Source
 from openrooms_usd.stages.scanned import ScannedRoom, captured_hints
-from openrooms_usd.stages.substitutes import UNKNOWN
+from openrooms_usd.stages.substitutes import UNKNOWN, sizes_of
 from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
 
 Array = NDArray[np.float64]
@@ -164,12 +164,6 @@ def _kind(cad: Cad, folder: Path) -> str:
     said = (_synsets().get(word) or category_of(word, 0.0) for word in (cad.category, *above))
     found = next((kind for kind in said if kind), None) or named_in(cad.file.stem)
     return found or (plain(cad.category) if cad.category else "")
-
-
-def sizes_of(name: str) -> Array:
-    """(2, 3) the least and the greatest size of what the library builds, metres."""
-    spec = category(name)
-    return np.asarray(np.array([spec.least, spec.most]) * np.array(SCALES)[:, None])
 
 
 def _unit_of(model: CadModel) -> float | None:

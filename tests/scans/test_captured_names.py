@@ -138,3 +138,14 @@ def test_the_words_are_those_of_the_data_sets() -> None:
     nyu += " toilet sink lamp bathtub"
     unknown = [word for word in (roomplan + " " + nyu).split() if not substitute(word, {}, 0.0)]
     assert unknown == []
+
+
+def test_sizes_that_no_such_thing_has_are_boxes() -> None:
+    """A chair of 3 m is a box that is called chair; a deep bookshelf a cabinet."""
+    chair = CapturedBox("a", "chair", np.array([0, 0, 1.5]), np.eye(3), np.full(3, 3.0))
+    shelf = CapturedBox("b", "bookshelf", np.array([4, 0, 1.0]), np.eye(3), np.array([2, 1.5, 2.0]))
+    screen = CapturedBox("c", "tv", np.array([8, 0, 1.0]), np.eye(3), np.array([1.2, 0.02, 0.7]))
+    things, notes = objects(chair, shelf, screen)
+    assert [thing.category for thing in things] == ["box", "cabinet", "television"]
+    assert things[0].name == "chair_a"
+    assert notes == ["captured 'chair' has a size that no such thing has: a box stands for it"]
