@@ -1,7 +1,8 @@
 """The same scan without its labels, lying on its side, or in millimetres: another PLY file."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,8 @@ def variant(source: Path, change: Change, target: Path) -> None:
     cloud = scanned.cloud
     points = cloud.points * (1000.0 if change == "millimetres" else 1.0)
     turn = ON_ITS_SIDE if change == "on its side" else np.eye(3)
-    columns = {name: (points @ turn.T)[:, k] for k, name in enumerate("xyz")}
+    places = points @ turn.T
+    columns: dict[str, NDArray[Any]] = {name: places[:, k] for k, name in enumerate("xyz")}
     if cloud.normals is not None:
         normals = cloud.normals @ turn.T
         columns |= {f"n{name}": normals[:, k] for k, name in enumerate("xyz")}
@@ -37,7 +39,7 @@ def variant(source: Path, change: Change, target: Path) -> None:
 
 
 def write_ply(
-    target: Path, columns: dict[str, NDArray[np.generic]], faces: NDArray[np.int64] | None = None
+    target: Path, columns: Mapping[str, NDArray[Any]], faces: NDArray[np.int64] | None = None
 ) -> None:
     """A binary PLY file: bytes stay bytes, all else becomes float (places: double)."""
     kinds = {
