@@ -136,6 +136,7 @@ def compose_room(
         misfits = misfits_of(out)
     notes = (
         *_about_settled(out, summaries),
+        *_about_room(out, summaries),
         *_about_strangers(out, draft),
         *(f"{misfit}: see orusd edits fit" for misfit in misfits),
     )
@@ -154,6 +155,16 @@ def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str
     gone = orphans_of(out, names.SETTLED)
     if gone:
         yield f"{layer} has {len(gone)} opinions that do nothing, the first: {gone[0]}: {again}"
+
+
+def _about_room(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
+    """What is to be said of a room that was written anew and shows what nobody meant."""
+    if any(row.state == "written" for row in summaries):
+        from openrooms_usd.usd.layers import open_stage
+        from openrooms_usd.validation.model import Subject
+        from openrooms_usd.validation.room_rules import told
+
+        yield from told(Subject(open_stage(out / names.SCENE)))
 
 
 def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:

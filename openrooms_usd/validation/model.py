@@ -12,6 +12,7 @@ from openrooms_usd import names
 from openrooms_usd.edits.orphans import edit_layers
 from openrooms_usd.usd.diagnostics import UNREADABLE
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.validation.roomview import RoomView
 
 Severity = Literal["error", "warning"]
 
@@ -96,6 +97,11 @@ class Subject:
             if prim.IsA(UsdGeom.Gprim)
             and UsdGeom.Imageable(prim).ComputePurpose() != UsdGeom.Tokens.guide
         )
+
+    @cached_property
+    def room(self) -> RoomView:
+        """The room as people see it."""
+        return RoomView(self.stage)
 
     @cached_property
     def asset_paths(self) -> tuple[tuple[Sdf.Layer, str], ...]:

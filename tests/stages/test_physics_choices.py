@@ -201,7 +201,7 @@ def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) ->
     source.write_text("alignment: {objects: []}\nphysics: {shapes: hull}\n")
     out = tmp_path / "out"
     first = compose_room(source, out, workers=1)
-    assert first.notes == ()
+    assert not [note for note in first.notes if "settled" in note]
     layer = Sdf.Layer.CreateAnonymous(".usda")
     layer.ImportFromString((out / "layers" / "edits.usda").read_text())
     gone = Sdf.CreatePrimInLayer(layer, f"{FURNITURE}/gone")

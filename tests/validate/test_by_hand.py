@@ -16,6 +16,7 @@ alignment:
   objects:
     - {name: chair_a, category: chair, at: [1, 1]}
     - {name: chair_b, category: chair, at: [2, 1]}
+    - {category: floor_lamp, at: [3, 2]}
 materials: {resolution: 16}
 """
 MESH = """def Mesh "{name}" {{

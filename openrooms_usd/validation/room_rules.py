@@ -1,0 +1,237 @@
+"""Rules about a room as people see it: things and cameras in it, apart, of usual sizes, and lit.
+
+A stage that breaks them is sound, and shows what nobody meant.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import names
+from openrooms_usd.categories.record import Without
+from openrooms_usd.categories.registry import BUILT, record
+from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.library.furniture import category
+from openrooms_usd.scan.placement.bodies import Body
+from openrooms_usd.scan.placement.penetration import penetration
+from openrooms_usd.validation.model import Complaint, Subject
+from openrooms_usd.validation.roomview import RoomView, Thing
+
+Array = NDArray[np.float64]
+
+# What reaches farther into walls, floor or ceiling stands in them, metres: plaster, skirtings and
+# what people measure are off by less.
+_MAX_OUTSIDE_M: Final = 0.05
+# Things that are deeper in each other overlap, metres; what yields, as cushions do, may be
+# deeper by that.
+_MAX_OVERLAP_M: Final = 0.02
+# Lines a direction on which depths are measured.
+_LINES: Final = 600
+# A thing of less than the one share of the smallest that is built, or more than the other of the
+# largest, along any of its sides, is no such thing.
+_SIZE_SHARES: Final = (0.6, 1.6)
+# Prims beyond these are counted in a note.
+_NAMED: Final = 4
+_ALL_WAYS: Final = np.concatenate([np.eye(3), -np.eye(3)])
+
+
+def outside_room(subject: Subject) -> Iterator[Complaint]:
+    """Things and cameras are between the walls, the floor and the ceiling."""
+    room = subject.room
+    for thing in room.things:
+        if (beyond := _beyond(room, thing)) > _MAX_OUTSIDE_M:
+            yield thing.path, f"it reaches {beyond:.2f} m out of the room"
+    for path, place in room.cameras:
+        if _beyond_points(room, place[None]) > 0.0:
+            yield path, "the camera is outside of the room"
+
+
+def _beyond(room: RoomView, thing: Thing) -> float:
+    """How far a thing reaches out of the room, metres."""
+    ends = np.stack([thing.low, thing.high])
+    box = ends[np.indices((2, 2, 2)).reshape(3, -1).T, np.arange(3)]
+    # A room need not be convex: a reflex corner may be inside the box of a thing around it.
+    if _beyond_points(room, box) <= _MAX_OUTSIDE_M and not _notched(room, thing):
+        return 0.0
+    return _beyond_points(room, thing.points)
+
+
+def _beyond_points(room: RoomView, points: Array) -> float:
+    import shapely
+
+    out = [0.0]
+    if room.outline is not None:
+        out.append(float(shapely.distance(room.outline, shapely.points(points[:, :2])).max()))
+    if room.floor is not None:
+        out.append(room.floor - float(points[:, 2].min()))
+    if room.ceiling is not None:
+        out.append(float(points[:, 2].max()) - room.ceiling)
+    return max(out)
+
+
+def _notched(room: RoomView, thing: Thing) -> bool:
+    import shapely
+
+    if room.outline is None:
+        return False
+    box = shapely.box(*thing.low[:2].tolist(), *thing.high[:2].tolist())
+    return not bool(room.outline.covers(box))
+
+
+def cameras_inside(subject: Subject) -> Iterator[Complaint]:
+    """No camera is inside a thing."""
+    for path, place in subject.room.cameras:
+        for thing in subject.room.things:
+            if (place > thing.low).all() and (place < thing.high).all() and _is_in(place, thing):
+                yield path, f"the camera is inside of {thing.name}"
+
+
+def _is_in(place: Array, thing: Thing) -> bool:
+    """Whether most of the ways out of a thing meet its surface from behind."""
+    triangles = thing.body.triangles.reshape(-1, 3)
+    caster = RayCaster(triangles, np.arange(len(triangles)).reshape(-1, 3))
+    hits = caster.first_hit(place, _ALL_WAYS)
+    met = hits.triangle >= 0
+    leaving = np.einsum("ij,ij->i", caster.normals[hits.triangle[met]], _ALL_WAYS[met]) > 0.0
+    return bool(leaving.sum() > 0.5 * len(_ALL_WAYS))
+
+
+def overlaps(subject: Subject) -> Iterator[Complaint]:
+    """No two things are in each other, nor any in a wall that stands free."""
+    for one, other in subject.room.pairs(_MAX_OVERLAP_M):
+        depth = _depth(one.body, other.body, max(_yields(one), _yields(other)))
+        if depth > 0.0:
+            first, second = sorted((one, other), key=lambda thing: thing.path)
+            yield first.path, f"it is {depth:.2f} m deep in {second.name}"
+    for wall in subject.room.partitions:
+        body = _body(wall.outline, subject.room.floor or 0.0, wall.height)
+        for thing in subject.room.things:
+            if (depth := _depth(thing.body, body, _yields(thing))) > 0.0:
+                yield thing.path, f"it is {depth:.2f} m deep in {wall.path.rpartition('/')[2]}"
+
+
+def _depth(a: Body, b: Body, yields: float) -> float:
+    found = penetration(a, b, _MAX_OVERLAP_M + yields, _LINES)
+    return 0.0 if found is None else found.depth
+
+
+def _yields(thing: Thing) -> float:
+    """How far a thing gives way, metres."""
+    known = record(thing.category)
+    return 0.0 if known is None or isinstance(known.yields, Without) else known.yields
+
+
+def _body(outline: Array, low: float, height: float) -> Body:
+    """A prism over a convex outline (K, 2)."""
+    ring = np.column_stack([outline, np.full(len(outline), low)])
+    rise = np.array([0.0, 0.0, height])
+    top = ring + rise
+    after, above = np.roll(ring, -1, axis=0), np.roll(top, -1, axis=0)
+    middle = np.broadcast_to(ring.mean(axis=0), ring.shape)
+    lid = middle + rise
+    faces = [(ring, after, above), (ring, above, top), (middle, after, ring), (lid, top, above)]
+    along = (outline[1] - outline[0]) / np.linalg.norm(outline[1] - outline[0])
+    axes = np.array([along, [-along[1], along[0]]])
+    return Body(np.concatenate([np.stack(face, axis=1) for face in faces]), axes)
+
+
+def sizes(subject: Subject) -> Iterator[Complaint]:
+    """Things have sizes that such things have."""
+    for thing in subject.room.things:
+        if thing.category not in BUILT:
+            continue
+        spec = category(thing.category)
+        least, most = (np.array(size) * share for size, share in
+                       zip((spec.least, spec.most), _SIZE_SHARES, strict=True))  # fmt: skip
+        size = _level_sorted(thing.size)
+        if (size < _level_sorted(least)).any() or (size > _level_sorted(most)).any():
+            yield (
+                thing.path,
+                (
+                    f"it is {_in_words(thing.size)}, and a {thing.category.replace('_', ' ')} is "
+                    f"{_in_words(np.array(spec.least))} to {_in_words(np.array(spec.most))}"
+                ),
+            )
+
+
+def _level_sorted(size: Array) -> Array:
+    """Its level sides by length, as fronts are not known, then its height."""
+    return np.array([*np.sort(size[:2]), size[2]])
+
+
+def _in_words(size: Array) -> str:
+    return " x ".join(f"{side:.2f}" for side in size.tolist()) + " m"
+
+
+def light(subject: Subject) -> Iterator[Complaint]:
+    """Something shines: a lamp, or the sky by an opening."""
+    room = subject.room
+    if subject.stage.GetPrimAtPath(names.ROOM) and room.cameras and not room.is_lit:
+        yield names.ROOM, "neither a lamp shines nor the sky by an opening: pictures are black"
+
+
+class RoomRule(NamedTuple):
+    """A rule about a room.
+
+    Attributes:
+        code: Its stable name.
+        check: Gives the complaints about a stage.
+        remedy: What to do about them.
+        told: What is wrong, in a note, with the names of the prims.
+    """
+
+    code: str
+    check: Callable[[Subject], Iterator[Complaint]]
+    remedy: str
+    told: str
+
+
+ROOM_RULES: Final = (
+    RoomRule(
+        "outside-room",
+        outside_room,
+        "move it into the room, or leave it out",
+        "wholly or in part out of the room: {}",
+    ),
+    RoomRule(
+        "camera-inside",
+        cameras_inside,
+        "move the camera or the thing",
+        "inside of things: {}",
+    ),
+    RoomRule("overlap", overlaps, "move one of the two, or leave it out", "deep in others: {}"),
+    RoomRule(
+        "size",
+        sizes,
+        "give it its size, a file its unit, or another category",
+        "of sizes that no such things have: {}",
+    ),
+    RoomRule(
+        "light",
+        light,
+        "put a lamp into the room, or an opening and lights.environment",
+        "nothing shines, neither a lamp nor the sky by an opening: pictures are black",
+    ),
+)
+
+
+def told(subject: Subject) -> Iterator[str]:
+    """One sentence about each rule that the room breaks, which names the first few prims."""
+    for rule in ROOM_RULES:
+        first = list(islice(_unique(place for place, _ in rule.check(subject)), _NAMED + 1))
+        if first:
+            listed = ", ".join(place.rpartition("/")[2] for place in first[:_NAMED])
+            more = " and more" if len(first) > _NAMED else ""
+            yield f"{rule.told.format(listed + more)} (orusd validate tells all)"
+
+
+def _unique(places: Iterable[str]) -> Iterator[str]:
+    """Each once, as soon as it is known: to look for all may take long."""
+    seen: set[str] = set()
+    for place in places:
+        if place not in seen:
+            seen.add(place)
+            yield place

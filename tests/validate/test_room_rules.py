@@ -1,0 +1,107 @@
+"""What a room shows that nobody meant is found, named once and told; what is meant is not."""
+
+from pathlib import Path
+
+import pytest
+
+from openrooms_usd.compose import compose_room
+from openrooms_usd.demo import copy_example
+from openrooms_usd.description import parse_room
+from openrooms_usd.validate import validate_stage
+from openrooms_usd.validation.room_rules import ROOM_RULES
+
+CODES = {rule.code for rule in ROOM_RULES}
+# An L-shaped room with a wall that stands free, a table with a chair under it, and a lamp.
+ROOM = """
+layout:
+  polygon: [[0, 0], [6, 0], [6, 3], [3, 3], [3, 5], [0, 5]]
+  partitions: [{name: screen, line: [[4.5, 0.3], [4.5, 1.5]]}]
+{openings}
+alignment:
+  objects:
+    - {name: table, category: table, at: [1.5, 1.5], size: [1.4, 0.9, 0.75]}
+    - {name: chair, category: chair, at: [1.5, 0.95], yaw: 180}
+    - {category: rug, at: [1.5, 1.5], size: [2, 1.5, 0.01]}
+{objects}
+lights:
+  environment: {from: constant, illuminance: 10000}
+cameras:
+  resolution: [64, 48]
+  views: [{name: view, eye: [{camera}], target: [1.5, 1.4, 0.5]}]
+"""
+LAMP = "    - {category: ceiling_lamp, at: [1.5, 2.5]}\n"
+WINDOW = "  openings: [{kind: window, wall: 0}]"
+
+
+def found(
+    folder: Path, objects: str = LAMP, openings: str = "", camera: str = "0.5, 4.5, 1.5"
+) -> tuple[list[tuple[str, str]], tuple[str, ...]]:
+    """The rules that a room breaks with the prims' names, and what composing says."""
+    text = ROOM.replace("{objects}", objects.rstrip()).replace("{openings}", openings)
+    room = parse_room(text.replace("{camera}", camera))
+    made = compose_room(room, folder)
+    findings = [one for one in validate_stage(made.scene) if one.code in CODES]
+    assert all(one.severity == "warning" for one in findings)
+    return [(one.code, one.place.rpartition("/")[2]) for one in findings], made.notes
+
+
+def test_a_sound_room_breaks_none(tmp_path: Path) -> None:
+    assert found(tmp_path) == ([], ())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "code", "prim"),
+    [
+        ("{name: far, category: chair, at: [4.5, 4]}", "outside-room", "far"),
+        ("{name: half, category: chair, at: [3.2, 3.2]}", "outside-room", "half"),
+        ("{name: deep, category: chair, at: [5.5, 1, -0.3]}", "outside-room", "deep"),
+        ("{name: sofa, category: sofa, at: [1.5, 1.5]}", "overlap", "sofa"),
+        ("{name: walled, category: cabinet, at: [4.5, 0.9]}", "overlap", "walled"),
+        ("{name: toy, category: chair, at: [5, 1], size: [0.2, 0.2, 0.2]}", "size", "toy"),
+        ("{name: huge, category: chair, at: [1.5, 4], size: [2, 1.2, 2.5]}", "size", "huge"),
+    ],
+)
+def test_what_is_wrong_is_named(tmp_path: Path, wrong: str, code: str, prim: str) -> None:
+    rows, notes = found(tmp_path, f"{LAMP}    - {wrong}\n")
+    assert {row[0] for row in rows} == {code}
+    names = " ".join(row[1] for row in rows)
+    assert prim in names or prim in " ".join(notes)
+    assert len(notes) == 1
+    assert "orusd validate" in notes[0]
+
+
+@pytest.mark.parametrize("place", ["8, 1, 1.5", "3.5, 3.5, 1.5", "1, 1, 2.9"])
+def test_a_camera_outside_is_named(tmp_path: Path, place: str) -> None:
+    assert found(tmp_path, camera=place)[0] == [("outside-room", "view")]
+
+
+def test_a_camera_in_a_thing_is_named_and_one_under_a_table_is_not(tmp_path: Path) -> None:
+    inside = f"{LAMP}    - {{category: box, at: [0.6, 3], size: [0.8, 0.8, 0.8]}}\n"
+    assert found(tmp_path / "in", inside, camera="0.6, 3, 0.5")[0] == [("camera-inside", "view")]
+    assert found(tmp_path / "under", camera="1.5, 1.7, 0.4")[0] == []
+
+
+def test_a_room_without_lamp_and_opening_is_dark(tmp_path: Path) -> None:
+    rows, notes = found(tmp_path / "dark", "")
+    assert rows == [("light", "Room")]
+    assert "nothing shines" in notes[0]
+    assert found(tmp_path / "window", "", WINDOW) == ([], ())
+
+
+def test_strict_makes_errors_of_them(tmp_path: Path) -> None:
+    found(tmp_path, "")
+    findings = validate_stage(tmp_path / "scene.usda", strict=True)
+    assert [one.severity for one in findings if one.code == "light"] == ["error"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["bedroom", "kitchen", "office"])
+def test_generated_rooms_break_none(tmp_path: Path, kind: str) -> None:
+    room = parse_room(f"layout: {{from: generate}}\nalignment: {{from: generate}}\nroom: {kind}\n")
+    assert compose_room(room, tmp_path).notes == ()
+
+
+@pytest.mark.slow
+def test_the_example_breaks_none(tmp_path: Path) -> None:
+    scene = compose_room(copy_example(tmp_path), tmp_path / "out").scene
+    assert not CODES.intersection(one.code for one in validate_stage(scene))
