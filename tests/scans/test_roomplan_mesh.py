@@ -211,17 +211,20 @@ def test_furniture_models_stand_in_their_boxes(scanner, tmp_path: Path) -> None:
     )
     head, rest = inner.split("        def Xform", 1)
     rest = "        def Xform" + rest
-    for file, expected in (("Chair.rooms.usda", 1), ("missing.usda", 0)):
+    for file, expected in (("SwivelChair_wBack.rooms.usda", 1), ("missing.usda", 0)):
         layers[name] = component("Chair0", "Chair", row["identifier"], head + rest.format(file))
         unit = HEAD.format(name="chair").replace("metersPerUnit = 1", "metersPerUnit = 0.01")
         model = boxes_mesh("m", np.eye(4).ravel().tolist(), [[-25, 25, 0, 100, -30, 30]])
-        layers["assets/Mesh/Chair/Chair.rooms.usda"] = unit + f'def Xform "chair"\n{{\n{model}}}\n'
+        layers["assets/Mesh/Chair/SwivelChair_wBack.rooms.usda"] = (
+            unit + f'def Xform "chair"\n{{\n{model}}}\n'
+        )
         usdz = read(pack(tmp_path / "Room.usdz", layers))
         assert len(usdz.boxes) == expected
         if expected:
             [known] = read(scanner.write(data)).boxes
             assert usdz.boxes[0].size == pytest.approx(known.size, abs=1e-5)
             assert usdz.boxes[0].center == pytest.approx(known.center, abs=1e-5)
+            assert usdz.boxes[0].attributes == {"ChairType": "swivel"}
         else:
             assert any("Chair0: the file has no shape of it" in note for note in usdz.notes)
 

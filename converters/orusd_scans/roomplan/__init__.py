@@ -1,6 +1,7 @@
 """Apple RoomPlan: its exports, JSON or USDZ, become Captures.
 
-- `archive`, `shapes`, `meshes`, `usdz`: the USDZ as the records that its JSON holds;
+- `archive`, `shapes`, `meshes`, `components`, `usdz`: the USDZ as the records that its JSON
+  holds;
 - `records`: these, checked one by one; `curves`: curved walls;
 - `spaces`, `belonging`: which room is meant, and what is in it; `inner`: walls that are not
   on the outline;

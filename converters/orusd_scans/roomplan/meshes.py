@@ -20,6 +20,8 @@ _WELD_M: Final = 1e-5
 # Points of one face of a wall lie within this of its plane, metres; and slabs thinner than this are
 # sheets, which the parametric export makes to be seen.
 _FLAT_M: Final = 2e-3
+# How far the block that fills a corner reaches beyond a wall's end, in thicknesses of the wall.
+_MAX_BLOCK_DEPTHS: Final = 2.0
 # What is narrower than twice this is no hole, metres.
 _SLIVER_M: Final = 0.01
 # Holes smaller than this are noise of the triangulation, square metres; passages are 1 or 2.
@@ -149,22 +151,26 @@ def is_flat(points: Array) -> bool:
     return bool((steps > _FLAT_M).sum() <= 1 and np.ptp(z) <= steps.max(initial=0.0) + 2 * _FLAT_M)
 
 
-def middle_part(points: Array) -> float:
-    """Half the length of a wall whose middle is at x = 0.
+def span(points: Array) -> tuple[float, float]:
+    """Where a wall begins and ends in its x, metres.
 
-    The mesh export fills the corners with blocks that are one with the walls; they reach beyond the
-    wall's end on one of its sides.
+    The mesh export fills the corners of the room with blocks that are one with a wall and reach
+    beyond one of its ends, about as far as it is thick; the middle of the wall is at x = 0.
     """
-    return float(min(-points[:, 0].min(), points[:, 0].max()))
+    left, right = float(points[:, 0].min()), float(points[:, 0].max())
+    beyond, half = abs(left + right), min(-left, right)
+    if half > 0.0 and _FLAT_M < beyond < _MAX_BLOCK_DEPTHS * float(np.ptp(points[:, 2])):
+        return -half, half
+    return left, right
 
 
-def missing(points: Array, faces: Faces, half: float) -> "list[Polygon]":
+def missing(points: Array, faces: Faces, ends: tuple[float, float]) -> "list[Polygon]":
     """What the face of a flat wall leaves open of its rectangle.
 
     Args:
         points: (N, 3) in the wall's frame, whose plane is z = 0, metres.
         faces: The faces.
-        half: Half the wall's length, metres.
+        ends: Where the wall begins and ends in its x, metres.
 
     Returns:
         Polygons in the wall's x and y, from left to right.
@@ -174,7 +180,7 @@ def missing(points: Array, faces: Faces, half: float) -> "list[Polygon]":
     depth = np.abs(points[:, 2])
     front = [face for face in faces if (depth[face] < depth.min() + _FLAT_M).all()]
     bottom, top = points[:, 1].min(), points[:, 1].max()
-    rest = shapely.box(-half, bottom, half, top).difference(_union(points[:, :2], front))
+    rest = shapely.box(ends[0], bottom, ends[1], top).difference(_union(points[:, :2], front))
     # Without the slivers that rounding leaves along the wall's ends.
     rest = rest.buffer(-_SLIVER_M).buffer(_SLIVER_M, join_style="mitre")
     parts = [part for part in shapely.get_parts(rest) if part.area > _MIN_HOLE_M2]
@@ -197,12 +203,14 @@ def holes(parts: "Sequence[Polygon]", top: float) -> list[Hole]:
     return found
 
 
-def lowered(parts: "Sequence[Polygon]", half: float, bottom: float, top: float) -> Array:
+def lowered(
+    parts: "Sequence[Polygon]", ends: tuple[float, float], bottom: float, top: float
+) -> Array:
     """(K, 3) the corners of a wall that is not as high everywhere; none of a rectangle."""
     import shapely
 
     cuts = [part for part in parts if part.bounds[3] >= top - _SLIVER_M]
-    whole = shapely.box(-half, bottom, half, top).difference(shapely.union_all(cuts))
-    if not cuts or whole.geom_type != "Polygon":
+    whole = shapely.box(ends[0], bottom, ends[1], top).difference(shapely.union_all(cuts))
+    if not cuts or not isinstance(whole, shapely.Polygon):
         return np.empty((0, 3))
     return np.insert(shapely.get_coordinates(whole.exterior)[:-1], 2, 0.0, axis=1)

@@ -38,12 +38,14 @@ class Shape:
         points: (N, 3) in its frame, metres.
         faces: The faces of its meshes.
         has_mesh: Whether any of it is a mesh.
+        model: The name of the furniture model that it refers to; empty without one.
     """
 
     source_from_local: Array
     points: Array
     faces: Faces
     has_mesh: bool
+    model: str = ""
 
 
 def shape_of(
@@ -73,7 +75,9 @@ def shape_of(
         count += len(own)
     if not points:
         return None
-    return Shape(frame, np.concatenate(points), faces, has_mesh)
+    models = [asset for below in walk([prim]) for asset in _assets(below)]
+    model = posixpath.basename(models[0]).partition(".")[0] if models else ""
+    return Shape(frame, np.concatenate(points), faces, has_mesh, model)
 
 
 def walk(
