@@ -1,6 +1,7 @@
 """What stages find in a scan: the room as a capture, the furniture as CADs at their poses."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
@@ -36,12 +37,14 @@ class ScannedRoom:
         layout: All that was found.
         room: The one that was chosen.
         scan_from_level: (4, 4) to the frame of reports: the scan's own axes, metres.
+        boxes: Around those things that were told apart but have no name, by their numbers.
     """
 
     capture: Capture
     layout: FoundLayout
     room: FoundRoom
     scan_from_level: Array
+    boxes: Mapping[int, Box] = field(default_factory=dict)
 
 
 def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:

@@ -9,6 +9,7 @@ from openrooms_usd import adapters
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundRoom
+from openrooms_usd.scan.segmentation.boxes import boxes_of
 from openrooms_usd.scan.segmentation.byshape import ShapeSegmenter
 from openrooms_usd.scan.segmentation.contract import Segmenter, Segments, checked
 from openrooms_usd.scan.segmentation.labelled import SHELL_CLASSES, things_of
@@ -50,7 +51,9 @@ def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedR
     marked = replace(
         cloud, instance=found.instance, words={n: (word,) for n, word in words.items()}
     )
-    return replace(scanned, layout=replace(scanned.layout, cloud=marked))
+    unnamed = sorted(number for number, word in words.items() if word == UNNAMED)
+    boxes = boxes_of(cloud, found.instance, unnamed, (scanned.room,))
+    return replace(scanned, layout=replace(scanned.layout, cloud=marked), boxes=boxes)
 
 
 def _segments(cloud: Cloud, room: FoundRoom, alignment: ScanAlignment) -> tuple[Segments, str]:

@@ -104,7 +104,11 @@ class Shelf:
                 _hint(thing, level_from_scan, known.get(thing.instance))
                 for thing in self.alignment.objects
             ]
-        things = [one.hint for one in self.instances if one.meaning.kind == "thing"]
+        things = [
+            replace(one.hint, box=self.scanned.boxes.get(one.number))
+            for one in self.instances
+            if one.meaning.kind == "thing"
+        ]
         return captured_hints(self.scanned) or (things if self.instances else None)
 
     def placement(

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
+from openrooms_usd.scan.registration.hints import Box, Hint, corners_of
 from openrooms_usd.scan.results import FoundRoom
+from openrooms_usd.scan.segmentation.boxes import boxes_of
 from openrooms_usd.scan.segmentation.byshape import ShapeSegmenter
 from openrooms_usd.scan.segmentation.contract import Segments, checked
 from openrooms_usd.scan.segmentation.labelled import things_of, with_labels
@@ -194,3 +196,24 @@ def test_a_real_scan_without_its_labels(real: Callable[[str], Path]) -> None:
 
 def _most(values: NDArray[np.int32]) -> int:
     return int(np.bincount(values).argmax())
+
+
+def test_boxes_stand_along_the_walls_and_apart() -> None:
+    """Where two boxes overlap a little the smaller one is cut; one inside of another stays."""
+    blocks = [(1.0, 1.0, 0.0, 2.0, 2.0, 0.8), (1.9, 1.2, 0.0, 2.4, 1.7, 0.5),
+              (1.3, 1.3, 0.0, 1.5, 1.5, 0.3)]  # fmt: skip
+    parts = [block(box) for box in blocks]
+    instance = np.repeat([1, 2, 3], [len(part) for part in parts]).astype("i4")
+    found = boxes_of(Cloud(np.concatenate(parts)), instance, (1, 2, 3), (ROOM,))
+    np.testing.assert_allclose(found[1].center, [1.5, 1.5, 0.4], atol=0.02)
+    np.testing.assert_allclose(found[1].size, [1.0, 1.0, 0.8], atol=0.04)
+    low, high = _ends(found[2])
+    np.testing.assert_allclose(low[:2], [2.0, 1.2], atol=0.03)
+    np.testing.assert_allclose(high, [2.4, 1.7, 0.5], atol=0.03)
+    np.testing.assert_allclose(found[3].size, [0.2, 0.2, 0.3], atol=0.03)
+
+
+def _ends(box: Box) -> tuple[Array, Array]:
+    corners = corners_of(Hint(1, box=box), ())
+    assert corners is not None
+    return corners.min(axis=0), corners.max(axis=0)

@@ -8,6 +8,7 @@ In the order of the work:
 - `shape`: the box, seat, back and closed sides of a piece;
 - `naming`: a category by shape and size, where the evidence is good;
 - `byshape`: our own segmenter, which runs these;
+- `boxes`: what stands for pieces without a name, apart from each other;
 - `labelled`: clouds with words or classes, but without numbers of things;
 - `contract`: what any segmenter does.
 """

@@ -154,17 +154,31 @@ def shape_of(points: Array, normals: Array, walls: Walls, brightness: float) -> 
         walls: Of the room.
         brightness: See `Shape`.
     """
+    base, size, yaw, lowest = upright_box(points, walls)
+    local = (points - base) @ _about_z(yaw)
+    return Shape(
+        local, np.abs(normals[:, 2]) > _LEVEL_COS, size, base, lowest, yaw,
+        _to_wall(base, size, yaw, walls), brightness,
+    )  # fmt: skip
+
+
+def upright_box(points: Array, walls: Walls) -> tuple[Array, Array, float, float]:
+    """The upright box around points, along the walls where these allow it, and down to the floor.
+
+    Args:
+        points: (N, 3) floor at z = 0, metres.
+        walls: Of the room.
+
+    Returns:
+        The middle of its base (3,), its long side, its short side and its height (3,), the yaw of
+        the long side, and where the points begin above the floor, metres.
+    """
     yaw, low, high = _rectangle(points, walls)
     lowest, top = np.quantile(points[:, 2], _INSIDE_QUANTILES)
     plate = lowest < _PLATE_M[0] and top < _PLATE_M[1]
     bottom = 0.0 if lowest < _STANDS_M or plate else lowest
     base = np.array([*(in_plan(yaw) @ (0.5 * (low + high))), bottom])
-    size = np.maximum([*(high - low), top - bottom], 0.02)
-    local = (points - base) @ _about_z(yaw)
-    return Shape(
-        local, np.abs(normals[:, 2]) > _LEVEL_COS, size, base, float(lowest), yaw,
-        _to_wall(base, size, yaw, walls), brightness,
-    )  # fmt: skip
+    return base, np.maximum([*(high - low), top - bottom], 0.02), yaw, float(lowest)
 
 
 def _hull_area(points: Array) -> float:
