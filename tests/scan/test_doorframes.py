@@ -12,7 +12,7 @@ from tests.scan.walled_rooms import CORNERS, DOOR, HEIGHT, SENSOR_ORIGINS, Sheet
 def wall(sheets: list[Sheet], noise: float = 0.003) -> WallGrid:
     """The picture of the first wall."""
     cloud = room(sheets, labels=False, noise=noise)
-    return next(wall_grids(cloud, CORNERS, HEIGHT, (), sight_of(cloud.points, SENSOR_ORIGINS)))
+    return next(wall_grids(cloud, CORNERS, HEIGHT, sight_of(cloud.points, SENSOR_ORIGINS)))
 
 
 @pytest.mark.parametrize(("proud", "noise"), [(0.01, 0.003), (0.015, 0.01), (0.03, 0.005)])
@@ -49,5 +49,5 @@ def test_what_is_no_door(sheets: list[Sheet]) -> None:
 
 def test_a_low_wall_has_no_door() -> None:
     cloud = room([])
-    grid = next(wall_grids(cloud, CORNERS, 1.5, (), sight_of(cloud.points, SENSOR_ORIGINS)))
+    grid = next(wall_grids(cloud, CORNERS, 1.5, sight_of(cloud.points, SENSOR_ORIGINS)))
     assert list(frames(grid)) == []

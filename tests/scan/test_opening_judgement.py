@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
+from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.detection import LIKELY
 from openrooms_usd.scan.openings.judgement import likelihood
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import Proposal
-from openrooms_usd.scan.openings.wallpicture import CELL_M
 
 EVIDENCE = {"hole": 0.95, "framed": 0.9, "walled": 0.95, "headroom": 0.5}
 DOORWAY = Proposal("door", Rectangle(0, 82, 40, 74), **EVIDENCE, threshold=1.0)

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.curtains import behind_curtain
 from openrooms_usd.scan.openings.detection import find_openings
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallfaces import faces_of
-from openrooms_usd.scan.openings.wallholes import OPENING_LABELS
 from openrooms_usd.scan.openings.walllabels import without_casing
-from openrooms_usd.scan.openings.wallpicture import CELL_M, wall_grids
+from openrooms_usd.scan.openings.wallpicture import wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import sight_of
 from openrooms_usd.scan.results import FoundOpening
@@ -149,7 +149,7 @@ def test_french_window_ends_above_a_low_sill() -> None:
 def test_boards_around_a_door_are_not_the_door() -> None:
     cloud = room([*casing_of(2, (1.0, 1.9), 2.05, 0.015), Sheet(2, (1.0, 1.9), (0.0, 2.05))])
     sight = sight_of(cloud.points, SENSOR_ORIGINS)
-    grid = list(wall_grids(cloud, CORNERS, HEIGHT, OPENING_LABELS, sight))[2]
+    grid = list(wall_grids(cloud, CORNERS, HEIGHT, sight))[2]
     outside = Rectangle(0, round(2.12 / CELL_M), round(0.925 / CELL_M), round(1.975 / CELL_M))
     trimmed = without_casing(grid, outside)
     edges = CELL_M * np.array([trimmed.left, trimmed.right, trimmed.top])

@@ -14,7 +14,7 @@ ELL = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 2.0], [2.0, 4.0], [0.0
 def grids(*sheets: Sheet, sensor_origins: np.ndarray | None = SENSOR_ORIGINS) -> list[WallGrid]:
     cloud = room(sheets)
     sight = sight_of(cloud.points, sensor_origins)
-    return list(wall_grids(cloud, CORNERS, HEIGHT, (WINDOW,), sight))
+    return list(wall_grids(cloud, CORNERS, HEIGHT, sight))
 
 
 def cells(values: np.ndarray, x: tuple[float, float], z: tuple[float, float]) -> np.ndarray:
@@ -89,7 +89,7 @@ def test_relief_is_how_far_the_face_stands_out() -> None:
 def test_a_wall_that_stands_askew_is_taken_as_it_stands() -> None:
     cloud = room(noise=0.0)
     corners = CORNERS + np.array([[0.0, 0.04], [0.0, -0.03], [0.0, 0.0], [0.0, 0.0]])
-    grid = next(wall_grids(cloud, corners, HEIGHT, (), sight_of(cloud.points, SENSOR_ORIGINS)))
+    grid = next(wall_grids(cloud, corners, HEIGHT, sight_of(cloud.points, SENSOR_ORIGINS)))
     assert np.abs(np.nanmedian(grid.relief[10:-10, 10:-10], axis=0)).max() < 0.004
     assert grid.solid.mean() > 0.97
 
@@ -99,7 +99,7 @@ def test_the_other_side_of_a_wall_is_not_its_recess() -> None:
     assert cloud.normals is not None
     back = cloud.points[:, 1] < -0.05
     cloud.normals[back] *= -1
-    grid = next(wall_grids(cloud, CORNERS, HEIGHT, (), sight_of(cloud.points, SENSOR_ORIGINS)))
+    grid = next(wall_grids(cloud, CORNERS, HEIGHT, sight_of(cloud.points, SENSOR_ORIGINS)))
     assert not grid.recess.any()
 
 

@@ -1,6 +1,7 @@
 """Doors, windows and passages in the walls of a scan.
 
-- `wallfaces`, `wallvoids`, `wallviews`, `wallpicture`: grids of evidence over each wall's face;
+- `wallfaces`, `cellcounts`, `labelcounts`: the inner faces of walls, and returns over their cells;
+- `wallvoids`, `wallviews`, `wallpicture`: grids of evidence over each wall's face;
 - `rectangles`, `wallholes`, `walllabels`: proposals of rectangles, from geometry and labels;
 - `mirrors`, `curtains`, `doorframes`: false positives, hidden windows, closed doors;
 - `judgement`: how likely a proposal is, by weighed evidence;

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.scan.openings.cellcounts import CELL_M
+from openrooms_usd.scan.openings.labelcounts import BLINDS, CURTAIN
 from openrooms_usd.scan.openings.rectangles import Rectangle
-from openrooms_usd.scan.openings.wallholes import BLINDS, CURTAIN
 from openrooms_usd.scan.openings.walllabels import around
-from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid
+from openrooms_usd.scan.openings.wallpicture import WallGrid
 
 Array = NDArray[np.float64]
 

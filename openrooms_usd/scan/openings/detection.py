@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.names import SCANNED_HEIGHT
+from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.curtains import (
     behind_curtain,
     curtain_weights,
@@ -20,12 +21,10 @@ from openrooms_usd.scan.openings.curtains import (
 )
 from openrooms_usd.scan.openings.doorframes import frames
 from openrooms_usd.scan.openings.judgement import likelihood
+from openrooms_usd.scan.openings.labelcounts import DOOR, WINDOW
 from openrooms_usd.scan.openings.mirrors import Echoes, echoes
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
-    DOOR,
-    OPENING_LABELS,
-    WINDOW,
     Proposal,
     hole_weights,
     kind_of,
@@ -38,7 +37,7 @@ from openrooms_usd.scan.openings.walllabels import (
     lies_deeper,
     without_casing,
 )
-from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, wall_grids
+from openrooms_usd.scan.openings.wallpicture import WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import sight_of
 from openrooms_usd.scan.results import FoundOpening
@@ -102,7 +101,7 @@ def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[F
     labelled = cloud.label is not None and bool(np.isin(cloud.label, (DOOR, WINDOW)).any())
     found: list[FoundOpening] = []
     mirrored = echoes(cloud.points, sight, height or SCANNED_HEIGHT)
-    for grid in wall_grids(cloud, corners, height or SCANNED_HEIGHT, OPENING_LABELS, sight):
+    for grid in wall_grids(cloud, corners, height or SCANNED_HEIGHT, sight):
         found += _in_wall(grid, labelled, mirrored)
     return tuple(found)
 

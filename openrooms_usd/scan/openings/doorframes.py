@@ -12,8 +12,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.rectangles import Rectangle
-from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid
+from openrooms_usd.scan.openings.wallpicture import WallGrid
 
 Array = NDArray[np.float64]
 Step = Callable[[Array], Array]

@@ -16,8 +16,9 @@ from openrooms_usd.scan.openings.wallholes import Proposal
 
 # Part of a doorway through which something is seen far behind where it is surely open.
 _OPEN_VIEW_SHARE: Final = 0.7
-# Higher doors are unusual, and by so much the heads of usual ones differ, metres.
+# Higher and wider doors are unusual, and by so much the heads of usual ones differ, metres.
 _TALL_DOOR_M: Final = 2.35
+_WIDE_DOOR_M: Final = 1.8
 _USUAL_HEAD_M, _HEAD_RANGE_M, _MOST_RANGES = 2.05, 0.2, 1.5
 # Windows smaller than the first area, with sills above the second range of heights, or as near to
 # the ceiling as the third, are less likely; square metres and metres.
@@ -44,6 +45,10 @@ def _passed(p: Proposal) -> float:
     return max(p.threshold, min(1.0, p.beyond / _OPEN_VIEW_SHARE))
 
 
+def _vast(p: Proposal) -> float:
+    return -float(p.width > _WIDE_DOOR_M or p.height > _TALL_DOOR_M)
+
+
 def _unusual_head(p: Proposal) -> float:
     return min(_MOST_RANGES, abs(p.height - _USUAL_HEAD_M) / _HEAD_RANGE_M)
 
@@ -59,37 +64,37 @@ def _clean(p: Proposal) -> float:
 
 
 DOORWAY: Final[Mapping[str, Evidence]] = {
-    "a hole": Evidence(lambda p: p.hole, 1.50),
-    "wall on every side": Evidence(lambda p: p.framed, 2.27),
-    "wall around": Evidence(lambda p: p.walled, 1.00),
-    "floor or a view behind": Evidence(_passed, 1.30),
-    "furniture around": Evidence(lambda p: -p.clutter, 1.21),
-    "furniture before it": Evidence(lambda p: -p.blocked * (1.0 - _passed(p)), 1.50),
-    "too high": Evidence(lambda p: -float(p.height > _TALL_DOOR_M), 0.57),
+    "a hole": Evidence(lambda p: p.hole, 3.00),
+    "wall on every side": Evidence(lambda p: p.framed, 2.38),
+    "wall around": Evidence(lambda p: p.walled, 0.80),
+    "floor or a view behind": Evidence(_passed, 1.00),
+    "furniture around": Evidence(lambda p: -p.clutter, 1.67),
+    "furniture before it": Evidence(lambda p: -p.blocked * (1.0 - _passed(p)), 2.00),
+    "larger than a double door": Evidence(_vast, 1.95),
 }
 CLOSED_DOOR: Final[Mapping[str, Evidence]] = {
-    "a frame": Evidence(lambda p: p.leaf, 1.12),
-    "wall on every side": Evidence(lambda p: p.framed, 1.21),
-    "wall around": Evidence(lambda p: p.walled, 0.34),
-    "open, with a view behind": Evidence(lambda p: p.hole * _passed(p), 1.13),
-    "furniture around": Evidence(lambda p: -p.clutter, 0.77),
-    "furniture before a closed leaf": Evidence(lambda p: -p.blocked * p.solid, 2.31),
-    "unusual height": Evidence(lambda p: -_unusual_head(p), 2.32),
+    "a frame": Evidence(lambda p: p.leaf, 1.02),
+    "wall on every side": Evidence(lambda p: p.framed, 1.75),
+    "wall around": Evidence(lambda p: p.walled, 0.73),
+    "open, with a view behind": Evidence(lambda p: p.hole * _passed(p), 1.54),
+    "furniture around": Evidence(lambda p: -p.clutter, 0.87),
+    "furniture before a closed leaf": Evidence(lambda p: -p.blocked * p.solid, 3.95),
+    "unusual height": Evidence(lambda p: -_unusual_head(p), 1.46),
 }
 WINDOW: Final[Mapping[str, Evidence]] = {
-    "a hole": Evidence(lambda p: p.hole, 2.21),
-    "wall on every side": Evidence(lambda p: p.framed, 2.96),
-    "wall around": Evidence(lambda p: p.walled, 1.83),
-    "clean": Evidence(_clean, 2.31),
-    "furniture around": Evidence(lambda p: -p.clutter, 0.73),
-    "large": Evidence(lambda p: min(1.0, p.width * p.height / _USUAL_WINDOW_M2), 3.71),
-    "high above the floor": Evidence(lambda p: -_high(p), 2.02),
-    "under the ceiling": Evidence(lambda p: -float(p.headroom < _UNDER_CEILING_M), 1.21),
-    "seen through": Evidence(lambda p: p.hole - p.recess, 0.52),
-    "small": Evidence(lambda p: -float(min(p.width, p.height) < _SMALL_WINDOW_M), 2.03),
+    "a hole": Evidence(lambda p: p.hole, 3.00),
+    "wall on every side": Evidence(lambda p: p.framed, 2.29),
+    "wall around": Evidence(lambda p: p.walled, 2.21),
+    "clean": Evidence(_clean, 1.93),
+    "furniture around": Evidence(lambda p: -p.clutter, 1.53),
+    "large": Evidence(lambda p: min(1.0, p.width * p.height / _USUAL_WINDOW_M2), 3.48),
+    "high above the floor": Evidence(lambda p: -_high(p), 1.58),
+    "under the ceiling": Evidence(lambda p: -float(p.headroom < _UNDER_CEILING_M), 1.42),
+    "seen through": Evidence(lambda p: p.hole - p.recess, 0.51),
+    "small": Evidence(lambda p: -float(min(p.width, p.height) < _SMALL_WINDOW_M), 2.06),
 }
 # Log odds without evidence.
-_PRIORS: Final = {"doorway": -2.76, "closed door": 0.85, "window": -8.29}
+_PRIORS: Final = {"doorway": -3.14, "closed door": -0.71, "window": -8.46}
 _TABLES: Final = {"doorway": DOORWAY, "closed door": CLOSED_DOOR, "window": WINDOW}
 
 

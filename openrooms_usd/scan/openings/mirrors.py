@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallfaces import WallFace
-from openrooms_usd.scan.openings.wallpicture import CELL_M
 from openrooms_usd.scan.points.sightlines import VOXEL_M, Sight
 
 Array = NDArray[np.float64]

@@ -13,17 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.scan.openings.cellcounts import CELL_M, WINDOWS_CELLS
+from openrooms_usd.scan.openings.labelcounts import BLINDS, CURTAIN, DOOR, WINDOW
 from openrooms_usd.scan.openings.rectangles import Rectangle, best_rectangle, ring
-from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid
+from openrooms_usd.scan.openings.wallpicture import WallGrid
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Kind = Literal["door", "window"]
 
-# NYU40.
-DOOR, WINDOW, BLINDS, CURTAIN = 8, 9, 13, 16
 LABELS: Final[dict[Kind, int]] = {"door": DOOR, "window": WINDOW}
-OPENING_LABELS: Final = (DOOR, WINDOW, BLINDS, CURTAIN)
 
 # Weights of cells where the wall returned, and where nothing is known.
 _SOLID_WEIGHT: Final = -1.0
@@ -53,6 +52,8 @@ _DOOR_STEP_M: Final = 0.06
 # suffices; holes seem to begin up to 5 cm higher than they do.
 _MAX_THRESHOLD_M: Final = 0.12 + 0.05
 _MIN_HEADROOM_M: Final = 1.8
+# Greatest width and height of a usual door, metres.
+_DOOR_SIZE_M: Final = (1.3, 2.35)
 _MIN_SILL_M: Final = 0.45
 
 
@@ -248,7 +249,7 @@ def _blocked(grid: WallGrid, where: Rectangle) -> float:
 def _framing(grid: WallGrid, where: Rectangle, kind: Kind) -> list[float]:
     """The part of the strip on each side of a rectangle where the wall returned, or may have."""
     # Where returns are counted in wide windows a hole seems smaller than it is.
-    apart = (grid.window - 3) // 2
+    apart = (grid.window - WINDOWS_CELLS[0]) // 2
     outer = Rectangle(
         max(where.bottom - apart, 0), min(where.top + apart, grid.shape[0]),
         max(where.left - apart, 0), min(where.right + apart, grid.shape[1]),
@@ -265,9 +266,15 @@ def _framing(grid: WallGrid, where: Rectangle, kind: Kind) -> list[float]:
 
 def kind_of(grid: WallGrid, where: Rectangle) -> Kind:
     """Whether a hole is a door or a window, by the height of its lower edge."""
-    sill, tall = where.bottom * CELL_M, (where.top - where.bottom) * CELL_M
+    # Counted in wide windows, what lies on the floor reaches up into a hole.
+    sill = (where.bottom - (grid.window - WINDOWS_CELLS[0]) // 2) * CELL_M
+    tall = (where.top - where.bottom) * CELL_M
+    wide = (where.right - where.left) * CELL_M
     walked = grid.threshold[where.columns].mean() > 0.5 and tall > _MIN_HEADROOM_M
-    if sill < _DOOR_STEP_M or (sill < _MAX_THRESHOLD_M and walked):
+    # A low sill can be told from a floor in dense scans alone: else a door's size decides.
+    sized = _MIN_HEADROOM_M < tall < _DOOR_SIZE_M[1] and wide < _DOOR_SIZE_M[0]
+    sized &= grid.window > WINDOWS_CELLS[0]
+    if sill < _DOOR_STEP_M or (sill < _MAX_THRESHOLD_M and (walked or sized)):
         return "door"
     below = grid.solid[: where.bottom, where.columns]
     return "window" if where.bottom * CELL_M >= _MIN_SILL_M or below.mean() > 0.5 else "door"

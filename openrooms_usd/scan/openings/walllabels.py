@@ -7,16 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.scan.openings.cellcounts import CELL_M, usual_counts
+from openrooms_usd.scan.openings.labelcounts import BLINDS, CURTAIN
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
-    BLINDS,
-    CURTAIN,
     HIDDEN_WEIGHT,
     LABELS,
     Kind,
     hole_weights,
 )
-from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, usual_counts
+from openrooms_usd.scan.openings.wallpicture import WallGrid
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
