@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 _MIN_OFF_M: Final = 0.2
 # Pieces shorter than this are noise, metres.
 _MIN_LENGTH_M: Final = 0.2
+# Places at which a piece is held against the outline.
+_SAMPLES: Final = 33
 # Of a wall that is outside the floor: more is said, metres.
 _MAX_CUT_M: Final = 0.3
 # Two walls back to back are both faces of one: how far they are apart, metres, how parallel they
@@ -120,8 +122,11 @@ def _inside(path: "LineString", polygon: "Polygon") -> list[Array]:
     free = path.intersection(polygon).difference(edge.buffer(TWIN_DISTANCE_M))
     found = []
     for part in shapely.get_parts(free):
-        points = shapely.points(shapely.get_coordinates(part.segmentize(TWIN_DISTANCE_M)))
-        if part.length == 0.0 or shapely.distance(points, edge).max() < _MIN_OFF_M:
+        if not isinstance(part, shapely.LineString) or part.length == 0.0:
+            continue
+        places = np.linspace(0.0, 1.0, _SAMPLES)
+        points = shapely.line_interpolate_point(part, places, normalized=True)
+        if shapely.distance(points, edge).max() < _MIN_OFF_M:
             continue
         # As far as the outline, or as its own ends.
         start, stop = (path.project(shapely.Point(part.coords[i])) for i in (0, -1))
