@@ -21,9 +21,11 @@ from openrooms_usd.scan.rooms.ceilings import ceiling_height, ceiling_slopes
 from openrooms_usd.scan.rooms.cells import cut_plan
 from openrooms_usd.scan.rooms.coverage import covered_lengths, residuals, seen_shares
 from openrooms_usd.scan.rooms.doorleaves import open_leaves
+from openrooms_usd.scan.rooms.faces import no_walls
 from openrooms_usd.scan.rooms.levelling import Level
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.roomoutline import Plan
+from openrooms_usd.scan.rooms.soffits import ceilings_of
 from openrooms_usd.scan.rooms.spaces import Spaces, find_spaces
 from openrooms_usd.scan.rooms.walls import Line, Walls, profile, upright
 
@@ -124,7 +126,11 @@ def find_layout(
         InputError: The scan shows too little of any room.
     """
     pieces = surfels(cloud)
-    walls = upright(pieces.take(~open_leaves(pieces, level.directions)))
+    ceilings = ceilings_of(pieces)
+    hanging, standing = no_walls(pieces, ceilings)
+    leaves = open_leaves(pieces, level.directions)
+    kept = ~(leaves | hanging)
+    walls = upright(pieces.take(kept), ceilings, standing[kept])
     if not len(walls.points):
         raise _too_little("the scan shows no wall")
     # A partial view was taken from inside its room.

@@ -33,6 +33,7 @@ _COURSE_M: Final = 0.1
 _WALL_TOP_M: Final = 0.5
 # Above this height only walls reach, no doors.
 _DOOR_HEIGHT_M: Final = 2.15
+_LINTEL_M: Final = 0.15  # least height of what is seen above doors
 _SMALL_HOLE_M2: Final = 1.5
 
 
@@ -134,13 +135,20 @@ def _barrier(walls: Walls, low: Array, shape: tuple[int, ...]) -> Mask:
     """(X, Y) pixels with surfels above doors, or, if walls were not scanned so high, with any."""
     from scipy import ndimage
 
-    tall = walls.top > _DOOR_HEIGHT_M + 0.15
-    base = max(walls.top - _WALL_TOP_M, _DOOR_HEIGHT_M) if tall else 0.3 * walls.top
+    tall = walls.top > _DOOR_HEIGHT_M + _LINTEL_M
+    base, full = _above_doors(walls) if tall else (0.3 * walls.top, 0.7 * walls.top)
     high = walls.height > base
-    filled = plan_map(walls.points[high], low, shape, walls.weight[high])
+    weight = walls.weight / full
+    filled = plan_map(walls.points[high], low, shape, weight[high]) * PIXEL_M
     across = ndimage.uniform_filter(filled, 3) * 9.0 / 1.5
-    full = (walls.top - base) / PIXEL_M
-    return np.asarray((filled > 0) & (across > (0.35 if tall else 0.6) * full))
+    return np.asarray((filled > 0) & (across > (0.35 if tall else 0.6)))
+
+
+def _above_doors(walls: Walls) -> tuple[Array, Array]:
+    """(M,) the height from which surfels are above doors, and the metres from there to the top."""
+    tops = walls.tops(walls.points, walls.normals)
+    base = np.maximum(tops - _WALL_TOP_M, np.minimum(_DOOR_HEIGHT_M, tops - _LINTEL_M))
+    return base, np.maximum(tops - base, _LINTEL_M)
 
 
 def _holes(seen: Mask, barrier: Mask) -> Mask:
@@ -161,12 +169,12 @@ def _holes(seen: Mask, barrier: Mask) -> Mask:
 
 def _standing(walls: Walls, low: Array, shape: tuple[int, ...]) -> Array:
     """(X, Y) metres of full-height wall a pixel; 0 if walls were not scanned above doors."""
-    if walls.top < _DOOR_HEIGHT_M + 0.15:
+    if walls.top < _DOOR_HEIGHT_M + _LINTEL_M:
         return np.zeros(shape)
-    base = max(walls.top - _WALL_TOP_M, _DOOR_HEIGHT_M)
+    base, full = _above_doors(walls)
     high = walls.height > base
-    pieces = plan_map(walls.points[high], low, shape, walls.weight[high])
-    return np.asarray(pieces * PIXEL_M**2 / (walls.top - base))
+    pieces = plan_map(walls.points[high], low, shape, (walls.weight / full)[high])
+    return np.asarray(pieces * PIXEL_M**2)
 
 
 def _watershed(distance: Array, markers: NDArray[np.integer[Any]], count: int) -> NDArray[np.int32]:

@@ -1,6 +1,6 @@
 """The vertical surfels of a scan, and the cover of lines in the plan by walls."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
+from openrooms_usd.scan.rooms.soffits import NO_CEILINGS, Ceilings
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -44,6 +45,7 @@ class Walls:
         share: (M,) number of points, relative to the surfels around.
         top: Height up to which walls were scanned, metres.
         reach: Inlier distance of lines, metres.
+        ceilings: Where they are lower, walls end there.
     """
 
     points: Array
@@ -53,6 +55,11 @@ class Walls:
     share: Array
     top: float
     reach: float
+    ceilings: Ceilings = field(default_factory=lambda: NO_CEILINGS)
+
+    def tops(self, places: Array, across: Array) -> Array:
+        """(N,) the height up to which walls at places (N, 2) reach, given a direction across."""
+        return np.minimum(np.min(self.ceilings.beside(places, across), axis=0), self.top)
 
     @property
     def thickness(self) -> float:
@@ -103,13 +110,24 @@ def _between(values: Array, start: float, a: float | Array, b: float | Array) ->
     return np.asarray(np.abs(np.interp(b, ends, total) - np.interp(a, ends, total)))
 
 
-def upright(pieces: Surfels) -> Walls:
-    """The vertical surfels of a level scan, weighted as evidence of walls."""
+def upright(
+    pieces: Surfels, ceilings: Ceilings = NO_CEILINGS, before_walls: Mask | None = None
+) -> Walls:
+    """The vertical surfels of a level scan, weighted as evidence of walls.
+
+    Args:
+        pieces: All surfels.
+        ceilings: Where they are lower than walls elsewhere.
+        before_walls: (M,) those of faces that stand before a wall; None: of none.
+    """
+    before = np.zeros(len(pieces), dtype=np.bool_) if before_walls is None else before_walls
     standing = np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE
-    walls = pieces.take(standing & (pieces.points[:, 2] > _WALL_FOOT_M))
+    chosen = standing & (pieces.points[:, 2] > _WALL_FOOT_M)
+    walls = pieces.take(chosen)
     normals = unit(walls.normals[:, :2])
     height = walls.points[:, 2]
     weight = _label_weights(walls.label, len(walls))
+    weight[before[chosen]] = _LABEL_WEIGHTS["furniture"]
     counts = np.bincount((height / _COURSE_M).astype(int), weight, 4)
     dense = np.flatnonzero(counts >= 0.25 * np.quantile(counts, 0.75))
     top = float((dense[-1] + 1) * _COURSE_M)
@@ -124,6 +142,7 @@ def upright(pieces: Surfels) -> Walls:
         share=walls.share[kept],
         top=top,
         reach=reach,
+        ceilings=ceilings,
     )
 
 
@@ -182,12 +201,31 @@ def profile(walls: Walls, normal: Array, offset: float) -> Line:
     filled = np.zeros((count, walls.courses))
     np.add.at(filled, (column, course), weight * COLUMN_M / _COURSE_M)
     filled = np.clip(filled * 1.5, _FURNITURE_FRONT_WEIGHT, 1.0)
-    foot = int(_WALL_FOOT_M / _COURSE_M)
-    everywhere = filled[:, foot:].mean(axis=1)
-    above = filled[:, -int(_WALL_TOP_M / _COURSE_M) :].mean(axis=1)
+    above, everywhere = _shares(filled, _courses_at(walls, normal, offset, start, count))
     cover = np.minimum(1.0, 1.4 * (0.7 * above + 0.3 * everywhere))
     seen = np.minimum(1.0, 3.0 * np.maximum(everywhere, above))
     return Line(normal, offset, start, _closed(cover), _closed(seen))
+
+
+def _courses_at(
+    walls: Walls, normal: Array, offset: float, start: float, count: int
+) -> NDArray[np.int64]:
+    """(U,) the number of height bins below the ceiling in each column of a line."""
+    along = np.array([-normal[1], normal[0]])
+    places = offset * normal + (start + COLUMN_M * (np.arange(count) + 0.5))[:, None] * along
+    courses = np.rint(walls.tops(places, normal) / _COURSE_M).astype(np.int64)
+    return np.clip(courses, 4, walls.courses)
+
+
+def _shares(filled: Array, courses: NDArray[np.int64]) -> tuple[Array, Array]:
+    """(U,) the mean of the highest bins below the ceiling, and of all of them."""
+    total = np.pad(np.cumsum(filled, axis=1), ((0, 0), (1, 0)))
+    column = np.arange(len(filled))
+    band, foot = int(_WALL_TOP_M / _COURSE_M), int(_WALL_FOOT_M / _COURSE_M)
+    low = np.maximum(courses - band, 0)
+    above = (total[column, courses] - total[column, low]) / (courses - low)
+    everywhere = (total[column, courses] - total[column, foot]) / (courses - foot)
+    return above, everywhere
 
 
 def _closed(values: Array) -> Array:

@@ -1,0 +1,88 @@
+"""Ceilings that are lower in places: soffits, ducts, beams.
+
+The face of a soffit is as long and as high up as the top of a wall, but the room goes on below it:
+there its ceiling is lower than the face. A wall below a soffit ends at that lower ceiling.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.scan.points.surfels import Surfels
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+_PIXEL_M: Final = 0.05
+_MIN_CEILING_M: Final = 1.9
+_LEVEL_COS: Final = float(np.cos(np.deg2rad(8.0)))
+# A ceiling counts this far from its surfels, for lamps and shadows.
+_GAP_M: Final = 0.3
+# A soffit is at least as deep; lintels are as deep as a wall.
+_DEPTHS_M: Final = (0.2, 0.4)
+_BELOW_M: Final = 0.03
+
+
+@dataclass(frozen=True, eq=False)
+class Ceilings:
+    """The heights of ceilings over the plan.
+
+    Attributes:
+        low: (2,) the corner of pixel (0, 0), metres.
+        height: (X, Y) metres; infinite where none was scanned.
+    """
+
+    low: Array
+    height: Array
+
+    def above(self, places: Array) -> Array:
+        """(N,) the height of the ceiling over places (N, 2); infinite where none was scanned."""
+        pixel = np.floor((places - self.low) / _PIXEL_M).astype(int)
+        within = ((pixel >= 0) & (pixel < self.height.shape)).all(axis=1)
+        found = np.full(len(places), np.inf)
+        found[within] = self.height[tuple(pixel[within].T)]
+        return found
+
+    def beside(self, places: Array, across: Array) -> tuple[Array, Array]:
+        """The highest ceiling within the depth of a soffit, on either side of places.
+
+        Args:
+            places: (N, 2) metres.
+            across: (N, 2) or (2,) unit, to one of the sides.
+
+        Returns:
+            (N,) on that side and (N,) on the other; infinite where none was scanned.
+        """
+        one, other = (
+            np.max([self.above(places + sign * depth * across) for depth in _DEPTHS_M], axis=0)
+            for sign in (1.0, -1.0)
+        )
+        return one, other
+
+
+NO_CEILINGS: Final = Ceilings(np.zeros(2), np.full((1, 1), np.inf))
+
+
+def ceilings_of(pieces: Surfels) -> Ceilings:
+    """The heights of ceilings.
+
+    Args:
+        pieces: Surfels of a storey in the level frame.
+    """
+    from scipy import ndimage
+
+    level = np.abs(pieces.normals[:, 2]) > _LEVEL_COS
+    points = pieces.points[level & (pieces.points[:, 2] > _MIN_CEILING_M)]
+    if not len(points):
+        return NO_CEILINGS
+    margin = 2.0 * _GAP_M
+    low = points[:, :2].min(axis=0) - margin
+    shape = np.ceil((points[:, :2].max(axis=0) + margin - low) / _PIXEL_M).astype(int) + 1
+    height = np.zeros(shape)
+    pixel = np.floor((points[:, :2] - low) / _PIXEL_M).astype(int)
+    # Of a wardrobe's top and the ceiling above it, the ceiling.
+    np.maximum.at(height, tuple(pixel.T), points[:, 2])
+    away, nearest = ndimage.distance_transform_edt(height == 0.0, return_indices=True)
+    height = np.where(away * _PIXEL_M <= _GAP_M, height[tuple(nearest)], np.inf)
+    return Ceilings(low, height)
