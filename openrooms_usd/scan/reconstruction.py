@@ -41,7 +41,7 @@ class FoundLayout:
     Attributes:
         level: Level frame of the scan.
         cloud: The points in the level frame.
-        rooms: In the level frame, the largest first.
+        rooms: In the level frame, the largest that were seen well first.
     """
 
     level: Level
@@ -99,9 +99,9 @@ def find_rooms(
     thinned = thin(cloud, VOXEL_M)
     stands = level(thinned, up)
     flat = thinned.moved(stands.level_from_scan)
-    found = sorted(
-        find_layout(flat, stands, options or LayoutOptions()), key=lambda room: -_area(room.corners)
-    )
+    found = find_layout(flat, stands, options or LayoutOptions())
+    # The largest of those that were seen well: half-seen ones may be larger than they are.
+    found = sorted(found, key=lambda room: -_area(room.corners) * room.coverage)
     rooms = tuple(_room(room, flat, stands) for room in found)
     return FoundLayout(stands, cloud.moved(stands.level_from_scan), rooms)
 

@@ -4,7 +4,8 @@ In the order of the work:
 
 - `verticals`: what speaks for every axis that may be up, in a scan of any unit;
 - `ground`, `levelling`, `directions`: gravity, the floor, the directions of walls;
-- `ceilings`: their heights and slopes; `doorleaves`: open doors, which are no walls;
+- `ceilings`: their heights and slopes; `soffits`: where they are lower;
+- `doorleaves`, `faces`: open doors, soffits and wardrobes, which are no walls;
 - `walls`, `candidates`: surfels of walls, and line hypotheses for them;
 - `occupancy`, `roofs`, `spaces`: occupancy and free space of the plan, what of it ceilings cover,
   a watershed into rooms;

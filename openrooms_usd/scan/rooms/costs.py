@@ -16,6 +16,10 @@ Array = NDArray[np.float64]
 _WALL_INSIDE_COST: Final = 2.5
 # Walls shorter than the first are likely window reveals or drift, and cost the second more, metres.
 _SHORT_WALL_COSTS_M: Final = ((0.2, 0.4), (0.08, 2.0))
+# A wall of which less than this part shows is assumed; it costs as much more, metres: rather than
+# that walls step where nobody looked, they go straight on.
+_ASSUMED_SHARE: Final = 0.2
+_ASSUMED_WALL_COST_M: Final = 0.3
 # If all sensors are outside, metres of missing wall; in proportion if some are.
 _SENSORS_OUTSIDE_COST_M: Final = 30.0
 
@@ -52,8 +56,10 @@ class Cost:
         for i in range(len(outline)):
             line = self._line(outline.normals[i], float(outline.offsets[i]))
             a, b = corners[i] @ line.along, corners[(i + 1) % len(corners)] @ line.along
-            missing += float(abs(b - a) - line.covered(a, b)) * float(rate[i])
-            missing += sum(cost for length, cost in _SHORT_WALL_COSTS_M if abs(b - a) < length)
+            length, covered = float(abs(b - a)), float(line.covered(a, b))
+            missing += (length - covered) * float(rate[i])
+            missing += _ASSUMED_WALL_COST_M * (covered < _ASSUMED_SHARE * length)
+            missing += sum(cost for short, cost in _SHORT_WALL_COSTS_M if length < short)
         polygon = shapely.Polygon(corners)
         shapely.prepare(polygon)
         won = self._gain[shapely.contains_xy(polygon, self._centres)].sum()

@@ -1,6 +1,6 @@
 """Leaves of open doors, found by their labels: as high as walls, but no walls.
 
-An open leaf is parallel to no prevailing direction and collinear with no wall.
+An open leaf is collinear with no wall.
 """
 
 from typing import Final
@@ -22,11 +22,12 @@ _SKIRTING_M: Final = 0.1
 # Radius of the neighbourhood whose principal axis is the direction of a leaf or wall, metres.
 _DIRECTION_RADIUS_M: Final = 0.35
 _MIN_PIECES: Final = 8
-# Leaves open by less do no harm, degrees.
-_MIN_OPEN_DEG: Final = 4.0
-# A closed door continues a wall: within this range and band, in so many columns.
+# A closed door continues a wall: within this angle, range and band, in so many columns. One that
+# is parallel to the walls may stand in a deep frame.
+_ALIKE_DEG: Final = 4.0
 _WALL_ONWARD_M: Final = 1.5
 _WALL_BAND_M: Final = 0.08
+_FRAME_BAND_M: Final = 0.12
 _MIN_COLUMNS: Final = 6
 
 
@@ -48,10 +49,10 @@ def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
     places, column = _columns(pieces.points[doors, :2])
     angle = _normal_directions(places)
     off = np.min([angle_between(angle, direction) for direction in directions], axis=0)
-    rows = np.flatnonzero(off > _MIN_OPEN_DEG)
-    leaf = np.zeros(len(places), bool)
-    if len(rows):
-        leaf[rows] = ~_in_line(places[rows], angle[rows], _columns(pieces.points[walls, :2])[0])
+    band = np.where(off > _ALIKE_DEG, _WALL_BAND_M, _FRAME_BAND_M)
+    leaf = np.isfinite(angle) & ~_in_line(
+        places, angle, band, _columns(pieces.points[walls, :2])[0]
+    )
     none[doors[leaf[column]]] = True
     return none
 
@@ -81,7 +82,7 @@ def _normal_directions(places: Array) -> Array:
     return np.where(count >= _MIN_PIECES, np.rad2deg(along) + 90.0, np.nan)
 
 
-def _in_line(places: Array, angles: Array, walls: Array) -> Mask:
+def _in_line(places: Array, angles: Array, band: Array, walls: Array) -> Mask:
     """(N,) whether a wall is collinear with the leaf at each place."""
     from scipy.spatial import KDTree
 
@@ -90,6 +91,6 @@ def _in_line(places: Array, angles: Array, walls: Array) -> Mask:
     for row, near in enumerate(KDTree(walls).query_ball_point(places, _WALL_ONWARD_M)):
         turn = np.deg2rad(angles[row])
         away = np.abs((walls[near] - places[row]) @ np.array([np.cos(turn), np.sin(turn)]))
-        alike = angle_between(runs[near], angles[row], 180.0) < _MIN_OPEN_DEG
-        found[row] = ((away < _WALL_BAND_M) & alike).sum() >= _MIN_COLUMNS
+        alike = angle_between(runs[near], angles[row], 180.0) < _ALIKE_DEG
+        found[row] = ((away < band[row]) & alike).sum() >= _MIN_COLUMNS
     return found

@@ -34,6 +34,8 @@ _UNDERSIDE_M: Final = 0.1
 _LOWER_M: Final = 0.03
 # The wall below a soffit does not go on up behind it, at the heights around a place of its face.
 _BAND_M: Final = 0.15
+# The room is on the side where its ceiling is seen at some of these distances, metres.
+_ROOM_M: Final = (0.5, 0.7, 0.9)
 # Lintels are shorter than beams that span a room, and than soffits before a wall.
 _MIN_BEAM_M: Final = 2.0
 _MIN_SOFFIT_M: Final = 1.2
@@ -125,37 +127,46 @@ def _hangs(points: Array, across: Array, columns: _Columns, ceilings: Ceilings) 
     plan, height, lower, across = plan[free], height[free], lower[free], across[free]
     underside, walled = (np.zeros(len(free), dtype=np.bool_) for _ in range(2))
     for side in _SIDES:
-        underside |= ceilings.above(plan + side * _UNDERSIDE_M * across) < lower
+        away = side * across
+        inner = _roofed(plan, -away, lower, ceilings)
+        outer = inner & ~_roofed(plan, away, lower, ceilings)
+        # Beyond a beam the room goes on under its ceiling, beyond the lintel of a gate it does not.
+        onward = _roofed(plan, away, np.zeros(len(plan)), ceilings)
+        underside |= inner & onward & (ceilings.above(plan + _UNDERSIDE_M * away) < lower)
         for depth in _BEHIND_M:
-            behind = plan + depth * side * across
-            wall = columns.shares(behind, *_BODY_M) > _WALL_SHARE
+            behind = plan + depth * away
+            wall = outer & (columns.shares(behind, *_BODY_M) > _WALL_SHARE)
             wall &= columns.shares(behind, height - _BAND_M, height + _BAND_M) < _WALL_SHARE
             walled |= wall
     for rule, length in ((underside, _MIN_BEAM_M), (walled, _MIN_SOFFIT_M)):
         rows = free[rule]
-        found[rows] |= _long(points[rows, :2], length)
+        found[rows] |= _extents(points[rows, :2]) > length
     return np.asarray(found & (points[:, 2] > _LEAST_HANGING_M))
 
 
-def _long(plan: Array, length: float) -> Mask:
-    """(N,) whether places belong to connected ones of some extent."""
+def _roofed(plan: Array, away: Array, height: Array, ceilings: Ceilings) -> Mask:
+    """(N,) whether a ceiling above a height was seen to one side of places."""
+    found = np.zeros(len(plan), dtype=np.bool_)
+    for distance in _ROOM_M:
+        above = ceilings.above(plan + distance * away)
+        found |= np.isfinite(above) & (above > height)
+    return found
+
+
+def _extents(plan: Array) -> Array:
+    """(N,) the extent of the connected face of each place, metres."""
     from scipy import ndimage
 
     if not len(plan):
-        return np.zeros(0, dtype=np.bool_)
+        return np.zeros(0)
     pixel = np.floor((plan - plan.min(axis=0)) / _PIXEL_M).astype(int) + 1
     filled = np.zeros(pixel.max(axis=0) + 2, dtype=np.bool_)
     filled[tuple(pixel.T)] = True
     joined = ndimage.binary_dilation(filled, np.ones((3, 3)))
     groups, _ = ndimage.label(joined, np.ones((3, 3)))
-    extents = np.array(
-        [0.0]
-        + [
-            _PIXEL_M * max(rows.stop - rows.start for rows in place)
-            for place in ndimage.find_objects(groups)
-        ]
-    )
-    return np.asarray(extents[groups[tuple(pixel.T)]] > length)
+    spans = [[rows.stop - rows.start for rows in place] for place in ndimage.find_objects(groups)]
+    extents = np.array([0.0, *(_PIXEL_M * max(span) for span in spans)])
+    return np.asarray(extents[groups[tuple(pixel.T)]])
 
 
 def _stands(points: Array, across: Array, columns: _Columns, ceilings: Ceilings) -> Mask:
@@ -163,11 +174,14 @@ def _stands(points: Array, across: Array, columns: _Columns, ceilings: Ceilings)
     plan = points[:, :2]
     top = columns.tops(plan)
     room = np.min(ceilings.beside(plan, across), axis=0)
-    room = np.minimum(np.where(np.isfinite(room), room, _COURSE_M * columns.total.shape[2]), 99.0)
+    room = np.minimum(room, _COURSE_M * (columns.total.shape[2] - 1))
     found = np.zeros(len(plan), dtype=np.bool_)
-    tall = (top > _LEAST_STANDING_M) & (room - top > _MIN_ABOVE_M)
+    rows = np.flatnonzero((top > _LEAST_STANDING_M) & (room - top > _MIN_ABOVE_M))
+    plan, across, top, room = plan[rows], across[rows], top[rows], room[rows]
     for side in _SIDES:
+        away = side * across
+        outer = _roofed(plan, -away, top, ceilings) & ~_roofed(plan, away, top, ceilings)
         for depth in _BEHIND_M:
-            behind = plan + depth * side * across
-            found |= columns.shares(behind, top + _COURSE_M, room) > _SEEN_ABOVE_SHARE
-    return np.asarray(found & tall)
+            seen = columns.shares(plan + depth * away, top + _COURSE_M, room)
+            found[rows] |= outer & (seen > _SEEN_ABOVE_SHARE)
+    return found

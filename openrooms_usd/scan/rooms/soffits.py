@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.surfels import Surfels
+
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
@@ -21,7 +22,14 @@ _LEVEL_COS: Final = float(np.cos(np.deg2rad(8.0)))
 _GAP_M: Final = 0.3
 # A soffit is at least as deep; lintels are as deep as a wall.
 _DEPTHS_M: Final = (0.2, 0.4)
-_BELOW_M: Final = 0.03
+# Below a ceiling some of the floor is seen, this near and in this part, or it is larger than any
+# furniture. Its pieces are told apart by steps of height.
+_FLOOR_M: Final = 0.15
+_FLOOR_PIXELS: Final = 2
+_OVER_FLOOR_SHARE: Final = 0.2
+_MIN_CEILING_M2: Final = 0.25
+_SURE_CEILING_M2: Final = 4.0
+_STEP_M: Final = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +91,32 @@ def ceilings_of(pieces: Surfels) -> Ceilings:
     pixel = np.floor((points[:, :2] - low) / _PIXEL_M).astype(int)
     # Of a wardrobe's top and the ceiling above it, the ceiling.
     np.maximum.at(height, tuple(pixel.T), points[:, 2])
+    floor = pieces.points[level & (np.abs(pieces.points[:, 2]) < _FLOOR_M)]
+    pixel = np.floor((floor[:, :2] - low) / _PIXEL_M).astype(int)
+    pixel = pixel[((pixel >= 0) & (pixel < shape)).all(axis=1)]
+    ground = np.zeros(shape, dtype=np.bool_)
+    ground[tuple(pixel.T)] = True
+    height[~_over_floor(height, ndimage.binary_dilation(ground, iterations=_FLOOR_PIXELS))] = 0.0
+    if not height.any():
+        return NO_CEILINGS
     away, nearest = ndimage.distance_transform_edt(height == 0.0, return_indices=True)
     height = np.where(away * _PIXEL_M <= _GAP_M, height[tuple(nearest)], np.inf)
     return Ceilings(low, height)
+
+
+def _over_floor(height: Array, ground: Mask) -> Mask:
+    """(X, Y) level pieces with a floor below: tops of wardrobes have none."""
+    from scipy import ndimage
+
+    found = np.zeros(height.shape, dtype=np.bool_)
+    steps = np.rint(height / _STEP_M).astype(int)
+    for step in np.unique(steps[steps > 0]):
+        groups, count = ndimage.label(steps == step, np.ones((3, 3)))
+        size = np.bincount(groups.ravel(), minlength=count + 1)
+        below = np.bincount(groups[ground], minlength=count + 1)
+        area = size * _PIXEL_M**2
+        ceiling = (below > _OVER_FLOOR_SHARE * size) & (area > _MIN_CEILING_M2)
+        ceiling |= area > _SURE_CEILING_M2
+        ceiling[0] = False
+        found |= ceiling[groups]
+    return found
