@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.capture import read_capture
+from openrooms_usd.categories.words import plain
+from openrooms_usd.stages.instances import instances_of
 
 Real = Callable[[str], Path]
 
@@ -68,3 +70,29 @@ def test_a_frame_of_sun_rgbd_projects_onto_its_picture(real: Real) -> None:
     }
     assert inside["bed"] > 18_000
     assert inside["night_stand"] > 900
+
+
+@pytest.mark.slow
+def test_a_scene_of_scannet_keeps_its_words(real: Real) -> None:
+    """The table of labels lies beside it, and trash cans are bins that stand on the floor."""
+    cloud = read_capture("scannet", real("real_dev/data/scannet_0000_00")).cloud
+    assert cloud is not None
+    found = {one.number: one for one in instances_of(cloud) or ()}
+    assert found[13].words[:2] == ("trashcan", "ashcan")
+    said = {n: one.hint.choices for n, one in found.items() if one.meaning.kind == "thing"}
+    assert [said[n][0][0] for n in (13, 46, 47, 50, 54)] == [
+        "trash_bin", "microwave", "basket", "side_table", "toaster",
+    ]  # fmt: skip
+    # A shower, a scale, a backpack, a guitar, a tissue box and a dish rack are boxes called so.
+    for number in (5, 12, 19, 48, 49, 52):
+        assert said[number] == ((plain(found[number].words[0]),),)
+
+
+@pytest.mark.slow
+def test_what_a_scan_calls_other_is_a_box(real: Real) -> None:
+    cloud = read_capture("scan", real("real_dev/data/scannet_0002_00/scan.ply")).cloud
+    assert cloud is not None
+    found = instances_of(cloud) or []
+    bins = [one for one in found if one.words[0].startswith("other")]
+    assert len(bins) > 20
+    assert all(not one.meaning.choices for one in bins)
