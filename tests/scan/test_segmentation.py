@@ -217,3 +217,14 @@ def _ends(box: Box) -> tuple[Array, Array]:
     corners = corners_of(Hint(1, box=box), ())
     assert corners is not None
     return corners.min(axis=0), corners.max(axis=0)
+
+
+def test_sparse_scans_have_whole_pieces() -> None:
+    """Points a decimetre apart: the sides of a cabinet hold together."""
+    dense = scanned(*at(1.5, 0.0, [(0.0, 0.0, 0.0, 2.0, 0.6, 1.0)]))
+    cells = np.floor(dense.points / 0.09).astype(int)
+    _, rows = np.unique(cells, axis=0, return_index=True)
+    found = ShapeSegmenter().segment(dense.take(rows), (ROOM,))
+    assert len(found.words) == 1
+    low, high = np.quantile(dense.points[rows][found.instance == 1], (0.02, 0.98), axis=0)
+    np.testing.assert_allclose(high - low, [2.0, 0.6, 1.0], atol=0.2)

@@ -41,6 +41,8 @@ _MIN_INLIER_SHARE: Final = 0.3
 _MIN_COVERAGE_SHARE: Final = 0.15
 # Points of the range panoramas; more change nothing.
 _MAX_VISIBILITY_POINTS: Final = 300_000
+# Least points of a thing for which a given box may stand.
+_MIN_BOX_POINTS: Final = 10
 # Energy of the prior against any support but the likeliest.
 _OTHER_SUPPORT_ENERGY: Final = 9.0
 
@@ -162,8 +164,11 @@ class _Scene:
         rows = self.selection.rows(hint)
         bounds = bounds_of(hint, models)
         evidence = gathered(cloud.points[rows], bounds, self.walls)
-        if len(evidence.points) < MIN_OBJECT_POINTS:
-            raise RefusedError(f"fewer than {MIN_OBJECT_POINTS} points, 1.2 cm apart, belong to it")
+        few = len(evidence.points) < MIN_OBJECT_POINTS
+        too_few = RefusedError(f"fewer than {MIN_OBJECT_POINTS} points, 1.2 cm apart, belong to it")
+        # A box that is given needs no fit.
+        if few and (hint.box is None or len(evidence.points) < _MIN_BOX_POINTS):
+            raise too_few
         corners = corners_of(hint, models)
         bottom = None if corners is None else float(corners[:, 2].min())
         possible = supports(cloud, rows, evidence, bottom)
@@ -174,6 +179,8 @@ class _Scene:
             if chosen := self.selection.of_top(hint, rows, evidence, down):
                 box, possible = down, (0.0,)
         chosen = chosen or self.selection.candidates(hint, rows, evidence, box)
+        if few and chosen:
+            raise too_few
         if not chosen:
             around = Surroundings(self.panoramas, possible[0], NO_WALLS)
             if (stand_in := self.boxed(hint, evidence, around)) is None:

@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 _THINNING_M: Final = 0.02
+_NEIGHBOURS: Final = 4
+_SPACING_SAMPLE: Final = 20_000
 # Points belong to the surfel that is nearest, up to this distance, metres.
 _OF_SURFEL_M: Final = 0.07
 # Pieces of fewer surfels are outliers.
@@ -51,23 +53,25 @@ class ShapeSegmenter:
 
     def segment(self, cloud: Cloud, rooms: Sequence[FoundRoom]) -> Segments:
         """Find the furniture of a scan; see `openrooms_usd.scan.segmentation.contract`."""
-        everything = surfels(thin(Cloud(cloud.points), _THINNING_M))
+        thinned = thin(Cloud(cloud.points), _THINNING_M)
+        everything, spacing = surfels(thinned), _spacing(thinned.points)
         rows = np.flatnonzero(contents(everything, rooms))
+        found = _furniture(cloud, everything.take(rows), rooms, spacing)
         piece, words = np.zeros(len(everything), dtype=np.int32), {}
-        for number, (own, word) in enumerate(_furniture(cloud, everything.take(rows), rooms), 1):
+        for number, (own, word) in enumerate(found, 1):
             piece[rows[own]], words[number] = number, word
         distance, nearest = KDTree(everything.points).query(
-            cloud.points, distance_upper_bound=_OF_SURFEL_M
+            cloud.points, distance_upper_bound=max(_OF_SURFEL_M, spacing)
         )
         instance = np.append(piece, 0)[np.where(np.isfinite(distance), nearest, len(piece))]
         return Segments(instance.astype(np.int32), words)
 
 
 def _furniture(
-    cloud: Cloud, pieces: Surfels, rooms: Sequence[FoundRoom]
+    cloud: Cloud, pieces: Surfels, rooms: Sequence[FoundRoom], spacing: float
 ) -> Iterator[tuple[Rows, str]]:
     """The surfels of each piece of furniture and its name, the largest first."""
-    walls, of_surfel = walls_of(rooms), grouped(pieces)
+    walls, of_surfel = walls_of(rooms), grouped(pieces, spacing)
     bright = _brightness(cloud, pieces)
     ceiling = min((room.ceiling for room in rooms if room.ceiling is not None), default=np.inf)
     sizes = np.bincount(of_surfel) if len(of_surfel) else np.zeros(0, dtype=np.int64)
@@ -82,6 +86,15 @@ def _furniture(
         if word != UNNAMED or _is_thing(shape, ceiling, points, pieces.points[kept]):
             kept[rows] = True
             yield rows, word
+
+
+def _spacing(points: Array) -> float:
+    """The usual distance between neighbours, metres: to the fourth nearest on a grid."""
+    some = points[:: max(len(points) // _SPACING_SAMPLE, 1)]
+    if len(points) <= _NEIGHBOURS:
+        return _THINNING_M
+    distance: Array = np.asarray(KDTree(points).query(some, _NEIGHBOURS + 1)[0])
+    return float(np.median(distance[:, -1]))
 
 
 def _brightness(cloud: Cloud, pieces: Surfels) -> Array:

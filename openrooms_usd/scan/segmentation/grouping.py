@@ -22,8 +22,9 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.int32]
 Pairs = NDArray[np.intp]
 
-# Surfels touch if they are nearer than this, metres.
+# Surfels touch if they are nearer than this, metres, or than so many times the points' spacing.
 _TOUCH_M: Final = 0.085
+_TOUCH_SPACINGS: Final = 1.6
 # A way over an edge between surfaces counts this many times: pieces that touch meet at edges.
 _EDGE_FACTOR: Final = 4.0
 _EDGE_COS: Final = 0.7
@@ -56,15 +57,17 @@ _FOOT_SHARE: Final = 0.6
 _LONGEST_FOOT_M: Final = 0.35
 
 
-def grouped(pieces: Surfels) -> Numbers:
+def grouped(pieces: Surfels, spacing: float) -> Numbers:
     """(M,) the number of the piece that each surfel belongs to.
 
     Args:
         pieces: The surfels of what stands in a room, floor at z = 0.
+        spacing: Of the points that they were made from, metres.
     """
     if not len(pieces):
         return np.zeros(0, dtype=np.int32)
-    pairs = KDTree(pieces.points).query_pairs(_TOUCH_M, output_type="ndarray")
+    touch = max(_TOUCH_M, _TOUCH_SPACINGS * spacing)
+    pairs = KDTree(pieces.points).query_pairs(touch, output_type="ndarray")
     tops = tops_of(pieces)
     piece_of_top = united(tops)
     found = _spread(pieces, pairs, tops, piece_of_top)
