@@ -23,6 +23,8 @@ CORRECTED: Final = 0.9
 # Words by which a refusal names what would help.
 _NAMES_UP: Final = ("--up", " up ", "`up`", "up:", "'up'", "upright", "gravity")
 
+_NAMES_UNIT: Final = ("unit", "millimet")
+
 
 @dataclass(frozen=True)
 class Row:
@@ -40,6 +42,7 @@ class Row:
         bodies: All objects, as bodies.
         export: Of a RoomPlan capture.
         tilted: The room lies on its side.
+        unit_named: The unit was spoken of, in a note or a refusal.
     """
 
     capture: str
@@ -53,6 +56,7 @@ class Row:
     bodies: BodyScore | None = None
     export: ExportScore | None = None
     tilted: bool = False
+    unit_named: bool = False
 
     @property
     def names_up(self) -> bool:
@@ -71,12 +75,20 @@ class Row:
             return self.plan is not None and self.plan.iou > CORRECTED
         if self.run.change == "on its side":
             return self.names_up
-        return not self.crashed and "unit" in self.refusal.lower()
+        return self.unit_named
 
 
 def score(capture: Capture, run: Run, outcome: Outcome) -> Row:
     """Score what a run left."""
-    row = Row(capture.name, capture.truth.kind, run, outcome.seconds, outcome.refusal)
+    named = any(word in outcome.said.lower() for word in _NAMES_UNIT)
+    row = Row(
+        capture.name,
+        capture.truth.kind,
+        run,
+        outcome.seconds,
+        outcome.refusal,
+        unit_named=named and not (outcome.refusal or "").startswith("crashed"),
+    )
     if capture.truth.kind == "roomplan":
         scene = outcome.folder / "scene.usda"
         made = export_score(

@@ -29,6 +29,7 @@ AT_MOST: Final = {
     "invented": 0,
     "outside": 0,
     "wrong_axis": 0,
+    "wrong_unit": 0,
     "tilted": 0,
     "changed_in_silence": 0,
     "calibration": 0.1,
@@ -87,6 +88,9 @@ def totals(captures: Iterable[Capture], rows: Sequence[Row]) -> dict[str, Any]:
         "exports_alike": _alike(by_capture.values()),
         "wrong_axis": sum(
             _axis_unnoticed(by_capture[name][0]) for name in scans if truths[name].up_axis != "z"
+        ),
+        "wrong_unit": sum(
+            not by_capture[name][0].unit_named for name in scans if truths[name].unit != 1.0
         ),
         "tilted": sum(row.tilted and not row.run.derived for row in rows),
         "changed": sum(row.run.derived for row in rows),

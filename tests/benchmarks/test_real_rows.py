@@ -111,6 +111,17 @@ def test_a_wrong_axis_in_silence_shows(data):
     assert helpful.plan.openings.typed.true == 1
 
 
+def test_a_wrong_unit_in_silence_shows(data):
+    from benchmarks.real.totals import totals
+
+    (capture,) = captures(data)
+    small = [replace(capture, truth=replace(capture.truth, unit=0.001))]
+    silent, named = (row(data, 0, said=f"error: {said}") for said in ("4 points", "unit: mm?"))
+    assert totals(small, [silent])["wrong_unit"] == 1
+    assert totals(small, [named])["wrong_unit"] == 0
+    assert totals([capture], [silent])["wrong_unit"] == 0
+
+
 def test_a_crash_is_no_refusal(data):
     said = "Traceback (most recent call last):\n  File x\nValueError: the unit --up\n"
     crashed = row(data, 0, said=said)
