@@ -97,7 +97,7 @@ class LibraryObject(Placed):
 
 
 class FileObject(Placed):
-    """An object from the user's own OBJ, GLB, PLY, URDF or USD file."""
+    """An object from the user's own OBJ, GLB, PLY, STL, URDF or USD file."""
 
     source: Literal["file"] = Field(default="file", alias="from")
     file: str = Field(min_length=1)
@@ -105,12 +105,14 @@ class FileObject(Placed):
     size: Size | None = None
     """The box to fit it into; by default its own size."""
     up: Literal["Y", "Z"] | None = None
-    """The file's up axis; by default as the format has it (OBJ, GLB: Y; PLY: Z; USD: as stated)."""
+    """The file's up axis; by default as USD and URDF state it, otherwise Y (OBJ, GLB) or Z (PLY,
+    STL), unless its category's usual sizes say the other."""
     front: Literal["+X", "-X", "+Y", "-Y"] | None = None
     """Where its front looks after the up axis is turned to Z; by default -Y; of a URDF
     where its doors and drawers open to."""
     unit: PositiveLength | None = None
-    """The length of one unit of the file; by default 1 m (USD: as the file states)."""
+    """The length of one unit of the file; by default as USD and URDF state it, otherwise 1 m,
+    unless its category's usual sizes say another."""
 
 
 AlignedObject = Annotated[

@@ -4,5 +4,5 @@
 - materials: `textures`, `assignment`, `friction`, `ownmaterials`;
 - surroundings: `solar`, `sunlight`, `skylight`, `sky`, `panorama`, `environments`, `pictures`;
 - models of others: `pieces`, `wavefront`, `gltf`, `usdfile`, `urdf` (with
-  `urdftree`, `plainxml`), `meshfile`, `cads`.
+  `urdftree`, `plainxml`), `posture` (their up axis and unit), `meshfile`, `cads`.
 """

@@ -1,8 +1,8 @@
-"""Reads GLB and PLY files through trimesh: nodes as pieces, with constant materials."""
+"""Reads GLB, PLY and STL files through trimesh: nodes as pieces, with constant materials."""
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,10 @@ from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface
+
+
+# Base colour of a material that says none, scene-linear.
+_UNSAID: Final = (0.6, 0.6, 0.6)
 
 
 def read_glb(path: Path) -> Reading:
@@ -40,6 +44,16 @@ def read_ply(path: Path) -> Reading:
     content = untrusted.read_bytes(path, "model")
     if not content.startswith(b"ply"):
         raise InputError("not a PLY file", place=path, remedy="export the mesh again")
+    return Reading(_pieces(shown_meshes(path, content), path.stem), up="Z")
+
+
+def read_stl(path: Path) -> Reading:
+    """Read an STL mesh; it is taken to be Z up, as programs for parts are.
+
+    Raises:
+        InputError: It is no STL file, or it is truncated.
+    """
+    content = untrusted.read_bytes(path, "model")
     return Reading(_pieces(shown_meshes(path, content), path.stem), up="Z")
 
 
@@ -91,13 +105,21 @@ def _at(
 
 
 def _surface(visual: Any) -> "PreviewSurface | None":
-    """The constants of a glTF material."""
+    """The constants of a glTF material; what it leaves out is as the format has it, but grey.
+
+    The format's own white reflects all light and is a metal, which nobody means who says nothing.
+    """
     from openrooms_usd.usd.materials import PreviewSurface
 
     material: Any = getattr(visual, "material", None)
     factor = getattr(material, "baseColorFactor", None)
-    if factor is None or getattr(material, "baseColorTexture", None) is not None:
+    if not hasattr(material, "baseColorFactor") or material.baseColorTexture is not None:
         return None
+    if factor is None:
+        roughness = 0.8 if material.roughnessFactor is None else float(material.roughnessFactor)
+        return PreviewSurface(
+            base_color=_UNSAID, metallic=float(material.metallicFactor or 0.0), roughness=roughness
+        )
     r, g, b, a = (float(v) / 255.0 for v in np.asarray(factor, dtype=np.float64)[:4])
     metallic, roughness = material.metallicFactor, material.roughnessFactor
     return PreviewSurface(

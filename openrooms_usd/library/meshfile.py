@@ -1,4 +1,4 @@
-"""The user's own models: OBJ, GLB, PLY, URDF and USD files as parts in our object frame."""
+"""The user's own models: OBJ, GLB, PLY, STL, URDF and USD files as parts in our object frame."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ from openrooms_usd.geometry.uv import cube_projection, metric
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import Model
 from openrooms_usd.library.furniture.joinery import Joint, Size
-from openrooms_usd.library.gltf import read_glb, read_ply
+from openrooms_usd.library.gltf import read_glb, read_ply, read_stl
 from openrooms_usd.library.pieces import (
     ForeignJoint,
     Piece,
@@ -25,11 +25,11 @@ from openrooms_usd.library.pieces import (
     mended,
     prim_names,
 )
+from openrooms_usd.library.posture import Posture, Up, Usual, posture
 from openrooms_usd.library.urdf import meshes_of, read_urdf
 from openrooms_usd.library.usdfile import USD_SUFFIXES, layers_of, read_usd
 from openrooms_usd.library.wavefront import libraries_of, read_obj
 
-Up = Literal["Y", "Z"]
 Front = Literal["+X", "-X", "+Y", "-Y"]
 
 # Without a size, a longest side that is not between these (metres) means a wrong unit.
@@ -50,16 +50,19 @@ def read_model(
     up: Up | None = None,
     front: Front | None = None,
     unit: float | None = None,
+    usual: Usual | None = None,
 ) -> Model:
     """Read a mesh file as an asset's parts.
 
     Args:
-        path: An OBJ, GLB, PLY, URDF or USD file.
+        path: An OBJ, GLB, PLY, STL, URDF or USD file.
         size: Width, depth and height to stretch it to, metres; by default its own size.
-        up: The file's up axis; by default Y for OBJ and GLB, Z for PLY, as stated in USD.
+        up: The file's up axis; by default Y for OBJ and GLB, Z for PLY and STL, as stated in USD.
         front: Where its front looks after the up axis is turned to Z; by default -Y, in
             URDF where doors and drawers open to.
         unit: Metres for one unit of the file; by default 1, in USD as stated.
+        usual: The sizes of its category: where neither the file nor the caller says them, its up
+            axis and unit are those by which it differs least from them.
 
     Returns:
         Its parts in the object frame. Normals are computed where they are missing; texture
@@ -80,8 +83,11 @@ def read_model(
         )
     untrusted.checked(path, "model" if suffix not in USD_SUFFIXES else "usd")
     reading = reader(path)
-    turn = _turn(up or reading.up, front or reading.front) * (unit or reading.unit)
-    model = replace(_as_model(_sound(reading, path), turn, reading), licence=reading.licence)
+    pieces = _sound(reading, path)
+    stands = _posture(pieces, reading, path, usual, up, unit, size)
+    turn = _turn(stands.up, front or reading.front) * stands.unit
+    model = _as_model(pieces, turn, reading)
+    model = replace(model, licence=reading.licence, notes=(*model.notes, *stands.notes))
     return _fitted(model, size, turn, path)
 
 
@@ -101,6 +107,28 @@ def dependencies(path: Path) -> list[Path]:
         return sorted(set(finder(path)) - {path.resolve()})
     except (OSError, ValueError, RuntimeError, InputError):
         return []
+
+
+def _posture(
+    pieces: Sequence[Piece],
+    reading: Reading,
+    path: Path,
+    usual: Usual | None,
+    up: Up | None,
+    unit: float | None,
+    size: Size | None,
+) -> Posture:
+    """How the model stands, by what is said, its format and its category."""
+    points = np.concatenate([piece.mesh.points for piece in pieces])
+    suffix = path.suffix.lower()
+    fixed = suffix in (*USD_SUFFIXES, _URDF)
+    return posture(
+        points.min(axis=0).tolist(), points.max(axis=0).tolist(),
+        Posture(reading.up, reading.unit), usual,
+        up=up or (reading.up if fixed else None),
+        unit=unit or (reading.unit if fixed else None),
+        size=size, stated=suffix == ".glb",
+    )  # fmt: skip
 
 
 def _turn(up: Up, front: Front) -> NDArray[np.float64]:
@@ -239,6 +267,7 @@ _READERS: Final[dict[str, Callable[[Path], Reading]]] = {
     ".obj": read_obj,
     ".glb": read_glb,
     ".ply": read_ply,
+    ".stl": read_stl,
     _URDF: lambda path: read_urdf(path, _read_part),
     **dict.fromkeys(USD_SUFFIXES, read_usd),
 }

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface, Texture
 
 Corner = tuple[int, int | None, int | None]
+
+# Folders beside a model's own that may hold its pictures.
+_PICTURE_FOLDERS: Final = ("images", "textures", "texture")
 
 
 @dataclass
@@ -171,9 +174,10 @@ def _read_libraries(obj: _Obj, notes: list[str]) -> "dict[str, PreviewSurface]":
 
 
 def beside(model: Path, name: str, notes: list[str]) -> Path | None:
-    """A file that a model names, if it lies in or below the model's folder.
+    """A file that a model names, if it lies in or below the model's folder, or one for pictures.
 
-    ShapeNet keeps the pictures of ``models/model_normalized.obj`` in the folder ``images`` beside.
+    ShapeNet and PartNet keep the pictures of ``models/model_normalized.obj`` and
+    ``objs/original-1.obj`` in the folder ``images`` beside theirs.
     """
     folder = model.parent.resolve()
     path = folder / name.replace("\\", "/")
@@ -183,8 +187,8 @@ def beside(model: Path, name: str, notes: list[str]) -> Path | None:
     except (InputError, OSError, RuntimeError):  # links in a circle
         notes.append(f"{name[:60]!r} cannot be the path of a file and is ignored")
         return None
-    images = folder.with_name("images") if folder.name == "models" else folder
-    if not path.is_relative_to(folder) and not path.is_relative_to(images):
+    allowed = [folder, *(folder.parent / beside for beside in _PICTURE_FOLDERS)]
+    if not any(path.is_relative_to(one) for one in allowed):
         notes.append(f"{name!r} lies outside the model's folder and is ignored")
         return None
     if not path.is_file():

@@ -110,7 +110,9 @@ def input_file(source: Path, relative: str, *, folders: bool = False) -> Path:
         raise InputError(
             f"this is {what}, not a file" if what else "no such file",
             place=path,
-            remedy="paths in a description are relative to the folder that it lies in",
+            remedy="name a file in it"
+            if what == "a folder"
+            else "paths in a description are relative to the folder that it lies in",
         )
     return path
 

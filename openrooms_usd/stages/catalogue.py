@@ -11,8 +11,9 @@ import numpy as np
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, Model, model_of, read_asset
-from openrooms_usd.library.furniture import Size, category, make, module_of, styles
+from openrooms_usd.library.furniture import CATEGORIES, Size, category, make, module_of, styles
 from openrooms_usd.library.meshfile import read_model
+from openrooms_usd.library.posture import Usual
 from openrooms_usd.stages.base import StageContext, file_digest
 
 # What every piece of furniture runs, beside its category's module.
@@ -74,7 +75,14 @@ class Catalogue:
         how = (item.file, item.size, item.up, item.front, item.unit)
         if (known := self._assets.get((item.category, *how))) is not None:
             return known
-        model = read_model(path, size=item.size, up=item.up, front=item.front, unit=item.unit)
+        model = read_model(
+            path,
+            size=item.size,
+            up=item.up,
+            front=item.front,
+            unit=item.unit,
+            usual=_usual(item.category),
+        )
         self.context.notes.extend(f"{item.file}: {note}" for note in model.notes)
         key = (file_digest(path), *how[1:], _model_digest(model))
         asset = self._asset(item.category, key, lambda: model)
@@ -89,6 +97,14 @@ class Catalogue:
         code: tuple[str, ...] = (),
     ) -> Asset:
         return self._assets.setdefault((label, *key), Asset(label, key, cache(build), code))
+
+
+def _usual(name: str) -> Usual | None:
+    """The usual sizes of a category that the library has."""
+    if name not in CATEGORIES:
+        return None
+    built = category(name)
+    return Usual(name, built.size, built.least, built.most)
 
 
 def _model_digest(model: Model) -> str:
