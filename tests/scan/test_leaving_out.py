@@ -44,10 +44,30 @@ def test_one_that_overlaps_with_many_goes_alone() -> None:
     sound(result)
 
 
+def test_what_lay_in_something_that_is_left_out_comes_back() -> None:
+    # The sofa covers the box, and lies in both wardrobes: without it the box has its place.
+    items = [
+        found(1, "wardrobe", (1.2, 2.2, 0), coverage=0.9),
+        found(2, "wardrobe", (2.6, 2.2, 0), coverage=0.9),
+        found(3, "sofa", (1.9, 1.9, 0), coverage=0.1, residual=0.04),
+        found(4, "box", (2.4, 1.4, 0), coverage=0.1, residual=0.04),
+    ]
+    result = run(*items)
+    assert [gone.instance for gone in result.left_out] == [3]
+    assert [thing.instance for thing in result.objects] == [1, 2, 4]
+    sound(result)
+
+
 def test_what_floats_in_the_middle_is_left_out_and_beside_a_wall_hangs_on_it() -> None:
     result = run(found(1, "box", (2, 1.5, 1.2)), found(2, "wardrobe", (2, 2.55, 0.9)))
     assert [gone.instance for gone in result.left_out] == [1]
     assert "1.20 m above all that may carry it" in result.left_out[0].reason
+    assert [thing.support for thing in result.objects] == ["wall"]
+    assert points(result.objects[0])[:, 1].max() == pytest.approx(3.0, abs=0.003)
+
+
+def test_what_hangs_askew_touches_its_wall_with_a_corner() -> None:
+    result = run(found(1, "box", (2, 2.75, 1.2), yaw=30))
     assert [thing.support for thing in result.objects] == ["wall"]
     assert points(result.objects[0])[:, 1].max() == pytest.approx(3.0, abs=0.003)
 

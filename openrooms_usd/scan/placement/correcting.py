@@ -36,7 +36,7 @@ _NO_MOTION_M: Final = 1e-4
 _FAR_REACH_M: Final = 0.2
 # Times that objects are left out and the others placed anew: what one pushed away stays where it
 # was measured without it.
-_MAX_TRIES: Final = 3
+_MAX_TRIES: Final = 4
 
 
 @dataclass(frozen=True)
@@ -74,16 +74,22 @@ def place(
         unresolved: What becomes of objects that penetrate others or walls, or float, after this
             motion and a farther one.
     """
-    kept = sorted(objects, key=lambda thing: thing.instance)
+    kept = in_rows = sorted(objects, key=lambda thing: thing.instance)
     gone: dict[int, LeftOut] = {}
     state, wrong = _settled(kept, models, rooms, reach)
+    returned: set[int] = set()
     for tries in range(_MAX_TRIES if unresolved == "leave_out" else 0):
         wrong = _moved_farther(state, wrong)
-        out = left_out(state, wrong, with_carried=tries == _MAX_TRIES - 1)
+        last = tries == _MAX_TRIES - 1
+        out = left_out(state, wrong, with_carried=last)
         gone |= {found.instance: found for found in out.values()}
-        if not out or tries == _MAX_TRIES - 1:
+        if not out or last:
             break
-        kept = [thing for row, thing in enumerate(kept) if row not in out]
+        # What lay in something that is gone as well may have a place now.
+        back = {one.instance for one in gone.values() if one.other in gone} - returned
+        returned |= back
+        gone = {number: one for number, one in gone.items() if number not in back}
+        kept = [thing for thing in in_rows if thing.instance not in gone]
         state, wrong = _settled(kept, models, rooms, reach)
     placed = {thing.instance: thing for thing in _placed(state)}
     in_order = tuple(placed[one.instance] for one in objects if one.instance not in gone)

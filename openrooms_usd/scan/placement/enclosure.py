@@ -141,6 +141,10 @@ class Enclosure:
         way /= self._lengths[:, None]
         return np.asarray(way @ points.T - np.einsum("ij,ij->i", way, self.corners)[:, None])
 
+    def gap(self, body: Body, wall: int) -> float:
+        """The gap between a body as it stands and a wall, metres; negative for a penetration."""
+        return float(((body.outline - self.corners[wall]) @ self.inward[wall]).min())
+
     def facing(self, body: Body, reach: float = _NEAR_WALL_M) -> Facing | None:
         """The nearest wall that a body faces; None where none is within reach."""
         middle = 0.5 * (body.low + body.high)[None, :2]

@@ -173,7 +173,13 @@ def lay_along_walls(state: Arrangement) -> None:
     for row in range(len(state)):
         room, hangs = state.rooms[row], state.supports[row].kind == WALL
         facing = room.facing(state.bodies[row])
-        if facing is None or abs(np.degrees(facing.angle)) > _MAX_WALL_TURN_DEG:
+        if facing is None:
+            continue
+        if abs(np.degrees(facing.angle)) > _MAX_WALL_TURN_DEG:
+            # What hangs askew does so with the corner that is nearest to the wall.
+            if hangs:
+                gap = room.gap(state.bodies[row], facing.wall)
+                _carry(state, row, -gap * room.inward[facing.wall])
             continue
         if abs(np.degrees(facing.angle)) > _STRAIGHT_DEG and (
             hangs or _reaches(state.bodies[row], room)

@@ -62,7 +62,8 @@ def _floating(state: Arrangement, row: int) -> float:
     kind, body, room = state.supports[row].kind, state.bodies[row], state.rooms[row]
     if kind == WALL:
         facing = room.facing(body, np.inf)
-        return max(facing.gap, 0.0) if facing else float(body.low[2] - room.floor)
+        gap = min(facing.gap, room.gap(body, facing.wall)) if facing else 0.0
+        return max(gap, 0.0) if facing else float(body.low[2] - room.floor)
     gap = gap_below(state, row)
     if gap is None:
         return 0.0 if kind == CEILING else float(body.low[2] - room.floor)
