@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.scan.models.cad import CadModel
-from openrooms_usd.scan.openings.detection import find_openings
+from openrooms_usd.scan.openings.detection import DOUBTFUL, LIKELY, find_openings
 from openrooms_usd.scan.placement.correcting import moved_by, place
 from openrooms_usd.scan.placement.elsewhere import elsewhere
 from openrooms_usd.scan.placement.leavingout import LeftOut
@@ -59,6 +59,9 @@ class FoundLayout:
             if room.ceiling is None:
                 slopes = f", but {len(room.slopes)} slopes" if room.slopes else ""
                 notes.append(f"room {number}: no level ceiling was seen{slopes}")
+            if room.doubtful:
+                kinds = ", ".join(opening.type for opening in room.doubtful)
+                notes.append(f"room {number}: doubtful and not built, but in the report: {kinds}")
         return notes
 
 
@@ -188,16 +191,17 @@ def furniture_report(found: FoundFurniture, scan_from_level: Array) -> dict[str,
 
 
 def _room(room: LayoutRoom, cloud: Cloud, stands: Level) -> FoundRoom:
-    openings = find_openings(cloud, room.corners, room.ceiling)
+    openings = find_openings(cloud, room.corners, room.ceiling, DOUBTFUL)
     return FoundRoom(
         normal=np.array([0.0, 0.0, 1.0]),
         point=np.zeros(3),
         corners=np.column_stack([room.corners, np.zeros(len(room.corners))]),
         guessed=room.guessed,
         ceiling=room.ceiling,
-        openings=openings,
+        openings=tuple(o for o in openings if o.confidence >= LIKELY),
         measures={"coverage": room.coverage, "floor_residual": stands.residual},
         slopes=room.slopes,
+        doubtful=tuple(o for o in openings if o.confidence < LIKELY),
     )
 
 

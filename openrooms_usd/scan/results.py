@@ -35,6 +35,15 @@ class FoundOpening:
         """The opening after a rigid motion (4, 4)."""
         return replace(self, corners=_points(matrix, self.corners))
 
+    def as_dict(self) -> dict[str, Any]:
+        """The opening in the form of the report."""
+        return {
+            "type": self.type,
+            "corners": self.corners.tolist(),
+            "confidence": self.confidence,
+            "wall": self.wall,
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class FoundRoom:
@@ -49,6 +58,7 @@ class FoundRoom:
         openings: What is in the walls.
         measures: Coverage, residuals and the like, for people.
         slopes: Planes of a ceiling that is not level: normal (3,) into the room, and a point (3,).
+        doubtful: Openings that are less likely than not.
     """
 
     normal: Array
@@ -59,6 +69,7 @@ class FoundRoom:
     openings: tuple[FoundOpening, ...] = ()
     measures: Mapping[str, float] = field(default_factory=dict)
     slopes: tuple[tuple[Array, Array], ...] = ()
+    doubtful: tuple[FoundOpening, ...] = ()
 
     def moved(self, matrix: Array) -> "FoundRoom":
         """The room after a rigid motion (4, 4)."""
@@ -68,6 +79,7 @@ class FoundRoom:
             point=_points(matrix, self.point),
             corners=_points(matrix, self.corners),
             openings=tuple(opening.moved(matrix) for opening in self.openings),
+            doubtful=tuple(opening.moved(matrix) for opening in self.doubtful),
             slopes=tuple((matrix[:3, :3] @ n, _points(matrix, p)) for n, p in self.slopes),
         )
 
@@ -79,11 +91,8 @@ class FoundRoom:
             "guessed_walls": list(self.guessed),
             "ceiling_height": self.ceiling,
             "ceiling_planes": [{"normal": n.tolist(), "point": p.tolist()} for n, p in self.slopes],
-            "openings": [
-                {"type": o.type, "corners": o.corners.tolist(), "confidence": o.confidence,
-                 "wall": o.wall}
-                for o in self.openings
-            ],
+            "openings": [o.as_dict() for o in self.openings],
+            "doubtful_openings": [o.as_dict() for o in self.doubtful],
             "measures": dict(self.measures),
         }  # fmt: skip
 

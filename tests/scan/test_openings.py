@@ -7,7 +7,7 @@ import pytest
 
 from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.curtains import behind_curtain
-from openrooms_usd.scan.openings.detection import find_openings
+from openrooms_usd.scan.openings.detection import LIKELY, find_openings
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallfaces import faces_of
 from openrooms_usd.scan.openings.walllabels import without_casing
@@ -91,6 +91,15 @@ def test_returns_six_centimetres_apart_suffice() -> None:
     _, rows = np.unique(np.round(cloud.points / 0.06), axis=0, return_index=True)
     found = find_openings(cloud.take(np.sort(rows)), CORNERS, HEIGHT)
     assert sorted(opening.type for opening in found) == ["door", "window"]
+
+
+def test_what_is_doubtful_is_told_apart_and_displaces_nothing() -> None:
+    cloud = room([*WINDOWED, *PASSAGE, *CLOSED], labels=False)
+    sure = find_openings(cloud, CORNERS, HEIGHT)
+    whole = find_openings(cloud, CORNERS, HEIGHT, 0.01)
+    kept = [opening for opening in whole if opening.confidence >= LIKELY]
+    assert len(kept) == len(sure) > 0
+    assert all(np.array_equal(a.corners, b.corners) for a, b in zip(kept, sure, strict=True))
 
 
 def test_wrong_labels_on_a_flat_wall_are_no_window() -> None:

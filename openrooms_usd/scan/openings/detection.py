@@ -52,8 +52,9 @@ MIN_GAP_M: Final = 0.02
 _VIEW_MARGIN_M: Final = 1.0
 # Least and greatest width and height, metres.
 _SIZES_M: Final = {"door": ((0.5, 4.0), (1.6, 3.2)), "window": ((0.25, 8.0), (0.25, 4.0))}
-# Openings less probable than this are not built.
+# Openings less probable than the first are not built, and less than the second not worth a word.
 LIKELY: Final = 0.4
+DOUBTFUL: Final = 0.2
 # Calibration of labelled openings: slope of the share of false positives over one minus the score,
 # and the share of true positives at full score.
 _UNSURE_WRONG_SHARE: Final = 0.65
@@ -83,13 +84,16 @@ _CURTAIN_WIDTH_M: Final = 0.5
 _CURTAIN_GAP_M: Final = 0.25
 
 
-def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[FoundOpening, ...]:
+def find_openings(
+    cloud: Cloud, corners: Array, height: float | None, least: float = LIKELY
+) -> tuple[FoundOpening, ...]:
     """Find the doors and windows of a room.
 
     Args:
         cloud: In the level frame: the floor at z = 0, metres.
         corners: (N, 2) of the room at its walls' inner faces, counter-clockwise.
         height: Of the ceiling, metres; None where it is not known.
+        least: Their probability.
 
     Returns:
         The openings, by wall and from left to right, in the level frame. None overlap.
@@ -102,7 +106,7 @@ def find_openings(cloud: Cloud, corners: Array, height: float | None) -> tuple[F
     found: list[FoundOpening] = []
     mirrored = echoes(cloud.points, sight, height or SCANNED_HEIGHT)
     for grid in wall_grids(cloud, corners, height or SCANNED_HEIGHT, sight):
-        found += _in_wall(grid, labelled, mirrored)
+        found += _in_wall(grid, labelled, mirrored, least)
     return tuple(found)
 
 
@@ -115,7 +119,9 @@ def _around(points: Array, corners: Array) -> Array:
     return points if inside.all() else points[inside]
 
 
-def _in_wall(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[FoundOpening]:
+def _in_wall(
+    grid: WallGrid, labelled: bool, mirrored: Echoes, least: float
+) -> Iterator[FoundOpening]:
     kept: list[Proposal] = []
     # Labels first: a hole may be only a part of the labelled opening.
     named = _by_labels(grid) if labelled else ()
@@ -123,7 +129,7 @@ def _in_wall(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Found
     for proposals in (named, shaped):
         judged = [(confidence(p, labelled), p) for p in proposals if _plausible(p)]
         for sure, proposal in sorted(judged, key=lambda pair: -pair[0]):
-            if sure >= LIKELY and not any(_suppressed(proposal, q) for q in kept):
+            if sure >= least and not any(_suppressed(proposal, q) for q in kept):
                 kept.append(proposal)
     for proposal in sorted(kept, key=lambda p: p.where.left):
         yield _opening(grid, proposal, confidence(proposal, labelled))
