@@ -19,12 +19,14 @@ from openrooms_usd.scan.placement.elsewhere import elsewhere
 from openrooms_usd.scan.placement.leavingout import LeftOut
 from openrooms_usd.scan.placement.violations import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.registration.alignment import Rejected, align
 from openrooms_usd.scan.registration.hints import Hint
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
 from openrooms_usd.scan.rooms.levelling import Level, level
+from openrooms_usd.scan.rooms.storeys import Storey, main_storey, storeys
 
 Array = NDArray[np.float64]
 
@@ -100,13 +102,51 @@ def find_rooms(
         InputError: The scan shows too little of a room.
     """
     thinned = thin(cloud, VOXEL_M)
-    stands = level(thinned, up)
-    flat = thinned.moved(stands.level_from_scan)
-    found = find_layout(flat, stands, options or LayoutOptions())
+    stands, storey = _main_storey(thinned, level(thinned, up))
+    flat = _within(thinned.moved(stands.level_from_scan), storey)
     # The largest of those that were seen well: half-seen ones may be larger than they are.
-    found = sorted(found, key=lambda room: -_area(room.corners) * room.coverage)
+    found = sorted(
+        find_layout(flat, stands, options or LayoutOptions()),
+        key=lambda room: -_area(room.corners) * room.coverage,
+    )
     rooms = tuple(_room(room, flat, stands) for room in found)
-    return FoundLayout(stands, cloud.moved(stands.level_from_scan), rooms)
+    return FoundLayout(stands, _within(cloud.moved(stands.level_from_scan), storey), rooms)
+
+
+def _main_storey(cloud: Cloud, stands: Level) -> tuple[Level, Storey | None]:
+    """The level frame on the floor of the main storey, and that storey; None if it is the only one.
+
+    Args:
+        cloud: In the scan's frame.
+        stands: The level frame on the lowest floor.
+    """
+    found = storeys(surfels(cloud.moved(stands.level_from_scan)))
+    if len(found) < 2:
+        return stands, None
+    chosen = main_storey(found)
+    raised = np.eye(4)
+    raised[2, 3] = -chosen.floor
+    heights = ", ".join(f"{storey.floor:.1f} m" for storey in found)
+    note = (
+        f"the scan shows {len(found)} storeys, with floors at {heights} above the lowest; "
+        f"the one at {chosen.floor:.1f} m is taken: cut the scan for another"
+    )
+    moved = replace(
+        stands,
+        level_from_scan=raised @ stands.level_from_scan,
+        point=stands.point + chosen.floor * stands.normal,
+        notes=(*stands.notes, note),
+    )
+    own = replace(chosen, floor=0.0, low=chosen.low - chosen.floor, high=chosen.high - chosen.floor)
+    return moved, own
+
+
+def _within(cloud: Cloud, storey: Storey | None) -> Cloud:
+    """The points of a storey; all where there is but one."""
+    if storey is None:
+        return cloud
+    height = cloud.points[:, 2]
+    return cloud.take((height > storey.low) & (height < storey.high))
 
 
 def find_furniture(

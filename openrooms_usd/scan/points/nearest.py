@@ -61,9 +61,9 @@ def nearest_planes(points: Array, places: Array) -> NearestPlanes:
         none = np.zeros(len(places))
         return NearestPlanes(np.tile([0.0, 0.0, 1.0], (len(places), 1)), none, none, none > 0.0)
     tree = KDTree(points)
-    distance, rows = tree.query(places, k=_AROUND)
+    distance, rows = (np.asarray(found) for found in tree.query(places, k=_AROUND))
     asked, at = np.unique(rows, return_inverse=True)
-    reach, around = tree.query(points[asked], k=max(_POINTS))
+    reach, around = (np.asarray(found) for found in tree.query(points[asked], k=max(_POINTS)))
     fits = [_fits(points[around[:, :count]], reach[:, count - 1]) for count in _POINTS]
     choice = at.reshape(rows.shape)
     middle, normals, rough, turn = (

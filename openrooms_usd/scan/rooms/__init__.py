@@ -4,6 +4,7 @@ In the order of the work:
 
 - `verticals`: what speaks for every axis that may be up, in a scan of any unit;
 - `ground`, `levelling`, `directions`: gravity, the floor, the directions of walls;
+- `storeys`: floors above each other, which are told apart;
 - `ceilings`: their heights and slopes; `soffits`: where they are lower;
 - `doorleaves`, `faces`: open doors, soffits and wardrobes, which are no walls;
 - `walls`, `candidates`: surfels of walls, and line hypotheses for them;

@@ -162,7 +162,7 @@ def _extents(plan: Array) -> Array:
     pixel = np.floor((plan - plan.min(axis=0)) / _PIXEL_M).astype(int) + 1
     filled = np.zeros(pixel.max(axis=0) + 2, dtype=np.bool_)
     filled[tuple(pixel.T)] = True
-    joined = ndimage.binary_dilation(filled, np.ones((3, 3)))
+    joined = ndimage.binary_dilation(filled, np.ones((3, 3), dtype=np.bool_))
     groups, _ = ndimage.label(joined, np.ones((3, 3)))
     spans = [[rows.stop - rows.start for rows in place] for place in ndimage.find_objects(groups)]
     extents = np.array([0.0, *(_PIXEL_M * max(span) for span in spans)])

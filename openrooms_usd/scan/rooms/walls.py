@@ -59,7 +59,9 @@ class Walls:
 
     def tops(self, places: Array, across: Array) -> Array:
         """(N,) the height up to which walls at places (N, 2) reach, given a direction across."""
-        return np.minimum(np.min(self.ceilings.beside(places, across), axis=0), self.top)
+        return np.asarray(
+            np.minimum(np.min(self.ceilings.beside(places, across), axis=0), self.top)
+        )
 
     @property
     def thickness(self) -> float:
