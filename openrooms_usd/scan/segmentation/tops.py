@@ -69,7 +69,9 @@ class Top:
         full = np.zeros(cells.max(axis=0) + 4, dtype=np.bool_)
         full[tuple(cells.T)] = True
         # Sparse scans have holes, which would count as outline.
-        full = ndimage.binary_fill_holes(ndimage.binary_closing(full, np.ones((3, 3))))
+        full = ndimage.binary_fill_holes(
+            ndimage.binary_closing(full, np.ones((3, 3), dtype=np.bool_))
+        )
         sides = sum(int(np.count_nonzero(np.diff(full, axis=axis))) for axis in range(2))
         return 2.0 * VOXEL_M * float(np.count_nonzero(full)) / max(sides, 1)
 
