@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.surfels import Surfels
+from openrooms_usd.scan.points.surfels import Surfels, surfels
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.roofs import roofed
+from openrooms_usd.scan.rooms.spaces import find_spaces, walled_shares
+from openrooms_usd.scan.rooms.walls import upright
 from tests.scan.scanned_rooms import RoomScan, corner_error
 
 HALL = ((0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0))
@@ -44,6 +46,20 @@ def yard() -> Cloud:
     seen = np.abs(plan[:, 1] - 2.2) < 0.2 + 0.5 * (plan[:, 0] - 5.0)
     ground = np.column_stack([plan, np.zeros(len(plan))])[seen]
     return Cloud(ground, label=np.full(len(ground), 2, np.int32))
+
+
+def test_a_lawn_is_beside_no_walls_and_a_room_is():
+    room = RoomScan(HALL, missing=(1, 2)).cloud()
+    rng = np.random.default_rng(4)
+    plan = rng.uniform((20.0, 0.0), (24.0, 4.0), (20_000, 2))
+    lawn = np.column_stack([plan, np.zeros(len(plan))])
+    pieces = surfels(Cloud(np.concatenate([room.points, lawn])))
+    walls = upright(pieces)
+    spaces = find_spaces(pieces, walls)
+    shares = walled_shares(spaces, walls)
+    inside, outside = spaces.numbers(np.array([(3.0, 2.0), (22.0, 2.0)]))
+    assert shares[inside] > 0.3
+    assert shares[outside] == 0.0
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from openrooms_usd.scan.rooms.levelling import Level
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.roomoutline import Plan
 from openrooms_usd.scan.rooms.soffits import ceilings_of
-from openrooms_usd.scan.rooms.spaces import Spaces, find_spaces
+from openrooms_usd.scan.rooms.spaces import Spaces, find_spaces, walled_shares
 from openrooms_usd.scan.rooms.walls import Line, Walls, profile, upright
 
 Array = NDArray[np.float64]
@@ -37,6 +37,8 @@ _INSIDE_GAIN: Final = 1.0
 _PARTIAL_INSIDE_GAIN: Final = 6.0
 # Walls of which less was scanned are reported as guessed.
 _GUESSED_SHARE: Final = 0.3
+# Spaces of whose border less is beside walls, such as lawns, are no rooms.
+_WALLED_SHARE: Final = 0.1
 # A room needs two walls with this much scanned, in directions with at most this cosine.
 _MIN_WALL_M: Final = 0.4
 _OTHER_DIRECTION_COS: Final = 0.87
@@ -147,7 +149,10 @@ def find_layout(
     )  # fmt: skip
     rooms: list[LayoutRoom] = []
     refused = 0.0
+    walled = walled_shares(spaces, walls)
     for number in range(1, len(spaces.middles) + 1):
+        if walled[number] < _WALLED_SHARE and not options.partial:
+            continue
         outline = plan.outline(number)
         # Only walls without surfels of their own are placed by the surfels before them.
         unseen = seen_shares(outline, walls) < _GUESSED_SHARE

@@ -35,6 +35,7 @@ _WALL_TOP_M: Final = 0.5
 _DOOR_HEIGHT_M: Final = 2.15
 _LINTEL_M: Final = 0.15  # least height of what is seen above doors
 _SMALL_HOLE_M2: Final = 1.5
+_BESIDE_WALL_M: Final = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +123,19 @@ def find_spaces(
     indoors = _indoors(rooms, roof, count)
     middles = _middles(rooms, free & indoors, low, count)
     return Spaces(low, seen, scanned, _standing(walls, low, shape), rooms, middles, indoors)
+
+
+def walled_shares(spaces: Spaces, walls: Walls) -> Array:
+    """(R + 1,) by the spaces' numbers, the part of the border that is beside vertical surfels."""
+    from scipy import ndimage
+
+    bare = plan_map(walls.points, spaces.low, spaces.rooms.shape) == 0
+    beside = ndimage.distance_transform_edt(bare) * PIXEL_M < _BESIDE_WALL_M
+    inner = ndimage.minimum_filter(spaces.rooms, 3) == ndimage.maximum_filter(spaces.rooms, 3)
+    count = len(spaces.middles) + 1
+    rim = np.bincount(spaces.rooms[~inner], minlength=count)
+    near = np.bincount(spaces.rooms[~inner & beside], minlength=count)
+    return np.asarray(near / np.maximum(rim, 1))
 
 
 def _indoors(rooms: NDArray[np.int32], roof: Mask, count: int) -> Mask:
