@@ -33,7 +33,7 @@ def saved(path: Path, **arrays: NDArray[np.generic]) -> Path:
 
 
 def read(scan: Path, segments: Path):  # type: ignore[no-untyped-def]
-    cloud = ScanImporter().read(scan, {"segments": str(segments)}).cloud
+    cloud = ScanImporter().read(scan, {"segments": str(segments), "unit": "m"}).cloud
     assert cloud is not None
     return cloud
 
@@ -97,13 +97,13 @@ def test_what_does_not_fit_is_refused_with_the_remedy(
 
 def test_the_file_comes_with_the_room(scan: Path, tmp_path: Path) -> None:
     segments = saved(tmp_path / "mine.npz", label=np.array(["sofa"] * COUNT))
-    made = import_capture("scan", scan, tmp_path / "room", {"segments": str(segments)})
+    made = import_capture("scan", scan, tmp_path / "room", {"segments": str(segments), "unit": "m"})
     assert (tmp_path / "room" / "segments.npz").read_bytes() == segments.read_bytes()
     assert made.room.layout.asked["segments"] == "segments.npz"  # type: ignore[union-attr]
     assert not any("nothing says what stands" in note for note in made.notes)
 
 
 def test_a_scan_that_says_nothing_is_told_so(scan: Path, tmp_path: Path) -> None:
-    made = import_capture("scan", scan, tmp_path / "room")
+    made = import_capture("scan", scan, tmp_path / "room", {"unit": "m"})
     assert any("nothing says what stands in the scan" in note for note in made.notes)
     assert "unlabelled: furnish" in made.file.read_text()

@@ -89,7 +89,7 @@ def _chair(shape: Shape) -> bool:
     square = shape.long < 1.4 * shape.short
     narrow = shape.short < 0.5
     return (
-        _stands(shape) and square and _seats(shape, 0.2) and _backed(shape, 0.7, 0.7)
+        _stands(shape) and square and _seats(shape, 0.2) and _backed(shape, 0.7, 0.75)
         and not (narrow and _solid_below(shape))
     )  # fmt: skip
 
