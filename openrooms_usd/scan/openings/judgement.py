@@ -2,8 +2,8 @@
 
 Each kind of proposal has a table of evidence, and a logistic sum of it is the probability. The
 weights are a ridge fit to proposals in simulated and real scans with known openings. None is
-negative, so that evidence never speaks for the opposite, and a scan that is left out of the fit
-is judged nearly as well as the others.
+negative, so that evidence never speaks for the opposite; holes, views behind and free ways have a
+least weight by reason. A scan that is left out of the fit is judged nearly as well as the others.
 """
 
 from collections.abc import Callable, Mapping
