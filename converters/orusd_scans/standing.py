@@ -30,6 +30,7 @@ _USUAL: Final = {"m": 0.0, "mm": -3.0, "cm": -3.0, "in": -4.0, "ft": -4.0, "dm":
 _HEIGHTS: Final = ((0.7, 2.6, 0.12), (0.25, 3.4, 0.4), (0.02, 6.0, 1.0))
 _NO_HEIGHT: Final = 1e-3
 _HEIGHT_WEIGHT: Final = 1.1
+_OPEN_WEIGHT: Final = 0.4
 # Usual extents of a scan: its height where an end is open, and its length, metres; their spreads.
 _TALL, _LONG = (2.6, 0.5), (6.0, 0.8)
 # No scan of a room is smaller or larger, metres.
@@ -39,11 +40,12 @@ _BEYOND_LIMITS: Final = -8.0
 # Log odds from which evidence counts: so much more than the rest is clear, so much less is absurd.
 _CLEAR: Final = 2.0
 _ALONE: Final = 1.5
+_PARTLY: Final = 1.0
 _DOUBTFUL: Final = 0.5
 _SURE: Final = 1.0
 _UNIT_CLEAR: Final = 4.0
 _NO_ROOM: Final = -5.0
-_ODD_HEIGHT, _ODD_SIZE = -2.5, -1.7
+_ODD_HEIGHT, _ODD_SIZE = -2.5, -1.1
 _ABSURD: Final = 6.0
 _UPSIDE_DOWN: Final = -3.5
 _SOME_WAY: Final = 1.0
@@ -155,7 +157,7 @@ def _sizes(one: Vertical, unit: float) -> float:
         )
         score = _HEIGHT_WEIGHT * float(np.log(sum(bells) + _NO_HEIGHT))
     else:
-        score = _near(tall, _TALL)
+        score = _OPEN_WEIGHT * _near(tall, _TALL)
     for length, (least, most) in ((tall, _TALL_LIMITS_M), (long, _LONG_LIMITS_M)):
         score += 0.0 if least <= length <= most else _BEYOND_LIMITS
     return score + _near(long, _LONG)
@@ -274,7 +276,7 @@ def _up(
                 f"{_written(asked.up)} is up, as it was said; the scan itself says {remedy}"
             )
         return _sided(own, asked, source, notes) if own else asked.up
-    if own is not None and ahead >= -_DOUBTFUL:
+    if own is not None and ahead >= 0.0:
         if ahead < _SURE:
             notes.append(
                 f"{_written(asked.up)} is taken for up, which the scan does not show clearly:"
@@ -283,7 +285,9 @@ def _up(
         return _sided(own, asked, source, notes)
     alone = len(others) < 2 or odds[id(best)] - odds[id(others[1])] > _ALONE
     way = abs(best.upwards + _bias(best))
-    if ahead > -_CLEAR or not alone or way < _SOME_WAY:
+    # A part of a room, whose height is not seen, may have a wall for its largest level.
+    shown = best.height is not None or (own is not None and ahead < -_CLEAR - _PARTLY)
+    if ahead > -_CLEAR or not alone or way < _SOME_WAY or not shown:
         likely = (_written(_towards(v)) for v in others[:2])
         raise InputError(
             f"which way is up is not clear: {_written(asked.up)} hardly is",

@@ -1,6 +1,7 @@
 """A capture becomes a folder: a room.yaml beside what was read.
 
-``captures`` reads, copies and describes; ``text`` is the description, short and to be changed.
+``captures`` reads, copies and describes; ``checks`` says what compose would refuse, and which
+importer it is; ``text`` is the description, short and to be changed.
 """
 
 from openrooms_usd.importing.captures import ROOM, ImportedRoom, import_capture

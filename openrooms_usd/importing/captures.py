@@ -15,6 +15,7 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, Importer, Packed, checked
 from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.errors import InputError, OutputError, writing
+from openrooms_usd.importing.checks import check_archive, check_scan, hint_importer
 from openrooms_usd.importing.text import describe, describe_scan, unlabelled
 from openrooms_usd.untrusted import check_path, opened
 
@@ -93,8 +94,11 @@ def import_capture(
     check_path(source)
     try:
         asked = checked_options(kind, importer, options)
-        capture = importer.read(source, asked)
+        check_archive(source)
+        capture = _read(kind, importer, source, asked)
         _check_usable(capture, source)
+        if capture.floor is None and (refusal := check_scan(capture, source)):
+            capture = replace(capture, notes=(*capture.notes, refusal))
         if unlabelled(capture):
             capture = replace(capture, notes=(*capture.notes, _UNLABELLED))
         packed = _packed(kind, importer, source, asked)
@@ -113,6 +117,14 @@ def import_capture(
                     _copy(content, folder / name)
             write_text(folder / ROOM, text)
     return ImportedRoom(out / ROOM, room, capture)
+
+
+def _read(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Capture:
+    try:
+        return importer.read(source, options)
+    except InputError as error:
+        hint_importer(kind, source, error)
+        raise
 
 
 def _check_usable(capture: Capture, source: Path) -> None:

@@ -32,6 +32,7 @@ CASES = {
 }
 
 
+@pytest.mark.usefixtures("any_scan_will_do")
 @pytest.mark.parametrize("case", CASES)
 def test_a_copy_reads_as_the_original(tmp_path: Path, case: str) -> None:
     kind, build, options = CASES[case]

@@ -95,6 +95,7 @@ def test_what_does_not_fit_is_refused_with_the_remedy(
     assert caught.value.remedy
 
 
+@pytest.mark.usefixtures("any_scan_will_do")
 def test_the_file_comes_with_the_room(scan: Path, tmp_path: Path) -> None:
     segments = saved(tmp_path / "mine.npz", label=np.array(["sofa"] * COUNT))
     made = import_capture("scan", scan, tmp_path / "room", {"segments": str(segments), "unit": "m"})
@@ -103,6 +104,7 @@ def test_the_file_comes_with_the_room(scan: Path, tmp_path: Path) -> None:
     assert not any("nothing says what stands" in note for note in made.notes)
 
 
+@pytest.mark.usefixtures("any_scan_will_do")
 def test_a_scan_that_says_nothing_is_told_so(scan: Path, tmp_path: Path) -> None:
     made = import_capture("scan", scan, tmp_path / "room", {"unit": "m"})
     assert any("nothing says what stands in the scan" in note for note in made.notes)

@@ -171,7 +171,9 @@ def find_layout(
 def _too_little(message: str) -> InputError:
     return InputError(
         f"{message}, which is too little for its layout",
-        remedy="scan the floor and at least two walls that meet, best every wall from end to end",
+        remedy="scan the floor and at least two walls that meet, best every wall from end to end;"
+        " `partial: true` in the layout takes what there is and guesses the rest; a scan on its"
+        " side needs `up` (`--up`)",
     )
 
 

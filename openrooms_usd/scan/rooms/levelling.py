@@ -107,7 +107,8 @@ def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
 def _too_little(message: str) -> InputError:
     return InputError(
         message,
-        remedy="scan the whole room: its floor, and every wall from end to end",
+        remedy="scan the whole room: its floor, and every wall from end to end; if that was done,"
+        " say its unit (`unit`, `--unit`)",
     )
 
 
