@@ -126,6 +126,10 @@ def read_scanned(source: Path) -> Scanned:
         InputError: It is missing, of an unknown kind, or holds nonsense.
     """
     reader = READERS.get(source.suffix.lower())
+    if source.is_dir():
+        raise InputError(
+            "this is a folder, not a file", place=source, remedy="give the file of the scan in it"
+        )
     if reader is None:
         raise InputError(
             f"files that end in {source.suffix!r} are no scans that can be read",

@@ -17,7 +17,8 @@ _INSTANCE: Final = "instance"
 _LARGEST_NUMBER: Final = 1 << 24
 _REMEDY: Final = (
     "save an .npz with the arrays label (NYU40 numbers or words) and instance (whole numbers), or "
-    "one of them, each with one value for each point, in the order of the scan's file"
+    "one of them, each with one value for each point (of a mesh, each vertex), in the order of the "
+    "scan's file"
 )
 
 Values = NDArray[Any]
@@ -38,7 +39,8 @@ def with_segments(cloud: Cloud, path: Path) -> Cloud:
     for name, values in ((_LABEL, label), (_INSTANCE, instance)):
         if values is not None and values.shape != (len(cloud),):
             raise InputError(
-                f"the array {name!r} has {_said(values.shape)}, the scan has {len(cloud)} points",
+                f"the array {name!r} has {_said(values.shape)}, the scan's file has {len(cloud)}"
+                " points or vertices",
                 place=path,
                 remedy=_REMEDY,
             )

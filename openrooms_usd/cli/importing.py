@@ -33,7 +33,7 @@ def import_() -> None:
 def _command(kind: str) -> click.Command:
     importer: Importer = load(IMPORTERS, kind)
 
-    @click.command(name=kind, short_help=f"Import a {kind} capture.")
+    @click.command(name=kind, short_help=f"Import a capture: {kind}.")
     @click.argument("source", type=click.Path(path_type=Path))
     @click.option(
         "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder to write to."

@@ -1,5 +1,6 @@
 """What import looks at beside reading: the right importer, and whether compose would refuse."""
 
+import shlex
 from pathlib import Path
 from typing import Final
 
@@ -15,6 +16,11 @@ _READERS: Final = {
     ),
     ".usdz": "roomplan", ".pkl": "sunrgbd", ".sens": "scannet",
 }  # fmt: skip
+# What folders hold that an importer reads whole.
+_FOLDERS: Final = (
+    ("*_vh_clean_2.ply", "scannet"), ("*.sens", "scannet"), ("*_3dod_mesh.ply", "arkitscenes"),
+    ("Annotations", "s3dis"), ("full_annotations.json", "scan2cad"),
+)  # fmt: skip
 # Scans whose walls stand all round, this part of the azimuths, are not searched for rooms.
 _ALL_ROUND: Final = 0.75
 
@@ -34,12 +40,30 @@ def check_archive(source: Path) -> None:
 
 
 def hint_importer(kind: str, source: Path, error: InputError) -> None:
-    """Say in an importer's error which one reads files of that ending."""
-    reader = _READERS.get(source.suffix.lower())
-    if reader is None or reader == kind or not str(error.place or "").startswith(str(source)):
+    """Say in an importer's error which one reads files of that ending, or such a folder."""
+    if not str(error.place or "").startswith(str(source)):
         return
-    said = f"{error.remedy}; or" if error.remedy else "use"
-    error.remedy = f"{said} `orusd import {reader}`, which reads {source.suffix.lower()} files"
+    other = _folder_reader(kind, source) if source.is_dir() else _file_reader(kind, source)
+    if other:
+        error.remedy = f"{error.remedy}; or {other}" if error.remedy else f"use {other}"
+
+
+def _file_reader(kind: str, source: Path) -> str:
+    ending = source.suffix.lower()
+    reader = _READERS.get(ending, kind)
+    return "" if reader == kind else f"`orusd import {reader}`, which reads {ending} files"
+
+
+def _folder_reader(kind: str, folder: Path) -> str:
+    """What reads a folder that another importer refused, or a file in it; empty if nothing does."""
+    for pattern, reader in _FOLDERS:
+        if any(folder.glob(pattern)):
+            return "" if reader == kind else f"`orusd import {reader}`, which reads such folders"
+    known = sorted(path for path in folder.iterdir() if path.suffix.lower() in _READERS)
+    if not known:
+        return ""
+    reader = _READERS[known[0].suffix.lower()]
+    return f"what is in it: `orusd import {reader} {shlex.quote(str(known[0]))}`"
 
 
 def check_scan(capture: Capture, source: Path) -> str:
@@ -75,5 +99,5 @@ def check_scan(capture: Capture, source: Path) -> str:
         single = len(capture.frames) == 1
         find_layout(cloud.moved(stands.level_from_scan), stands, LayoutOptions(partial=single))
     except InputError as error:
-        return f"compose refuses the scan as it is: {error.message}. {error.remedy}"
+        return f"compose refuses the scan as it is: {error.message}; remedy: {error.remedy}"
     return ""

@@ -166,6 +166,7 @@ def _odd(best: Posture, sides: Array, usual: Usual, others: Sequence[Posture]) -
     fitting = [
         one for one in others
         if usual.beyond(one.unit * standing(sides, one.up)).max() <= _TOLD
+        and usual.misfit(one.unit * standing(sides, one.up)) < usual.misfit(box)
     ]  # fmt: skip
     nearest = min(
         fitting, key=lambda one: usual.misfit(one.unit * standing(sides, one.up)), default=None

@@ -1,7 +1,7 @@
 """The furniture of a scan: CADs at the poses that were measured, and where they were placed."""
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -14,6 +14,7 @@ from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.placement.correcting import moved_by
+from openrooms_usd.scan.placement.violations import Unresolved
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.catalogue import Catalogue
@@ -87,12 +88,16 @@ def _told_elsewhere(words: Sequence[str]) -> Iterator[str]:
 
 def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
     yield from found.notes
+    words = {
+        one.instance: (one.word or one.category or "object").replace("_", " ")
+        for one in found.objects
+    }
     moved = {thing.instance: moved_by(thing)["metres"] for thing in found.objects}
     far = [instance for instance, metres in moved.items() if metres > _COUNTED_MOTION_M]
     if far:
         most = max(far, key=moved.__getitem__)
-        text = f"{len(far)} of {len(moved)} objects were moved to where they can be"
-        yield f"{text}, instance {most} the farthest: {moved[most]:.3f} m"
+        text = f"{len(far)} of {len(moved)} objects were moved towards where they can be"
+        yield f"{text}, {words[most]} (instance {most}) the farthest: {moved[most]:.2f} m"
     boxed = sorted(
         {thing.word for thing in found.objects if thing.category == UNKNOWN and thing.word}
     )
@@ -110,4 +115,13 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
             f"{one.word} (instance {one.instance}): {one.reason}" for one in found.left_out
         )
         yield f"left out, where `alignment.unresolved: keep` keeps them: {each}"
-    yield from (str(unresolved) for unresolved in found.unresolved)
+    yield from (_told_unresolved(one, words) for one in found.unresolved)
+
+
+def _told_unresolved(wrong: Unresolved, words: Mapping[int, str]) -> str:
+    what = f"{words[wrong.instance]} (instance {wrong.instance})"
+    if wrong.other is not None:
+        where = f"inside the {words[wrong.other]} (instance {wrong.other})"
+    else:
+        where = {"in a wall": "beyond the walls"}.get(wrong.kind, "above all that may carry it")
+    return f"still wrong: the {what} is {wrong.depth:.2f} m {where}"

@@ -75,7 +75,7 @@ def read_array(path: Path, dimensions: int | None, kinds: str) -> NDArray[Any]:
     Raises:
         InputError: It cannot be read, is damaged, or is no such array.
     """
-    with untrusted.opened(path, "array", remedy="make the file again") as stream:
+    with untrusted.opened(path, "array", remedy="check the path, or make the file again") as stream:
         size = os.fstat(stream.fileno()).st_size
         found = _array(stream, size, path, kinds)
         if stream.read(1):

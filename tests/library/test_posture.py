@@ -56,6 +56,13 @@ def test_a_low_chair_is_told() -> None:
     assert "`size`" in note
 
 
+def test_no_remedy_makes_it_worse() -> None:
+    """A board is no box of theirs; a unit by which it were 7 m long would be no help."""
+    (*_, note) = stands("box", (0.762, 0.381, 0.0127), up="Z", unit=1.0).notes
+    assert "which no box is" in note
+    assert "would make it" not in note
+
+
 def test_what_rests_on_zero_stands_there() -> None:
     table = posture((-0.4, -0.4, 0.0), (0.4, 0.4, 0.78), Posture("Y", 1.0), usual("table"))
     assert table.up == "Z"

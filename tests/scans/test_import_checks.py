@@ -59,3 +59,29 @@ def test_a_zipped_folder_shall_be_unzipped(tmp_path: Path, kind: str) -> None:
     with pytest.raises(InputError) as caught:
         import_capture(kind, tmp_path / "scene.zip", tmp_path / "out")
     assert "unzip it" in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("kind", "inside", "said"),
+    [
+        ("scan", "scene_vh_clean_2.ply", "`orusd import scannet`, which reads such folders"),
+        ("roomplan", "My room.usdz", "My room.usdz'`"),
+        ("roomplan", "lounge.obj", "`orusd import scan "),
+        ("scan", "lounge.obj", "`orusd import scan "),
+    ],
+)
+def test_a_folder_names_its_importer_or_a_file_in_it(
+    tmp_path: Path, kind: str, inside: str, said: str
+) -> None:
+    folder = tmp_path / "capture"
+    folder.mkdir()
+    (folder / inside).write_bytes(b"")
+    with pytest.raises(InputError, match="this is a folder") as caught:
+        import_capture(kind, folder, tmp_path / "out")
+    assert said in caught.value.remedy
+
+
+def test_a_folder_of_nothing_known_gets_no_hint(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="this is a folder") as caught:
+        import_capture("scan", tmp_path, tmp_path / "out")
+    assert caught.value.remedy == "give the file of the scan in it"

@@ -70,7 +70,11 @@ def test_numbers_are_classes_and_things(scan: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "arrays", "message"),
     [
-        ("s.npz", {"label": np.zeros(5, "i4")}, "'label' has 5 values, the scan has 600 points"),
+        (
+            "s.npz",
+            {"label": np.zeros(5, "i4")},
+            "'label' has 5 values, the scan's file has 600 points",
+        ),
         ("s.npz", {"instance": np.zeros((COUNT, 3), "i4")}, "has the shape 600 x 3"),
         ("s.npz", {"instance": np.full(COUNT, 0.5)}, "'instance' has fractions"),
         ("s.npz", {"instance": np.array(["a"] * COUNT)}, "'instance' holds words"),

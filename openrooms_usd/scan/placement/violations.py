@@ -32,10 +32,6 @@ class Unresolved:
     other: int | None
     depth: float
 
-    def __str__(self) -> str:
-        subject = f"instance {self.instance} {self.kind}"
-        return f"{subject}{'' if self.other is None else f' with {self.other}'}: {self.depth:.3f} m"
-
 
 def violations(state: Arrangement) -> list[Unresolved]:
     """All violations of an arrangement, by rows."""
