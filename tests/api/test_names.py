@@ -76,7 +76,7 @@ def test_a_function_explains_itself(name: str) -> None:
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_what_takes_long_tells_its_progress_in_one_way(name: str) -> None:
     parameters = inspect.signature(getattr(ou, name)).parameters
-    takes_long = name in {"compose", "dataset", "probe", "render", "simulate"}
+    takes_long = name in {"compare", "compose", "dataset", "probe", "render", "simulate"}
     assert ("progress" in parameters) == takes_long
     if takes_long:
         assert str(parameters["progress"].annotation).endswith("[[str, float], None]")
