@@ -19,8 +19,9 @@ from orusd_scans.formats.ply import read_ply
 from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.frames import in_world, read_frames
 from orusd_scans.scanned import OTHER_CLASSES, Scanned
+from orusd_scans.scanunits import AUTO, Asked, unit_named
 from orusd_scans.segments import with_segments
-from orusd_scans.standing import AUTO, Asked, Standing, find_standing, unit_named
+from orusd_scans.standing import Standing, find_standing
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.words import classified, read_words
 from orusd_scans.worldframe import WorldFrame

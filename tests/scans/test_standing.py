@@ -10,7 +10,8 @@ from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from orusd_scans.plainscan import upright
-from orusd_scans.standing import UNITS, Asked, Standing, find_standing, unit_named
+from orusd_scans.scanunits import UNITS, Asked, unit_named
+from orusd_scans.standing import Standing, find_standing
 from tests.scan.scanned_rooms import RoomScan
 
 Real = Callable[[str], Path]
