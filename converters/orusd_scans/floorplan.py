@@ -14,8 +14,6 @@ Array = NDArray[np.float64]
 TWIN_DISTANCE_M = 0.15
 # Gaps between walls up to this length are closed without a note, metres.
 MAX_GAP_M = 0.3
-# Floors up to this far apart have a wall between them, metres: thick old ones.
-MAX_WALL_M = 0.5
 
 
 def tidied(corners: Array, notes: list[str]) -> Array | None:
@@ -162,42 +160,6 @@ def _bent(corners: Array, arc: Array) -> Array:
     if (last + 1) % len(rest) == first:
         return np.insert(rest, last + 1, arc[-2:0:-1], axis=0)
     return corners
-
-
-def joined_floors(floors: Sequence[Array], first: int) -> tuple[Array, list[int]] | None:
-    """The outline of the floors that touch one of them, or are a wall's thickness apart.
-
-    Args:
-        floors: Each (N, 2) corners, metres.
-        first: Which one.
-
-    Returns:
-        (K, 2) corners, with holes filled, and which floors they enclose; None for one alone.
-    """
-    import shapely
-
-    shapes = [shapely.make_valid(shapely.Polygon(floor)) for floor in floors]
-    half = 0.5 * MAX_WALL_M + CLEARANCE
-    members, rest = [first], [i for i in range(len(shapes)) if i != first]
-    while touching := [
-        i for i in rest if any(shapes[i].distance(shapes[k]) <= MAX_WALL_M for k in members)
-    ]:
-        members += touching
-        rest = [i for i in rest if i not in touching]
-    if len(members) == 1:
-        return None
-    area = shapely.union_all([shapes[i] for i in members])
-    closed = area.buffer(half, join_style="mitre").buffer(-half, join_style="mitre")
-    # Only what lies between two floors is wall: niches of one stay open.
-    between = [
-        gap
-        for gap in shapely.get_parts(shapely.difference(closed, area))
-        if sum(shapes[i].distance(gap) <= CLEARANCE for i in members) > 1
-    ]
-    whole = shapely.union_all([area, *between]).buffer(CLEARANCE, join_style="mitre")
-    largest = max(shapely.get_parts(whole), key=lambda part: part.area)
-    ring = largest.buffer(-CLEARANCE, join_style="mitre").simplify(CLEARANCE).exterior
-    return shapely.get_coordinates(ring)[:-1], sorted(members)
 
 
 def from_lower_left(corners: Array) -> Array:

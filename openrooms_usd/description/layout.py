@@ -197,8 +197,12 @@ class ScanLayout(CapturedLayout):
     partial: bool = False
     """Take a scan that shows little of the room, such as a single view; walls that it does not show
     are guessed."""
-    room: Whole = Field(default=0, ge=0)
-    """Which of several rooms becomes the layout: 0 is the largest. The report has all."""
+    room: Annotated[Whole, Field(ge=0)] | Literal["all"] = 0
+    """Which of several rooms becomes the layout: 0 is the one that is best seen and large (area
+    times the part of its walls that was scanned); `all` joins it with those that stand wall to wall
+    with it, or with each other, to a flat. The report has all."""
+    storey: Whole | None = Field(default=None, ge=0)
+    """Which of several storeys, 0 is the lowest; by default the one with the largest floor."""
 
     @property
     def reader(self) -> str:

@@ -2,8 +2,8 @@
 
 - `vectors`, `rows`, `rotations`, `quaternions`: the basics; `mesh`, `topology`, `normals`,
   `triangulation`, `raycast`: meshes; `uv`, `uvquality`, `unwrap`: texture coordinates;
-- `curves`, `polygons`, `floorplan`, `pinhole`, `sights`, `views`, `framing`: the plan, and
-  cameras in it;
+- `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `views`, `framing`: the plan,
+  and cameras in it;
 - `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,
   `openings`, `shell`, `leaves`, `doors`, `windows`: a room of them;
 - `hemisphere`, `spherical_harmonics`, `lobe_pursuit`, `spherical_gaussians`: light by direction.

@@ -11,6 +11,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.openings.detection import DOUBTFUL, LIKELY, find_openings
@@ -99,37 +100,50 @@ def find_rooms(
         up: (3,) roughly upwards; None: Z.
 
     Raises:
-        InputError: The scan shows too little of a room.
+        InputError: The scan shows too little of a room, or has no such storey.
     """
+    options = options or LayoutOptions()
     thinned = thin(cloud, VOXEL_M)
-    stands, storey = _main_storey(thinned, level(thinned, up))
+    stands, storey = _storey(thinned, level(thinned, up), options.storey)
     flat = _within(thinned.moved(stands.level_from_scan), storey)
     # The largest of those that were seen well: half-seen ones may be larger than they are.
     found = sorted(
-        find_layout(flat, stands, options or LayoutOptions()),
+        find_layout(flat, stands, options),
         key=lambda room: -_area(room.corners) * room.coverage,
     )
     rooms = tuple(_room(room, flat, stands) for room in found)
     return FoundLayout(stands, _within(cloud.moved(stands.level_from_scan), storey), rooms)
 
 
-def _main_storey(cloud: Cloud, stands: Level) -> tuple[Level, Storey | None]:
-    """The level frame on the floor of the main storey, and that storey; None if it is the only one.
+def _storey(cloud: Cloud, stands: Level, wanted: int | None) -> tuple[Level, Storey | None]:
+    """The level frame on the floor of a storey, and that storey; None if it is the only one.
 
     Args:
         cloud: In the scan's frame.
         stands: The level frame on the lowest floor.
+        wanted: Which one, from below; None: the main one.
+
+    Raises:
+        InputError: There is no such storey.
     """
     found = storeys(surfels(cloud.moved(stands.level_from_scan)))
+    if wanted is not None and wanted >= len(found):
+        shows = "1 storey" if len(found) == 1 else f"{len(found)} storeys"
+        raise InputError(
+            f"the scan shows {shows}, there is no storey {wanted}",
+            remedy="count from 0, the lowest",
+        )
     if len(found) < 2:
         return stands, None
-    chosen = main_storey(found)
+    chosen = main_storey(found) if wanted is None else found[wanted]
     raised = np.eye(4)
     raised[2, 3] = -chosen.floor
     heights = ", ".join(f"{storey.floor:.1f} m" for storey in found)
+    last = len(found) - 1
+    why = f"; `storey: 0` to `{last}` takes another" if wanted is None else ", as asked"
     note = (
         f"the scan shows {len(found)} storeys, with floors at {heights} above the lowest; "
-        f"the one at {chosen.floor:.1f} m is taken: cut the scan for another"
+        f"the one at {chosen.floor:.1f} m is taken{why}"
     )
     moved = replace(
         stands,

@@ -54,7 +54,7 @@ def furnish(
         shelf.models,
         shelf.hints,
         shelf.categories,
-        (scanned.room,),
+        scanned.rooms,
         alignment.unresolved,
         context.workers,
         context.progress,
@@ -83,7 +83,7 @@ def _told_elsewhere(words: Sequence[str]) -> Iterator[str]:
     if words:
         counts = Counter(word or "object" for word in words)
         listed = ", ".join(f"{count} {word}" for word, count in sorted(counts.items()))
-        yield f"beyond the walls of this room, and left out: {listed}"
+        yield f"beyond the walls, and left out: {listed}"
 
 
 def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:

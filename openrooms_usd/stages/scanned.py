@@ -1,22 +1,30 @@
 """What stages find in a scan: the room as a capture, the furniture as CADs at their poses."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.capture import Capture, CapturedFrame, CapturedOpening, Confidence, read_capture
+from openrooms_usd.capture import (
+    Capture,
+    CapturedFrame,
+    CapturedOpening,
+    CapturedPartition,
+    Confidence,
+    read_capture,
+)
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import SCANNED_HEIGHT
 from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
+from openrooms_usd.scan.rooms.flat import Flat, flat_of
 from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_path
@@ -24,6 +32,10 @@ from openrooms_usd.stages.instances import hint_of
 
 Array = NDArray[np.float64]
 
+# What openings of a flat's outline are in: none of its inner walls.
+_OUTER: Final = "outside"
+# Ceilings whose heights differ by less are one, metres.
+_SAME_HEIGHT_M: Final = 0.1
 # Least confidence of each word.
 _WORDS: Final[tuple[tuple[float, Confidence], ...]] = ((0.75, "high"), (0.4, "medium"))
 
@@ -35,14 +47,14 @@ class ScannedRoom:
     Attributes:
         capture: As of any other captured room.
         layout: All that was found.
-        room: The one that was chosen.
+        rooms: Those that were chosen.
         scan_from_level: (4, 4) to the frame of reports: the scan's own axes, metres.
         boxes: Around those things that were told apart but have no name, by their numbers.
     """
 
     capture: Capture
     layout: FoundLayout
-    room: FoundRoom
+    rooms: tuple[FoundRoom, ...]
     scan_from_level: Array
     boxes: Mapping[int, Box] = field(default_factory=dict)
 
@@ -56,21 +68,30 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
     path = capture_path(context, layout)
     asked = tuple(sorted(layout.asked.items()))
     stamp = path.stat().st_mtime_ns, path.stat().st_size
-    options = LayoutOptions(simplicity=layout.simplicity, partial=layout.partial)
-    found, capture = _found(layout.reader, options, path, asked, context.source, stamp)
-    if layout.room >= len(found.rooms):
-        raise InputError(
-            f"the scan shows {len(found.rooms)} rooms, there is no room {layout.room}",
-            place=path,
-            remedy="count from 0, the largest",
-        )
-    room = found.rooms[layout.room]
-    return ScannedRoom(
-        _as_capture(capture, found, room),
-        found,
-        room,
-        in_metres(capture.source_from_world) @ found.level.scan_from_level,
+    options = LayoutOptions(
+        simplicity=layout.simplicity, partial=layout.partial, storey=layout.storey
     )
+    found, capture = _found(layout.reader, options, path, asked, context.source, stamp)
+    flat = flat_of(found.rooms) if layout.room == "all" else None
+    if flat is not None:
+        rooms = tuple(found.rooms[number] for number in flat.members)
+        shown = _flat_capture(_as_capture(capture, found, rooms), flat)
+    else:
+        rooms = (_chosen(found, layout.room, path),)
+        shown = _as_capture(capture, found, rooms)
+    scan_from_level = in_metres(capture.source_from_world) @ found.level.scan_from_level
+    return ScannedRoom(shown, found, rooms, scan_from_level)
+
+
+def _chosen(found: FoundLayout, wanted: int | Literal["all"], path: Path) -> FoundRoom:
+    number = 0 if wanted == "all" else wanted
+    if number >= len(found.rooms):
+        raise InputError(
+            f"the scan shows {len(found.rooms)} rooms, there is no room {number}",
+            place=path,
+            remedy="count from 0, the largest that was seen well, or take `all`",
+        )
+    return found.rooms[number]
 
 
 @lru_cache(maxsize=1)
@@ -122,22 +143,53 @@ def in_metres(source_from_world: Array) -> Array:
     return np.asarray(np.diag([1.0, 1.0, 1.0, unit]) @ source_from_world / unit)
 
 
-def _as_capture(capture: Capture, found: FoundLayout, room: FoundRoom) -> Capture:
+def _as_capture(capture: Capture, found: FoundLayout, rooms: Sequence[FoundRoom]) -> Capture:
+    """The first of some rooms as a capture, as high as the highest of them."""
     notes = [*capture.notes, *found.notes]
-    if len(found.rooms) > 1:
-        notes.append(f"the scan shows {len(found.rooms)} rooms; the report has all of them")
-    if room.ceiling is None:
+    if len(found.rooms) > len(rooms):
+        hint = "; `room: all` joins those that touch" if len(rooms) == 1 else ""
+        notes.append(f"the scan shows {len(found.rooms)} rooms; the report has all of them{hint}")
+    heights = [room.ceiling for room in rooms if room.ceiling is not None]
+    if not heights:
         notes.append(f"{SCANNED_HEIGHT} m is taken for the room's height")
+    elif max(heights) - min(heights) > _SAME_HEIGHT_M:
+        notes.append(f"ceilings from {min(heights):.2f} to {max(heights):.2f} m became one, as "
+                     "high as the highest")  # fmt: skip
     return replace(
         capture,
         source_from_world=capture.source_from_world @ found.level.scan_from_level,
-        floor=room.corners[:, :2],
-        height=room.ceiling or SCANNED_HEIGHT,
-        openings=tuple(_opening(n, o) for n, o in enumerate(room.openings)),
+        floor=rooms[0].corners[:, :2],
+        height=max(heights, default=SCANNED_HEIGHT),
+        openings=tuple(_opening(n, o) for n, o in enumerate(rooms[0].openings)),
         frames=tuple(_frame(frame, found.level.level_from_scan) for frame in capture.frames),
         cloud=found.cloud,
         notes=tuple(notes),
     )
+
+
+def _flat_capture(capture: Capture, flat: Flat) -> Capture:
+    """The capture with the floor of several rooms, and the walls between them."""
+    listed = ", ".join(map(str, flat.members))
+    return replace(
+        capture,
+        floor=flat.corners,
+        openings=tuple(
+            replace(
+                _opening(number, one.opening),
+                wall=_OUTER if one.between is None else _between(one.between),
+            )
+            for number, one in enumerate(flat.openings)
+        ),
+        partitions=tuple(
+            CapturedPartition(_between(number), wall.ends, wall.thickness)
+            for number, wall in enumerate(flat.walls)
+        ),
+        notes=(*capture.notes, f"the rooms {listed} are taken as one", *flat.notes),
+    )
+
+
+def _between(number: int) -> str:
+    return f"between_{number}"
 
 
 def _frame(frame: CapturedFrame, level_from_world: Array) -> CapturedFrame:

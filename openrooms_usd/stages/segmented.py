@@ -1,7 +1,7 @@
 """Scans that nobody labelled: the things in them are found, and people are told."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -43,7 +43,7 @@ def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedR
                 "looked for in it"
             )
             return scanned
-    found, how = _segments(cloud, scanned.room, alignment)
+    found, how = _segments(cloud, scanned.rooms, alignment)
     words = found.words
     if alignment.unlabelled == "boxes":
         words = dict.fromkeys(words, UNNAMED)
@@ -52,19 +52,21 @@ def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedR
         cloud, instance=found.instance, words={n: (word,) for n, word in words.items()}
     )
     unnamed = sorted(number for number, word in words.items() if word == UNNAMED)
-    boxes = boxes_of(cloud, found.instance, unnamed, (scanned.room,))
+    boxes = boxes_of(cloud, found.instance, unnamed, scanned.rooms)
     return replace(scanned, layout=replace(scanned.layout, cloud=marked), boxes=boxes)
 
 
-def _segments(cloud: Cloud, room: FoundRoom, alignment: ScanAlignment) -> tuple[Segments, str]:
+def _segments(
+    cloud: Cloud, rooms: Sequence[FoundRoom], alignment: ScanAlignment
+) -> tuple[Segments, str]:
     """The things of a scan, and how they were found."""
     if alignment.segmenter not in (None, _BY_SHAPE):
         name = str(alignment.segmenter)
         segmenter: Segmenter = adapters.load(adapters.SEGMENTERS, name)
-        return checked(segmenter.segment(cloud, (room,)), len(cloud), name), f"by {name!r}"
+        return checked(segmenter.segment(cloud, rooms), len(cloud), name), f"by {name!r}"
     if alignment.segmenter is None and cloud.label is not None and cloud.label.any():
         return _labelled(cloud), "as connected points of one label"
-    return ShapeSegmenter().segment(cloud, (room,)), "by their shape"
+    return ShapeSegmenter().segment(cloud, rooms), "by their shape"
 
 
 def _labelled(cloud: Cloud) -> Segments:

@@ -24,7 +24,7 @@ def room_of(cloud: Cloud, **capture: Any) -> ScannedRoom:
     room = FoundRoom(np.array([0.0, 0, 1]), np.zeros(3), corners, ceiling=2.5)
     level = SimpleNamespace()
     layout = FoundLayout(level, cloud, (room,))  # type: ignore[arg-type]
-    return ScannedRoom(Capture("scan.ply", np.eye(4), **capture), layout, room, np.eye(4))
+    return ScannedRoom(Capture("scan.ply", np.eye(4), **capture), layout, (room,), np.eye(4))
 
 
 def asked(**keys: Any) -> ScanAlignment:

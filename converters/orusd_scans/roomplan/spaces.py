@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from orusd_scans.floorplan import bent, chained, joined_floors
+from openrooms_usd.geometry.joining import joined_floors
+from orusd_scans.floorplan import bent, chained
 from orusd_scans.roomplan.belonging import belonging, left_out, merged, of_story
 from orusd_scans.roomplan.records import CapturedRoom, Record
 

@@ -13,5 +13,5 @@ In the order of the work:
 - `cells`, `costs`, `outline`: minimum cut of a line arrangement, simplification by cost;
 - `borders`, `piers`, `refit`: walls that a scan missed, piers, robust line fits;
 - `coverage`: how much of each wall was scanned, and its residuals;
-- `roomoutline`: one room; `layout`: all of them.
+- `roomoutline`: one room; `layout`: all of them; `flat`: several as one, with walls between.
 """

@@ -57,11 +57,13 @@ class LayoutOptions:
         simplicity: Penalty of a corner, metres of missing wall. Larger values give plainer rooms.
         least_coverage: Rooms of whose outline a smaller part was scanned are refused.
         partial: Accept any part of a room, as a single view gives; the rest is guessed.
+        storey: Which of several, 0 is the lowest; None: the one with the largest floor.
     """
 
     simplicity: float = 0.1
     least_coverage: float = 0.25
     partial: bool = False
+    storey: int | None = None
 
 
 DEFAULTS: Final = LayoutOptions()
