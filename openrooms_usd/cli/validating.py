@@ -63,7 +63,8 @@ def _print_findings(stage: Path, findings: "list[Finding]") -> None:
         echo(f"{stage}: clean")
         return
     errors = sum(finding.severity == "error" for finding in findings)
-    echo(f"{stage}: {errors} errors, {len(findings) - errors} warnings")
+    warnings = len(findings) - errors
+    echo(f"{stage}: {errors} error{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}")
     table = Table("", "rule", "where", "what")
     for column in table.columns:
         column.overflow = "fold"

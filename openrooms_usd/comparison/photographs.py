@@ -73,7 +73,7 @@ def read_photographs(
         raise InputError(
             "this capture knows no cameras of photographs",
             place=source,
-            remedy="import it with --frames",
+            remedy="import it with --frames, where its importer has that (`orusd import --help`)",
         )
     room_from_capture = _room_from_source(stage, path) @ capture.source_from_world
     frames = tuple(_moved(frame, room_from_capture) for frame in capture.frames)

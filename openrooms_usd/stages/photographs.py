@@ -37,7 +37,7 @@ def photographs(context: StageContext) -> Capture | None:
         raise InputError(
             "this capture knows no cameras of photographs",
             place=context.source / section.file,
-            remedy="import it with --frames, or describe the cameras",
+            remedy="import it with --frames where its importer has that, or describe the cameras",
         )
     if isinstance(section, ScanLayout):
         capture = replace(capture, frames=_standing(context, capture))

@@ -87,9 +87,9 @@ def _chosen(found: FoundLayout, wanted: int | Literal["all"], path: Path) -> Fou
     number = 0 if wanted == "all" else wanted
     if number >= len(found.rooms):
         raise InputError(
-            f"the scan shows {len(found.rooms)} rooms, there is no room {number}",
+            f"the scan has no room {number}",
             place=path,
-            remedy="count from 0, the largest that was seen well, or take `all`",
+            remedy=f"`room` is `all`, or a number of these: {_areas(found.rooms)}",
         )
     return found.rooms[number]
 
@@ -143,12 +143,23 @@ def in_metres(source_from_world: Array) -> Array:
     return np.asarray(np.diag([1.0, 1.0, 1.0, unit]) @ source_from_world / unit)
 
 
+def _areas(rooms: Sequence[FoundRoom]) -> str:
+    """What rooms there are, by number and area."""
+    from shapely import Polygon
+
+    return ", ".join(
+        f"{number} ({Polygon(room.corners[:, :2]).area:.1f} m2)"
+        for number, room in enumerate(rooms)
+    )
+
+
 def _as_capture(capture: Capture, found: FoundLayout, rooms: Sequence[FoundRoom]) -> Capture:
     """The first of some rooms as a capture, as high as the highest of them."""
     notes = [*capture.notes, *found.notes]
     if len(found.rooms) > len(rooms):
         hint = "; `room: all` joins those that touch" if len(rooms) == 1 else ""
-        notes.append(f"the scan shows {len(found.rooms)} rooms; the report has all of them{hint}")
+        told = f"{len(found.rooms)} rooms, by number and area: {_areas(found.rooms)}"
+        notes.append(f"the scan shows {told}; `room` takes one of them{hint}")
     heights = [room.ceiling for room in rooms if room.ceiling is not None]
     if not heights:
         notes.append(f"{SCANNED_HEIGHT} m is taken for the room's height")

@@ -60,7 +60,7 @@ def _floating(state: Arrangement, row: int) -> float:
         facing = room.facing(body, np.inf)
         gap = min(facing.gap, room.gap(body, facing.wall)) if facing else 0.0
         return max(gap, 0.0) if facing else float(body.low[2] - room.floor)
-    gap = gap_below(state, row)
-    if gap is None:
+    below = gap_below(state, row)
+    if below is None:
         return 0.0 if kind == CEILING else float(body.low[2] - room.floor)
-    return abs(gap)
+    return abs(below)

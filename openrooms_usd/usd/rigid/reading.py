@@ -75,7 +75,8 @@ def read_world(stage: Usd.Stage, place: object = None) -> World:
         raise StageError(
             "this stage says nothing of physics: it has no rigid bodies and no colliders",
             place=place or stage.GetRootLayer().identifier,
-            remedy="compose the room again with its physics stage, or apply UsdPhysics schemas",
+            remedy="write `physics: {}` into the description and compose again; to a stage of"
+            " another program apply UsdPhysics schemas",
         )
     return _Reading(stage, parsed).world()
 
