@@ -200,7 +200,7 @@ def _flat_capture(capture: Capture, flat: Flat) -> Capture:
 
 
 def _between(number: int) -> str:
-    return f"between_{number}"
+    return f"between{number}"
 
 
 def _frame(frame: CapturedFrame, level_from_world: Array) -> CapturedFrame:

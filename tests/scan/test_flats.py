@@ -12,13 +12,18 @@ from pxr import Usd
 
 from openrooms_usd import names
 from openrooms_usd.description import parse_room
+from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
+from openrooms_usd.scan.placement.elsewhere import elsewhere
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import flat_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.scanned import scanned_room
+from openrooms_usd.stages.segmented import segmented
 from tests.scan.scanned_rooms import RoomScan
 
 HALL = ((0.0, 0.0), (4.0, 0.0), (4.0, 5.0), (0.0, 5.0))
@@ -81,12 +86,12 @@ def test_rooms_that_touch_nothing_are_named() -> None:
     assert flat_of([found(HALL)]) is None
 
 
-def two_rooms(tmp_path: Path, *more: RoomScan) -> Path:
+def two_rooms(tmp_path: Path, *, boxes: bool = False) -> Path:
     """A hall and a room with a passage between them, as points in a file."""
+    here, there = (1.0, 1.0, 0.8, 0.5, 0.0, 0.9), (5.5, 2.5, 0.8, 0.5, 0.0, 0.9)
     scans = (
-        RoomScan(HALL, holes=[(1, 2.0, 2.9, 0.0, 2.05)]),
-        RoomScan(ROOM, holes=[(3, 2.1, 3.0, 0.0, 2.05)]),
-        *more,
+        RoomScan(HALL, holes=[(1, 2.0, 2.9, 0.0, 2.05)], boxes=[here] if boxes else ()),
+        RoomScan(ROOM, holes=[(3, 2.1, 3.0, 0.0, 2.05)], boxes=[there] if boxes else ()),
     )
     clouds = [scan.cloud(seed) for seed, scan in enumerate(scans)]
     file = tmp_path / "flat.npz"
@@ -124,6 +129,26 @@ def test_a_scan_of_two_rooms_becomes_one_stage_with_the_wall_and_its_passage(
     floor = np.array(alone.GetPrimAtPath("/World/Room").GetAttribute("openrooms:room:floor").Get())
     assert shapely.Polygon(floor).area == pytest.approx(20.0, abs=0.3)
     assert any("`room: all` joins those that touch" in note for note in notes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("wanted", "count", "beyond"), [("all", 2, 0), ("0", 1, 1)])
+def test_what_stands_in_a_joined_room_is_not_elsewhere(
+    tmp_path: Path, wanted: str, count: int, beyond: int
+) -> None:
+    file = two_rooms(tmp_path, boxes=True)
+    room = parse_room(
+        f"layout: {{from: scan, scan: {file.name}, room: {wanted}}}\nalignment: {{from: scan}}"
+    )
+    context = StageContext(room, file.parent, Usd.Stage.CreateInMemory(), tmp_path / "alignment")
+    assert isinstance(room.layout, ScanLayout)
+    assert isinstance(room.alignment, ScanAlignment)
+    scanned = segmented(context, room.alignment, scanned_room(context, room.layout))
+    assert len(scanned.rooms) == count
+    cloud = scanned.layout.cloud
+    assert cloud.instance is not None
+    assert cloud.instance.max() == 2
+    assert len(elsewhere(cloud, None, scanned.rooms)) == beyond
 
 
 @pytest.mark.slow
