@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 
 # What openings of a flat's outline are in: none of its inner walls.
 _OUTER: Final = "outside"
+_ALONE: Final = "no other room stands wall to wall with room 0, which is taken alone"
 # Ceilings whose heights differ by less are one, metres.
 _SAME_HEIGHT_M: Final = 0.1
 # Least confidence of each word.
@@ -79,6 +80,8 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
     else:
         rooms = (_chosen(found, layout.room, path),)
         shown = _as_capture(capture, found, rooms)
+        if layout.room == "all" and len(found.rooms) > 1:
+            shown = replace(shown, notes=(*shown.notes, _ALONE))
     scan_from_level = in_metres(capture.source_from_world) @ found.level.scan_from_level
     return ScannedRoom(shown, found, rooms, scan_from_level)
 
@@ -157,9 +160,8 @@ def _as_capture(capture: Capture, found: FoundLayout, rooms: Sequence[FoundRoom]
     """The first of some rooms as a capture, as high as the highest of them."""
     notes = [*capture.notes, *found.notes]
     if len(found.rooms) > len(rooms):
-        hint = "; `room: all` joins those that touch" if len(rooms) == 1 else ""
         told = f"{len(found.rooms)} rooms, by number and area: {_areas(found.rooms)}"
-        notes.append(f"the scan shows {told}; `room` takes one of them{hint}")
+        notes.append(f"the scan shows {told}; `room` takes one of them, or `all` that touch")
     heights = [room.ceiling for room in rooms if room.ceiling is not None]
     if not heights:
         notes.append(f"{SCANNED_HEIGHT} m is taken for the room's height")

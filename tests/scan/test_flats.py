@@ -128,7 +128,7 @@ def test_a_scan_of_two_rooms_becomes_one_stage_with_the_wall_and_its_passage(
     alone, notes = author(file, "room: 0")
     floor = np.array(alone.GetPrimAtPath("/World/Room").GetAttribute("openrooms:room:floor").Get())
     assert shapely.Polygon(floor).area == pytest.approx(20.0, abs=0.3)
-    assert any("`room: all` joins those that touch" in note for note in notes)
+    assert any("`room` takes one of them, or `all` that touch" in note for note in notes)
 
 
 @pytest.mark.slow
@@ -158,6 +158,15 @@ def test_all_rooms_of_a_scan_with_one_are_that_room(tmp_path: Path) -> None:
     (one, _), (every, notes) = author(file, "room: 0"), author(file, "room: all")
     assert one.ExportToString() == every.ExportToString()
     assert not any("taken as one" in note for note in notes)
+
+
+@pytest.mark.slow
+def test_rooms_that_stand_apart_are_told(tmp_path: Path) -> None:
+    file = tmp_path / "apart.npz"
+    points = [RoomScan(corners).cloud().points for corners in (HALL, FAR)]
+    np.savez(file, points=np.concatenate(points))
+    _, notes = author(file, "room: all")
+    assert notes[-1] == "no other room stands wall to wall with room 0, which is taken alone"
 
 
 @pytest.mark.slow
