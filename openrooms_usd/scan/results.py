@@ -158,6 +158,8 @@ class FoundObject:
         placed: The pose after placement, its scale that of ``pose``; None before it.
         support: ``floor``, ``wall``, ``ceiling``, or the instance that it stands on, as text.
         word: The source's own word for it; empty where there is none.
+        fitted: (3,) by how much it was shortened along the CAD's axes so that it has a place; the
+            pose's scale has it in. None: not at all.
     """
 
     instance: int
@@ -170,6 +172,7 @@ class FoundObject:
     placed: Pose | None = None
     support: str = ""
     word: str = ""
+    fitted: Array | None = None
 
     def moved(self, matrix: Array) -> "FoundObject":
         """The object after a rigid motion (4, 4)."""
@@ -192,6 +195,7 @@ class FoundObject:
             "symmetry": self.symmetry,
             "support": self.support,
             "placed": moved,
+            **({} if self.fitted is None else {"fitted": self.fitted.tolist()}),
         }
 
 

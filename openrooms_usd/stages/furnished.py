@@ -98,6 +98,15 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
         most = max(far, key=moved.__getitem__)
         text = f"{len(far)} of {len(moved)} objects were moved towards where they can be"
         yield f"{text}, {words[most]} (instance {most}) the farthest: {moved[most]:.2f} m"
+    cut = {
+        thing.instance: 100.0 * (1.0 - float(thing.fitted.min()))
+        for thing in found.objects
+        if thing.fitted is not None
+    }
+    if cut:
+        most = max(cut, key=cut.__getitem__)
+        text = f"{len(cut)} of {len(moved)} objects were shortened to have room"
+        yield f"{text}, {words[most]} (instance {most}) the most: by {cut[most]:.0f} %"
     boxed = sorted(
         {thing.word for thing in found.objects if thing.category == UNKNOWN and thing.word}
     )

@@ -116,7 +116,7 @@ def test_the_correction_takes_the_measured_pose_to_the_placed_one() -> None:
 
 
 def test_nothing_to_place() -> None:
-    assert place([], MODELS, [HALL]) == Placement((), (), ())
+    assert place([], MODELS, [HALL]) == Placement((), (), (), ())
     alone = place([found(1, "table", (0, 0, 0.03))], MODELS, [])
     np.testing.assert_allclose(alone.objects[0].placed.translation, 0.0, atol=1e-9)
 

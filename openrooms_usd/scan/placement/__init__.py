@@ -5,6 +5,6 @@
   relation;
 - `arrangement`: the poses so far; `settling`: tilt, supports, and yaw along walls;
 - `least_motion`, `spreading`: penetrations resolved by a quadratic program;
-- `violations`, `leavingout`: what is still wrong, and without which objects nothing is;
-  `correcting`: all.
+- `violations`: what is still wrong; `landing`, `fitting`: what floats is lowered, and what has no
+  room is shortened; `leavingout`: without which objects nothing is wrong; `correcting`: all.
 """

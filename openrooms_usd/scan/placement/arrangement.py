@@ -25,7 +25,7 @@ class Arrangement:
     """The state of a placement; rows are objects.
 
     Attributes:
-        objects: As measured.
+        objects: As measured, but for what was shortened.
         bodies: In their present poses.
         motions: (4, 4) each, rigid, from an object's measured pose to its present one.
         rooms: Enclosure of each.
@@ -34,7 +34,7 @@ class Arrangement:
         notes: What people should know, one sentence each.
     """
 
-    objects: Sequence[FoundObject]
+    objects: list[FoundObject]
     bodies: list[Body]
     motions: list[Array]
     rooms: list[Enclosure]
@@ -48,6 +48,13 @@ class Arrangement:
     def has_moved(self, row: int) -> bool:
         """Whether an object's motion is not the identity."""
         return not np.array_equal(self.motions[row], np.eye(4))
+
+    def moved(self, row: int) -> float:
+        """How far the middle of an object is in the plan from where it was measured, metres."""
+        body, motion = self.bodies[row], self.motions[row]
+        middle = 0.5 * (body.low + body.high)
+        before = motion[:3, :3].T @ (middle - motion[:3, 3])
+        return float(np.linalg.norm((middle - before)[:2]))
 
     def shift(self, row: int, by: Array) -> None:
         """Move one object by (3,), metres."""
@@ -76,10 +83,15 @@ class Arrangement:
 
     def weight(self, row: int) -> float:
         """The weight of an object's motion: larger for large and for well measured ones."""
-        found, body = self.objects[row], self.bodies[row]
+        body = self.bodies[row]
         size = float(np.cbrt(np.prod(np.maximum(body.high - body.low, 0.01))))
-        trust = np.clip(found.coverage, 0.1, 1.0) * 0.02 / (0.02 + max(found.residual, 0.0))
-        return max(size * float(trust), 1e-3)
+        return max(size * self.trust(row), 1e-3)
+
+    def trust(self, row: int) -> float:
+        """How well an object was measured, up to 1."""
+        found = self.objects[row]
+        seen = float(np.clip(found.coverage, 0.1, 1.0))
+        return seen * 0.02 / (0.02 + max(found.residual, 0.0))
 
     def ancestry(self) -> Array:
         """(N, N) 1 where the object of the row moves with that of the column, itself included."""
@@ -100,7 +112,7 @@ def arranged(
         min(enclosures, key=lambda room: room.distance(0.5 * (body.low + body.high)[:2]))
         for body in bodies
     ]
-    return Arrangement(objects, bodies, [np.eye(4) for _ in bodies], homes)
+    return Arrangement(list(objects), bodies, [np.eye(4) for _ in bodies], homes)
 
 
 def _body(found: FoundObject, model: CadModel) -> Body:

@@ -3,7 +3,7 @@
 One pass: small tilts are removed; supports are found and touched exactly; objects that penetrate a
 wall at a small angle are turned along it; then all penetrations, between objects and with walls,
 are resolved by the least motion. Plausible poses are returned unchanged. What is wrong after that
-may be moved farther, and where that does not help either, be left out.
+may be lowered, moved farther or shortened, and where that does not help either, be left out.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
+from openrooms_usd.scan.placement.fitting import fit
+from openrooms_usd.scan.placement.landing import land
 from openrooms_usd.scan.placement.leavingout import LeftOut, left_out
 from openrooms_usd.scan.placement.settling import (
     find_supports,
@@ -37,6 +39,10 @@ _FAR_REACH_M: Final = 0.2
 # Times that objects are left out and the others placed anew: what one pushed away stays where it
 # was measured without it.
 _MAX_TRIES: Final = 4
+# Rounds of shortening what has no room: one for each of its sides.
+_MAX_FITS: Final = 4
+# Motion by which what was shortened comes to rest, metres: the cut leaves it free.
+_FITTED_REACH_M: Final = 0.03
 
 
 @dataclass(frozen=True)
@@ -74,12 +80,30 @@ def place(
         unresolved: What becomes of objects that penetrate others or walls, or float, after this
             motion and a farther one.
     """
+    found = _resolved(objects, models, rooms, reach, unresolved)
+    if found.left_out:
+        # What was cut to have a place may take that of others.
+        uncut = _resolved(objects, models, rooms, reach, unresolved, remedies=False)
+        found = min(found, uncut, key=lambda one: len(one.left_out))
+    return found
+
+
+def _resolved(
+    objects: Sequence[FoundObject],
+    models: Mapping[str, CadModel],
+    rooms: Sequence[FoundRoom],
+    reach: float,
+    unresolved: Literal["leave_out", "keep"],
+    *,
+    remedies: bool = True,
+) -> Placement:
+    """Objects by the least motion, lowered and cut or not, and without those that have no place."""
     kept = in_rows = sorted(objects, key=lambda thing: thing.instance)
     gone: dict[int, LeftOut] = {}
     state, wrong = _settled(kept, models, rooms, reach)
     returned: set[int] = set()
     for tries in range(_MAX_TRIES if unresolved == "leave_out" else 0):
-        wrong = _moved_farther(state, wrong)
+        wrong = _mended(state, wrong, models) if remedies else _moved_farther(state, wrong)
         last = tries == _MAX_TRIES - 1
         out = left_out(state, wrong, with_carried=last)
         gone |= {found.instance: found for found in out.values()}
@@ -125,6 +149,31 @@ def _moved_farther(state: Arrangement, wrong: list[Unresolved]) -> list[Unresolv
     if any(one.kind != "floats" for one in wrong):
         _spread(state, _FAR_REACH_M)
         return violations(state)
+    return wrong
+
+
+def _mended(
+    state: Arrangement, wrong: list[Unresolved], models: Mapping[str, CadModel]
+) -> list[Unresolved]:
+    """What is wrong still after all that is tried before anything is left out.
+
+    A cut of a few per cent comes before a motion by decimetres: it changes less.
+    """
+    if land(state, wrong):
+        wrong = violations(state)
+    wrong = _fitted(state, wrong, models)
+    return _fitted(state, _moved_farther(state, wrong), models)
+
+
+def _fitted(
+    state: Arrangement, wrong: list[Unresolved], models: Mapping[str, CadModel]
+) -> list[Unresolved]:
+    """What is wrong still after what has no room was shortened."""
+    for _ in range(_MAX_FITS):
+        if not fit(state, wrong, models):
+            break
+        _spread(state, _FITTED_REACH_M)
+        wrong = violations(state)
     return wrong
 
 

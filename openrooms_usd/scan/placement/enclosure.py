@@ -21,7 +21,8 @@ _NEAR_WALL_M: Final = 0.3
 # Spacing of points along a body's edges, so that reflex corners of the room are not missed, metres.
 _EDGE_SAMPLE_M: Final = 0.004
 _INSIDE_M: Final = 2e-4
-_LOST_M: Final = 0.4
+# What reaches farther beyond a wall than this stands elsewhere, metres.
+LOST_M: Final = 0.4
 # Objects that no motion brings nearer than this to the inside stay, metres.
 _HOPELESS_M: Final = 0.1
 
@@ -83,6 +84,14 @@ class Enclosure:
 
         return np.asarray(shapely.distance(self._polygon, shapely.points(points)))
 
+    def outward(self, points: Array) -> Array:
+        """(P, 2) the ways from the room to points (P, 2), metres; 0 inside."""
+        import shapely
+
+        lines = shapely.shortest_line(self._polygon, shapely.points(points))
+        ends = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+        return np.asarray(ends[:, 1] - ends[:, 0])
+
     def footprint(self, body: Body) -> Array:
         """(P, 2) points of a body's plan that suffice to measure its penetration of walls.
 
@@ -110,7 +119,7 @@ class Enclosure:
         walls = np.flatnonzero(close.any(axis=1)).tolist()
         choices = [*combinations(walls, 1), *combinations(walls, 2)]
         ways = [self._way(choice, depth, points) for choice in choices]
-        ways = [w for w in ways if max(w[0].values()) < _LOST_M and w[1] < _HOPELESS_M]
+        ways = [w for w in ways if max(w[0].values()) < LOST_M and w[1] < _HOPELESS_M]
         # The remaining penetration counts more than the length of the motion.
         return min(ways, key=lambda way: (round(way[1], 3), way[2]), default=({}, 0.0, 0.0))[0]
 

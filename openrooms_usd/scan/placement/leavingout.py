@@ -12,7 +12,7 @@ from openrooms_usd.scan.placement.violations import Unresolved
 # What lies deeper in each other, or farther in a wall or above what carries it, than these is not
 # left standing, metres: people see it, and it is more than a scan's drift.
 _MAX_OVERLAP_M: Final = 0.02
-_MAX_GAP_M: Final = 0.05
+MAX_GAP_M: Final = 0.05
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def left_out(
     for one in found:
         row = rows[one.instance]
         if one.other is None:
-            if one.depth > _MAX_GAP_M and row not in gone:
+            if one.depth > MAX_GAP_M and row not in gone:
                 gone[row] = _told(state, row, one, rows)
         elif one.depth > _MAX_OVERLAP_M:
             pairs.append((row, rows[one.other], one))
