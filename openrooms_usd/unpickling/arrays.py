@@ -77,7 +77,8 @@ def read_array(path: Path, dimensions: int | None, kinds: str) -> NDArray[Any]:
     """
     with untrusted.opened(path, "array", remedy="check the path, or make the file again") as stream:
         size = os.fstat(stream.fileno()).st_size
-        found = _array(stream, size, path, kinds)
+        admitted = kinds if set(kinds) & set(TEXTS) else NUMBERS
+        found = _array(stream, size, path, admitted)
         if stream.read(1):
             raise _refused(path, f"there are more than its {found.nbytes:,} bytes of numbers")
     right = dimensions is None or found.ndim == dimensions

@@ -10,8 +10,9 @@ import pytest
 
 # A command that claims a folder, begins a file and then computes without coming back to Python.
 STUCK = """
-import hashlib, sys
+import hashlib, signal, sys
 from pathlib import Path
+signal.signal(signal.SIGINT, signal.default_int_handler)  # also where tests run in the background
 from openrooms_usd import atomic, claims
 from openrooms_usd.cli.interruption import leave, prompt_interrupts
 
@@ -59,6 +60,7 @@ def test_an_error_that_an_interruption_caused_is_none() -> None:
     code = """
 import signal
 from openrooms_usd.cli.interruption import prompt_interrupts
+signal.signal(signal.SIGINT, signal.default_int_handler)
 with prompt_interrupts():
     try:
         signal.raise_signal(signal.SIGINT)

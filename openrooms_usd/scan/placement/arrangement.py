@@ -11,6 +11,7 @@ from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.scan.placement.enclosure import Enclosure
+from openrooms_usd.scan.placement.penetration import Penetration, penetration
 from openrooms_usd.scan.placement.support import Support, is_rug
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 
@@ -32,6 +33,8 @@ class Arrangement:
         given: Known supports, by rows.
         supports: Support of each, once it is found.
         notes: What people should know, one sentence each.
+        overlaps: Penetrations that were measured before, by pair and how: the two bodies, and what
+            was found; true while the bodies are still these.
     """
 
     objects: list[FoundObject]
@@ -41,6 +44,24 @@ class Arrangement:
     given: Mapping[int, Support] = field(default_factory=dict)
     supports: list[Support] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    overlaps: dict[tuple[int, int, float, int], tuple[Body, Body, Penetration | None]] = field(
+        default_factory=dict
+    )
+
+    def overlap(self, i: int, j: int, tolerated: float, lines: int) -> Penetration | None:
+        """The penetration of two objects in their present poses, measured once for these.
+
+        Args:
+            i: The row of the one.
+            j: The row of the other.
+            tolerated: Less than this is none, metres.
+            lines: How finely to measure.
+        """
+        key, a, b = (i, j, tolerated, lines), self.bodies[i], self.bodies[j]
+        known = self.overlaps.get(key)
+        if known is None or known[0] is not a or known[1] is not b:
+            known = self.overlaps[key] = a, b, penetration(a, b, tolerated, lines)
+        return known[2]
 
     def __len__(self) -> int:
         return len(self.objects)

@@ -43,6 +43,7 @@ _MAX_TRIES: Final = 4
 _MAX_FITS: Final = 4
 # Motion by which what was shortened comes to rest, metres: the cut leaves it free.
 _FITTED_REACH_M: Final = 0.03
+_FITTED_ROUNDS: Final = 4
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def place(
             motion and a farther one.
     """
     found = _resolved(objects, models, rooms, reach, unresolved)
-    if found.left_out:
+    if any(one.other is not None for one in found.left_out):
         # What was cut to have a place may take that of others.
         uncut = _resolved(objects, models, rooms, reach, unresolved, remedies=False)
         found = min(found, uncut, key=lambda one: len(one.left_out))
@@ -133,12 +134,12 @@ def _settled(
     set_upright(state)
     find_supports(state)
     lay_along_walls(state)
-    _spread(state, reach)
+    _spread(state, Spread(state, reach))
     return state, violations(state)
 
 
-def _spread(state: Arrangement, reach: float) -> None:
-    for row, shift in enumerate(Spread(state, reach).run()):
+def _spread(state: Arrangement, spread: Spread) -> None:
+    for row, shift in enumerate(spread.run()):
         if np.abs(shift).max() > _NO_MOTION_M:
             state.shift(row, np.append(shift, 0.0))
     settle_again(state)
@@ -147,7 +148,7 @@ def _spread(state: Arrangement, reach: float) -> None:
 def _moved_farther(state: Arrangement, wrong: list[Unresolved]) -> list[Unresolved]:
     """What is wrong still after objects that overlap were moved farther."""
     if any(one.kind != "floats" for one in wrong):
-        _spread(state, _FAR_REACH_M)
+        _spread(state, Spread(state, _FAR_REACH_M))
         return violations(state)
     return wrong
 
@@ -172,7 +173,7 @@ def _fitted(
     for _ in range(_MAX_FITS):
         if not fit(state, wrong, models):
             break
-        _spread(state, _FITTED_REACH_M)
+        _spread(state, Spread(state, _FITTED_REACH_M, _FITTED_ROUNDS))
         wrong = violations(state)
     return wrong
 

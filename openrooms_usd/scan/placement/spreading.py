@@ -55,10 +55,12 @@ class Spread:
     Attributes:
         state: The objects before.
         reach: Largest own motion of each, metres.
+        rounds: How often at most.
     """
 
     state: Arrangement
     reach: float
+    rounds: int = _MAX_ROUNDS
     _pairs: dict[Pair, Condition] = field(default_factory=dict)
     _touching: dict[Pair, Condition] = field(default_factory=dict)
     _tried: Counter[tuple[Pair, int]] = field(default_factory=Counter)
@@ -82,7 +84,7 @@ class Spread:
         """(N, 2) total motions of the best state found, metres."""
         place = best = np.zeros((len(self.state), 2))
         lines, least = COARSE_LINES, np.inf
-        for _ in range(_MAX_ROUNDS):
+        for _ in range(self.rounds):
             pairs, walls = self._overlaps(place, lines), self._beyond(place)
             if not pairs and not any(walls) and lines == COARSE_LINES:
                 # Penetrations that few lines missed, more may find.
@@ -136,7 +138,16 @@ class Spread:
     def _overlap(self, key: tuple[Pair, int], a: Body, b: Body, apart: Array) -> Penetration | None:
         known = self._known.get(key)
         if known is None or np.abs(known[0] - apart).max() > _SAME_PLACE_M:
-            known = self._known[key] = apart, penetration(a, b, TOLERATED_OVERLAP_M, key[1])
+            (i, j), lines = key
+            is_there = np.abs(apart).max() <= _SAME_PLACE_M
+            known = self._known[key] = (
+                apart,
+                (
+                    self.state.overlap(i, j, TOLERATED_OVERLAP_M, lines)
+                    if is_there
+                    else penetration(a, b, TOLERATED_OVERLAP_M, lines)
+                ),
+            )
         return known[1]
 
     def _contacts(self, place: Array) -> dict[Pair, Condition]:

@@ -6,7 +6,7 @@ from typing import Final, Literal
 import numpy as np
 
 from openrooms_usd.scan.placement.arrangement import Arrangement
-from openrooms_usd.scan.placement.penetration import FINE_LINES, near, penetration
+from openrooms_usd.scan.placement.penetration import FINE_LINES, near
 from openrooms_usd.scan.placement.settling import gap_below
 from openrooms_usd.scan.placement.support import CEILING, WALL
 
@@ -46,7 +46,7 @@ def violations(state: Arrangement) -> list[Unresolved]:
             found.append(Unresolved("floats", name, None, gap))
         for j in range(i):
             if near(body, state.bodies[j], -_UNRESOLVED_OVERLAP_M):
-                overlap = penetration(body, state.bodies[j], _UNRESOLVED_OVERLAP_M, FINE_LINES)
+                overlap = state.overlap(i, j, _UNRESOLVED_OVERLAP_M, FINE_LINES)
                 if overlap is not None:
                     other = state.objects[j].instance
                     found.append(Unresolved("overlaps", name, other, overlap.depth))
