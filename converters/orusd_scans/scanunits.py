@@ -120,7 +120,7 @@ def find_unit(
         return said, name
     if size_odds(_likeliest(found, UNITS[best]), UNITS[best]) < _NO_ROOM_LOG_ODDS:
         one = max(found, key=lambda v: v.line)
-        likely = _TALL_M_AND_SPREAD[0] / (one.height or one.extent[0])
+        likely = _TALL_M_AND_SPREAD[0] / max(one.height or one.extent[0], 1e-12)
         raise InputError(
             f"in metres the scan would be {room}, and no usual unit makes a room of it",
             place=source,
