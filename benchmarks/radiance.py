@@ -1,10 +1,11 @@
 """Seconds of radiance against its relative mean squared error, on each backend present.
 
 The error is the mean over pixels of (x - ref)^2 / (ref^2 + 0.01 M^2) for each colour, M the mean of
-the reference in that colour, and the mean of the three; beside it stands what the renderer itself
-estimates. The reference has another seed and many more samples; its own error, which the measured
-one includes, stands in its row. Every backend runs in a process of its own, whose peak memory is
-the last column. The share is what translation and output take beside 64 samples with all channels.
+the reference in that colour, and the mean of the three; the robust error is the same with every
+pixel's part capped at 1. Beside them stands what the renderer itself estimates. The reference has
+another seed and many more samples; its own error, which the measured ones include, stands in its
+row. Every backend runs in a process of its own, whose peak memory is the last column. The share is
+what translation and output take beside 64 samples with all channels.
 
 With --denoise each picture is denoised too: its error then stands beside the raw one, and the
 seconds that it took. Its bias is what denoising does to the reference itself: the distance of the
@@ -32,6 +33,7 @@ from openrooms_usd import adapters
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest, View, render_stage
 from openrooms_usd.render.denoise import GUIDES, load_denoiser
+from openrooms_usd.render.estimates import relative_mse, robust_error
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.layers import open_stage
 
@@ -89,7 +91,8 @@ def main(
         ]
         rows = compared(backends, place, many)
         bias = denoiser_bias(place, backends[0]["variant"], many) if denoise else None
-    titles = ("backend", "samples", "seconds", "relative MSE", "estimated", *(DENOISED * denoise))
+    measured = ("relative MSE", "robust error", "estimated", *(DENOISED * denoise))
+    titles = ("backend", "samples", "seconds", *measured)
     summary = [[b["variant"], b["share"], b["memory_MB"]] for b in backends]
     markdown = "\n\n".join(
         [
@@ -130,6 +133,7 @@ def compared(backends: Sequence[dict[str, Any]], folder: Path, many: int) -> lis
                 "samples": picture["samples"],
                 "seconds": picture["seconds"],
                 "relative_mse": None if itself else relative_mse(pixels, reference),
+                "robust_error": None if itself else robust_error(pixels, reference),
                 "estimated": picture["estimated"],
             }
             if "denoising" in picture:
@@ -152,13 +156,6 @@ def denoiser_bias(folder: Path, variant: str, many: int) -> dict[str, float]:
         / float(second.mean()),
         "denoised, mean signed difference": float(difference.mean()) / float(second.mean()),
     }
-
-
-def relative_mse(pixels: NDArray[np.float32], reference: NDArray[np.float32]) -> float:
-    """The error of a picture against a reference, as the module's text defines it."""
-    x, ref = pixels.astype(np.float64), reference.astype(np.float64)
-    mean = ref.mean(axis=(0, 1))
-    return float(np.mean((x - ref) ** 2 / (ref**2 + 0.01 * mean**2)))
 
 
 def in_process(job: dict[str, Any]) -> dict[str, Any]:

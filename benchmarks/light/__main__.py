@@ -12,7 +12,7 @@ hard: rooms that are hard to light: estimated error, whether all is finite, pixe
 
 Seconds are those of all cores together. Relative MSE is the mean over pixels of (x - ref)^2 /
 (ref^2 + 0.01 M^2) for each colour, M the mean of the reference in that colour, and the mean of the
-three.
+three. The robust error is the same with every pixel's part capped at 1.
 """
 
 import tempfile
@@ -34,13 +34,12 @@ from benchmarks.light.rooms import (
     first,
     generated,
     mean_of,
-    relative_mse,
     stopwatch,
 )
 from benchmarks.report import publish, table
 from openrooms_usd.channels import CHANNELS, each
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.estimates import relative_error
+from openrooms_usd.render.estimates import relative_error, relative_mse, robust_error
 from openrooms_usd.render.opened import open_with
 
 # References begin here; far from the seeds that are compared with them.
@@ -91,29 +90,32 @@ def radiance(quick: bool, folder: Path) -> Section:
         cost = {key: measured[-1][2] * measured[-1][1] for key, measured in found.items()}
         for key, measured in found.items():
             ratio = cost["ours"] / min(cost["path"], cost["path, tuned"]) if key == "ours" else None
-            for samples, seconds, error in measured:
+            for samples, seconds, error, robust in measured:
                 last = ratio if samples == counts[-1] else None
                 rows.append({"room": name, "condition": ROOMS[name].condition, "estimator": key,
                              "samples": samples, "seconds": seconds, "relative MSE": error,
-                             "to path": last})  # fmt: skip
+                             "robust error": robust, "to path": last})  # fmt: skip
     return _section(rows)
 
 
 def _paced(
     integrator: Any, counts: tuple[int, ...], reference: Pictures, repeats: int = 4
-) -> list[tuple[int, float, float]]:
-    """Samples, seconds and error, the mean of several pictures."""
+) -> list[tuple[int, float, float, float]]:
+    """Samples, seconds, relative MSE and robust error, each the mean of several pictures."""
     integrator(1, 0)
     found = []
     for samples in counts:
         mean_of(integrator, samples, 0)  # Compiles what depends on the size.
         seconds: list[float] = []
-        errors = []
+        pictures = []
         for number in range(repeats):
             with stopwatch(seconds):
-                picture = mean_of(integrator, samples, 1000 * samples + 100 * number)
-            errors.append(relative_mse(picture, reference))
-        found.append((samples, float(np.mean(seconds)), float(np.mean(errors))))
+                pictures.append(mean_of(integrator, samples, 1000 * samples + 100 * number))
+        errors, robust = (
+            float(np.mean([figure(picture, reference) for picture in pictures]))
+            for figure in (relative_mse, robust_error)
+        )
+        found.append((samples, float(np.mean(seconds)), errors, robust))
     return found
 
 
@@ -139,11 +141,14 @@ def channels(quick: bool, folder: Path) -> Section:
         with stopwatch(seconds):
             images = session.render(RenderRequest(**how, samples=samples, seed=0)).images
         names = [one for one in each((name,), len(session.lights)) if truth[one].pixels.max() > 0]
-        apart = [relative_mse(images[one].pixels, truth[one].pixels) for one in names]
+        apart, robust = (
+            [figure(images[one].pixels, truth[one].pixels) for one in names]
+            for figure in (relative_mse, robust_error)
+        )
         rows.append({
             "channel": name, "samples": samples, "seconds": seconds[0],
             "estimated error": _mean([images[one].error or 0.0 for one in names]),
-            "true error": _mean(apart),
+            "true error": _mean(apart), "robust error": _mean(robust),
         })  # fmt: skip
     return _section(rows)
 
@@ -197,8 +202,10 @@ def environment(quick: bool, folder: Path) -> Section:
                     planes = integrator(samples, 2)
             for row, name in enumerate(("environment_direct", "environment")):
                 error = relative_mse(planes[row], truth[row])
+                robust = robust_error(planes[row], truth[row])
                 rows.append({"estimator": title, "channel": name, "samples a cell": samples,
-                             "seconds": seconds[0], "relative MSE": error})  # fmt: skip
+                             "seconds": seconds[0], "relative MSE": error,
+                             "robust error": robust})  # fmt: skip
     return _section(rows)
 
 
@@ -239,10 +246,10 @@ def growth(quick: bool, folder: Path) -> Section:
     for what, count, room in (*lamps, *areas, *solids):
         samples = 4 if quick else 16
         reference = mean_of(room.ours, 8 * samples, _REFERENCE)
-        ((_, seconds, error),) = _paced(room.ours, (samples,), reference, 2)
+        ((_, seconds, error, robust),) = _paced(room.ours, (samples,), reference, 2)
         paths = samples * room.size[0] * room.size[1] / 1e6
         rows.append({"grows": what, "count": count, "seconds for 1e6 paths": seconds / paths,
-                     "relative MSE": error})  # fmt: skip
+                     "relative MSE": error, "robust error": robust})  # fmt: skip
     return _section(rows)
 
 

@@ -155,13 +155,6 @@ def stopwatch(into: list[float]) -> Any:
     into.append(time.process_time() - began)
 
 
-def relative_mse(picture: Pictures, reference: Pictures) -> float:
-    """Mean of the squared difference over ref^2 + 0.01 M^2, M the reference's mean in a colour."""
-    x, ref = picture.astype(np.float64), reference.astype(np.float64)
-    scale = ref**2 + 0.01 * ref.mean(axis=(0, 1)) ** 2
-    return float(np.mean(np.divide((x - ref) ** 2, scale, out=np.zeros_like(x), where=scale > 0)))
-
-
 def first(values: Sequence[Any], quick: bool, count: int = 1) -> Sequence[Any]:
     """All values, or the first ones where it shall be quick."""
     return values[:count] if quick else values

@@ -1,4 +1,4 @@
-"""How far a picture is from what it would be with endless samples, told by its two halves."""
+"""How far a picture is from the truth: against a reference, or told by its own two halves."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -37,6 +37,39 @@ class Halves:
     def error(self) -> float:
         """The `relative_error` of their mean."""
         return relative_error(self.a, self.b, *self.samples)
+
+
+def relative_mse(picture: NDArray[Any], reference: NDArray[Any]) -> float:
+    """The relative mean squared error of a picture.
+
+    The mean over pixels of (x - ref)^2 / (ref^2 + 0.01 M^2) for each component, M the reference's
+    mean in that component, and the mean of these.
+
+    Args:
+        picture: (height, width, components).
+        reference: What it should be, of the same shape.
+    """
+    return float(np.mean(_relative_squares(picture, reference)))
+
+
+def robust_error(picture: NDArray[Any], reference: NDArray[Any]) -> float:
+    """The `relative_mse` with each pixel's part of it capped at 1: no single one dominates it.
+
+    It lies between 0 and 1. Black where there is light costs at most 1, so much is a pixel worth
+    that says nothing; one that is a thousand times too bright costs no more.
+
+    Args:
+        picture: (height, width, components).
+        reference: What it should be, of the same shape.
+    """
+    return float(np.mean(np.minimum(_relative_squares(picture, reference), 1.0)))
+
+
+def _relative_squares(picture: NDArray[Any], reference: NDArray[Any]) -> Array:
+    """The squared error of each component of each pixel; 0 where the reference has no light."""
+    x, ref = np.asarray(picture, np.float64), np.asarray(reference, np.float64)
+    scale = ref**2 + 0.01 * ref.mean(axis=(0, 1)) ** 2
+    return np.asarray(np.divide((x - ref) ** 2, scale, out=np.zeros_like(x), where=scale > 0))
 
 
 def variance(a: NDArray[Any], b: NDArray[Any], samples_a: int = 1, samples_b: int = 1) -> Array:
