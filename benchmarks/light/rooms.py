@@ -25,6 +25,8 @@ _SKY: Final = (
     "{from: sky, latitude: 48.0, longitude: 11.0, date: 2024-03-21, time: '13:00', north: 20}"
 )
 BOUNCES: Final = 7
+# References begin at this seed; far from the seeds that are compared with them.
+REFERENCE: Final = 1_000_000
 
 
 def generated(kind: str, seed: int, folder: Path) -> Usd.Stage:
