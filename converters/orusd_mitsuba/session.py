@@ -10,7 +10,7 @@ import mitsuba as mi
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.contract import ViewProgress
+from openrooms_usd.render.contract import REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import MODELS, Model, with_model
@@ -58,6 +58,7 @@ class MitsubaSession:
         advice: What would make it faster; empty when nothing would.
         settings: How surfaces reflect, which may be less than was asked for: the report says so.
         conventions: What that means.
+        methods: What there is of them; backends that do not compute in vectors have one.
         tracer: Finds triangles by Mitsuba's own ray tracer.
 
     Raises:
@@ -75,6 +76,7 @@ class MitsubaSession:
         self.tracer = MitsubaTracer(self._scene, self._built)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
         self.advice = backend.advice
+        self.methods: tuple[Method, ...] = (REFERENCE,)
         self.settings: Mapping[str, str] = {"bsdf": model}
         self.conventions: Mapping[str, str] = _CONVENTIONS
 

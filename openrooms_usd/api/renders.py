@@ -188,6 +188,7 @@ def render(
     seconds: float | None = None,
     seed: int = 0,
     bounces: int | None = None,
+    method: str | None = None,
     grid: tuple[int, int] | None = None,
     error_maps: bool = False,
     denoise: bool = False,
@@ -209,6 +210,8 @@ def render(
         seconds: Stop a view after about this time.
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and the camera; 7 by default.
+        method: ``reference`` follows every path to its end, without bias; ``cache`` computes what
+            is smooth once for the room. By default what the renderer prefers.
         grid: Columns and rows of hemispheres, where channels of them are asked for; (160, 120).
         error_maps: Whether to write the estimated standard error of each pixel too.
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``).
@@ -249,6 +252,7 @@ def render(
             seconds=seconds,
             seed=seed,
             bounces=DEFAULT_BOUNCES if bounces is None else bounces,
+            method=method,
             renderer=renderer,
             denoise=denoise,
             options=options or {},

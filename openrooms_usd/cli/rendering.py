@@ -10,7 +10,7 @@ import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.renderer import renderer_options
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES, METHODS
 
 if TYPE_CHECKING:
     from openrooms_usd.render import RenderSummary
@@ -48,6 +48,11 @@ def _resolution(
 @click.option("--time", "seconds", type=float, help="Stop each view after these seconds.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
+@click.option(
+    "--method", type=click.Choice(METHODS),
+    help="How light is computed: reference follows every path to its end, without bias; cache "
+    "computes what is smooth once for the room. By default what the renderer prefers.",
+)  # fmt: skip
 @renderer_options(
     variant="The backend: auto, cuda, llvm or scalar.",
     bsdf="How surfaces reflect: auto, openrooms or preview.",
@@ -71,6 +76,7 @@ def render(
     seconds: float | None,
     seed: int,
     bounces: int,
+    method: str | None,
     renderer: str,
     options: dict[str, str],
     denoise: bool,
@@ -107,6 +113,7 @@ def render(
             seconds=seconds,
             seed=seed,
             bounces=bounces,
+            method=method,
             renderer=renderer,
             options=options,
             denoise=denoise,

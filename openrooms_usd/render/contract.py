@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Final, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,13 @@ if TYPE_CHECKING:
 DEFAULT_BOUNCES: Final = 7
 DEFAULT_SAMPLES: Final = 64
 DEFAULT_GRID: Final = (160, 120)
+
+Method = Literal["cache", "reference"]
+REFERENCE: Final = "reference"
+"""Every path is followed to its end: without bias, and what other methods are measured by."""
+CACHE: Final = "cache"
+"""What is smooth is computed once for the room, and looked up by every view."""
+METHODS: Final[tuple[Method, ...]] = (CACHE, REFERENCE)
 
 NO_OPTIONS: Final[Mapping[str, str]] = MappingProxyType({})
 
@@ -43,6 +50,7 @@ class RenderRequest:
         bounces: At most this many scatterings on the way from a light to the camera.
         grid: Columns and rows of hemispheres for channels of the scope ``grid``.
         halves: Whether images shall have their two halves.
+        method: How light is computed; one of those that the session has (`MethodicalSession`).
     """
 
     camera: str | None
@@ -56,6 +64,7 @@ class RenderRequest:
     bounces: int = DEFAULT_BOUNCES
     grid: tuple[int, int] = DEFAULT_GRID
     halves: bool = False
+    method: Method = REFERENCE
 
 
 @dataclass(frozen=True)
@@ -157,6 +166,14 @@ class MovingSession(Protocol):
             scene: The scene that was opened, but for where triangles are (`Scene.placed`).
         """
         ...
+
+
+@runtime_checkable
+class MethodicalSession(Protocol):
+    """A session that has more than one method; others have `REFERENCE` alone."""
+
+    methods: tuple[Method, ...]
+    """Those that it has here; the first is the one that it takes where nobody asks."""
 
 
 class Renderer(Protocol):

@@ -20,7 +20,7 @@ from openrooms_usd.render.contract import (
 )
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
-from openrooms_usd.render.given import available, rendered
+from openrooms_usd.render.given import available, check_method, choose_method, rendered
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 from openrooms_usd.render.shading import Shading
@@ -63,6 +63,7 @@ def render_stage(
     seconds: float | None = None,
     seed: int = 0,
     bounces: int = DEFAULT_BOUNCES,
+    method: str | None = None,
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: bool = False,
@@ -90,6 +91,8 @@ def render_stage(
         seconds: Stop a view after about this time.
         seed: Fixes every random number.
         bounces: At most this many scatterings on the way from a light to the camera.
+        method: One of `openrooms_usd.render.contract.METHODS`; None for what the renderer takes
+            where nobody asks.
         renderer: A registered renderer.
         options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to write the denoised radiance beside the raw one.
@@ -123,6 +126,7 @@ def render_stage(
         bounces=bounces,
         grid=grid,
     )
+    named = check_method(method)
     denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
     asked = written = request.channels
     if denoiser:
@@ -147,6 +151,7 @@ def render_stage(
             add_missing(opened.report, stage)
         translation = time.perf_counter() - began
         request = sized(request, resolution or opened.resolution)
+        request = replace(request, method=choose_method(named, opened.session))
         views = choose_cameras(cameras, opened.cameras)
         folder.check_replaceable(out, views)
         listed = replace(request, channels=written)

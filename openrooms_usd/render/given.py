@@ -1,12 +1,22 @@
-"""Who gives which channel: a renderer its own, the core the exact ones, and what they make."""
+"""Who gives which channel: a renderer its own, the core the exact ones, and what they make.
+
+And by which method a session gives them.
+"""
 
 from typing import Final
 
 from openrooms_usd import adapters
 from openrooms_usd.channels import CHANNELS, RENDERED
-from openrooms_usd.errors import MissingPackageError
+from openrooms_usd.errors import InputError, MissingPackageError, RenderError
 from openrooms_usd.render import friction, shading
-from openrooms_usd.render.contract import Renderer
+from openrooms_usd.render.contract import (
+    METHODS,
+    REFERENCE,
+    Method,
+    MethodicalSession,
+    Renderer,
+    RenderSession,
+)
 
 EXACT: Final = tuple(name for name in RENDERED if CHANNELS[name].kind != "light")
 """The channels of geometry, materials and labels, which the core makes for every renderer."""
@@ -37,3 +47,34 @@ def _gives(renderer: str, channel: str) -> bool:
     except MissingPackageError:
         return False
     return channel in available(tuple(adapter.channels))
+
+
+def check_method(asked: str | None) -> Method | None:
+    """The name of a method, where it is one.
+
+    Raises:
+        InputError: No method has that name.
+    """
+    for method in METHODS:
+        if asked == method:
+            return method
+    if asked is None:
+        return None
+    raise InputError(
+        f"there is no method {asked!r}", place="method", remedy=f"one of: {', '.join(METHODS)}"
+    )
+
+
+def choose_method(asked: Method | None, session: RenderSession) -> Method:
+    """The method of a render: what is asked for, or what the session does where nobody asks.
+
+    Raises:
+        RenderError: The session does not have it.
+    """
+    has = session.methods if isinstance(session, MethodicalSession) else (REFERENCE,)
+    if asked is not None and asked not in has:
+        raise RenderError(
+            f"{session.backend} does not have the method {asked!r}",
+            remedy=f"it has {' and '.join(has)}, and takes {has[0]} where no method is asked for",
+        )
+    return asked or has[0]

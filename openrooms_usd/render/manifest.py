@@ -52,6 +52,8 @@ CONVENTIONS: Final = {
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
     "bounces": "at most this many scatterings on the way from a light to the camera",
+    "method": "how light was computed: reference, every path is followed to its end, without bias; "
+    "cache, what is smooth was computed once for the room and looked up",
 }
 
 Plain = dict[str, Any]
@@ -75,6 +77,7 @@ def run_entry(stage: Path, renderer: str, opened: "OpenedStage", request: Render
         "renderer": {"name": renderer, "backend": session.backend, **session.settings},
         "seed": request.seed,
         "bounces": request.bounces,
+        "method": request.method,
         "stop": {name: value for name, value in asked.items() if value is not None},
         "conventions": {**CONVENTIONS, **session.conventions},
         "channels": {name: _definition(name) for name in request.channels},

@@ -14,6 +14,7 @@ from pydantic_core import ErrorDetails
 from openrooms_usd.description.mistakes import shown, written
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import is_rotation
+from openrooms_usd.render.contract import REFERENCE, Method
 from openrooms_usd.render.folder import MANIFEST, OPENINGS_FOLDER, load_manifest
 from openrooms_usd.render.manifest import FORMAT
 from openrooms_usd.render.scene.lights import Gaussian, LightKind, LightRecord, LobeName
@@ -224,6 +225,7 @@ class Manifest(_Part):
     renderer: dict[str, str] = {}
     seed: _Count | None = None
     bounces: _Count | None = None
+    method: Method = REFERENCE
     stop: dict[str, _Length] = {}
     conventions: dict[str, str] = {}
     channels: dict[str, DefinitionEntry] = {}

@@ -23,7 +23,7 @@ from openrooms_usd.render.contract import (
     View,
     ViewProgress,
 )
-from openrooms_usd.render.given import EXACT, remedy_for
+from openrooms_usd.render.given import EXACT, choose_method, remedy_for
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
 from openrooms_usd.render.scene.first_hits import first_hits
@@ -108,7 +108,7 @@ class OpenedStage:
             RenderError: A channel or the camera does not exist, or the renderer cannot do it.
             StageError: The camera cannot make a picture.
         """
-        _check(request, self._channels)
+        _check(request, self._channels, self.session)
         return self.picture(self._camera(request), request, progress)
 
     def picture(
@@ -127,7 +127,7 @@ class OpenedStage:
         Raises:
             RenderError: A channel does not exist, or the renderer cannot do it.
         """
-        _check(request, self._channels)
+        _check(request, self._channels, self.session)
         progress(0.0)
         lit = tuple(name for name in request.channels if name in self._channels)
         exact = [name for name in request.channels if name not in lit]
@@ -215,7 +215,8 @@ class OpenedStage:
         return CastingTracer(self._scene)
 
 
-def _check(request: RenderRequest, own: tuple[str, ...]) -> None:
+def _check(request: RenderRequest, own: tuple[str, ...], session: RenderSession) -> None:
+    choose_method(request.method, session)
     for name in request.channels:
         if name not in own and name not in EXACT:
             raise RenderError(

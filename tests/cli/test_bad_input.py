@@ -353,6 +353,8 @@ def test_what_a_stage_lacks_is_reported(orusd: Any, lab: Any, tmp_path: Path) ->
         ("--resolution 30000x30000", INPUT, ("30000x30000 are more than",)),
         ("--resolution big", INPUT, ("640x480",)),
         ("--bounces -1", INPUT, ("bounces: -1",)),
+        ("--method cache", RENDER, ("scalar_rgb does not have the method 'cache'", "reference")),
+        ("--method magic", INPUT, ("--method", "'magic'", "reference")),
         ("--variant vulkan", RENDER, ("'vulkan'", "auto, cuda, llvm, scalar")),
         ("--renderer mitzuba", INPUT, ("did you mean 'mitsuba'?",)),
         ("--nosuch", INPUT, ("--nosuch",)),

@@ -161,6 +161,22 @@ def test_an_option_that_a_renderer_does_not_declare(even: Even, file: Path, tmp_
     assert not (tmp_path / "out").exists()
 
 
+def test_a_method_that_the_renderer_does_not_have(even: Even, file: Path, tmp_path: Path) -> None:
+    def render(**how: Any) -> Any:
+        summary = render_stage(file, tmp_path / "out", renderer="even", resolution=SIZE, **how)
+        return summary.manifest["method"]
+
+    with pytest.raises(RenderError, match="even does not have the method 'cache'"):
+        render(method="cache")
+    with pytest.raises(InputError, match="one of: cache, reference"):
+        render(method="magic")
+    assert not (tmp_path / "out").exists()
+    assert render() == render(method="reference") == "reference"
+    even.methods = ("cache", "reference")  # type: ignore[attr-defined]
+    assert (render(method="reference"), render()) == ("reference", "cache")
+    assert even.asked[-1].method == "cache"
+
+
 def test_a_tracer_of_its_own_finds_what_the_core_then_computes(stage: Usd.Stage) -> None:
     class Tracing(Even):
         def open(self, scene: Scene, options: Mapping[str, str] = NO_OPTIONS) -> "Tracing":

@@ -88,7 +88,9 @@ def test_what_is_read_of_a_light_has_the_names_under_which_it_is_written(
 
 
 def test_an_older_render_has_less(render: Path) -> None:
-    later = ("lights", "bounces", "seed", "renderer", "stop", "conventions", "report", "format")
+    later = (
+        "lights", "bounces", "seed", "method", "renderer", "stop", "conventions", "report", "format"
+    )  # fmt: skip
 
     def age(manifest: dict[str, Any]) -> None:
         for name in later:
