@@ -7,7 +7,7 @@ the light. The sums add up to what ``path`` would return. No backend adds in ano
 to run, because every path has sums of its own.
 """
 
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import drjit as dr
 import mitsuba as mi
@@ -19,6 +19,21 @@ KINDS: Final = ("emission", "direct", "indirect")
 # As in Mitsuba's path integrator.
 _ROULETTE_FROM_SEGMENT: Final = 5
 _MOST_SURVIVAL: Final = 0.95
+
+
+class Accumulator(Protocol):
+    """Receives what paths bring."""
+
+    def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
+        """Add a contribution of the path in whose thread this runs.
+
+        Args:
+            value: Radiance times throughput, a colour.
+            light: Where it comes from, by number.
+            scatterings: How often it was scattered on its way.
+            active: Where there is one.
+        """
+        ...
 
 
 class PathAccumulator:
@@ -54,18 +69,38 @@ class PathAccumulator:
                 )  # fmt: skip
 
 
+class Prefix:
+    """What paths went through before the rays that `trace` is given.
+
+    The caller has counted what these rays meet straight, emission and sky, and what goes straight
+    on through the surfaces that they meet.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Args:
+        throughput: What the paths carry, a colour.
+        scatterings: How often they were scattered.
+        crossed: The openings that they have crossed.
+    """
+
+    def __init__(self, throughput: Any, scatterings: Any, crossed: Any) -> None:
+        self.throughput = throughput
+        self.scatterings, self.crossed = scatterings, crossed
+
+
 @dr.syntax
 def trace(
     built: Any,
     index: LightIndex,
     sampler: Any,
     ray: Any,
-    accumulator: PathAccumulator,
+    accumulator: Accumulator,
     depth: int,
     first: Any = None,
     active: Any = True,
     begun: Any = None,
     numbers: Any = None,
+    prefix: Any = None,
 ) -> None:
     """Follow one path along each ray and add up what it brings.
 
@@ -83,6 +118,7 @@ def trace(
             and the density of the rays' directions relative to that of the light samples. What
             the first segment meets is then weighted against these. None: it counts in full.
         numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
+        prefix: `Prefix`, what the paths went through before; None: they begin with the rays.
     """
     context = mi.BSDFContext()
     ray = mi.Ray3f(ray)
@@ -93,6 +129,11 @@ def trace(
     if dr.hint(begun is not None, mode="scalar"):
         before, density, certain = begun[0], mi.Float(begun[1]), mi.Bool(False)
     crossed = mi.UInt32(index.elsewhere)
+    start = mi.UInt32(0)
+    if dr.hint(prefix is not None, mode="scalar"):
+        throughput, crossed = mi.Color3f(prefix.throughput), mi.UInt32(prefix.crossed)
+        scatterings, segments = mi.UInt32(prefix.scatterings), mi.UInt32(prefix.scatterings)
+        start = mi.UInt32(prefix.scatterings)
     active = mi.Bool(active)
     while active:
         si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
@@ -104,6 +145,8 @@ def trace(
         if dr.hint(first is not None, mode="scalar"):
             # What is received is wanted, not what the surface itself sends out.
             emits &= scatterings > 0
+        if dr.hint(prefix is not None, mode="scalar"):
+            emits &= segments > start
         ds = mi.DirectionSample3f(built, si, before)
         other = dr.select(certain, 0.0, built.pdf_emitter_direction(before, ds, emits & ~certain))
         met = throughput * emitter.eval(si, emits) * power_heuristic(density, other)
@@ -147,6 +190,8 @@ def trace(
         kept = ~roulette | (sampler.next_1d() < survival)
         throughput[roulette] /= survival
         active = onwards & kept & (strongest > 0.0)
+        if dr.hint(prefix is not None, mode="scalar"):
+            active &= ~null | (segments > start + 1)
 
 
 def power_heuristic(used: Any, other: Any) -> Any:
