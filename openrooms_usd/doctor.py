@@ -33,7 +33,8 @@ class Diagnosis:
     """What was found.
 
     Attributes:
-        system: Versions of this package and of Python, the platform, the processor's cores.
+        system: Versions of this package and of Python, the platform, the processor's cores, where
+            caches lie.
         packages: Version of each required package; None where it is not installed.
         extras: What the package of each extra is: its version, or how to install it.
         ray_caster: What casts the core's rays; None where nothing can.
@@ -75,12 +76,16 @@ def diagnose() -> Diagnosis:
 
 
 def _system() -> dict[str, str]:
+    from openrooms_usd.library.textures import cache_folder
+
+    textures = cache_folder()
     return {
         "openrooms_usd": __version__,
         "python": platform.python_version(),
         "platform": platform.platform(terse=True),
         "machine": platform.machine(),
         "cores": str(os.cpu_count() or 1),
+        "caches": str(textures.parent) if textures else "switched off",
     }
 
 

@@ -276,9 +276,15 @@ def note(source: Path, target: Path) -> None:
     target = target.absolute()
     for ledger in reversed(_OPEN):
         if target.is_relative_to(ledger.folder):
-            if not unfinished.is_unfinished(target.relative_to(ledger.folder)):
+            inner = target.relative_to(ledger.folder)
+            if not (unfinished.is_unfinished(inner) or _is_cached(inner)):
                 ledger.note(source, target)
             return
+
+
+def _is_cached(path: Path) -> bool:
+    """Whether a path lies in a folder that any process writes to: who does proves nothing."""
+    return any(part.startswith(".orusd.") for part in path.parts[:-1])
 
 
 def wrote(path: Path) -> bool:

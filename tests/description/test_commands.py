@@ -1,4 +1,5 @@
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -76,6 +77,7 @@ def test_doctor_reports_as_text_and_as_json(monkeypatch: pytest.MonkeyPatch) -> 
     assert data["healthy"] is True
     assert data["system"]["python"] == sys.version.split()[0]
     assert data["renderers"]["mitsuba"] == {"fast": "works"}
+    assert data["system"]["caches"] == os.environ["ORUSD_CACHE"]
 
 
 def test_doctor_names_the_extras_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:

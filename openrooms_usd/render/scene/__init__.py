@@ -14,5 +14,6 @@ In the order in which they are needed:
   in double precision, ``ground_truth`` looks up geometry, material and labels there, and
   ``light_masks`` which pixels see each light.
 
-`moving` follows what moves in a scene that is open.
+`moving` follows what moves in a scene that is open; `digest` tells by what its light differs from
+others'.
 """

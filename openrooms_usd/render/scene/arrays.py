@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -123,6 +124,7 @@ class Scene:
         legend: What the label numbers mean.
         owners: Prims by path with the surface that they gave: materials, and meshes without one.
         report: What became of every prim.
+        folder: Where the stage's file lies, for what is kept beside it; None where it has none.
     """
 
     patches: tuple[Patch, ...]
@@ -133,6 +135,7 @@ class Scene:
     legend: Legend
     owners: tuple[tuple[str, Surface], ...] = ()
     report: Report = field(default_factory=Report)
+    folder: Path | None = None
 
     def placed(self, triangles: Sequence[Triangles]) -> "Scene":
         """The same with the triangles of its patches elsewhere; the origin stays.

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import count
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -63,7 +64,7 @@ def translate(stage: Usd.Stage) -> Scene:
         work.add_mesh(mesh, parts, whole=mesh.path not in lossy)
     # 3. Everything else is named too.
     report_unseen(stage, work.report)
-    return work.scene()
+    return work.scene(_folder(stage))
 
 
 @dataclass
@@ -91,7 +92,7 @@ class _Translation:
         self._suns: list[Sun] = []
         self._portals: tuple[Portal, ...] = ()
 
-    def scene(self) -> Scene:
+    def scene(self, folder: Path | None) -> Scene:
         numbers = count(1)
         patches = tuple(
             Patch(f"patch_{next(numbers)}", Triangles.joined(group.parts), group.surface,
@@ -107,6 +108,7 @@ class _Translation:
             self._labels.legend,
             tuple(self._owners),
             self.report,
+            folder,
         )
 
     # Light.
@@ -208,6 +210,12 @@ class _Translation:
             self.report.add(path, "approximated", "; ".join(dict.fromkeys(losses)))
         else:
             self.report.add(path, "translated")
+
+
+def _folder(stage: Usd.Stage) -> Path | None:
+    """Where the file of a stage lies; None of one in memory."""
+    file = stage.GetRootLayer().realPath
+    return Path(file).parent if file else None
 
 
 def _placed(mesh: PlacedMesh) -> tuple[Array, Floats]:
