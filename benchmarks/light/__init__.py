@@ -1,5 +1,12 @@
 """How soon light is right: ``python -m benchmarks.light``.
 
-One module a section (`section`): `radiance`, `channels`, `environment`, `growth`, `hard_rooms`.
-`hard` builds the rooms that are hard to light, `rooms` all rooms, opened for our integrators.
+One module a section (`section`):
+
+- what is shown of every method: `pictures`, `grids`, `channels`, `complete`, `hard_rooms`;
+- what it takes: `memory`, `repeatable`;
+- full paths beside Mitsuba's: `radiance`, `environment`, `growth`.
+
+`hard` builds the rooms that are hard to light, `rooms` all rooms, opened for our integrators,
+`sessions` opens them as anybody would; `references` keeps what is true of them, `bias` says how far
+a picture is from that; `casting` is the cost of the rays alone, `processes` runs commands.
 """

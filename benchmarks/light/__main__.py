@@ -1,51 +1,87 @@
 """Light: how soon it is right.
 
-radiance: relative MSE against seconds of Mitsuba's `path` with its lights sampled evenly, `path`
-with sampling weights by the flux that each light brings, and ours, in rooms plain, furnished and
-hard. The last column is the error of ours over that of the better `path`, at equal time.
-channels: every channel of light: seconds, the error estimated by the renderer, and the true one,
-against a reference of another seed; of channels that there are for each light, the mean over them.
-environment: hemispheres on a grid. Ours is the estimator of the OpenRooms paper, light sampling and
-hemisphere sampling combined by the power heuristic; beside it stands hemisphere sampling alone.
+pictures: radiance by every method, raw and denoised: seconds, noise and bias, in rooms plain,
+furnished and hard.
+grids: hemispheres on a grid: the estimator of the OpenRooms paper, light sampling and hemisphere
+sampling combined by the power heuristic, beside the other methods.
+channels: every channel of light: the estimated error, the true one and the bias; of channels that
+there are for each light, the mean over them.
+complete: sets of channels: how much longer they take than the radiance alone.
+view: all files of a view by the command line.
+hard: rooms that are hard to light.
+memory: of many lights, and of many views.
+repeatable: whether the bytes depend on who computes them.
+radiance: Mitsuba's `path` with its lights sampled evenly, `path` with sampling weights by the flux
+that each light brings, and our paths. The last column is the error of ours over that of the better
+`path`, at equal time.
+environment: the paper's estimator of hemispheres beside hemisphere sampling alone.
 growth: seconds for a million paths, with the number of lights, pixels and triangles.
-hard: rooms that are hard to light: estimated error, whether all is finite, pixels replaced.
 
-Seconds are those of all cores together. Relative MSE is the mean over pixels of (x - ref)^2 /
-(ref^2 + 0.01 M^2) for each colour, M the mean of the reference in that colour, and the mean of the
-three. The robust error is the same with every pixel's part capped at 1.
+Seconds are those of all cores together; of one view those that its room takes before are part, of
+20 views a twentieth of these. Rays alone: the closest hits of the same rays, cast in the same run.
+Relative MSE is the mean over pixels of (x - ref)^2 / (ref^2 + 0.01 M^2) for each colour, M the mean
+of the reference in that colour, and the mean of the three. The robust error is the same with every
+pixel's part capped at 1. Bias is that of the mean luminance, and of the worst tenth of the pixels,
+each with its standard error.
 """
 
 import tempfile
+import time
 from pathlib import Path
 from typing import Final
 
 import click
 
 from benchmarks.light.channels import channels
+from benchmarks.light.complete import complete, view
 from benchmarks.light.environment import environment
+from benchmarks.light.grids import grids
 from benchmarks.light.growth import growth
 from benchmarks.light.hard_rooms import hard
+from benchmarks.light.memory import memory
+from benchmarks.light.pictures import pictures
 from benchmarks.light.radiance import radiance
-from benchmarks.light.section import Measure, Setting
+from benchmarks.light.references import References
+from benchmarks.light.repeatable import repeatable
+from benchmarks.light.section import Measure, Section, Setting
 from benchmarks.report import publish
 
 SECTIONS: Final[dict[str, Measure]] = {
-    "radiance": radiance,
+    "pictures": pictures,
+    "grids": grids,
     "channels": channels,
+    "complete": complete,
+    "view": view,
+    "hard": hard,
+    "memory": memory,
+    "repeatable": repeatable,
+    "radiance": radiance,
     "environment": environment,
     "growth": growth,
-    "hard": hard,
 }
 
 
 @click.command(help=__doc__)
 @click.option("--section", "chosen", multiple=True, help="Repeatable; all by default.")
 @click.option("--quick", is_flag=True, help="Small pictures, few samples, few rooms.")
+@click.option("--room", "rooms", multiple=True, help="Repeatable; all of a section by default.")
+@click.option(
+    "--references", type=click.Path(path_type=Path),
+    help="A folder where references are kept; without it they are made every time.",
+)  # fmt: skip
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
-def main(chosen: tuple[str, ...], quick: bool, target: Path | None) -> None:
+def main(
+    chosen: tuple[str, ...], quick: bool, rooms: tuple[str, ...], references: Path | None,
+    target: Path | None,
+) -> None:  # fmt: skip
+    sections: dict[str, Section] = {}
     with tempfile.TemporaryDirectory() as folder:
-        setting = Setting(quick, Path(folder))
-        sections = {name: SECTIONS[name](setting) for name in chosen or SECTIONS}
+        kept = References(references or Path(folder) / "references")
+        setting = Setting(quick, Path(folder), kept, rooms)
+        for name in chosen or SECTIONS:
+            began = time.perf_counter()
+            sections[name] = SECTIONS[name](setting)
+            click.echo(f"{name}: {time.perf_counter() - began:.0f} s", err=True)
     text = "\n\n".join(f"## {name}\n\n{section.markdown}" for name, section in sections.items())
     publish("light", {name: section.data for name, section in sections.items()}, text, target)
 

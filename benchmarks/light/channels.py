@@ -1,62 +1,63 @@
-"""Every channel of light: its true error beside the one that the renderer estimates."""
+"""Every channel of light, by every method: its true error, the estimated one, and its bias."""
+
+from collections.abc import Mapping
+from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.light.rooms import ROOMS, first, generated, stopwatch
+from benchmarks.light.bias import Pair, bias_of, mse_of, robust_of
+from benchmarks.light.pictures import truth_of
+from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
-from openrooms_usd.channels import CHANNELS, each
-from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.estimates import relative_mse, robust_error
-from openrooms_usd.render.opened import open_with
+from benchmarks.light.sessions import OpenedRoom, methods_of
+from openrooms_usd.channels import CHANNELS, RENDERED, each
+from openrooms_usd.render import Image
+
+LIT: Final = tuple(name for name in RENDERED if CHANNELS[name].kind == "light")
+# A bias in luminance is measured in squares of so many pixels: the reference is no longer.
+_TILE: Final = 4
+_COLUMNS: Final = (
+    "estimated", "relative MSE", "robust error", "bias, %", "+-", "worst tenth, %", "+- ",
+    "worst light: robust", "worst light: bias, %",
+)  # fmt: skip
 
 
 def channels(setting: Setting) -> Section:
-    """Each channel by itself, from one opened stage."""
-    from openrooms_usd import adapters
-
-    size, samples, many = ((24, 18), 4, 16) if setting.quick else ((64, 48), 32, 512)
-    stage = (
-        ROOMS["plain"].build(setting.folder)
-        if setting.quick
-        else generated("bedroom", 1, setting.folder)
-    )
-    session = open_with(adapters.load(adapters.RENDERERS, "mitsuba"), stage)
-    lit = [name for name, c in CHANNELS.items() if c.kind == "light" and _rendered(name)]
+    """All at once; of what there is for each light, the mean over them, and the worst of them."""
+    size, samples, many = ((24, 18), 4, 16) if setting.quick else ((64, 48), 32, 1024)
+    grid = (2, 2) if setting.quick else (8, 6)
+    (name,) = setting.chosen(("bedroom",))
+    room = Room(ROOMS["plain" if setting.quick else name].build(setting.folder), *size)
+    truth = truth_of(setting, room, LIT, many, grid=grid)
     rows = []
-    for name in first(lit, setting.quick, 3):
-        grid = (4, 3) if CHANNELS[name].scope == "grid" else (8, 6)
-        how = {"camera": session.cameras[0], "channels": (name,), "width": size[0],
-               "height": size[1], "grid": grid}  # fmt: skip
-        truth = session.render(RenderRequest(**how, samples=many, seed=9)).images
-        session.render(RenderRequest(**how, samples=samples, seed=1))
-        seconds: list[float] = []
-        with stopwatch(seconds):
-            images = session.render(RenderRequest(**how, samples=samples, seed=0)).images
-        names = [one for one in each((name,), len(session.lights)) if truth[one].pixels.max() > 0]
-        apart, robust = (
-            [figure(images[one].pixels, truth[one].pixels) for one in names]
-            for figure in (relative_mse, robust_error)
-        )
-        rows.append({
-            "channel": name, "samples": samples, "seconds": seconds[0],
-            "estimated error": _mean([images[one].error or 0.0 for one in names]),
-            "true error": _mean(apart), "robust error": _mean(robust),
-        })  # fmt: skip
+    for method in methods_of(room):
+        opened = OpenedRoom(room, method)
+        shots = [opened.shot(LIT, samples, seed=seed, grid=grid).images for seed in (11, 12)]
+        for channel in LIT:
+            of_lights = each((channel,), len(opened.opened.lights))
+            shown = [one for one in of_lights if truth[one][0].max() > 0]
+            figures = [_figures(one, shots, truth[one]) for one in shown]
+            named = {"method": method, "channel": channel, "samples": samples}
+            rows.append(named | _summary(figures))
     return section(rows)
 
 
-def _mean(values: list[float]) -> float | None:
-    """None where a channel is dark for every light."""
-    return float(np.mean(values)) if values else None
+def _figures(name: str, shots: list[Mapping[str, Image]], truth: Pair) -> dict[str, float]:
+    found: Pair = shots[0][name].pixels, shots[1][name].pixels
+    bias = bias_of(found, truth, _TILE)
+    return {
+        "estimated": float(np.mean([shot[name].error or 0.0 for shot in shots])),
+        "relative MSE": float(np.mean([mse_of(x, truth) for x in found])),
+        "robust error": float(np.mean([robust_of(x, truth) for x in found])),
+        **bias.columns,
+    }
 
 
-def _rendered(name: str) -> bool:
-    from orusd_mitsuba import render_passes
-
-    every = (
-        render_passes.RADIANCE,
-        render_passes.IRRADIANCE,
-        render_passes.DIRECT,
-        render_passes.ENVIRONMENT,
-    )
-    return any(name in one.picks for one in every)
+def _summary(lights: list[dict[str, float]]) -> dict[str, Any]:
+    """The mean over lights, and what is worst among them; dashes where no light is there."""
+    if not lights:
+        return dict.fromkeys(_COLUMNS)
+    means = {name: float(np.mean([light[name] for light in lights])) for name in lights[0]}
+    worst = [max(abs(light[name]) for light in lights) for name in ("robust error", "bias, %")]
+    several = len(lights) > 1
+    return means | dict(zip(_COLUMNS[-2:], worst if several else (None, None), strict=True))

@@ -5,7 +5,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.light.rooms import REFERENCE, ROOMS, Pictures, Room, generated, stopwatch
+from benchmarks.light.rooms import REFERENCE_SEED, ROOMS, Pictures, Room, generated, stopwatch
 from benchmarks.light.section import Section, Setting, section
 from openrooms_usd.render.estimates import relative_mse, robust_error
 
@@ -23,7 +23,7 @@ def environment(setting: Setting) -> Section:
     )
     room = Room(stage, 64, 48)
     integrator = _hemispheres(room, grid)
-    truth = np.asarray(mean_around(integrator, many, REFERENCE))
+    truth = np.asarray(mean_around(integrator, many, REFERENCE_SEED))
     rows = []
 
     sample_lights = incident._sample_lights

@@ -2,7 +2,7 @@
 
 from benchmarks.light.hard import many
 from benchmarks.light.radiance import paced
-from benchmarks.light.rooms import REFERENCE, ROOMS, Room, boxes, mean_of
+from benchmarks.light.rooms import REFERENCE_SEED, ROOMS, Room, boxes, mean_of
 from benchmarks.light.section import Section, Setting, section
 
 
@@ -20,7 +20,7 @@ def growth(setting: Setting) -> Section:
     rows = []
     for what, count, room in (*lamps, *areas, *solids):
         samples = 4 if setting.quick else 16
-        reference = mean_of(room.ours, 8 * samples, REFERENCE)
+        reference = mean_of(room.ours, 8 * samples, REFERENCE_SEED)
         ((_, seconds, error, robust),) = paced(room.ours, (samples,), reference, 2)
         paths = samples * room.size[0] * room.size[1] / 1e6
         rows.append({"grows": what, "count": count, "seconds for 1e6 paths": seconds / paths,

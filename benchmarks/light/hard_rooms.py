@@ -1,23 +1,39 @@
-"""Rooms that are hard to light: the estimated error, and whether all is finite."""
+"""Rooms that are hard to light, by every method: noise, bias, and whether all is finite."""
 
 import numpy as np
 
+from benchmarks.light.bias import Pair, bias_of, mse_of, robust_of
 from benchmarks.light.hard import CASES
-from benchmarks.light.rooms import Room, first, mean_of
+from benchmarks.light.pictures import truth_of
+from benchmarks.light.rooms import Room, first
 from benchmarks.light.section import Section, Setting, section
-from openrooms_usd.render.estimates import relative_error
+from benchmarks.light.sessions import OpenedRoom, methods_of
+
+_ASKED = ("radiance",)
 
 
 def hard(setting: Setting) -> Section:
     """Every room that is hard to light."""
-    size, samples = ((24, 18), 4) if setting.quick else ((48, 36), 32)
+    size, samples, many = ((24, 18), 4, 16) if setting.quick else ((48, 36), 64, 1024)
     rows = []
-    for name in first(tuple(CASES), setting.quick, 3):
+    for name in first(setting.chosen(CASES) if setting.rooms else tuple(CASES), setting.quick, 3):
         case = CASES[name]
         room = Room(case.build(setting.folder), *size, case.bounces)
-        a, b = (mean_of(room.ours, samples, seed) for seed in (0, 100))
-        rows.append({"case": name, "condition": case.condition, "samples": 2 * samples,
-                     "estimated error": relative_error(a, b), "mean": float((a + b).mean() / 2),
-                     "finite": "yes" if np.isfinite(a + b).all() else "NO",
-                     "replaced pixels": int(room.ours.broken.sum())})  # fmt: skip
+        truth = truth_of(setting, room, _ASKED, many)["radiance"]
+        for method in methods_of(room):
+            opened = OpenedRoom(room, method)
+            shots = [opened.shot(_ASKED, samples, seed=seed) for seed in (11, 12)]
+            images = [shot.images["radiance"] for shot in shots]
+            found: Pair = images[0].pixels, images[1].pixels
+            bias = bias_of(found, truth)
+            rows.append({
+                "case": name, "condition": case.condition, "method": method, "samples": samples,
+                "s": shots[1].seconds,
+                "estimated": float(np.mean([image.error or 0.0 for image in images])),
+                "relative MSE": float(np.mean([mse_of(x, truth) for x in found])),
+                "robust error": float(np.mean([robust_of(x, truth) for x in found])),
+        **bias.columns,
+                "finite": "yes" if all(np.isfinite(x).all() for x in found) else "NO",
+                "replaced pixels": sum(image.replaced for image in images),
+            })  # fmt: skip
     return section(rows)

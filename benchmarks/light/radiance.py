@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.light.rooms import REFERENCE, ROOMS, Pictures, Room, first, mean_of, stopwatch
+from benchmarks.light.rooms import REFERENCE_SEED, ROOMS, Pictures, Room, first, mean_of, stopwatch
 from benchmarks.light.section import Section, Setting, section
 from openrooms_usd.render.estimates import relative_mse, robust_error
 
@@ -20,7 +20,7 @@ def radiance(setting: Setting) -> Section:
             "path, tuned": room.theirs(tuned=True),
             "ours": room.ours,
         }
-        reference = mean_of(room.ours, many, REFERENCE)
+        reference = mean_of(room.ours, many, REFERENCE_SEED)
         found = {
             key: paced(integrator, counts, reference) for key, integrator in integrators.items()
         }

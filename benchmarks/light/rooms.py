@@ -16,7 +16,7 @@ from pxr import Usd
 from benchmarks.light.hard import CAMERA, CASES, lamp_room
 from benchmarks.scenes import orusd
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.usd.cameras import list_cameras, read_camera
+from openrooms_usd.usd.cameras import PinholeCamera, list_cameras, read_camera
 from openrooms_usd.usd.layers import open_stage
 
 Pictures = NDArray[np.float64]
@@ -26,16 +26,18 @@ _SKY: Final = (
 )
 BOUNCES: Final = 7
 # References begin at this seed; far from the seeds that are compared with them.
-REFERENCE: Final = 1_000_000
+REFERENCE_SEED: Final = 1_000_000
 
 
 def generated(kind: str, seed: int, folder: Path) -> Usd.Stage:
     """A furnished room with sun and sky through its windows, and its lamps on."""
-    orusd("generate", "--type", kind, "--seed", seed, "-o", folder / kind)
-    text = folder / kind / "room.yaml"
-    text.write_text(re.sub(r"environment: \{.*\}", f"environment: {_SKY}", text.read_text()))
-    orusd("compose", text, "-o", folder / f"{kind}_out")
-    return open_stage(folder / f"{kind}_out" / "scene.usda")
+    found = folder / f"{kind}_{seed}" / "out" / "scene.usda"
+    if not found.is_file():
+        orusd("generate", "--type", kind, "--seed", seed, "-o", found.parents[1])
+        text = found.parents[1] / "room.yaml"
+        text.write_text(re.sub(r"environment: \{.*\}", f"environment: {_SKY}", text.read_text()))
+        orusd("compose", text, "-o", found.parent)
+    return open_stage(found)
 
 
 def boxes(count: int) -> Usd.Stage:
@@ -70,11 +72,14 @@ ROOMS: Final = {
     "plain": Shown("a box, a lamp", lit_plain),
     "bedroom": Shown("furnished; sun, sky, lamps", lambda f: generated("bedroom", 1, f)),
     "office": Shown("furnished; sun, sky, lamps", lambda f: generated("office", 1, f)),
+    "kitchen": Shown("furnished; sun, sky, lamps", lambda f: generated("kitchen", 1, f)),
     "living room": Shown(
         "furnished; sun, sky, lamps; sheers drawn", lambda f: generated("living_room", 1, f)
     ),
     "three windows": Shown("hard; sun, sky", of_case("three windows")),
     "slit": Shown("hard; sky by a gap of 1 cm", of_case("slit")),
+    "mirror": Shown("hard; a patch of sun on it", of_case("mirror")),
+    "door ajar": Shown("hard; sky by a gap of 5 cm", of_case("door ajar")),
 }
 
 
@@ -100,13 +105,17 @@ class Room:
         from orusd_mitsuba.plugins.build import Builder
         from orusd_mitsuba.transport.light_index import LightIndex
 
-        self.stage, self.size, self._bounces = stage, (width, height), bounces
+        self.stage, self.size, self.bounces = stage, (width, height), bounces
         self.scene = translate(stage)
         self.built = Builder(self.scene.origin).scene(self.scene)
         self.index = LightIndex(sources_of(self.scene), self.built, self.scene.origin)
         prims = {str(prim.GetPath()): prim for prim in list_cameras(stage)}
         self.path = f"/World{CAMERA}" if f"/World{CAMERA}" in prims else min(prims)
-        self.camera = read_camera(prims[self.path], width, height)
+        self.camera = self.seen_at(width, height)
+
+    def seen_at(self, width: int, height: int) -> PinholeCamera:
+        """Its camera, for a picture of any size."""
+        return read_camera(self.stage.GetPrimAtPath(self.path), width, height)
 
     @cached_property
     def ours(self) -> Any:
@@ -115,7 +124,7 @@ class Room:
 
         return PathIntegrator(
             self.built, self.index, self.camera, *self.size, self.scene.origin,
-            self._bounces + 1, by_light=False,
+            self.bounces + 1, by_light=False,
         )  # fmt: skip
 
     def theirs(self, tuned: bool) -> Any:
@@ -129,7 +138,7 @@ class Room:
         weights = light_weights(self.scene) if tuned else even
         built = Builder(self.scene.origin).scene(self.scene, weights, by_portals=False)
         request = RenderRequest(
-            self.path, ("radiance",), *self.size, samples=1, bounces=self._bounces
+            self.path, ("radiance",), *self.size, samples=1, bounces=self.bounces
         )
         return BuiltinIntegrator(built, self.camera, request, self.scene.origin)
 

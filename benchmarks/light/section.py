@@ -1,10 +1,11 @@
 """What every section of the benchmark has: a setting to be measured in, and what comes of it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks.light.references import References
 from benchmarks.report import table
 
 
@@ -15,10 +16,19 @@ class Setting:
     Attributes:
         quick: Small pictures, few samples, few rooms.
         folder: For what is needed meanwhile.
+        references: What is true of the rooms.
+        rooms: The names of those that shall be measured; all of a section's where none is named.
     """
 
     quick: bool
     folder: Path
+    references: References
+    rooms: tuple[str, ...] = ()
+
+    def chosen(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Those of a section's rooms that shall be measured; the first one where it is quick."""
+        found = tuple(name for name in names if name in self.rooms or not self.rooms)
+        return found[:1] if self.quick else found
 
 
 @dataclass(frozen=True)

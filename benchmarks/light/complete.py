@@ -1,0 +1,80 @@
+"""The whole set of channels in one go, beside the picture of radiance alone.
+
+`complete`: one view at 320x240 with every channel and the full grid of hemispheres, and that of
+radiance alone, by every method; `view`: one view with all files of the OpenRooms release, by the
+command that anybody would type.
+"""
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+from benchmarks.light.processes import run
+from benchmarks.light.rooms import ROOMS, Room
+from benchmarks.light.section import Section, Setting, section
+from benchmarks.light.sessions import OpenedRoom, methods_of
+from benchmarks.scenes import ORUSD, demo_stage
+from openrooms_usd.channels import CHANNELS, RENDERED, definition
+from openrooms_usd.render.contract import DEFAULT_GRID
+
+_SAMPLES: Final = 16
+_CAMERA: Final = "dining"
+_LIT: Final = tuple(
+    name for name in RENDERED if CHANNELS[name].kind == "light" and CHANNELS[name].scope != "grid"
+)
+_SETS: Final = {
+    "radiance": ("radiance",),
+    "every channel of light": _LIT,
+    "all, with hemispheres": RENDERED,
+}
+
+
+def complete(setting: Setting) -> Section:
+    """Seconds of sets of channels."""
+    size, grid = ((32, 24), (4, 3)) if setting.quick else ((320, 240), DEFAULT_GRID)
+    rows: list[dict[str, Any]] = []
+    for name in setting.chosen(("bedroom", "plain")):
+        room = Room(ROOMS["plain" if setting.quick else name].build(setting.folder), *size)
+        for method in methods_of(room):
+            opened, alone = OpenedRoom(room, method), None
+            for what, asked in _SETS.items():
+                cost = opened.cost(asked, _SAMPLES, views=1, grid=grid)
+                alone = alone or cost.view
+                rows.append({"room": name, "method": method, "samples": _SAMPLES, "set": what,
+                             "s, one view": cost.views(1), "s, further view": cost.view,
+                             "further view / radiance": cost.view / alone})  # fmt: skip
+    return section(rows)
+
+
+def view(setting: Setting) -> Section:
+    """A complete view of the example by the command line: seconds, memory, the worst errors."""
+    stage = demo_stage(setting.folder)
+    resolution, grid = ("64x48", "8x6") if setting.quick else ("640x480", "160x120")
+    rows = []
+    for method in methods_of(Room(ROOMS["plain"].build(setting.folder), 4, 3)):
+        target = setting.folder / f"view_{method}"
+        ran = run(
+            *ORUSD, "render", stage, "-o", target, "--camera", _CAMERA, "--channels", "all",
+            "--dataset", "openrooms", "--resolution", resolution, "--grid", grid,
+            "--spp", _SAMPLES, "--method", method,
+        )  # fmt: skip
+        rows.append({"method": method, "samples": _SAMPLES, "s of all cores": ran.seconds,
+                     "s by the clock": ran.elapsed, "peak GiB": ran.peak_gib}
+                    | _worst(target))  # fmt: skip
+    return section(rows)
+
+
+def _worst(target: Path) -> dict[str, Any]:
+    """The channels of light whose estimated errors are largest, from the manifest."""
+    manifest = json.loads((target / "manifest.json").read_text())
+    (shown,) = manifest["views"].values()
+    found: dict[str, Any] = {"lights": len(manifest["lights"])}
+    for figure in ("estimated_error", "estimated_robust_error"):
+        errors = {
+            name: entry[figure] or 0.0
+            for name, entry in shown["channels"].items()
+            if figure in entry and definition(name).kind == "light"
+        }
+        worst = max(errors, key=lambda name: errors[name], default=None)
+        found[f"worst {figure.replace('_', ' ')}"] = worst and f"{errors[worst]:.3g} ({worst})"
+    return found

@@ -1,0 +1,89 @@
+"""Hemispheres on a grid: the paper's estimator beside every method, at equal error.
+
+Errors are measured on a coarse grid; seconds are those of the full one: of the reference, whose
+seconds grow with its paths, extrapolated from the coarse one.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from benchmarks.light import casting
+from benchmarks.light.bias import Pair, bias_of, mse_of, robust_of
+from benchmarks.light.pictures import truth_of
+from benchmarks.light.rooms import ROOMS, Room
+from benchmarks.light.section import Section, Setting, section
+from benchmarks.light.sessions import Cost, OpenedRoom, methods_of
+from openrooms_usd.render.contract import DEFAULT_GRID, REFERENCE
+
+_ASKED: Final = ("environment", "environment_direct")
+_ROOMS: Final = ("bedroom", "living room", "plain")
+# Of the paper, in each cell.
+_PAPER: Final = 50
+# One sample of a cell for so many of a pixel.
+_PIXEL_SAMPLES: Final = 16
+_VIEWS: Final = 20
+# A bias in luminance is measured in so many by so many cells together.
+_TILE_CELLS: Final = 8
+
+
+def grids(setting: Setting) -> Section:
+    """Error, bias and seconds of the grid's hemispheres."""
+    coarse, full, many = ((12, 9), DEFAULT_GRID, 192)
+    counts = (1, 4, _PAPER)
+    if setting.quick:
+        coarse, full, many, counts = (3, 2), (8, 6), 4, (1, 2)
+    rows: list[dict[str, Any]] = []
+    for name in setting.chosen(_ROOMS):
+        room = Room(ROOMS[name].build(setting.folder), 64, 48)
+        truth = truth_of(setting, room, _ASKED, many * _PIXEL_SAMPLES, grid=coarse)
+        alone = casting.hemispheres(room, full)[1]
+        paper: float | None = None
+        for method in methods_of(room):
+            reference = method == REFERENCE
+            opened = OpenedRoom(room, method)
+            for samples in counts if reference else counts[:-1]:
+                cost = _cost(opened, samples, coarse, full, reference)
+                if reference:
+                    paper = cost.views(1)
+                rows.append(
+                    {"room": name, "method": "the paper's" if reference else method,
+                     "samples a cell": samples, "s, one view": cost.views(1),
+                     f"s, of {_VIEWS} views": cost.views(_VIEWS), "s, rays alone": alone,
+                     "paper / one view": (paper or 0.0) / cost.views(1),
+                     "further view / rays": cost.view / alone}
+                    | _errors(opened, samples, coarse, truth)
+                )  # fmt: skip
+    return section(rows)
+
+
+def _cost(
+    opened: OpenedRoom,
+    samples: int,
+    coarse: tuple[int, int],
+    full: tuple[int, int],
+    grows: bool,
+) -> Cost:
+    """Of the full grid; measured on the coarse one where it grows with the number of paths."""
+    asked = samples * _PIXEL_SAMPLES
+    if not grows:
+        return opened.cost(_ASKED, asked, grid=full)
+    seconds = opened.cost(_ASKED, asked, views=1, grid=coarse).view
+    return Cost(0.0, float(seconds * np.prod(full) / np.prod(coarse)))
+
+
+def _errors(
+    opened: OpenedRoom, samples: int, grid: tuple[int, int], truth: Mapping[str, Pair]
+) -> dict[str, Any]:
+    asked = samples * _PIXEL_SAMPLES
+    found = [opened.shot(_ASKED, asked, seed=seed, grid=grid).pixels for seed in (11, 12)]
+    errors: dict[str, Any] = {}
+    for name in _ASKED:
+        pair: Pair = found[0][name], found[1][name]
+        short = name.removeprefix("environment_").removeprefix("environment") or "all"
+        errors[f"{short}: relative MSE"] = float(np.mean([mse_of(x, truth[name]) for x in pair]))
+        errors[f"{short}: robust"] = float(np.mean([robust_of(x, truth[name]) for x in pair]))
+    pair = found[0]["environment"], found[1]["environment"]
+    apart = bias_of(pair, truth["environment"], _TILE_CELLS)
+    return errors | apart.columns

@@ -1,0 +1,131 @@
+"""Rooms as anybody opens them, for one method of light: what a view gives, and what it costs."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from benchmarks.light.references import Images
+from benchmarks.light.rooms import Room
+from openrooms_usd import adapters
+from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.contract import REFERENCE
+from openrooms_usd.render.opened import OpenedStage
+from openrooms_usd.usd.cameras import PinholeCamera
+
+# Degrees from one view of a room to the next.
+_TURN_DEG: Final = 18.0
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A rendered view.
+
+    Attributes:
+        images: By channel.
+        seconds: Of all cores.
+    """
+
+    images: Mapping[str, Image]
+    seconds: float
+
+    @property
+    def pixels(self) -> Images:
+        """By channel."""
+        return {name: image.pixels for name, image in self.images.items()}
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds of all cores.
+
+    Attributes:
+        room: Once for a room, whatever its views.
+        view: For each view.
+    """
+
+    room: float
+    view: float
+
+    def views(self, count: int) -> float:
+        """So many views of a room, in the mean."""
+        return self.room / count + self.view
+
+
+class OpenedRoom:
+    """A room that is opened for a method.
+
+    Args:
+        room: The room.
+        method: ``reference``, or another that `methods_of` names.
+    """
+
+    def __init__(self, room: Room, method: str = REFERENCE) -> None:
+        renderer = adapters.load(adapters.RENDERERS, "mitsuba")
+        self.opened = OpenedStage(room.stage, room.scene, renderer, {})
+        self._room, self.method = room, method
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """What the renderer has of them."""
+        return tuple(getattr(self.opened.session, "methods", (REFERENCE,)))
+
+    def shot(
+        self, channels: tuple[str, ...], samples: int, *, seed: int = 0, view: int = 0, **how: Any
+    ) -> Shot:
+        """Render a view.
+
+        Args:
+            channels: Which.
+            samples: Of a pixel.
+            seed: Of the random numbers.
+            view: Its number; from one to the next the camera turns.
+            how: What else is asked of a `RenderRequest`.
+        """
+        asked: dict[str, Any] = {
+            "camera": self._room.path, "channels": channels, "samples": samples, "seed": seed,
+            "width": self._room.size[0], "height": self._room.size[1],
+            "bounces": self._room.bounces, "method": self.method,
+        }  # fmt: skip
+        request = RenderRequest(**{**asked, **how})
+        camera = turned(self._room.seen_at(request.width, request.height), view * _TURN_DEG)
+        began = time.process_time()
+        images = self.opened.picture(camera, request).images
+        return Shot(images, time.process_time() - began)
+
+    def cost(self, channels: tuple[str, ...], samples: int, views: int = 2, **how: Any) -> Cost:
+        """What views cost when all is compiled; arguments as of `shot`."""
+        self.shot(channels, samples, seed=1, **how)
+        seconds = [self.shot(channels, samples, view=n, **how).seconds for n in range(views)]
+        return Cost(self._room_seconds, float(np.mean(seconds)))
+
+    @cached_property
+    def _room_seconds(self) -> float:
+        """What the first view takes, in a room that nobody has rendered, more than it does again.
+
+        Where there is nothing to be prepared, this would be chance.
+        """
+        if self.method == REFERENCE:
+            return 0.0
+        fresh = OpenedRoom(self._room, self.method)
+        first, again = (fresh.shot(("radiance",), 4).seconds for _ in range(2))
+        return max(0.0, first - again)
+
+
+def methods_of(room: Room) -> tuple[str, ...]:
+    """The methods that the renderer has for a room, the reference first."""
+    return tuple(sorted(OpenedRoom(room).methods, key=lambda name: name != REFERENCE))
+
+
+def turned(camera: PinholeCamera, degrees: float) -> PinholeCamera:
+    """The same camera, turned about the vertical through its eye."""
+    angle = np.radians(degrees)
+    turn = np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+    )
+    pose = camera.world_from_camera.copy()
+    pose[:3, :3] = turn @ pose[:3, :3]
+    return replace(camera, world_from_camera=pose)
