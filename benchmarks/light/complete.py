@@ -55,7 +55,7 @@ def view(setting: Setting) -> Section:
         target = setting.folder / f"view_{method}"
         ran = run(
             *ORUSD, "render", stage, "-o", target, "--camera", _CAMERA, "--channels", "all",
-            "--dataset", "openrooms", "--resolution", resolution, "--grid", grid,
+            "--dataset", target.with_suffix(".openrooms"), "--resolution", resolution, "--grid", grid,
             "--spp", _SAMPLES, "--method", method,
         )  # fmt: skip
         rows.append({"method": method, "samples": _SAMPLES, "s of all cores": ran.seconds,
