@@ -55,8 +55,8 @@ def view(setting: Setting) -> Section:
         target = setting.folder / f"view_{method}"
         ran = run(
             *ORUSD, "render", stage, "-o", target, "--camera", _CAMERA, "--channels", "all",
-            "--dataset", target.with_suffix(".openrooms"), "--resolution", resolution, "--grid", grid,
-            "--spp", _SAMPLES, "--method", method,
+            "--dataset", target.with_suffix(".openrooms"), "--resolution", resolution,
+            "--grid", grid, "--spp", _SAMPLES, "--method", method,
         )  # fmt: skip
         rows.append({"method": method, "samples": _SAMPLES, "s of all cores": ran.seconds,
                      "s by the clock": ran.elapsed, "peak GiB": ran.peak_gib}
