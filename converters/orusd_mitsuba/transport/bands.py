@@ -1,7 +1,11 @@
-"""Integrators that work in bands of rows, where one sample of all pixels is too much at once."""
+"""Integrators that work in bands of rows, where one sample of all pixels is too much at once.
+
+Instead of the whole picture they render pixels from anywhere in it, side by side in one row.
+"""
 
 from abc import ABC, abstractmethod
-from typing import Any, Final
+from copy import copy
+from typing import Any, Final, Self
 
 import drjit as dr
 import mitsuba as mi
@@ -49,9 +53,14 @@ class Band:
             lens: Where on the lens.
         """
         pixel = dr.arange(mi.UInt32, self.paths) // self.samples
-        corner = mi.Point2f(mi.Float(pixel % self.width), mi.Float(pixel // self.width))
-        at = (corner + within) / mi.Point2f(self.width, self.rows)
-        described = self._integrator.sensor((self._top, self.rows))
+        width, rows = self.width, (self._top, self.rows)
+        if self._integrator.pixels is not None:
+            # They stand in a row, but lie anywhere in the picture.
+            pixel = dr.gather(mi.UInt32, mi.UInt32(self._integrator.pixels), pixel)
+            width, rows = self._integrator.width, (0, self._integrator.height)
+        corner = mi.Point2f(mi.Float(pixel % width), mi.Float(pixel // width))
+        at = (corner + within) / mi.Point2f(width, rows[1])
+        described = self._integrator.sensor(rows)
         sensor = load_sensor(described, {"type": "independent"})
         return sensor.sample_ray(0.0, 0.5, at, lens)[0]
 
@@ -73,7 +82,10 @@ class BandedIntegrator(ABC):
 
     Attributes:
         planes: How many pictures a batch gives.
-        size: Height and width.
+        width: Of the camera's picture.
+        height: Of the camera's picture.
+        size: Height and width of what is rendered of it: all, or a row of pixels.
+        pixels: Numbers of these, row by row of the picture; None where it is all.
         rows: Of a band.
         most: Samples a pixel that one batch may have at most.
         broken: (height, width) bool, pixels in which a batch gave no number.
@@ -83,16 +95,32 @@ class BandedIntegrator(ABC):
         self, camera: PinholeCamera, width: int, height: int, origin: Array, planes: int
     ) -> None:
         self._camera, self._origin = camera, origin
-        self.planes, self.size = planes, (height, width)
-        fitting = min(_PATHS_IN_FLIGHT, _MOST_SUMS // (3 * planes))
+        self.planes, self.width, self.height = planes, width, height
+        self.pixels: NDArray[np.uint32] | None = None
+        self._fit(height, width)
+
+    def sparse(self, pixels: NDArray[np.uint32]) -> Self:
+        """The same for some pixels of the picture alone: what it gives is one row of them.
+
+        Args:
+            pixels: Their numbers, row by row of the picture.
+        """
+        found = copy(self)
+        found.pixels = pixels
+        found._fit(1, len(pixels))
+        return found
+
+    def _fit(self, height: int, width: int) -> None:
+        """Set the size of what is rendered, and of the parts of it that fit into memory."""
+        self.size = height, width
+        fitting = min(_PATHS_IN_FLIGHT, _MOST_SUMS // (3 * self.planes))
         self.rows = max(1, min(height, fitting // width))
         self.most = max(1, fitting // (width * self.rows))
         self.broken = np.zeros((height, width), dtype=bool)
 
     def sensor(self, band: tuple[int, int]) -> dict[str, Any]:
         """The camera's part of the scene for some rows: the first, and how many."""
-        height, width = self.size
-        return describe_sensor(self._camera, width, height, self._origin, band)
+        return describe_sensor(self._camera, self.width, self.height, self._origin, band)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
         """Render one batch; equal seeds give equal bits.

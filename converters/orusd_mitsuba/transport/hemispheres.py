@@ -1,6 +1,7 @@
 """Environment maps at a coarse grid of pixels: incident radiance at the surface, by direction."""
 
-from typing import Any, Final
+from copy import copy
+from typing import Any, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,10 +53,27 @@ class HemisphereIntegrator:
     ) -> None:
         columns, rows = grid
         hits = first_hits(scene, tracer, camera, columns, rows)
-        self._pixels, self._grid = hits.pixels, (rows, columns)
+        self._pixels = hits.pixels
         points = surface_points(scene, camera, hits)
         self._incident = IncidentRadiance(built, index, HEMISPHERE, points, depth - 1)
         self.planes, self.most = len(PLANES), _MOST_SAMPLES_A_CELL
+        self._fit(rows, columns)
+
+    def sparse(self, pixels: NDArray[np.uint32]) -> Self:
+        """The same for some points of the grid alone: what it gives is one row of hemispheres.
+
+        Args:
+            pixels: Their numbers, row by row of the grid.
+        """
+        found = copy(self)
+        seen = np.isin(pixels, self._pixels)
+        found._pixels = np.flatnonzero(seen)
+        found._incident = self._incident.sparse(np.searchsorted(self._pixels, pixels[seen]))
+        found._fit(1, len(pixels))
+        return found
+
+    def _fit(self, rows: int, columns: int) -> None:
+        self._grid = rows, columns
         self.size = rows * HEMISPHERE.rows, columns * HEMISPHERE.columns
         self.broken = np.zeros(self.size, dtype=bool)
 

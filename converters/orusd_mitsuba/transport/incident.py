@@ -6,8 +6,9 @@ counted in the cell that it falls in. The first find broad light, the second the
 small lamps. What comes by way of other surfaces is found by one path along each of the first.
 """
 
+from copy import copy
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import drjit as dr
 import mitsuba as mi
@@ -46,7 +47,7 @@ class Points:
     def __len__(self) -> int:
         return len(self.position)
 
-    def rows(self, which: slice) -> "Points":
+    def rows(self, which: slice | NDArray[np.int64]) -> "Points":
         """Some of the points."""
         return Points(self.position[which], self.frames[which], self.geometric[which])
 
@@ -70,6 +71,12 @@ class IncidentRadiance:
         self._built, self._index, self._points = built, index, points
         self._depth, self._light_samples = depth, light_samples * cells.count
         self._cells = _Cells(cells)
+
+    def sparse(self, which: NDArray[np.int64]) -> Self:
+        """The same at some of the points, by their numbers."""
+        found = copy(self)
+        found._points = self._points.rows(which)
+        return found
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
         """Estimate once; equal seeds give equal bits.
