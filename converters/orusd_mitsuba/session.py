@@ -99,6 +99,9 @@ class MitsubaSession:
         self._activate()
         _check(request, self._variant)
         needed = [(one, found) for one in _PASSES if (found := one.gives(request.channels))]
+        if any(one is IRRADIANCE or one is DIRECT for one, _ in needed):
+            # Before the first pass: a new kind of surface changes the code of all kernels.
+            _ = self._white
         seconds = None if request.seconds is None else request.seconds / len(needed)
         part = replace(request, seconds=seconds)
         images: dict[str, Image] = {}

@@ -210,13 +210,9 @@ def heuristic(used: Any, other: Any) -> Any:
 
 def _moments(sums: DirectAccumulator, light: int, samples: int, rows: int) -> NDArray[np.float32]:
     """(3, rows, width) means of a light's unoccluded green squared, times occluded, and 0."""
-    paths, slot = sums.paths, dr.arange(mi.UInt32, sums.paths)
-    occluded, unoccluded = (
-        dr.gather(mi.Float, sums.entries, slot + (3 * plane + 1) * paths)
-        for plane in (light, light + sums.lights)
-    )
+    occluded, unoccluded = (sums.green(plane) for plane in (light, light + sums.lights))
     found = [
-        (dr.block_sum(unoccluded * other, samples) / samples).numpy().reshape(rows, -1)
+        dr.block_sum(unoccluded * other, samples).numpy().reshape(rows, -1) / np.float32(samples)
         for other in (unoccluded, occluded)
     ]
     return np.stack([*found, np.zeros_like(found[0])])

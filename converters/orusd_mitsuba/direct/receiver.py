@@ -102,7 +102,7 @@ def receive(
     ray = mi.Ray3f(ray)
     si = built.ray_intersect(ray)
     hit = si.is_valid()
-    crossed = mi.UInt32(index.elsewhere)
+    crossed = dr.opaque(mi.UInt32, index.elsewhere)
     crossed = index.crossed(ray.o, ray.d, dr.select(hit, si.t, dr.inf), crossed)
     if dr.hint(clear, mode="scalar"):
         passes = hit & (sampler.next_1d() < first(si).eval_null_transmission(si, hit)[1])

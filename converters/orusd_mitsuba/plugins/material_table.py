@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from openrooms_usd.render.scene.pictures import Picture, Value
 from openrooms_usd.render.scene.surfaces import Surface
 from orusd_mitsuba.plugins.descriptions import transmitted
+from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.plugins.openrooms_bsdf import Matter
 
 _PICTURED: Final = ("base_color", "roughness", "metallic", "normal")
@@ -49,9 +50,9 @@ class MaterialTable:
     def __init__(self, surfaces: Sequence[Surface]) -> None:
         self._row_of_shape = mi.UInt32(0)
         numbers = np.array([_numbers(surface) for surface in surfaces], dtype=np.float32)
-        self._numbers = mi.Float(numbers.ravel())
+        self._numbers = mi.Float(aligned(numbers))
         store = _Store(picture for surface in surfaces for picture in _pictures(surface))
-        self._texels = mi.UInt32(store.words)
+        self._texels = mi.UInt32(aligned(store.words))
         self._inputs = {
             name: _Input.of([getattr(surface, name) for surface in surfaces], store)
             for name in _PICTURED
@@ -169,9 +170,11 @@ class _Input:
             return None
         plain = all(picture.is_plain for picture in present)
         return _Input(
-            mi.UInt32(np.array([_place(p, store) for p in pictures], dtype=np.uint32).ravel()),
-            mi.Float(np.array([_level(p) for p in pictures], dtype=np.float32).ravel()),
-            None if plain else mi.Float(np.array([_turn(p) for p in pictures], np.float32).ravel()),
+            mi.UInt32(aligned(np.array([_place(p, store) for p in pictures], dtype=np.uint32))),
+            mi.Float(aligned(np.array([_level(p) for p in pictures], dtype=np.float32))),
+            None
+            if plain
+            else mi.Float(aligned(np.array([_turn(p) for p in pictures], np.float32))),
             frozenset(picture.wrap for picture in present),
             any(picture.coding is not None and picture.coding.srgb for picture in present),
         )

@@ -58,7 +58,7 @@ def through_portals(
 
 
 class _Rectangle:
-    """A portal as constants of the active variant."""
+    """A portal as numbers of the active variant, opaque: no kernel is compiled for each room."""
 
     def __init__(self, portal: Portal, origin: Array) -> None:
         world = portal.world_from_portal
@@ -66,8 +66,10 @@ class _Rectangle:
         self.right, self.up, self.outwards = (
             mi.Vector3f(axis) for axis in world[:3, :3].T.tolist()
         )
-        self.width, self.height = portal.width, portal.height
-        self.area = portal.width * portal.height
+        self.width, self.height = mi.Float(portal.width), mi.Float(portal.height)
+        self.area = mi.Float(portal.width * portal.height)
+        dr.make_opaque(self.center, self.right, self.up, self.outwards)
+        dr.make_opaque(self.width, self.height, self.area)
 
     def weight(self, p: Any) -> Any:
         """About the solid angle that it covers from ``p``; 0 from behind."""
@@ -98,11 +100,11 @@ class _Rectangle:
         return dr.select(forwards & inside, t * t / (cosine * self.area), 0.0)
 
 
-def _share(rectangles: list[_Rectangle], p: Any, total: Any, sunward: Any, rest: float) -> Any:
+def _share(rectangles: list[_Rectangle], p: Any, total: Any, sunward: Any, rest: Any) -> Any:
     """The part of the samples from ``p`` that goes through portals, ``rest`` where the sun does."""
     entering = [rectangle.density(p, sunward) for rectangle in rectangles]
     sunny = sum(entering[1:], entering[0]) > 0.0
-    share = dr.select(sunny, mi.Float(rest), mi.Float(_SHARE_THROUGH_PORTALS))
+    share = dr.select(sunny, rest, mi.Float(_SHARE_THROUGH_PORTALS))
     return dr.select(total > 0.0, share, 0.0)
 
 
@@ -135,9 +137,9 @@ def _emitter_class(variant: str) -> Any:
             super().__init__(properties)
             self.inner = inner
             self.rectangles = rectangles
-            self.radius = radius
-            self.rest = _rest(beam)
+            self.radius, self.rest = mi.Float(radius), mi.Float(_rest(beam))
             self.sunward = mi.Vector3f(beam.direction.tolist()) if beam else mi.Vector3f(0, 0, 1)
+            dr.make_opaque(self.radius, self.rest, self.sunward)
             self.m_flags = mi.EmitterFlags.Infinite | mi.EmitterFlags.SpatiallyVarying
 
         def eval(self, si: Any, active: Any = True) -> Any:

@@ -52,14 +52,17 @@ class Band:
             within: Where in its pixel each begins, in [0, 1)^2.
             lens: Where on the lens.
         """
-        pixel = dr.arange(mi.UInt32, self.paths) // self.samples
+        # As variables, not as parts of the compiled code: bands of all sizes share it.
+        pixel = dr.arange(mi.UInt32, self.paths) // dr.opaque(mi.UInt32, self.samples)
         width, rows = self.width, (self._top, self.rows)
         if self._integrator.pixels is not None:
             # They stand in a row, but lie anywhere in the picture.
             pixel = dr.gather(mi.UInt32, mi.UInt32(self._integrator.pixels), pixel)
             width, rows = self._integrator.width, (0, self._integrator.height)
-        corner = mi.Point2f(mi.Float(pixel % width), mi.Float(pixel // width))
-        at = (corner + within) / mi.Point2f(width, rows[1])
+        across = dr.opaque(mi.UInt32, width)
+        corner = mi.Point2f(mi.Float(pixel % across), mi.Float(pixel // across))
+        step = mi.Vector2f(*(dr.opaque(mi.Float, 1.0 / side) for side in (width, rows[1])))
+        at = (corner + within) * step
         described = self._integrator.sensor(rows)
         sensor = load_sensor(described, {"type": "independent"})
         return sensor.sample_ray(0.0, 0.5, at, lens)[0]

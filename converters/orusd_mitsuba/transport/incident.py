@@ -104,14 +104,15 @@ class IncidentRadiance:
         cells = self._cells
         tasks = points.count * cells.shape.count
         path = dr.arange(mi.UInt32, tasks * samples)
-        task = path // samples
+        each = dr.opaque(mi.UInt32, samples)
+        task = path // each
         point, cell = task // cells.shape.count, task % cells.shape.count
         at, frame = points.at(point)
-        d = frame.to_world(cells.direction(cell, _lattice(path % samples, samples, task, seed)))
+        d = frame.to_world(cells.direction(cell, _lattice(path % each, samples, task, seed)))
         sampler = mi.load_dict({"type": "independent"})
         sampler.seed(seed & 0xFFFFFFFF, tasks * samples)
         accumulator = PathAccumulator(tasks * samples, None)
-        density = samples / (self._light_samples * samples * cells.solid_angle(cell))
+        density = 1.0 / (self._light_samples * cells.solid_angle(cell))
         trace(
             self._built, self._index, sampler, at.spawn_ray(d), accumulator, self._depth,
             active=dr.dot(at.n, d) >= 0.0, begun=(at, density),
@@ -154,22 +155,27 @@ def _sample_lights(
         seed: Of random numbers.
         sums: (3 * P * cells * strands) receives the means over the cells.
     """
+    # As variables, not as parts of the compiled code: all cameras share it.
+    stride, each, planes = (
+        dr.opaque(mi.UInt32, count) for count in (strands, light_samples, points.count)
+    )
+    weight = 1.0 / mi.Float(each * stride)
     thread = dr.arange(mi.UInt32, points.count * strands)
-    point, strand = thread // strands, thread % strands
+    point, strand = thread // stride, thread % stride
     at, frame = points.at(point)
     sampled = mi.UInt32(0)
-    while sampled < light_samples:
-        sample = _lattice(sampled * strands + strand, light_samples * strands, point, seed)
+    while sampled < each:
+        sample = _lattice(sampled * stride + strand, light_samples * strands, point, seed)
         to, incident = built.sample_emitter_direction(at, sample, True)
         cell, inside = cells.containing(frame.to_local(to.d))
         inside &= (to.pdf > 0.0) & (dr.dot(at.n, to.d) >= 0.0)
         size = cells.solid_angle(cell, inside)
         share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, rival / size))
-        value = incident * share / (light_samples * strands * size)
+        value = incident * share * weight / size
         for channel in range(3):
-            place = (channel * points.count + point) * cells.shape.count + cell
+            place = (channel * planes + point) * cells.shape.count + cell
             dr.scatter_reduce(
-                dr.ReduceOp.Add, sums, value[channel], place * strands + strand, inside,
+                dr.ReduceOp.Add, sums, value[channel], place * stride + strand, inside,
                 mode=dr.ReduceMode.NoConflicts,
             )  # fmt: skip
         sampled += 1
@@ -180,9 +186,9 @@ class _Gathered:
 
     def __init__(self, points: Points) -> None:
         self.count = len(points)
-        self._position = mi.Point3f(_columns(points.position))
-        self._geometric = mi.Normal3f(_columns(points.geometric))
-        self._axes = [mi.Vector3f(_columns(points.frames[:, row])) for row in range(3)]
+        self._position = mi.Point3f(*_columns(points.position))
+        self._geometric = mi.Normal3f(*_columns(points.geometric))
+        self._axes = [mi.Vector3f(*_columns(points.frames[:, row])) for row in range(3)]
 
     def at(self, point: Any) -> tuple[Any, "_Frame"]:
         """The interactions at some of the points, and the frames there."""
@@ -250,13 +256,14 @@ def _lattice(number: Any, count: int, key: Any, seed: int) -> Any:
 
     They are shifted at random, by ``key`` and seed, so that each by itself is even over the square.
     """
-    # As a variable, not as a part of the compiled code.
+    # As variables, not as parts of the compiled code.
     drawn: Any = mi.sample_tea_32
     shift = drawn(key, dr.opaque(mi.UInt32, seed & 0xFFFFFFFF))
-    across = number * mi.UInt32((1 << 32) // count & 0xFFFFFFFF) + shift[0]
+    across = number * dr.opaque(mi.UInt32, (1 << 32) // count & 0xFFFFFFFF) + shift[0]
     along = number * mi.UInt32(_GOLDEN_STEP) + shift[1]
     return mi.Point2f(*(dr.minimum(mi.Float(u) * 2.0**-32, _BELOW_ONE) for u in (across, along)))
 
 
-def _columns(vectors: Array) -> NDArray[np.float32]:
-    return np.ascontiguousarray(vectors.T, dtype=np.float32)
+def _columns(vectors: Array) -> list[Any]:
+    # Each for itself: parts of one array would be taken out by code that knows how long they are.
+    return [mi.Float(np.ascontiguousarray(column, dtype=np.float32)) for column in vectors.T]

@@ -41,13 +41,14 @@ class FirstDimensions:
     """
 
     def __init__(self, samples: int, paths: int, sampler: Any) -> None:
-        path = dr.arange(mi.UInt32, paths)
-        pixel, number = path // samples, path % samples
+        path, count = dr.arange(mi.UInt32, paths), dr.opaque(mi.UInt32, samples)
+        step = dr.opaque(mi.Float, 1.0 / samples)
+        pixel, number = path // count, path % count
         shifts = [dr.gather(mi.Float, sampler.next_1d(), pixel) for _ in range(_DIMENSIONS)]
         pairs = []
         for pair, part in enumerate(_STRIDES_OF_PAIRS):
-            turned = number * coprime(samples, part) % samples
-            across = (mi.Float(turned) / samples + shifts[2 * pair], shifts[2 * pair + 1])
+            turned = number * dr.opaque(mi.UInt32, coprime(samples, part)) % count
+            across = (mi.Float(turned) * step + shifts[2 * pair], shifts[2 * pair + 1])
             along = mi.Float(turned * mi.UInt32(_GOLDEN_STEP)) * 2.0**-32
             pairs.append(mi.Point2f(_wrapped(across[0]), _wrapped(across[1] + along)))
         self.light, self.direction, self.pixel = pairs

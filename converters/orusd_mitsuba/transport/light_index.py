@@ -54,9 +54,9 @@ class LightIndex:
         return mi.UInt32(table)
 
     @cached_property
-    def _rectangles(self) -> list[tuple[int, "Rectangle"]]:
+    def _rectangles(self) -> list[tuple[Any, "Rectangle"]]:
         return [
-            (light, Rectangle(source.portal, self._origin))
+            (dr.opaque(mi.UInt32, light), Rectangle(source.portal, self._origin))
             for light, source in enumerate(self._sources)
             if source.portal is not None
         ]
@@ -85,7 +85,7 @@ class LightIndex:
 
 
 class Rectangle:
-    """A portal as constants of the active variant."""
+    """A portal as numbers of the active variant, opaque: no kernel is compiled for each room."""
 
     def __init__(self, portal: Portal, origin: Array) -> None:
         world = portal.world_from_portal
@@ -93,8 +93,9 @@ class Rectangle:
         self._right, self._up, self._outwards = (
             mi.Vector3f(axis) for axis in world[:3, :3].T.tolist()
         )
-        self._half = 0.5 * portal.width, 0.5 * portal.height
-        self._area = portal.width * portal.height
+        self._half = mi.Float(0.5 * portal.width), mi.Float(0.5 * portal.height)
+        self._area = mi.Float(portal.width * portal.height)
+        dr.make_opaque(self._center, self._right, self._up, self._outwards, self._half, self._area)
 
     def facing(self, direction: Any) -> Any:
         """Its area as seen from outside along a direction to the sky; 0 from inside."""

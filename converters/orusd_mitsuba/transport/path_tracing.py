@@ -51,6 +51,7 @@ class PathAccumulator:
 
     def __init__(self, paths: int, lights: int | None) -> None:
         self.paths = paths
+        self._stride = dr.opaque(mi.UInt32, paths)
         self.kinds = dr.zeros(mi.Float, len(KINDS) * 3 * paths)
         self.lights = None if lights is None else dr.zeros(mi.Float, lights * 3 * paths)
 
@@ -62,7 +63,7 @@ class PathAccumulator:
             if entries is None:
                 continue
             for channel in range(3):
-                place = (row * 3 + channel) * self.paths + slot
+                place = (row * 3 + channel) * self._stride + slot
                 dr.scatter_reduce(
                     dr.ReduceOp.Add, entries, value[channel], place, active,
                     mode=dr.ReduceMode.NoConflicts,
@@ -128,7 +129,7 @@ def trace(
     density, certain = mi.Float(1.0), mi.Bool(True)
     if dr.hint(begun is not None, mode="scalar"):
         before, density, certain = begun[0], mi.Float(begun[1]), mi.Bool(False)
-    crossed = mi.UInt32(index.elsewhere)
+    crossed = dr.opaque(mi.UInt32, index.elsewhere)
     start = mi.UInt32(0)
     if dr.hint(prefix is not None, mode="scalar"):
         throughput, crossed = mi.Color3f(prefix.throughput), mi.UInt32(prefix.crossed)

@@ -1,0 +1,60 @@
+"""What is compiled for one camera serves all, and arrays lie where kernels do not depend on it."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
+from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.portals import connect_portals, define_portal
+from orusd_mitsuba import MitsubaRenderer
+from orusd_mitsuba.plugins.memory import aligned
+from tests.mitsuba.passes import PASSES
+from tests.mitsuba.test_portals import window_portal
+
+
+def room(build: Any) -> Any:
+    """A box with a lamp and a window in the open, seen from within and, past it, from without."""
+    made = build()
+    made.box("/Room", 2.0, inside=True, material=made.material("/Grey", base_color=(0.5,) * 3))
+    corners = [(-0.4, -0.2, 0.9), (-0.4, 0.3, 0.9), (0.1, 0.3, 0.9), (0.1, -0.2, 0.9)]
+    define_mesh_light(made.quad("/Panel", corners, material="/Grey").GetPrim(), nits=100.0)
+    portal = define_portal(made.stage, window_portal())
+    connect_portals(made.dome().GetPrim(), [portal.GetPrim()])
+    made.camera((-0.9, -0.9, 0.0), (0.3, 0.4, -0.5), path="/Within", fov=70)
+    made.camera((4.0, 0.5, 2.0), (0.5, 0, 0.5), path="/Without", fov=50)
+    return open_with(MitsubaRenderer(), made.stage)
+
+
+def kernels(opened: Any, request: RenderRequest) -> set[str]:
+    """The hashes of all kernels of Dr.Jit that ran for a request."""
+    import drjit as dr
+
+    dr.kernel_history_clear()
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+        opened.render(request)
+        history = dr.kernel_history()
+    return {entry["hash"] for entry in history if entry["type"] == dr.KernelType.JIT}
+
+
+@pytest.mark.parametrize("channels", PASSES.values(), ids=PASSES)
+def test_a_second_camera_compiles_nothing(build: Any, mi: Any, channels: Any) -> None:
+    opened = room(build)
+    request = RenderRequest("/Within", channels, 16, 12, samples=16, grid=(4, 3))
+    first = kernels(opened, request)
+    assert len(first) >= 2
+    other = replace(request, camera="/Without", seed=7, samples=24)
+    assert not kernels(opened, other) - first
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.uint32])
+def test_arrays_begin_at_the_same_place_in_a_packet(kind: Any) -> None:
+    for count in (1, 7, 4096):
+        values = np.arange(3 * count + 1, dtype=kind)[1:].reshape(count, 3)
+        found = aligned(values)
+        assert found.ctypes.data % 64 == 0
+        np.testing.assert_array_equal(found, values.ravel())
+        assert found.dtype == kind
