@@ -4,7 +4,8 @@ One module a section (`section`):
 
 - what is shown of every method: `pictures`, `grids`, `channels`, `complete`, `hard_rooms`;
 - what it takes: `memory`, `repeatable`;
-- full paths beside Mitsuba's: `radiance`, `environment`, `growth`.
+- beside others: `radiance`, `environment` and `growth` of full paths, `cycles` (with `in_blender`,
+  which Blender's Python runs).
 
 `hard` builds the rooms that are hard to light, `rooms` all rooms, opened for our integrators,
 `sessions` opens them as anybody would; `references` keeps what is true of them, `bias` says how far

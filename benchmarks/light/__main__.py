@@ -11,6 +11,7 @@ view: all files of a view by the command line.
 hard: rooms that are hard to light.
 memory: of many lights, and of many views.
 repeatable: whether the bytes depend on who computes them.
+cycles: radiance beside that of Blender's Cycles, raw and denoised.
 radiance: Mitsuba's `path` with its lights sampled evenly, `path` with sampling weights by the flux
 that each light brings, and our paths. The last column is the error of ours over that of the better
 `path`, at equal time.
@@ -34,6 +35,7 @@ import click
 
 from benchmarks.light.channels import channels
 from benchmarks.light.complete import complete, view
+from benchmarks.light.cycles import cycles
 from benchmarks.light.environment import environment
 from benchmarks.light.grids import grids
 from benchmarks.light.growth import growth
@@ -55,6 +57,7 @@ SECTIONS: Final[dict[str, Measure]] = {
     "hard": hard,
     "memory": memory,
     "repeatable": repeatable,
+    "cycles": cycles,
     "radiance": radiance,
     "environment": environment,
     "growth": growth,

@@ -14,7 +14,8 @@ from openrooms_usd.render.denoise import GUIDES, is_usable, load_denoiser
 from openrooms_usd.render.estimates import robust_error
 
 _ASKED: Final = ("radiance",)
-_GUIDED: Final = (*_ASKED, *GUIDES)
+GUIDED: Final = (*_ASKED, *GUIDES)
+"""What denoising needs."""
 _VIEWS: Final = 20
 _SAMPLES: Final = (4, 16, 64)
 
@@ -57,19 +58,20 @@ def truth_of(
 def _measured(room: Room, opened: OpenedRoom, samples: int, truth: Pair) -> list[dict[str, Any]]:
     """A row for the raw pictures, and one for them denoised."""
     method = opened.method
-    shots = [opened.shot(_GUIDED, samples, seed=seed) for seed in (11, 12)]
+    shots = [opened.shot(GUIDED, samples, seed=seed) for seed in (11, 12)]
     cost, rays = opened.cost(_ASKED, samples), casting.pixels(room, samples)
     raw = [shot.pixels["radiance"] for shot in shots]
     rows = [_row(method, samples, cost, rays, (raw[0], raw[1]), truth)]
     if is_usable():
         taken: list[float] = []
-        clean = [_denoised(shot, taken) for shot in shots]
+        clean = [denoised(shot, taken) for shot in shots]
         guided = Cost(cost.room, cost.view + taken[-1])
         rows.append(_row(f"{method}, denoised", samples, guided, rays, (clean[0], clean[1]), truth))
     return rows
 
 
-def _denoised(shot: Shot, seconds: list[float]) -> Any:
+def denoised(shot: Shot, seconds: list[float]) -> Any:
+    """The radiance of a view, denoised; its seconds are added to a list."""
     guides = {name: shot.pixels[name] for name in GUIDES}
     with stopwatch(seconds):
         return load_denoiser(tuple(GUIDES)).denoise(shot.pixels["radiance"], guides)
