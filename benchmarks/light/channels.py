@@ -26,19 +26,19 @@ def channels(setting: Setting) -> Section:
     """All at once; of what there is for each light, the mean over them, and the worst of them."""
     size, samples, many = ((24, 18), 4, 16) if setting.quick else ((64, 48), 32, 1024)
     grid = (2, 2) if setting.quick else (8, 6)
-    (name,) = setting.chosen(("bedroom",))
-    room = Room(ROOMS["plain" if setting.quick else name].build(setting.folder), *size)
-    truth = truth_of(setting, room, LIT, many, grid=grid)
-    rows = []
-    for method in methods_of(room):
-        opened = OpenedRoom(room, method)
-        shots = [opened.shot(LIT, samples, seed=seed, grid=grid).images for seed in (11, 12)]
-        for channel in LIT:
-            of_lights = each((channel,), len(opened.opened.lights))
-            shown = [one for one in of_lights if truth[one][0].max() > 0]
-            figures = [_figures(one, shots, truth[one]) for one in shown]
-            named = {"method": method, "channel": channel, "samples": samples}
-            rows.append(named | _summary(figures))
+    rows: list[dict[str, Any]] = []
+    for name in setting.chosen(("bedroom",)):
+        room = Room(ROOMS["plain" if setting.quick else name].build(setting.folder), *size)
+        truth = truth_of(setting, room, LIT, many, grid=grid)
+        for method in methods_of(room):
+            opened = OpenedRoom(room, method)
+            shots = [opened.shot(LIT, samples, seed=seed, grid=grid).images for seed in (11, 12)]
+            for channel in LIT:
+                of_lights = each((channel,), len(opened.opened.lights))
+                shown = [one for one in of_lights if truth[one][0].max() > 0]
+                figures = [_figures(one, shots, truth[one]) for one in shown]
+                named = {"method": method, "channel": channel, "samples": samples}
+                rows.append(named | _summary(figures))
     return section(rows)
 
 

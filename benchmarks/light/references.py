@@ -4,19 +4,20 @@ Each is a pair of independent halves, so that their own noise is known and can b
 is measured against them.
 """
 
-import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.digest import light_digest
 
 Images = dict[str, NDArray[np.float32]]
 """By the name of the channel."""
+_KEY_DIGITS: Final = 24
 
 
 @dataclass(frozen=True)
@@ -48,24 +49,9 @@ class References:
         make: Callable[[int], Mapping[str, Any]],
         half: int,
     ) -> Images:
-        path = self.folder / f"{_digest(scene, {**what, 'half': half})}.npz"
+        path = self.folder / f"{light_digest(scene, {**what, 'half': half})[:_KEY_DIGITS]}.npz"
         if not path.is_file():
             self.folder.mkdir(parents=True, exist_ok=True)
             np.savez(path, **make(half))
         with np.load(path, allow_pickle=False) as found:
             return {name: found[name] for name in found.files}
-
-
-def _digest(scene: Scene, what: Mapping[str, Any]) -> str:
-    """A name for what is seen and what is asked for."""
-    found = hashlib.blake2b(repr(sorted(what.items())).encode(), digest_size=12)
-    found.update(np.ascontiguousarray(scene.triangles.corners, dtype=np.float32).tobytes())
-    for patch in scene.patches:
-        found.update(f"{patch.name} {type(patch.surface).__name__}".encode())
-        if isinstance(patch.radiance, tuple):
-            found.update(repr(patch.radiance).encode())
-    for sun in scene.suns:
-        found.update(np.concatenate([sun.direction, sun.irradiance]).tobytes())
-    if scene.environment is not None:
-        found.update(np.ascontiguousarray(scene.environment.pixels).tobytes())
-    return found.hexdigest()

@@ -44,4 +44,6 @@ Measure = Callable[[Setting], Section]
 
 def section(rows: list[dict[str, Any]]) -> Section:
     """A section that is one table; all rows have the keys of the first."""
+    if not rows:
+        return Section(rows, "None of the chosen rooms is measured here.")
     return Section(rows, table(tuple(rows[0]), [list(row.values()) for row in rows]))

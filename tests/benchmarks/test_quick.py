@@ -158,6 +158,25 @@ def test_light(tmp_path):
 
 
 @pytest.mark.slow
+def test_light_of_every_method(tmp_path):
+    pytest.importorskip("mitsuba")
+    from orusd_mitsuba import variants
+
+    if variants.choose("auto").variant == "scalar_rgb":
+        pytest.skip("no vectorized backend works here")
+    sections = ("--section", "pictures", "--section", "grids", "--section", "channels")
+    rooms = ("--room", "plain", "--room", "bedroom", "--references", tmp_path / "references")
+    _, data = run("light", tmp_path / "l.json", *sections, *rooms)
+    shown = {row["method"] for row in data["pictures"]}
+    assert {"reference", "the reference itself"} <= shown
+    # An unbiased estimator is not found to be biased.
+    reference = next(row for row in data["pictures"] if row["method"] == "reference")
+    assert abs(reference["bias, %"]) < 5.0 * reference["+-"]
+    assert all(row["s, rays alone"] > 0.0 for row in data["grids"])
+    assert {row["channel"] for row in data["channels"]} >= {"radiance", "irradiance_i"}
+
+
+@pytest.mark.slow
 def test_physics_by_step(tmp_path):
     pytest.importorskip("pybullet")
     pytest.importorskip("mujoco")
