@@ -7,8 +7,8 @@ others of them, and ``run`` writes. The files are ``exr``, ``previews`` (with ``
 ``manifest`` and the ``folder`` of them all. ``reading`` and ``manifest_schema`` give finished
 renders back and trust no file; ``relight``, ``probes``, ``datasets`` and ``coco`` use them.
 
-Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors, ``fits``, ``lights`` and
-``light_store``, which keeps the light of a room beside it.
+Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors and ``bias``, ``fits``,
+``lights`` and ``light_store``, which keeps the light of a room beside it.
 """
 
 from openrooms_usd.render.contract import (

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.bias import Bias
 from openrooms_usd.render.estimates import Halves
 
 if TYPE_CHECKING:
@@ -79,6 +80,8 @@ class Image:
             sample gives no estimate.
         replaced: Pixels in which the renderer put 0 where it found no number.
         halves: What it is the mean of, where that was asked for and there are two.
+        bias: How far it is from the reference beyond noise; None where nobody measured it, such as
+            of the reference itself.
     """
 
     pixels: NDArray[np.float32]
@@ -87,6 +90,7 @@ class Image:
     error: float | None
     replaced: int = 0
     halves: Halves | None = None
+    bias: Bias | None = None
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import math
 import os
 import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -49,6 +49,11 @@ CONVENTIONS: Final = {
     "their samples n_a and n_b; v = (a - b)^2 n_a n_b / (n_a + n_b)^2, which is (a - b)^2 / 4 for "
     "equal halves; M is the channel's mean of that component; 0 where one ray is exact, null where "
     "there is no estimate",
+    "bias": "of a method that is not the reference: total is the sum of what the picture has more "
+    "than the reference over the sum of the reference, by paths that are independent of the "
+    "picture in so many pixels; worst_tenth is the mean size of the bias in the tenth of the "
+    "pixels, in groups of neighbours, where it is worst, relative to the picture there: about 0 "
+    "where there is none; each with its standard error (_error); null where nobody measured it",
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
     "bounces": "at most this many scatterings on the way from a light to the camera",
@@ -147,6 +152,7 @@ def view_entry(
             channel: {
                 "samples": image.samples,
                 "estimated_error": _number(image.error),
+                "bias": asdict(image.bias) if image.bias else None,
                 "nonfinite_pixels": nonfinite_pixels(channel, image),
                 "preview": f"{name}/{preview_file(channel)}",
                 "preview_shows": previews[channel].shows,

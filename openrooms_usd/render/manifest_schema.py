@@ -152,10 +152,21 @@ class SeenLight(_Part):
     box2d: Annotated[tuple[_Number, ...], Field(max_length=4)] | None = None
 
 
+class BiasEntry(_Part):
+    """`openrooms_usd.render.bias.Bias` as it is written."""
+
+    total: _Light
+    total_error: _Factor
+    worst_tenth: _Light | None = None
+    worst_tenth_error: _Factor | None = None
+    pixels: _Count
+
+
 class ChannelEntry(_Part):
     """What one view has of one channel."""
 
     samples: _Count | None = None
+    bias: BiasEntry | None = None
     estimated_error: _Factor | None = None
     nonfinite_pixels: _Count = 0
     preview: _File | None = None

@@ -12,10 +12,11 @@ import pytest
 
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render import Legend, exr, render_stage
+from openrooms_usd.render.bias import Bias
 from openrooms_usd.render.coco import coco
 from openrooms_usd.render.folder import is_relit_manifest, is_render_manifest, listed_views
 from openrooms_usd.render.manifest import FORMAT
-from openrooms_usd.render.manifest_schema import GaussianEntry, LightEntry, read_manifest
+from openrooms_usd.render.manifest_schema import BiasEntry, GaussianEntry, LightEntry, read_manifest
 from openrooms_usd.render.reading import read_render
 from openrooms_usd.render.relight import Relighting, relight
 from openrooms_usd.render.scene.lights import Gaussian, LightRecord
@@ -77,13 +78,11 @@ def test_what_the_driver_writes_is_read_back(render: Path) -> None:
     assert (found.manifest.stage, found.manifest.format) == ("scene.usda", FORMAT)
 
 
-PAIRS = [(LightEntry, LightRecord), (GaussianEntry, Gaussian)]
+PAIRS = [(LightEntry, LightRecord), (GaussianEntry, Gaussian), (BiasEntry, Bias)]
 
 
 @pytest.mark.parametrize(("entry", "record"), PAIRS)
-def test_what_is_read_of_a_light_has_the_names_under_which_it_is_written(
-    entry: Any, record: Any
-) -> None:
+def test_what_is_read_has_the_names_under_which_it_is_written(entry: Any, record: Any) -> None:
     assert [*entry.model_fields] == [field.name for field in fields(record)]
 
 

@@ -1,0 +1,208 @@
+"""How far a method is from the truth beyond its noise, told by few independent unbiased paths.
+
+Some pixels, spread over the picture and drawn by chance, are rendered again by following every path
+to its end. The bias of the whole is the sum of the differences over the sum of that reference.
+
+The worst tenth of pixels is harder: of numbers with noise the worst tenth is always bad. So the
+pixels are put into groups, neighbours of alike brightness; one half of all samples, of the picture
+and of the reference, says in which tenth the bias is worst and of which sign, and the other half
+measures it there. Then the halves change places, and the mean counts. Where there is no bias this
+is 0 in the mean; where there is, noise may hide the worst groups, so that it is rather too small.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# Blocks of the picture, across and down; each is halved by brightness.
+_BLOCKS: Final = (5, 4)
+_BRIGHTNESSES: Final = 2
+_WORST_SHARE: Final = 0.1
+# Pixels that a group has at least in the mean, for there to be a worst tenth.
+_LEAST_PIXELS_A_GROUP: Final = 4
+
+
+@dataclass(frozen=True)
+class Bias:
+    """What is stated of one channel, relative to the light that it has.
+
+    Attributes:
+        total: Of the whole picture: -0.01 is one per cent too dark.
+        total_error: Its standard error.
+        worst_tenth: Mean size of the bias in the tenth of the pixels where it is worst; about 0,
+            and now and then below, where there is none. None where the pixels are too few or the
+            picture has one sample.
+        worst_tenth_error: Its standard error.
+        pixels: How many were rendered again.
+    """
+
+    total: float
+    total_error: float
+    worst_tenth: float | None
+    worst_tenth_error: float | None
+    pixels: int
+
+
+@dataclass(frozen=True, eq=False)
+class SparsePixels:
+    """Pixels of a picture, one by chance in each cell of a grid.
+
+    Attributes:
+        width: Of the picture, pixels.
+        height: Of the picture, pixels.
+        numbers: (N,) row by row of the picture.
+        weights: (N,) how many pixels each stands for.
+    """
+
+    width: int
+    height: int
+    numbers: NDArray[np.uint32]
+    weights: Array
+
+    @staticmethod
+    def draw(width: int, height: int, count: int, rng: np.random.Generator) -> "SparsePixels":
+        """About so many pixels of a picture.
+
+        Args:
+            width: Of the picture.
+            height: Of the picture.
+            count: How many; at most all.
+            rng: Draws the pixel of each cell.
+        """
+        across = int(np.clip(round((count * width / height) ** 0.5), 1, width))
+        down = int(np.clip(round(count / across), 1, height))
+        x, y = (np.arange(n + 1) * size // n for n, size in ((across, width), (down, height)))
+        columns, rows = (
+            np.broadcast_to(a, (down, across)) for a in (np.diff(x)[None], np.diff(y)[:, None])
+        )
+        at_x = x[:-1] + (rng.random((down, across)) * columns).astype(np.int64)
+        at_y = y[:-1, None] + (rng.random((down, across)) * rows).astype(np.int64)
+        numbers = (at_y * width + at_x).ravel().astype(np.uint32)
+        return SparsePixels(width, height, numbers, (columns * rows).ravel().astype(np.float64))
+
+    def groups(self, values: Array) -> NDArray[np.int64]:
+        """(N,) the number of each pixel's group: its block of the picture, halved by a value."""
+        rows, columns = np.divmod(self.numbers.astype(np.int64), self.width)
+        across, down = _BLOCKS
+        block = rows * down // self.height * across + columns * across // self.width
+        found = block * _BRIGHTNESSES
+        for number in np.unique(block):
+            inside = block == number
+            found[inside] += values[inside] > np.median(values[inside])
+        return np.asarray(np.unique(found, return_inverse=True)[1])
+
+
+def measure(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) -> Bias | None:
+    """The bias of one channel.
+
+    Args:
+        found: (2, N, C) two independent halves of the picture, at the pixels; twice the same where
+            there is one.
+        reference: (2, N, C) two halves of unbiased samples of the same pixels, independent of
+            these.
+        pixels: Which they are.
+
+    Returns:
+        None where the reference has seen nothing of the channel, and the picture something.
+    """
+    # Components add up: what counts is light.
+    a, b = (np.asarray(each, np.float64).sum(axis=2) for each in (found, reference))
+    total = _ratio(a.mean(axis=0) - b.mean(axis=0), b.mean(axis=0), pixels.weights)
+    if total is None:
+        return None
+    tenth: tuple[float, float] | tuple[None, None] = None, None
+    enough = len(pixels.numbers) >= _LEAST_PIXELS_A_GROUP * _BRIGHTNESSES * np.prod(_BLOCKS)
+    if enough and not np.array_equal(a[0], a[1]):
+        tenth = _worst_tenth(a, a - b, pixels) or tenth
+    return Bias(*total, *tenth, len(pixels.numbers))
+
+
+def factors(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) -> Array:
+    """What each picture is multiplied by to have the sum of the reference, and how sure that is.
+
+    Such as of the indirect part of each light: then the sum of the picture has no bias, while its
+    noise is as it was. A factor that is no surer than its distance from 1 adds noise common to all
+    pixels.
+
+    Args:
+        found: (L, N, C) pictures, at the pixels.
+        reference: (L, N, C) unbiased samples of the same, independent of these.
+        pixels: Which they are.
+
+    Returns:
+        (L, 2) factors and their standard errors; 1 and 0 where there is nothing to multiply.
+    """
+    rows = []
+    for a, b in zip(found, reference, strict=True):
+        light = np.asarray(a, np.float64).sum(axis=1)
+        ratio = _ratio(np.asarray(b, np.float64).sum(axis=1) - light, light, pixels.weights)
+        rows.append((1.0 + ratio[0], ratio[1]) if ratio else (1.0, 0.0))
+    return np.array(rows).reshape(-1, 2)
+
+
+def _worst_tenth(found: Array, off: Array, pixels: SparsePixels) -> tuple[float, float] | None:
+    """The mean size of the bias where it is worst, relative to the picture there.
+
+    A few dark paths, by which the bias would be divided, must not make it large: so it is divided
+    by the picture, which has less noise than the reference.
+
+    Args:
+        found: (2, N) halves of the picture.
+        off: (2, N) what they have more than the reference.
+        pixels: Which they are.
+    """
+    measured = []
+    for one, other in ((0, 1), (1, 0)):
+        groups = pixels.groups(found[one])
+        signs = _worst_groups(off[one], found[one], pixels.weights, groups)[groups]
+        inside = signs != 0.0
+        part = (signs * off[other], found[other], pixels.weights)
+        ratio = _ratio(*(each[inside] for each in part))
+        if ratio is None:
+            return None
+        measured.append(ratio)
+    (x, x_error), (y, y_error) = measured
+    # Both see all pixels: as if they were one measurement, which is rather too careful.
+    return 0.5 * (x + y), float(np.hypot(x_error, y_error) / np.sqrt(2.0))
+
+
+def _worst_groups(off: Array, scale: Array, weights: Array, groups: NDArray[np.int64]) -> Array:
+    """(G,) the sign of the bias of the groups that are the worst tenth; 0 for others.
+
+    A group whose bias may be noise counts less: b^3 / (b^2 + s^2) with its standard error s.
+    """
+    count = int(groups.max()) + 1
+    found = np.zeros((count, 2))
+    for group in range(count):
+        inside = groups == group
+        found[group] = _ratio(off[inside], scale[inside], weights[inside]) or (0.0, 1.0)
+    bias, error = found.T
+    power = bias**2 + error**2
+    surely = np.divide(bias**2, power, out=np.zeros(count), where=power > 0.0) * np.abs(bias)
+    most = max(1, round(_WORST_SHARE * count))
+    worst = np.argsort(-surely, kind="stable")[:most]
+    signs = np.zeros(count)
+    signs[worst] = np.where(bias[worst] < 0.0, -1.0, 1.0)
+    return signs
+
+
+def _ratio(values: Array, scale: Array, weights: Array) -> tuple[float, float] | None:
+    """The ratio of two weighted sums over independent pixels, and its standard error.
+
+    The error is that of ratio estimators (Cochran, Sampling Techniques, 1977, section 6.3); that
+    the pixels are spread evenly makes it rather too large.
+
+    Returns:
+        None where the second is 0 and the first is not.
+    """
+    count, total = len(values), float((weights * scale).sum())
+    if total <= 0.0:
+        return None if np.any(values != 0.0) else (0.0, 0.0)
+    ratio = float((weights * values).sum()) / total
+    residuals = weights * (values - ratio * scale)
+    spread = float((residuals**2).sum()) * count / max(1, count - 1)
+    return ratio, float(np.sqrt(spread)) / total
