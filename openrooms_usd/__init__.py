@@ -15,8 +15,10 @@ from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
+    from openrooms_usd.api.light import Lightmaps as Lightmaps
     from openrooms_usd.api.light import Probe as Probe
     from openrooms_usd.api.light import Probes as Probes
+    from openrooms_usd.api.light import bake as bake
     from openrooms_usd.api.light import probe as probe
     from openrooms_usd.api.light import relight as relight
     from openrooms_usd.api.renders import Render as Render
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from openrooms_usd.errors import OrusdError as OrusdError
 
 _HOME = {
+    "Lightmaps": "openrooms_usd.api.light",
     "OrusdError": "openrooms_usd.errors",
     "Probe": "openrooms_usd.api.light",
     "Probes": "openrooms_usd.api.light",
@@ -47,6 +50,7 @@ _HOME = {
     "Room": "openrooms_usd.description.room",
     "Scene": "openrooms_usd.api.scenes",
     "View": "openrooms_usd.api.renders",
+    "bake": "openrooms_usd.api.light",
     "compare": "openrooms_usd.api.renders",
     "compose": "openrooms_usd.api.scenes",
     "convert": "openrooms_usd.api.scenes",
@@ -67,6 +71,7 @@ _HOME = {
 }
 
 __all__ = [
+    "Lightmaps",
     "OrusdError",
     "Probe",
     "Probes",
@@ -75,6 +80,7 @@ __all__ = [
     "Scene",
     "View",
     "__version__",
+    "bake",
     "compare",
     "compose",
     "convert",

@@ -10,6 +10,7 @@ import mitsuba as mi
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
 from openrooms_usd.render.contract import REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
@@ -34,6 +35,7 @@ from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_integrator import PathIntegrator
 from orusd_mitsuba.transport.probes import render_probes
 from orusd_mitsuba.transport.sampling import Halves
+from orusd_mitsuba.transport.texels import light_texels
 from orusd_mitsuba.transport.white import white_first
 from orusd_mitsuba.variants import Backend
 
@@ -147,6 +149,28 @@ class MitsubaSession:
                 remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
             )
         return render_probes(self._built, self._index, self._scene.origin, request, progress)
+
+    def irradiance(
+        self, request: IrradianceRequest, progress: ViewProgress = lambda fraction: None
+    ) -> Irradiance:
+        """The irradiance of every light at texels of lightmaps.
+
+        Args:
+            request: Where, and how.
+            progress: Called with the finished fraction, from 0 to 1.
+
+        Raises:
+            RenderError: The backend cannot.
+        """
+        self._activate()
+        if self._variant.startswith("scalar"):
+            raise RenderError(
+                f"the backend {self._variant} cannot make lightmaps",
+                remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
+            )
+        return light_texels(
+            self._built, self._index, self._white, self._scene.origin, request, progress
+        )
 
     def _activate(self) -> None:
         # Variants are chosen for the whole thread; another session may have changed it.

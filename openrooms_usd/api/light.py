@@ -1,4 +1,4 @@
-"""Light after the fact: lamps of a finished render turned, and probes of all light at a point."""
+"""Light beside pictures: lamps of a render turned, probes of light at a point, lightmaps."""
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from openrooms_usd.render.relight import Relit
 
 _PROBES: Final = "probes"
+_LIGHTMAPS: Final = "baked"
 
 Point = tuple[float, float, float]
 
@@ -202,3 +203,118 @@ def probe(
             progress=progress,
         )
     return Probes(folder, manifest)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Lightmaps(os.PathLike[str]):
+    """The light of a stage as textures.
+
+    Attributes:
+        folder: Where they lie, with ``lightmaps.json``.
+        manifest: What stands there.
+    """
+
+    folder: Path
+    manifest: Mapping[str, Any]
+
+    def __fspath__(self) -> str:
+        return str(self.folder)
+
+    def __repr__(self) -> str:
+        return f"Lightmaps({str(self.folder)!r}: {', '.join(self.lights)})"
+
+    @property
+    def layer(self) -> Path:
+        """The layer that puts them over the stage."""
+        return self.folder / str(self.manifest["layer"])
+
+    @property
+    def stage(self) -> Path:
+        """The stage under that layer."""
+        return self.folder / "baked.usda"
+
+    @property
+    def lights(self) -> tuple[str, ...]:
+        """The names of the lights that have textures, by their numbers."""
+        return tuple(str(row["name"]) for row in self.manifest["lights"])
+
+    def irradiance(self, light: str | None = None, *, atlas: int = 0) -> "NDArray[np.float32]":
+        """(height, width, 3) lux, top row first.
+
+        Args:
+            light: One of `lights`; None: the sum of them.
+            atlas: Which picture.
+
+        Raises:
+            InputError: The file is missing or damaged.
+            UnknownNameError: There is no such light or atlas.
+        """
+        from openrooms_usd.render.exr import read_picture
+
+        rows = self.manifest["atlases"]
+        if not 0 <= atlas < len(rows):
+            raise unknown_name("atlas", str(atlas), map(str, range(len(rows))), self.folder)
+        if light is None:
+            return read_picture(self.folder / rows[atlas]["irradiance"])
+        if light not in self.lights:
+            raise unknown_name("light", light, self.lights, self.folder)
+        return read_picture(self.folder / rows[atlas]["lights"][self.lights.index(light)])
+
+
+def bake(
+    scene: AnyPath,
+    out: AnyPath | None = None,
+    *,
+    texel: float = 0.05,
+    max_texels: int | None = None,
+    samples: int | None = None,
+    seed: int = 0,
+    bounces: int | None = None,
+    renderer: str = "mitsuba",
+    options: Mapping[str, str] | None = None,
+    progress: Progress = silent,
+) -> Lightmaps:
+    """Write the light of a scene as lightmaps, as real-time engines use them.
+
+    Args:
+        scene: A composed room or any USD file; it stays as it is.
+        out: The folder to write; by default ``baked`` beside the scene.
+        texel: Side of a texel on the surfaces, metres.
+        max_texels: Of all atlases together; texels grow until there are no more. 4 million by
+            default.
+        samples: Paths for each texel; 256 by default.
+        seed: Fixes every random number.
+        bounces: At most this many scatterings of light on its way, the one at the texel included;
+            7 by default.
+        renderer: A registered renderer.
+        options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
+        progress: Called with what is done and the finished fraction.
+
+    Returns:
+        The textures as arrays: ``.irradiance()`` and ``.irradiance("window_0")``; ``.layer`` and
+        ``.stage`` are files.
+
+    Raises:
+        InputError: There is nothing to light, or a number is absurd.
+        MissingPackageError: xatlas is not installed.
+        OutputError: The folder cannot be written.
+        RenderError: The renderer lights no texels.
+    """
+    from openrooms_usd.render.bake.baking import MOST_TEXELS, SAMPLES, BakeSettings, bake_stage
+    from openrooms_usd.render.contract import DEFAULT_BOUNCES
+    from openrooms_usd.usd.diagnostics import quiet
+
+    file = usd_file(scene)
+    folder = file.parent / _LIGHTMAPS if out is None else path_of(out)
+    settings = BakeSettings(
+        texel_m=texel,
+        samples=SAMPLES if samples is None else samples,
+        seed=seed,
+        bounces=DEFAULT_BOUNCES if bounces is None else bounces,
+        most_texels=MOST_TEXELS if max_texels is None else max_texels,
+    )
+    with quiet():
+        manifest = bake_stage(
+            file, folder, settings, renderer=renderer, options=options or {}, progress=progress
+        )
+    return Lightmaps(folder, manifest)

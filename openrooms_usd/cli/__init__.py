@@ -28,6 +28,7 @@ _COMMANDS: Final = {
     "dataset": ("datasets", "dataset", "Write renders as the files of a published dataset."),
     "relight": ("lighting", "relight", "Turn the lights of a finished render."),
     "probe": ("lighting", "probe", "Make light probes: panoramas and spherical harmonics."),
+    "bake": ("baking", "bake", "Write the light as lightmaps, for real-time engines."),
     "annotate": ("annotating", "annotate", "Write what a render shows as COCO or boxes."),
     "library": ("libraries", "library", "Furniture: a list of it, or a picture."),
     "materials": ("materials", "materials", "Procedural materials: a list, or pictures."),

@@ -30,6 +30,8 @@ class TriangleMesh:
         faces: (M,) the source face of each triangle.
         normals: (M, 3, 3) unit normal at each corner; None where the mesh has none.
         uvs: (M, 3, 2) texture coordinates at each corner, by their name.
+        corners: (M, 3) the corner of the polygons that each corner is, in the order of their
+            ``faceVertexIndices``; None where they come of no polygons.
     """
 
     points: Array
@@ -37,6 +39,7 @@ class TriangleMesh:
     faces: Ints
     normals: NDArray[np.float32] | None = None
     uvs: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+    corners: Ints | None = None
 
     @property
     def st(self) -> NDArray[np.float32] | None:

@@ -96,7 +96,7 @@ class _Polygons:
             corners = np.ascontiguousarray(corners[:, ::-1])
         self._note_approximations()
         normals, uvs = self._normals(corners, faces), self._uvs(corners, faces)
-        mesh = TriangleMesh(self._points, self._indices[corners], faces, normals, uvs)
+        mesh = TriangleMesh(self._points, self._indices[corners], faces, normals, uvs, corners)
         return Surface(mesh, self._double_sided, tuple(self._losses))
 
     def _invalid(self) -> str | None:

@@ -13,7 +13,7 @@ import pytest
 import openrooms_usd as ou
 
 ASKED = {
-    "compose", "convert", "dataset", "generate", "import_capture", "load", "open", "probe",
+    "bake", "compose", "convert", "dataset", "generate", "import_capture", "load", "open", "probe",
     "relight", "render", "simulate",
 }  # fmt: skip
 FUNCTIONS = [name for name in dir(ou) if inspect.isfunction(getattr(ou, name))]
@@ -76,7 +76,7 @@ def test_a_function_explains_itself(name: str) -> None:
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_what_takes_long_tells_its_progress_in_one_way(name: str) -> None:
     parameters = inspect.signature(getattr(ou, name)).parameters
-    takes_long = name in {"compare", "compose", "dataset", "probe", "render", "simulate"}
+    takes_long = name in {"bake", "compare", "compose", "dataset", "probe", "render", "simulate"}
     assert ("progress" in parameters) == takes_long
     if takes_long:
         assert str(parameters["progress"].annotation).endswith("[[str, float], None]")

@@ -1,4 +1,4 @@
-"""The commands ``relight`` and ``probe`` as a person meets them."""
+"""The commands ``relight``, ``probe`` and ``bake`` as a person meets them."""
 
 from pathlib import Path
 from typing import Any
@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from openrooms_usd.cli import orusd
 from openrooms_usd.render import probes
 from openrooms_usd.render import relight as relighting
+from openrooms_usd.render.bake import baking
 
 
 def run(*arguments: str) -> Any:
@@ -61,3 +62,32 @@ def test_probe_takes_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
 )
 def test_probe_refuses_what_it_cannot_read(option: tuple[str, str], tmp_path: Path) -> None:
     assert run("probe", "scene.usda", "-o", str(tmp_path), *option).exit_code == 2
+
+
+def test_bake_says_what_it_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    seen: list[Any] = []
+
+    def made(stage: Path, out: Path, settings: Any, **how: Any) -> dict[str, Any]:
+        seen.append((settings, how["options"]))
+        return {"texel": {"asked_m": 0.1, "side_m": 0.2}, "lights": [{}, {}], "left_out": [{}],
+                "atlases": [{"size": [64, 32], "lit_texels": 1234}], "estimated_error": 0.01,
+                "layer": "lightmaps.usda"}  # fmt: skip
+
+    monkeypatch.setattr(baking, "bake_stage", made)
+    found = run("bake", "scene.usda", "-o", str(tmp_path), "--texel", "0.1", "--spp", "8",
+                "--atlas", "512", "--max-texels", "2048", "--variant", "llvm")  # fmt: skip
+    assert found.exit_code == 0, found.output
+    ((settings, options),) = seen
+    assert settings == baking.BakeSettings(0.1, 8, 0, 7, 512, 2048)
+    assert options == {"variant": "llvm"}
+    assert "64x32, 1,234 texels" in found.output and "20 cm, not 10 cm" in found.output
+
+
+def test_bake_offers_what_the_core_has_by_default() -> None:
+    from openrooms_usd.cli.baking import bake
+
+    offered = {option.name: option.default for option in bake.params}
+    own = baking.BakeSettings()
+    assert (offered["texel"], offered["spp"], offered["side"], offered["max_texels"]) == (
+        own.texel_m, own.samples, own.side, own.most_texels,
+    )  # fmt: skip

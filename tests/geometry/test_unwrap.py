@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.geometry import unwrap
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, rounded_box, sphere
-from openrooms_usd.geometry.unwrap import unwrapped
+from openrooms_usd.geometry.unwrap import laid_out, unwrapped
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.usd.meshes import define_mesh
 
@@ -60,6 +60,32 @@ def test_no_two_places_of_the_surface_share_one_in_the_texture(name: str) -> Non
 def test_the_same_mesh_has_the_same_layout() -> None:
     first, second = (unwrapped(SHAPES["apart"])[1] for _ in range(2))
     assert first.tobytes() == second.tobytes()
+
+
+@pytest.mark.parametrize("name", ["box", "ball", "apart"])
+def test_layouts_are_as_large_as_the_surface_and_keep_polygons_whole(name: str) -> None:
+    mesh = SHAPES[name]
+    corners, faces = mesh.triangles()
+    rows = mesh.indices[corners]
+    layout = laid_out(mesh.points, rows, faces, texels_per_metre=40)
+    assert (layout.places >= 0.5).all() and (layout.places <= np.array(layout.size) - 0.5).all()
+    counts = _coverage(layout.places / SIZE)
+    assert counts.max() == 1
+    assert (counts == 1).sum() == pytest.approx(mesh.areas().sum() * 40**2, rel=0.1)
+    of_corner: dict[int, np.ndarray] = {}
+    for corner, place in zip(corners.ravel(), layout.places.reshape(-1, 2), strict=True):
+        np.testing.assert_allclose(of_corner.setdefault(corner, place), place, atol=0.02)
+
+
+def test_a_polygon_that_is_cut_becomes_a_chart_of_its_own() -> None:
+    """Two triangles at a right angle are one bent quad: they are laid side by side, not apart."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0.2], [0, 1, 0.0]])
+    triangles, faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32), np.zeros(2, np.int32)
+    size, places = unwrap._flat(points[triangles], faces, 10.0, 2)
+    np.testing.assert_allclose(places[0, [0, 2]], places[1, [0, 1]])
+    assert (places >= 1.0).all() and (places <= np.array(size) - 1.0).all()
+    places[0] += 5.0
+    assert unwrap._cut(faces, triangles.astype(np.int64), places).tolist() == [0]
 
 
 def test_degenerate_triangles_get_a_place_without_an_area() -> None:

@@ -7,6 +7,7 @@
   surface white, for irradiance.
 - ``integrator`` is what estimates a camera's pictures, a batch at a time: ``path_integrator`` by
   our paths, ``builtin_integrator`` by Mitsuba's, each in ``bands`` of rows; ``hemispheres`` and
-  ``probes`` by ``incident``, the radiance that arrives at points by direction.
+  ``probes`` by ``incident``, the radiance that arrives at points by direction; ``texels`` those of
+  lightmaps.
 - ``sampling`` goes on with batches until a request is met, and tells the error.
 """

@@ -1,0 +1,65 @@
+"""The command ``bake``."""
+
+from pathlib import Path
+
+import click
+
+from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.renderer import renderer_options
+from openrooms_usd.render.contract import DEFAULT_BOUNCES
+
+
+@click.command()
+@click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.option("--texel", type=float, default=0.05, show_default=True, metavar="METRES",
+              help="Side of a texel on the surfaces.")  # fmt: skip
+@click.option("--max-texels", type=int, default=1 << 22, show_default=True,
+              help="Of all atlases together; texels grow until there are no more.")  # fmt: skip
+@click.option("--atlas", "side", type=int, default=4096, show_default=True, metavar="TEXELS",
+              help="Side of an atlas at most.")  # fmt: skip
+@click.option("--spp", type=int, default=256, show_default=True, help="Paths for each texel.")
+@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
+@renderer_options(variant="The backend: auto, cuda or llvm.")
+@json_option
+def bake(
+    stage: Path,
+    out: Path,
+    texel: float,
+    max_texels: int,
+    side: int,
+    spp: int,
+    seed: int,
+    bounces: int,
+    renderer: str,
+    options: dict[str, str],
+    as_json: bool,
+) -> None:
+    """Write the light of a USD stage as lightmaps, for real-time engines.
+
+    OUT receives lightmaps.usda, a layer with a second set of texture coordinates; baked.usda, the
+    stage under that layer; lightmaps.json; and for each light an irradiance texture, and their sum.
+    """
+    from openrooms_usd.render.bake.baking import BakeSettings, bake_stage
+    from openrooms_usd.usd.diagnostics import quiet
+
+    settings = BakeSettings(texel, spp, seed, bounces, side, max_texels)
+    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+        found = bake_stage(
+            stage, out, settings, renderer=renderer, options=options, progress=progress
+        )
+    if as_json:
+        print_json(found)
+        return
+    side_m, asked_m = found["texel"]["side_m"], found["texel"]["asked_m"]
+    grown = "" if side_m == asked_m else f", not {100 * asked_m:g} cm: there would be too many"
+    for number, atlas in enumerate(found["atlases"]):
+        width, height = atlas["size"]
+        echo(f"atlas_{number:<3} {width}x{height}, {atlas['lit_texels']:,} texels with light")
+    error = found["estimated_error"]
+    measured = "" if error is None else f", estimated error {error:.2g}"
+    echo(f"texels of {100 * side_m:.3g} cm{grown}; {len(found['lights'])} lights{measured}")
+    if found["left_out"]:
+        echo(f"{len(found['left_out'])} surfaces without: lightmaps.json says why")
+    echo(f"wrote {out / found['layer']}, and baked.usda, the stage under it")

@@ -1,0 +1,206 @@
+"""Lightmaps: what a client looks up in them is the picture's diffuse part."""
+
+import builtins
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pxr import Gf, Usd, UsdGeom
+
+from openrooms_usd.errors import InputError, MissingPackageError, RenderError
+from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.bake.baking import BakeSettings, bake_stage
+from openrooms_usd.render.opened import open_with
+from openrooms_usd.usd.lights import define_mesh_light
+from orusd_mitsuba import MitsubaRenderer, variants
+from tests.mitsuba import lightmap_client as client
+
+NITS = 1000.0
+
+
+@pytest.fixture(autouse=True)
+def fast() -> None:
+    pytest.importorskip("xatlas")
+    if variants.choose("auto").variant == "scalar_rgb":
+        pytest.skip("no vectorized backend works here")
+
+
+def saved(stage: Usd.Stage, folder: Path) -> Path:
+    path = folder / "scene.usda"
+    stage.GetRootLayer().Export(str(path))
+    return path
+
+
+def lookup(baked: Path, camera: Any, size: tuple[int, int]) -> tuple[Any, Any]:
+    """(H W, 3) lux that a client finds at first hits, and whether these face the camera."""
+    found = client.load(baked)
+    width, height = size
+    x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+    K, world = camera.K, camera.world_from_camera
+    rays = np.stack([(x - K[0, 2]) / K[0, 0], (y - K[1, 2]) / K[1, 1], np.ones_like(x)], axis=-1)
+    ahead = rays.reshape(-1, 3) @ world[:3, :3].T
+    eye = np.broadcast_to(world[:3, 3], ahead.shape)
+    caster = RayCaster(
+        found.corners.reshape(-1, 3), np.arange(found.corners.size // 3).reshape(-1, 3)
+    )
+    hit = caster.first_hit(eye, ahead).triangle.astype(np.int64)
+    a, b, c = np.moveaxis(found.corners[hit], 1, 0)
+    normal = np.cross(b - a, c - a)
+    cosine = np.einsum("ij,ij->i", ahead, normal)
+    t = np.einsum("ij,ij->i", a - eye, normal) / cosine
+    lux = found.irradiance(hit, eye + t[:, None] * ahead)
+    return lux, (hit >= 0) & (cosine < 0.0) & np.isfinite(lux).all(axis=1)
+
+
+def differences(source: Path, baked: Path, camera: str, samples: int) -> tuple[float, Any]:
+    """The ratio of the sums, and |client - picture| of each pixel, relative to its light."""
+    opened = open_with(MitsubaRenderer(), Usd.Stage.Open(str(source)))
+    size = 32, 24
+    needs = ("irradiance", "base_color", "metallic")
+    view = opened.render(RenderRequest(camera, needs, *size, samples=samples))
+    picture = {
+        name: image.pixels.reshape(size[0] * size[1], -1) for name, image in view.images.items()
+    }
+    albedo = picture["base_color"] * (1.0 - picture["metallic"]) / np.pi
+    lux, seen = lookup(baked, view, size)
+    shown, there = (
+        (albedo * lux).mean(axis=1)[seen],
+        (albedo * picture["irradiance"]).mean(axis=1)[seen],
+    )
+    assert seen.mean() > 0.5
+    relative = np.abs(shown - there) / np.maximum(there, 0.1 * there.mean())
+    return float(shown.sum() / there.sum()), relative
+
+
+def test_a_client_sees_the_diffuse_part_of_the_picture(half_hidden: Any, tmp_path: Path) -> None:
+    """A room with two lamps and what throws shadows; a picture upside down would fail."""
+    source = saved(half_hidden(), tmp_path)
+    found = bake_stage(source, tmp_path / "out", BakeSettings(texel_m=0.125, samples=128))
+    ratio, relative = differences(source, tmp_path / "out/baked.usda", "/Camera", 256)
+    assert ratio == pytest.approx(1.0, abs=0.02)
+    assert relative.mean() < 0.09
+    assert np.percentile(relative, 95) < 0.25
+    # 2. The sum is the sum.
+    (atlas,) = found["atlases"]
+    total = client.read(tmp_path / "out" / atlas["irradiance"])
+    parts = sum(client.read(tmp_path / "out" / file) for file in atlas["lights"])
+    np.testing.assert_allclose(total, parts, rtol=1e-6)
+    # 3. The lamps have no texels, and it is said.
+    assert {"path": "/Panel", "reason": "it emits light"} in found["left_out"]
+
+
+def test_an_even_sky_gives_pi_times_its_radiance(build: Any, tmp_path: Path) -> None:
+    """To the edges of the chart, whose border a bilinear look-up takes too."""
+    room = build()
+    room.quad("/Plate", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
+              material=room.material("/Black", base_color=(0.0,) * 3))  # fmt: skip
+    room.dome(radiance=NITS)
+    bake_stage(saved(room.stage, tmp_path), tmp_path / "out", BakeSettings(0.1, samples=16))
+    plate = client.load(tmp_path / "out/baked.usda")
+    points = np.array([[x, y, 0.0] for x in (0.01, 0.5, 0.99) for y in (0.01, 0.3, 0.99)])
+    rows = (points[:, 1] > points[:, 0]).astype(np.int64)
+    lux = plate.irradiance(rows, points)
+    np.testing.assert_allclose(lux, np.pi * NITS, rtol=0.05)
+    assert lux.mean() == pytest.approx(np.pi * NITS, rel=0.02)
+
+
+def _two_of_a_kind(build: Any, folder: Path) -> Path:
+    """Two instances of a box: one under a lamp, the other under a board."""
+    asset = build(path=folder / "asset.usda")
+    UsdGeom.Xform.Define(asset.stage, "/Thing")
+    asset.box("/Thing/Box", 0.5)
+    asset.stage.SetDefaultPrim(asset.stage.GetPrimAtPath("/Thing"))
+    asset.stage.Save()
+    room = build(path=folder / "scene.usda")
+    for name, x in (("a", -1.0), ("b", 1.0)):
+        thing = UsdGeom.Xform.Define(room.stage, f"/World/{name}")
+        thing.AddTranslateOp().Set(Gf.Vec3d(x, 0, 0))
+        thing.GetPrim().GetReferences().AddReference("./asset.usda")
+        thing.GetPrim().SetInstanceable(True)
+    room.box("/World/Room", 5.0, inside=True)
+    room.quad(
+        "/World/Board", [(0.5, -0.5, 0.5), (1.5, -0.5, 0.5), (1.5, 0.5, 0.5), (0.5, 0.5, 0.5)]
+    )
+    lamp = [(-1.2, -0.2, 2), (-1.2, 0.2, 2), (-0.8, 0.2, 2), (-0.8, -0.2, 2)]
+    define_mesh_light(room.quad("/World/Lamp", lamp).GetPrim(), nits=NITS)
+    room.stage.Save()
+    return folder / "scene.usda"
+
+
+def test_instances_have_light_of_their_own_and_stay_instances(build: Any, tmp_path: Path) -> None:
+    source = _two_of_a_kind(build, tmp_path)
+    before = source.read_bytes()
+    found = bake_stage(source, tmp_path / "out", BakeSettings(0.1, samples=16))
+    stage = Usd.Stage.Open(str(tmp_path / "out/baked.usda"))
+    a, b = (stage.GetPrimAtPath(f"/World/{name}") for name in "ab")
+    assert a.IsInstance() and a.GetPrototype() == b.GetPrototype()
+    assert [unit["path"] for unit in found["units"]][:2] == ["/World/a", "/World/b"]
+    things = client.load(tmp_path / "out/baked.usda")
+    top = np.array([[-0.95, 0.1, 0.25], [1.05, 0.1, 0.25]])
+    up = (things.corners[:, :, 2] == 0.25).all(axis=1)
+    rows = np.array([np.flatnonzero(up & (things.corners[:, :, 0].mean(axis=1) * x > 0))[0]
+                     for x, _, _ in top])  # fmt: skip
+    lit, shaded = things.irradiance(rows, things.corners[rows].mean(axis=1))[:, 0]
+    assert lit > 2.0 * shaded > 0.0
+    assert source.read_bytes() == before
+
+
+def test_equal_seeds_give_equal_files(build: Any, tmp_path: Path) -> None:
+    source = _two_of_a_kind(build, tmp_path)
+    for name in ("a", "b"):
+        bake_stage(source, tmp_path / name, BakeSettings(0.2, samples=2))
+    files = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))
+    assert len(files) == 8
+    for file in files:
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
+
+
+def test_texels_grow_until_they_fit(build: Any, tmp_path: Path) -> None:
+    source = _two_of_a_kind(build, tmp_path)
+    found = bake_stage(source, tmp_path / "out", BakeSettings(0.05, samples=1, most_texels=8000))
+    assert found["texel"]["side_m"] > found["texel"]["asked_m"]
+    assert sum(np.prod(atlas["size"]) for atlas in found["atlases"]) <= 8000
+    assert json.loads((tmp_path / "out/lightmaps.json").read_text()) == json.loads(
+        json.dumps(found)
+    )
+    with pytest.raises(InputError, match="do not fit"):
+        bake_stage(source, tmp_path / "none", BakeSettings(0.05, samples=1, most_texels=256))
+
+
+def test_what_makes_no_lightmap_is_refused(
+    build: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = _two_of_a_kind(build, tmp_path)
+    for wrong in (
+        {"texel_m": 0.0},
+        {"samples": 0},
+        {"bounces": 0},
+        {"side": 1},
+        {"most_texels": 1},
+    ):
+        with pytest.raises(InputError):
+            bake_stage(source, tmp_path / "out", BakeSettings(**wrong))
+    with pytest.raises(RenderError, match="scalar"):
+        bake_stage(source, tmp_path / "out", BakeSettings(0.5), options={"variant": "scalar"})
+    with pytest.raises(RenderError, match="lights no texels"):
+        bake_stage(source, tmp_path / "out", BakeSettings(0.5), renderer="preview")
+    nothing = build()
+    nothing.dome()
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="no surface"):
+        bake_stage(saved(nothing.stage, tmp_path / "empty"), tmp_path / "out")
+    real = builtins.__import__
+
+    def without(name: str, *rest: Any, **more: Any) -> Any:
+        if name == "xatlas":
+            raise ImportError("gone")
+        return real(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(MissingPackageError, match="xatlas") as error:
+        bake_stage(source, tmp_path / "out", BakeSettings(0.5))
+    assert "openrooms-usd[bake]" in str(error.value)
+    assert not (tmp_path / "out").exists()
