@@ -18,6 +18,9 @@ that each light brings, and our paths. The last column is the error of ours over
 environment: the paper's estimator of hemispheres beside hemisphere sampling alone.
 growth: seconds for a million paths, with the number of lights, pixels and triangles.
 
+At the end: what shall be reached, and what is; of the method that is no reference, where there is
+one.
+
 Seconds are those of all cores together; of one view those that its room takes before are part, of
 20 views a twentieth of these. Rays alone: the closest hits of the same rays, cast in the same run.
 Relative MSE is the mean over pixels of (x - ref)^2 / (ref^2 + 0.01 M^2) for each colour, M the mean
@@ -46,6 +49,7 @@ from benchmarks.light.radiance import radiance
 from benchmarks.light.references import References
 from benchmarks.light.repeatable import repeatable
 from benchmarks.light.section import Measure, Section, Setting
+from benchmarks.light.targets import listed
 from benchmarks.report import publish
 
 SECTIONS: Final[dict[str, Measure]] = {
@@ -86,6 +90,9 @@ def main(
             sections[name] = SECTIONS[name](setting)
             click.echo(f"{name}: {time.perf_counter() - began:.0f} s", err=True)
     text = "\n\n".join(f"## {name}\n\n{section.markdown}" for name, section in sections.items())
+    targets = [target for section in sections.values() for target in section.targets]
+    if targets:
+        text += f"\n\n## targets\n\n{listed(targets)}"
     publish("light", {name: section.data for name, section in sections.items()}, text, target)
 
 

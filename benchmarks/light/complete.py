@@ -13,12 +13,16 @@ from benchmarks.light.processes import run
 from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import OpenedRoom, methods_of
+from benchmarks.light.targets import Target
 from benchmarks.scenes import ORUSD, demo_stage
 from openrooms_usd.channels import CHANNELS, RENDERED, definition
 from openrooms_usd.render.contract import DEFAULT_GRID
 
 _SAMPLES: Final = 16
 _CAMERA: Final = "dining"
+_ESTIMATES: Final = {
+    "worst relative MSE": "estimated_error", "worst robust": "estimated_robust_error",
+}  # fmt: skip
 _LIT: Final = tuple(
     name for name in RENDERED if CHANNELS[name].kind == "light" and CHANNELS[name].scope != "grid"
 )
@@ -43,7 +47,12 @@ def complete(setting: Setting) -> Section:
                 rows.append({"room": name, "method": method, "samples": _SAMPLES, "set": what,
                              "s, one view": cost.views(1), "s, further view": cost.view,
                              "further view / radiance": cost.view / alone})  # fmt: skip
-    return section(rows)
+    return section(rows, [
+        Target(f"{row['set']}, {row['room']}: over the radiance alone", 2.0,
+               row["further view / radiance"])
+        for row in rows
+        if row["method"] == rows[-1]["method"] and row["set"] != "radiance"
+    ])  # fmt: skip
 
 
 def view(setting: Setting) -> Section:
@@ -61,7 +70,11 @@ def view(setting: Setting) -> Section:
         rows.append({"method": method, "samples": _SAMPLES, "s of all cores": ran.seconds,
                      "s by the clock": ran.elapsed, "peak GiB": ran.peak_gib}
                     | _worst(target))  # fmt: skip
-    return section(rows)
+    return section(rows, [
+        Target("a complete view, s by the clock", 60.0, rows[-1]["s by the clock"]),
+        Target("its worst channel of light, estimated robust error", 0.01,
+               rows[-1]["worst robust"]),
+    ])  # fmt: skip
 
 
 def _worst(target: Path) -> dict[str, Any]:
@@ -69,12 +82,12 @@ def _worst(target: Path) -> dict[str, Any]:
     manifest = json.loads((target / "manifest.json").read_text())
     (shown,) = manifest["views"].values()
     found: dict[str, Any] = {"lights": len(manifest["lights"])}
-    for figure in ("estimated_error", "estimated_robust_error"):
+    for title, figure in _ESTIMATES.items():
         errors = {
             name: entry[figure] or 0.0
             for name, entry in shown["channels"].items()
             if figure in entry and definition(name).kind == "light"
         }
         worst = max(errors, key=lambda name: errors[name], default=None)
-        found[f"worst {figure.replace('_', ' ')}"] = worst and f"{errors[worst]:.3g} ({worst})"
+        found |= {title: worst and errors[worst], f"{title}: of": worst}
     return found

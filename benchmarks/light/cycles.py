@@ -19,6 +19,7 @@ from benchmarks.light.references import Images
 from benchmarks.light.rooms import REFERENCE_SEED, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import Cost, OpenedRoom, methods_of
+from benchmarks.light.targets import Target
 from benchmarks.report import table
 from benchmarks.scenes import demo_stage
 from openrooms_usd.usd.layers import open_stage
@@ -27,6 +28,7 @@ _PYTHON: Final = "ORUSD_BLENDER_PYTHON"
 _INSTALLED: Final = Path(__file__).parents[2] / ".venv-blender/bin/python"
 _FIGURES: Final = ("relative MSE", "robust error")
 _MOMENTS: Final = ("single view", "twentieth view")
+_LIMITS: Final = (10.0, 30.0)
 
 
 def cycles(setting: Setting) -> Section:
@@ -52,7 +54,13 @@ def cycles(setting: Setting) -> Section:
     found = section(rows)
     titles = tuple(ratios[0])
     compared = table(titles, [list(row.values()) for row in ratios])
-    return Section({"rows": rows, "ratios": ratios}, f"{found.markdown}\n\n{compared}")
+    targets = [
+        Target(f"error x s of Cycles over ours, {moment}, denoised: {ratios[-1]['denoised']}",
+               limit, ratios[-1][f"{moment}, by relative MSE"], at_least=True)
+        for moment, limit in zip(_MOMENTS, _LIMITS, strict=True)
+    ]  # fmt: skip
+    data = {"rows": rows, "ratios": ratios}
+    return Section(data, f"{found.markdown}\n\n{compared}", tuple(targets))
 
 
 def _row(

@@ -4,7 +4,7 @@ Errors are measured on a coarse grid; seconds are those of the full one: of the 
 seconds grow with its paths, extrapolated from the coarse one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -15,6 +15,7 @@ from benchmarks.light.pictures import truth_of
 from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import Cost, OpenedRoom, methods_of
+from benchmarks.light.targets import Target
 from openrooms_usd.render.contract import DEFAULT_GRID, REFERENCE
 
 _ASKED: Final = ("environment", "environment_direct")
@@ -23,6 +24,7 @@ _ROOMS: Final = ("bedroom", "living room", "plain")
 _PAPER: Final = 50
 # One sample of a cell for so many of a pixel.
 _PIXEL_SAMPLES: Final = 16
+_THEIRS: Final = "the paper's"
 _VIEWS: Final = 20
 # A bias in luminance is measured in so many by so many cells together.
 _TILE_CELLS: Final = 8
@@ -48,14 +50,32 @@ def grids(setting: Setting) -> Section:
                 if reference:
                     paper = cost.views(1)
                 rows.append(
-                    {"room": name, "method": "the paper's" if reference else method,
+                    {"room": name, "method": _THEIRS if reference else method,
                      "samples a cell": samples, "s, one view": cost.views(1),
                      f"s, of {_VIEWS} views": cost.views(_VIEWS), "s, rays alone": alone,
                      "paper / one view": (paper or 0.0) / cost.views(1),
                      "further view / rays": cost.view / alone}
                     | _errors(opened, samples, coarse, truth)
                 )  # fmt: skip
-    return section(rows)
+    return section(rows, _targets(rows))
+
+
+def _targets(rows: Sequence[dict[str, Any]]) -> Iterator[Target]:
+    """Of every method but the paper's, with the fewest samples that reach the paper's error."""
+    for name in dict.fromkeys(row["room"] for row in rows):
+        *_, paper = (row for row in rows if row["room"] == name and row["method"] == _THEIRS)
+        ours = [row for row in rows if row["room"] == name and row["method"] != _THEIRS]
+        good = [row for row in ours if row["all: robust"] <= paper["all: robust"]]
+        best = good[0] if good else None
+        title = f"grid, {name}: "
+        yield Target(
+            f"{title}the paper's {paper['samples a cell']} samples over one view at their error",
+            30.0, best and best["paper / one view"], at_least=True,
+        )  # fmt: skip
+        for row in good[:1] or ours[-1:]:
+            yield Target(f"{title}further view over its rays", 2.0, row["further view / rays"])
+            yield Target(f"{title}bias, %", 1.0, row["bias, %"])
+            yield Target(f"{title}bias of the worst tenth, %", 3.0, row["worst tenth, %"])
 
 
 def _cost(

@@ -9,6 +9,7 @@ from benchmarks.light.processes import run
 from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import OpenedRoom, methods_of
+from benchmarks.light.targets import Target
 from benchmarks.scenes import ORUSD
 from openrooms_usd.channels import RENDERED
 
@@ -40,7 +41,11 @@ def memory(setting: Setting) -> Section:
         rows.append({"what": f"{views[1]} views, all channels", "method": method,
                      "s": ran.seconds, "peak GiB": ran.peak_gib,
                      "growth, MiB": float(ran.said.split()[-1])})  # fmt: skip
-    return section(rows)
+    last = len(methods) - 1
+    return section(rows, [
+        Target(f"{rows[last]['what']}, GiB", 4.0, rows[last]["peak GiB"]),
+        Target(f"{rows[-1]['what']}, growth, MiB", 16.0, rows[-1]["growth, MiB"]),
+    ])  # fmt: skip
 
 
 def walk(method: str, views: tuple[int, int]) -> None:

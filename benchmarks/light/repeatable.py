@@ -9,6 +9,8 @@ from benchmarks.light.processes import run
 from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import OpenedRoom, methods_of
+from benchmarks.light.targets import Target
+from openrooms_usd.library.textures.cache import VARIABLE
 
 _THREADS: Final = (1, 2, 4)
 _AT_ONCE: Final = 4
@@ -19,25 +21,30 @@ def repeatable(setting: Setting) -> Section:
     """Digests of all channels of light of a view, which must be one."""
     rows: list[dict[str, Any]] = []
     for method in methods_of(Room(ROOMS["plain"].build(setting.folder), 4, 3)):
-        digests: dict[str, str] = {}
-        for threads in _THREADS:
-            digests[f"{threads} threads"] = _digest(setting.folder, method, threads)
+        # Nobody finds here what another has kept on disk.
+        alone = {f"{n} threads": _digest(setting.folder, method, n) for n in _THREADS}
+        alone["after another view"] = _digest(setting.folder, method, 2, 1)
+        # Whoever is first keeps it for the others.
+        shared = str(setting.folder / f"kept_{method}")
         with ThreadPoolExecutor(_AT_ONCE) as pool:
-            jobs = [pool.submit(_digest, setting.folder, method, 1) for _ in range(_AT_ONCE)]
-            for number, job in enumerate(jobs):
-                digests[f"process {number + 1} of {_AT_ONCE} at once"] = job.result()
-        digests["after another view"] = _digest(setting.folder, method, 2, 1)
+            jobs = [
+                pool.submit(_digest, setting.folder, method, 1, 0, shared) for _ in range(_AT_ONCE)
+            ]
+        together = {f"process {n + 1} of {_AT_ONCE}": job.result() for n, job in enumerate(jobs)}
+        afterwards = {"from what they kept": _digest(setting.folder, method, 1, 0, shared)}
+        digests = alone | together | afterwards
         known = next(iter(digests.values()))
         rows += [{"method": method, "computed by": how, "digest": digest[:12],
                   "same bytes": "yes" if digest == known else "NO"}
                  for how, digest in digests.items()]  # fmt: skip
-    return section(rows)
+    differing = sum(row["same bytes"] != "yes" for row in rows)
+    return section(rows, [Target("renders with bytes of their own", 0.0, float(differing))])
 
 
-def _digest(folder: Path, method: str, threads: int, before: int = 0) -> str:
+def _digest(folder: Path, method: str, threads: int, before: int = 0, kept: str = "off") -> str:
     arguments = f"{str(folder)!r}, {method!r}, {threads}, {before}"
     script = f"from benchmarks.light.repeatable import digest; digest({arguments})"
-    return run(sys.executable, "-P", "-c", script).said.split()[-1]
+    return run(sys.executable, "-P", "-c", script, **{VARIABLE: kept}).said.split()[-1]
 
 
 def digest(folder: str, method: str, threads: int, before: int) -> None:

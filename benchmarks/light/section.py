@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.light.references import References
+from benchmarks.light.targets import Target
 from benchmarks.report import table
 
 
@@ -33,17 +34,25 @@ class Setting:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the benchmark: numbers for programs, and text for people."""
+    """A part of the benchmark.
+
+    Attributes:
+        data: Numbers for programs.
+        markdown: Text for people.
+        targets: What shall be reached, and is or is not.
+    """
 
     data: Any
     markdown: str
+    targets: tuple[Target, ...] = ()
 
 
 Measure = Callable[[Setting], Section]
 
 
-def section(rows: list[dict[str, Any]]) -> Section:
+def section(rows: list[dict[str, Any]], targets: Iterable[Target] = ()) -> Section:
     """A section that is one table; all rows have the keys of the first."""
     if not rows:
         return Section(rows, "None of the chosen rooms is measured here.")
-    return Section(rows, table(tuple(rows[0]), [list(row.values()) for row in rows]))
+    shown = table(tuple(rows[0]), [list(row.values()) for row in rows])
+    return Section(rows, shown, tuple(targets))
