@@ -133,29 +133,35 @@ def _view(si: Any, relief: Any) -> _View:
 
 
 @dataclass(frozen=True, eq=False)
-class _Model:
+class Reflection:
     """The model at one surface interaction, with the parts that a caller asks for.
 
     Attributes:
         matter: What is there.
         view: Its viewer's side.
-        lobe: Weight of the specular lobe, diffuse reflection and transmission: 0 or 1.
-        reflection: See ``lobe``.
-        passage: See ``lobe``.
+        lobe: Weight of the specular lobe: 0 or 1.
+        reflection: Weight of diffuse reflection, a number or one for each interaction.
+        passage: Weight of diffuse transmission, as of ``reflection``.
     """
 
     matter: Matter
     view: _View
     lobe: float
-    reflection: float
-    passage: float
+    reflection: Any
+    passage: Any
 
     @staticmethod
-    def at(source: Source, context: Any, si: Any, active: Any) -> "_Model":
-        matter, flags = source(si, active), mi.BSDFFlags
+    def at(source: Source, context: Any, si: Any, active: Any) -> "Reflection":
+        """All parts that a context asks for."""
+        flags = mi.BSDFFlags
         parts = (flags.GlossyReflection, flags.DiffuseReflection, flags.DiffuseTransmission)
         asked = [float(context.is_enabled(part, number)) for number, part in enumerate(parts)]
-        return _Model(matter, _view(si, matter.relief), *asked)
+        return Reflection.of(source(si, active), si, *asked)
+
+    @staticmethod
+    def of(matter: Matter, si: Any, lobe: float, reflection: Any, passage: Any) -> "Reflection":
+        """The model of some matter at surface interactions, its parts weighed."""
+        return Reflection(matter, _view(si, matter.relief), lobe, reflection, passage)
 
     @property
     def shares(self) -> tuple[Any, Any]:
@@ -225,7 +231,7 @@ def register(variant: str) -> Any:
         def sample(
             self, context: Any, si: Any, which: Any, where: Any, active: Any = True
         ) -> tuple[Any, Any]:
-            model = _Model.at(self.source, context, si, active)
+            model = Reflection.at(self.source, context, si, active)
             wo, part = model.direction(which, where)
             local = model.view.frame.to_world(wo)
             value, density = model.value(wo, local)
@@ -240,7 +246,7 @@ def register(variant: str) -> Any:
             return bs, dr.select(active, value / dr.select(active, density, 1.0), 0.0)
 
         def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            model = _Model.at(self.source, context, si, active)
+            model = Reflection.at(self.source, context, si, active)
             value, density = model.value(model.view.frame.to_local(wo), wo)
             return dr.select(active, value, 0.0), dr.select(active, density, 0.0)
 

@@ -1,0 +1,59 @@
+"""The light cache as it is looked up, by light or in total."""
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from openrooms_usd.render.scene.arrays import Scene
+from orusd_mitsuba.cache.filling import LIMITS, NEAREST_PER_SIZE, CacheData
+from orusd_mitsuba.cache.surfels import SurfelIndex
+
+
+class LightCache:
+    """Irradiance of surfels for arrays of the active variant: see `tracing.Known`.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Args:
+        scene: The arrays.
+        built: The same as a Mitsuba scene.
+        data: What `filling.fill` made.
+        by_light: Whether to add by light, or all at once as of the first light.
+        first: What ``scatterings`` is at the first surface that may be looked up: 2 where paths
+            begin at a camera, 1 where they begin at points that light arrives at.
+    """
+
+    def __init__(
+        self, scene: Scene, built: Any, data: CacheData, *, by_light: bool, first: int = 2
+    ) -> None:
+        self._first = first
+        self._index = SurfelIndex(scene, built, data.table.size_m, data.table)
+        values = data.irradiance if by_light else data.irradiance.sum(axis=2, keepdims=True)
+        self._lights = values.shape[2]
+        padded = np.concatenate([values, np.zeros_like(values[..., :1])], axis=-1)
+        self._values = mi.Float(padded.ravel())
+        self.passing = any(patch.surface.transmission > 0.0 for patch in scene.patches)
+
+    def find(self, si: Any, towards: Any, active: Any) -> tuple[Any, Any]:
+        """See `tracing.Known`."""
+        return self._index.find(si, towards, active)
+
+    def trusted(self, distance: Any, scatterings: Any) -> Any:
+        """See `tracing.Known`."""
+        return distance > NEAREST_PER_SIZE * self._index.size
+
+    @dr.syntax
+    def add(
+        self, surfel: Any, weight: Any, scatterings: Any, sums: Any, active: Any, *, behind: bool
+    ) -> None:
+        """See `tracing.Known`."""
+        # The second surface of a path from the camera is the first one here.
+        limit = dr.clip(mi.Int32(scatterings) - self._first, 0, LIMITS - 1)
+        row = (surfel * LIMITS + mi.UInt32(limit)) * self._lights
+        light = mi.UInt32(0)
+        while light < self._lights:
+            value = dr.gather(mi.Vector4f, self._values, row + light, active)
+            sums.add(weight * mi.Color3f(value.x, value.y, value.z), light, scatterings, active)
+            light += 1

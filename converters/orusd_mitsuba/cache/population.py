@@ -1,0 +1,125 @@
+"""Points of surfaces that light can reach: a walk through the room that begins where lights shine.
+
+Each light path's first surface is one that a light shines at, so the walk begins at such points and
+goes on as the surfaces scatter. What it meets is met as a picture's rays meet it: seldom in narrow
+gaps, never in closed cupboards. So what is worked out at these points is right in the mean for
+those who look it up. Nothing depends on a camera.
+"""
+
+from typing import Any, Final
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render.scene.arrays import Scene
+
+_CANDIDATES: Final = 1 << 18
+_WALKERS: Final = 1 << 16
+# Where walkers begin is bright; after some steps they are anywhere that light reaches.
+_FORGOTTEN_STEPS: Final = 6
+_STEPS: Final = 12
+# How far above a surface a ray begins that shall meet it, as a part of the scene's radius.
+_ABOVE_PART: Final = 1e-4
+
+
+class Rays:
+    """Rays that end on surfaces, of the active variant.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+    """
+
+    def __init__(self, origins: Any, directions: Any) -> None:
+        self.o, self.d = mi.Point3f(origins), mi.Vector3f(directions)
+
+    def __len__(self) -> int:
+        return int(dr.width(self.o))
+
+    def at(self, number: Any) -> Any:
+        """Some of them, as Mitsuba's."""
+        return mi.Ray3f(dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number))
+
+    @staticmethod
+    def joined(parts: list["Rays"]) -> "Rays":
+        """All of them, in their order."""
+        return Rays(
+            *(
+                np.concatenate([np.asarray(getattr(part, name).numpy()) for part in parts], axis=1)
+                for name in ("o", "d")
+            )
+        )
+
+
+def reached(scene: Scene, built: Any, seed: int) -> Rays:
+    """Rays whose ends are points that light reaches; empty where there is no light.
+
+    Args:
+        scene: The arrays.
+        built: The same as a Mitsuba scene.
+        seed: Of random numbers.
+    """
+    lit = _lit(scene, built, seed)
+    if not len(lit):
+        return lit
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(seed + 1, _WALKERS)
+    walker = dr.arange(mi.UInt32, _WALKERS)
+    ray = lit.at(walker % len(lit))
+    found = []
+    for step in range(_FORGOTTEN_STEPS + _STEPS):
+        ray, d, onwards = _step(built, sampler, ray)
+        if step < _FORGOTTEN_STEPS:
+            continue
+        kept = dr.compress(onwards)
+        found.append(Rays(dr.gather(mi.Point3f, ray.o, kept), dr.gather(mi.Vector3f, d, kept)))
+    return Rays.joined(found)
+
+
+def _lit(scene: Scene, built: Any, seed: int) -> Rays:
+    """Rays onto points of either side that some light shines at, of candidates even by area."""
+    corners = scene.triangles.corners - scene.origin
+    a, b, c = np.moveaxis(corners, 1, 0)
+    crosses = np.cross(b - a, c - a)
+    areas = np.linalg.norm(crosses, axis=1)
+    if not areas.sum() > 0.0:
+        return Rays(np.zeros((3, 0)), np.zeros((3, 0)))
+    rng = np.random.default_rng(seed)
+    below = np.cumsum(areas) / areas.sum()
+    row = np.searchsorted(below, (np.arange(_CANDIDATES) + rng.random(_CANDIDATES)) / _CANDIDATES)
+    row = np.minimum(row, len(areas) - 1)
+    root, across = np.sqrt(rng.random(_CANDIDATES))[:, None], rng.random(_CANDIDATES)[:, None]
+    place = a[row] * (1.0 - root) + b[row] * (root * (1.0 - across)) + c[row] * (root * across)
+    side = np.where(rng.random(_CANDIDATES) < 0.5, 1.0, -1.0)[:, None]
+    normal = side * crosses[row] / np.maximum(areas[row], 1e-30)[:, None]
+    above = place + _ABOVE_PART * scene.radius * normal
+    onto = Rays(_columns(above), _columns(-normal))
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(seed, _CANDIDATES)
+    ray = mi.Ray3f(onto.o, onto.d)
+    si = built.ray_intersect(ray)
+    to, incident = built.sample_emitter_direction(si, sampler.next_2d(), True, si.is_valid())
+    facing = dr.dot(si.n, to.d) * dr.dot(si.n, -ray.d) > 0.0
+    shone = si.is_valid() & (to.pdf > 0.0) & (dr.max(incident) > 0.0) & facing
+    kept = dr.compress(shone)
+    return Rays(dr.gather(mi.Point3f, onto.o, kept), dr.gather(mi.Vector3f, onto.d, kept))
+
+
+def _step(built: Any, sampler: Any, ray: Any) -> tuple[Any, Any, Any]:
+    """One scattering: the next ray, its direction, and whether it meets a surface."""
+    si = built.ray_intersect(ray)
+    sample, _ = si.bsdf().sample(
+        mi.BSDFContext(), si, sampler.next_1d(), sampler.next_2d(), si.is_valid()
+    )
+    onto = si.to_world(sample.wo)
+    after = si.spawn_ray(onto)
+    meets = si.is_valid() & (sample.pdf > 0.0) & built.ray_test(after, si.is_valid())
+    # Who is lost stands where he stood.
+    after.o = dr.select(meets, after.o, ray.o)
+    after.d = dr.select(meets, after.d, ray.d)
+    dr.eval(after, onto, meets)
+    return after, after.d, meets
+
+
+def _columns(vectors: NDArray[np.float64]) -> NDArray[np.float32]:
+    return np.ascontiguousarray(vectors.T, dtype=np.float32)

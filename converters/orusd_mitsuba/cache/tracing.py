@@ -1,0 +1,218 @@
+"""Paths that end in the light cache: one or two segments instead of eight.
+
+At a surface that the cache knows, what is scattered diffusely is the surface's own albedo times the
+cached irradiance, by light; only the lobe is followed on, with a chance in proportion to what it
+reflects. Where the cache is not to be trusted, the path goes on as in
+`orusd_mitsuba.transport.path_tracing`: at the first surface, where a ray is so short that a surfel
+is large beside it (corners, gaps, contacts), where no surfel was filled, and at surfaces that are
+not in the table of materials (clear ones, foreign models).
+"""
+
+from typing import Any, Final, Protocol
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from orusd_mitsuba.plugins import microfacet
+from orusd_mitsuba.plugins.material_table import MaterialTable
+from orusd_mitsuba.plugins.openrooms_bsdf import Reflection
+from orusd_mitsuba.transport.light_index import LightIndex
+from orusd_mitsuba.transport.path_tracing import power_heuristic
+
+# A lobe is followed on with this chance for all that it reflects of even light, and at least with
+# the second one where it reflects anything.
+_CHANCE_PER_ALBEDO: Final = 2.0
+_LEAST_CHANCE: Final = 0.1
+_LEAST_LOBE_ALBEDO: Final = 1e-4
+_ROULETTE_FROM_SEGMENT: Final = 5
+_MOST_SURVIVAL: Final = 0.95
+
+
+class Known(Protocol):
+    """What is known of surfaces."""
+
+    passing: bool
+    """Whether any surface passes light on diffusely."""
+
+    def find(self, si: Any, towards: Any, active: Any) -> tuple[Any, Any]:
+        """The surfel on the side that ``towards`` points to, and whether it is filled."""
+        ...
+
+    def trusted(self, distance: Any, scatterings: Any) -> Any:
+        """Whether surfels are small beside a ray of that length, after so many scatterings."""
+        ...
+
+    def add(
+        self, surfel: Any, weight: Any, scatterings: Any, sums: Any, active: Any, *, behind: bool
+    ) -> None:
+        """Add a weight times the irradiance of a surfel, by light.
+
+        Args:
+            surfel: Its number.
+            weight: Colour.
+            scatterings: Between the surfel and where the path began, itself included.
+            sums: What receives it.
+            active: Where.
+            behind: Whether the surfel is on the other side of what was met.
+        """
+        ...
+
+
+class Surroundings:
+    """What paths are followed in.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Args:
+        built: The Mitsuba scene of a vectorized variant.
+        index: Its lights.
+        materials: The table that surfaces are rows of.
+        rows: By registered shape, whether it is one: uint32, 0 or 1.
+        known: The cache.
+        depth: At most this many segments of a path.
+    """
+
+    def __init__(
+        self, built: Any, index: LightIndex, materials: MaterialTable, rows: Any, known: Known,
+        depth: int,
+    ) -> None:  # fmt: skip
+        self.built, self.index, self.materials = built, index, materials
+        self.known, self.depth = known, depth
+        self._rows = rows
+        self.mixed = not bool(np.asarray(rows.numpy()).all())
+
+    def knowing(self, known: Known) -> "Surroundings":
+        """The same with another cache."""
+        return Surroundings(self.built, self.index, self.materials, self._rows, known, self.depth)
+
+    def tabulated(self, shape: Any, active: Any) -> Any:
+        """Whether shapes have a row in the table of materials."""
+        if not self.mixed:
+            return mi.Bool(active)
+        number: Any = dr.reinterpret_array(mi.UInt32, shape)
+        return active & (dr.gather(mi.UInt32, self._rows, number, active) == 1)
+
+
+@dr.syntax
+def follow(
+    around: Surroundings,
+    sampler: Any,
+    ray: Any,
+    sums: Any,
+    first: Any = None,
+    active: Any = True,
+    begun: Any = None,
+    numbers: Any = None,
+) -> None:
+    """Follow one path along each ray into the cache and add up what it brings.
+
+    Args:
+        around: The scene and what is known of it.
+        sampler: Seeded for as many paths as there are rays.
+        ray: Where the paths begin.
+        sums: Receives the contributions, by ``add`` of a `PathAccumulator`.
+        first: Gives the BSDF of the first surface, such as a white one; None: its own.
+        active: Which rays to follow.
+        begun: As of `orusd_mitsuba.transport.path_tracing.trace`. The cache then counts from the
+            first surface that is met, else from the second one.
+        numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
+    """
+    built, index, known = around.built, around.index, around.known
+    context = mi.BSDFContext()
+    ray = mi.Ray3f(ray)
+    throughput = mi.Color3f(1.0)
+    segments, scatterings = mi.UInt32(0), mi.UInt32(0)
+    before = dr.zeros(mi.SurfaceInteraction3f)
+    density, certain = mi.Float(1.0), mi.Bool(True)
+    since = 1
+    if dr.hint(begun is not None, mode="scalar"):
+        before, density, certain = begun[0], mi.Float(begun[1]), mi.Bool(False)
+        since = 0
+    crossed = mi.UInt32(index.elsewhere)
+    active = mi.Bool(active)
+    while active:
+        si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
+        hit = si.is_valid()
+        crossed = index.crossed(ray.o, ray.d, dr.select(hit, si.t, dr.inf), crossed)
+        # 1. Light that the ray has met.
+        emitter = si.emitter(built)
+        emits = active & (emitter != None)  # noqa: E711
+        if dr.hint(first is not None, mode="scalar"):
+            emits &= scatterings > 0
+        ds = mi.DirectionSample3f(built, si, before)
+        other = dr.select(certain, 0.0, built.pdf_emitter_direction(before, ds, emits & ~certain))
+        met = throughput * emitter.eval(si, emits) * power_heuristic(density, other)
+        light = dr.select(hit, index.of_shape(si.shape, emits & hit), crossed)
+        sums.add(met, light, scatterings, emits)
+        # 2. What is known of the surface.
+        onwards = active & hit & (segments + 1 < around.depth)
+        tabulated = around.tabulated(si.shape, onwards)
+        matter = around.materials(si, tabulated)
+        ends = tabulated & (scatterings >= since) & known.trusted(si.t, scatterings + 1)
+        surfel, found = known.find(si, -ray.d, ends)
+        ends &= found
+        if dr.hint(known.passing, mode="scalar"):
+            passes = ends & (matter.transmission > 0.0)
+            behind, filled = known.find(si, ray.d, passes)
+            passes &= filled
+            ends &= passes | (matter.transmission <= 0.0)
+            share = matter.diffuse * (matter.transmission * dr.inv_pi)
+            known.add(behind, throughput * share, scatterings + 1, sums, passes, behind=True)
+        share = matter.diffuse * dr.inv_pi
+        known.add(surfel, throughput * share, scatterings + 1, sums, ends, behind=False)
+        # 3. Of what the cache knows only the lobe goes on.
+        full = dr.select(ends, mi.Float(0.0), mi.Float(1.0))
+        reflection = Reflection.of(matter, si, 1.0, full, full)
+        lobe = mi.luminance(
+            microfacet.lobe_albedo(reflection.view.wi.z, matter.roughness, matter.specular)
+        )
+        chance = dr.clip(_CHANCE_PER_ALBEDO * lobe, _LEAST_CHANCE, 1.0)
+        chance = dr.select(ends, dr.select(lobe > _LEAST_LOBE_ALBEDO, chance, 0.0), 1.0)
+        onwards &= sampler.next_1d() < chance
+        throughput /= dr.select(onwards, chance, 1.0)
+        # 4. Light that is looked for.
+        looking, choice, turning = sampler.next_2d(), sampler.next_1d(), sampler.next_2d()
+        if dr.hint(numbers is not None, mode="scalar"):
+            looking = dr.select(segments == 0, numbers.light, looking)
+            choice = dr.select(segments == 0, numbers.lobe, choice)
+            turning = dr.select(segments == 0, numbers.direction, turning)
+        to, incident = built.sample_emitter_direction(si, looking, True, onwards)
+        local = si.to_local(to.d)
+        wo, _ = reflection.direction(choice, turning)
+        turned = reflection.view.frame.to_world(wo)
+        value, pdf = reflection.value(reflection.view.frame.to_local(local), local)
+        scattered, drawn = reflection.value(wo, turned)
+        weight = dr.select(drawn > 0.0, scattered / dr.select(drawn > 0.0, drawn, 1.0), 0.0)
+        null, sharp = mi.Bool(False), mi.Bool(False)
+        if dr.hint(around.mixed or first is not None, mode="scalar"):
+            bsdf, foreign = si.bsdf(), onwards & ~tabulated
+            if dr.hint(first is not None, mode="scalar"):
+                white = onwards & (scatterings == 0)
+                bsdf = dr.select(white, first(si), bsdf)
+                foreign |= white
+            v, p, sample, w = bsdf.eval_pdf_sample(context, si, local, choice, turning, foreign)
+            value, pdf = dr.select(foreign, v, value), dr.select(foreign, p, pdf)
+            turned = dr.select(foreign, sample.wo, turned)
+            weight, drawn = dr.select(foreign, w, weight), dr.select(foreign, sample.pdf, drawn)
+            null = foreign & mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
+            sharp = foreign & (null | mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta))
+        lit = onwards & (to.pdf != 0.0)
+        infinite = mi.has_flag(to.emitter.flags(), mi.EmitterFlags.Infinite)
+        share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, pdf))
+        lamp = index.of_shape(to.emitter.get_shape(), lit & ~infinite)
+        sky = index.crossed(si.p, to.d, mi.Float(dr.inf), crossed)
+        brought = throughput * value * incident * share
+        sums.add(brought, dr.select(infinite, sky, lamp), scatterings + 1, lit)
+        # 5. Onwards.
+        ray = si.spawn_ray(si.to_world(turned))
+        throughput *= weight
+        before, density, certain = si, drawn, sharp
+        scatterings = dr.select(null, scatterings, scatterings + 1)
+        segments += 1
+        strongest = dr.max(throughput)
+        survival = dr.minimum(dr.sqrt(strongest), _MOST_SURVIVAL)
+        roulette = segments >= _ROULETTE_FROM_SEGMENT
+        kept = ~roulette | (sampler.next_1d() < survival)
+        throughput[roulette] /= survival
+        active = onwards & kept & (strongest > 0.0)
