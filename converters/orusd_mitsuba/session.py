@@ -11,12 +11,13 @@ from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
-from openrooms_usd.render.contract import REFERENCE, Method, ViewProgress
+from openrooms_usd.render.contract import CACHE, REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import MODELS, Model, with_model
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.cache.room_light import LEAST_BOUNCES, RoomLight
 from orusd_mitsuba.direct.integrator import DirectIntegrator
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.render_passes import (
@@ -78,7 +79,9 @@ class MitsubaSession:
         self.tracer = MitsubaTracer(self._scene, self._built)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
         self.advice = backend.advice
-        self.methods: tuple[Method, ...] = (REFERENCE,)
+        vectorized = not backend.variant.startswith("scalar")
+        self.methods: tuple[Method, ...] = (REFERENCE, CACHE) if vectorized else (REFERENCE,)
+        self._room_lights: dict[int, RoomLight] = {}
         self.settings: Mapping[str, str] = {"bsdf": model}
         self.conventions: Mapping[str, str] = _CONVENTIONS
 
@@ -101,7 +104,7 @@ class MitsubaSession:
         self._activate()
         _check(request, self._variant)
         needed = [(one, found) for one in _PASSES if (found := one.gives(request.channels))]
-        if any(one is IRRADIANCE or one is DIRECT for one, _ in needed):
+        if request.method == CACHE or any(one is IRRADIANCE or one is DIRECT for one, _ in needed):
             # Before the first pass: a new kind of surface changes the code of all kernels.
             _ = self._white
         seconds = None if request.seconds is None else request.seconds / len(needed)
@@ -129,6 +132,7 @@ class MitsubaSession:
         moved = self._scene.placed([patch.triangles for patch in scene.patches])
         self._builder.move(self._built, self._scene, moved)
         self._scene = moved
+        self._room_lights.clear()
 
     def probe(
         self, request: ProbeRequest, progress: ViewProgress = lambda fraction: None
@@ -197,17 +201,31 @@ class MitsubaSession:
                 camera,
                 *size,
             )
+        light = self._room_light(request)
         if render_pass is ENVIRONMENT:
             seen = replace(camera, K=coarse(camera, size, request.grid))
             return HemisphereIntegrator(
                 self._scene, self._built, self._index, self.tracer, seen, request.grid,
-                request.bounces + 1,
+                request.bounces + 1, paths=light.arriving() if light else None,
             )  # fmt: skip
+        by_light = any(CHANNELS[name].scope == "light" for name in channels)
         return PathIntegrator(
             self._built, self._index, camera, *size, self._scene.origin, request.bounces + 1,
-            by_light=any(CHANNELS[name].scope == "light" for name in channels),
-            first=self._white if render_pass is IRRADIANCE else None,
+            by_light=by_light, first=self._white if render_pass is IRRADIANCE else None,
+            paths=light.paths(by_light=by_light) if light else None,
         )  # fmt: skip
+
+    def _room_light(self, request: RenderRequest) -> RoomLight | None:
+        """The cache that a request looks light up in, if it asks for that."""
+        if request.method != CACHE or request.bounces < LEAST_BOUNCES:
+            return None
+        if self._builder.table is None:
+            return None
+        if request.bounces not in self._room_lights:
+            self._room_lights[request.bounces] = RoomLight(
+                self._scene, self._built, self._builder, self._index, self._white, request.bounces
+            )
+        return self._room_lights[request.bounces]
 
     @cached_property
     def _index(self) -> LightIndex:

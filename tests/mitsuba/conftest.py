@@ -124,10 +124,11 @@ def save_picture() -> Callable[[Path, NDArray[Any]], str]:
 class Lit:
     """A stage with all that the integrators of light need, for the fastest backend here."""
 
-    def __init__(self, stage: Usd.Stage) -> None:
+    def __init__(self, stage: Usd.Stage, bsdf: str = "auto") -> None:
         import mitsuba as mi
 
         mi.set_variant(variants.choose("auto").variant)
+        from openrooms_usd.render.scene.models import with_model
         from openrooms_usd.render.scene.sources import sources_of
         from openrooms_usd.render.scene.translate import translate
         from orusd_mitsuba.plugins.build import Builder
@@ -135,7 +136,7 @@ class Lit:
         from orusd_mitsuba.transport.white import white_first
 
         self.stage = stage
-        self.scene = translate(stage)
+        self.scene = with_model(translate(stage), bsdf)
         builder = Builder(self.scene.origin)
         self.built = builder.scene(self.scene)
         self.sources = sources_of(self.scene)
@@ -147,6 +148,12 @@ class Lit:
         from openrooms_usd.usd.cameras import read_camera
 
         return read_camera(self.stage.GetPrimAtPath(path), width, height)
+
+    def cache(self, bounces: int = 7) -> Any:
+        """The `RoomLight` of the room, filled anew."""
+        from orusd_mitsuba.cache.room_light import RoomLight
+
+        return RoomLight(self.scene, self.built, self._builder, self.index, self.first, bounces)
 
     def direct(
         self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)

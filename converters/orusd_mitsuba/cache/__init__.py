@@ -1,1 +1,7 @@
-"""The light cache."""
+"""The light cache: what surfaces of a room receive of each light, computed once for all views.
+
+- ``surfels`` are the elements of surface that have a value, found by hashing.
+- ``population`` finds points of them where light may come, ``filling`` what arrives there.
+- ``tracing`` follows paths that end where the cache knows what is scattered, ``lookup`` adds that.
+- ``room_light`` is the cache of an opened room: filled, or read from its file.
+"""

@@ -1,10 +1,10 @@
 """Fills the light cache: what every surfel receives of each light, with all scatterings.
 
-From points of every surfel paths are followed that end where other surfels are met (`tracing`): what
-lights send on such a path is summed by light, and the rest is a link: so much of what that surfel
-receives arrives here. Links are the form factors of classical radiosity with the albedo of the very
-point that was met (Goral et al. 1984; Galerkin with constant elements), so one set of rays serves
-all bounces and all lights: the irradiance is S + T S + T T S + ..., a sparse product a bounce. Where a
+From points of every surfel paths are followed that end where other surfels are met (`tracing`):
+what lights send on such a path is summed by light, and the rest is a link: so much of what that
+surfel receives arrives here. Links are the form factors of classical radiosity with the albedo of
+the very point that was met (Goral et al. 1984; constant elements), so one set of rays serves all
+bounces and all lights: the irradiance is S + T S + T T S + ..., a sparse product a bounce. Where a
 path went by more than one surface, it counts as so many scatterings.
 """
 
@@ -21,7 +21,6 @@ from orusd_mitsuba.cache.population import Rays, reached
 from orusd_mitsuba.cache.surfels import SurfelIndex, SurfelTable, tabulate
 from orusd_mitsuba.cache.tracing import Surroundings, follow
 from orusd_mitsuba.transport.lattice import FirstDimensions
-from orusd_mitsuba.transport.path_tracing import PathAccumulator
 
 Floats = NDArray[np.float32]
 
@@ -170,7 +169,7 @@ def _points(
     si = built.ray_intersect(ray)
     far = si.is_valid() & (si.t > NEAREST_PER_SIZE * size_m)
     place, check = index.hashes(si, -ray.d, far)
-    kept = dr.compress(far)
+    kept: Any = dr.compress(far)
     hashes = np.column_stack([dr.gather(mi.UInt32, word, kept).numpy() for word in (place, check)])
     table, numbers = tabulate(hashes, size_m)
     order = np.argsort(numbers, kind="stable")

@@ -9,6 +9,31 @@ import numpy as np
 from openrooms_usd.render.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import LIMITS, NEAREST_PER_SIZE, CacheData
 from orusd_mitsuba.cache.surfels import SurfelIndex
+from orusd_mitsuba.plugins.memory import aligned
+
+
+class Nothing:
+    """A cache that knows nothing.
+
+    Args:
+        scene: The arrays.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.passing = passing(scene)
+
+    def find(self, si: Any, towards: Any, active: Any) -> tuple[Any, Any]:
+        """See `tracing.Known`."""
+        return mi.UInt32(0), mi.Bool(False)
+
+    def trusted(self, distance: Any, scatterings: Any) -> Any:
+        """See `tracing.Known`."""
+        return mi.Bool(False)
+
+    def add(
+        self, surfel: Any, weight: Any, scatterings: Any, sums: Any, active: Any, *, behind: bool
+    ) -> None:
+        """See `tracing.Known`."""
 
 
 class LightCache:
@@ -33,8 +58,8 @@ class LightCache:
         values = data.irradiance if by_light else data.irradiance.sum(axis=2, keepdims=True)
         self._lights = values.shape[2]
         padded = np.concatenate([values, np.zeros_like(values[..., :1])], axis=-1)
-        self._values = mi.Float(padded.ravel())
-        self.passing = any(patch.surface.transmission > 0.0 for patch in scene.patches)
+        self._values = mi.Float(aligned(padded.astype(np.float32)))
+        self.passing = passing(scene)
 
     def find(self, si: Any, towards: Any, active: Any) -> tuple[Any, Any]:
         """See `tracing.Known`."""
@@ -57,3 +82,8 @@ class LightCache:
             value = dr.gather(mi.Vector4f, self._values, row + light, active)
             sums.add(weight * mi.Color3f(value.x, value.y, value.z), light, scatterings, active)
             light += 1
+
+
+def passing(scene: Scene) -> bool:
+    """Whether any surface passes light on diffusely."""
+    return any(patch.surface.transmission > 0.0 for patch in scene.patches)

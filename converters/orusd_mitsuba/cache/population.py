@@ -38,7 +38,9 @@ class Rays:
 
     def at(self, number: Any) -> Any:
         """Some of them, as Mitsuba's."""
-        return mi.Ray3f(dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number))
+        return mi.Ray3f(
+            dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number)
+        )
 
     @staticmethod
     def joined(parts: list["Rays"]) -> "Rays":
@@ -71,7 +73,7 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays:
         ray, d, onwards = _step(built, sampler, ray)
         if step < _FORGOTTEN_STEPS:
             continue
-        kept = dr.compress(onwards)
+        kept: Any = dr.compress(onwards)
         found.append(Rays(dr.gather(mi.Point3f, ray.o, kept), dr.gather(mi.Vector3f, d, kept)))
     return Rays.joined(found)
 
@@ -101,7 +103,7 @@ def _lit(scene: Scene, built: Any, seed: int) -> Rays:
     to, incident = built.sample_emitter_direction(si, sampler.next_2d(), True, si.is_valid())
     facing = dr.dot(si.n, to.d) * dr.dot(si.n, -ray.d) > 0.0
     shone = si.is_valid() & (to.pdf > 0.0) & (dr.max(incident) > 0.0) & facing
-    kept = dr.compress(shone)
+    kept: Any = dr.compress(shone)
     return Rays(dr.gather(mi.Point3f, onto.o, kept), dr.gather(mi.Vector3f, onto.d, kept))
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.arrays import Scene
+from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.light_index import registered
 
 # Normals are rounded after this scaling: to the 26 neighbours of a cube.
@@ -87,10 +88,11 @@ class SurfelIndex:
         shapes = [int(registered(mi.ShapePtr(shape))[0]) for shape in built.shapes()]
         starts = np.zeros(max(shapes, default=0) + 1, dtype=np.uint32)
         starts[shapes] = scene.offsets[:-1]
-        self._starts = mi.UInt32(starts)
-        self._pieces = mi.UInt32(np.append(scene.triangles.pieces, 0).astype(np.uint32))
+        self._starts = mi.UInt32(aligned(starts))
+        pieces = np.append(scene.triangles.pieces, 0).astype(np.uint32)
+        self._pieces = mi.UInt32(aligned(pieces))
         if table is not None:
-            self._entries = mi.UInt32(table.entries.ravel())
+            self._entries = mi.UInt32(aligned(table.entries))
             self._mask = dr.opaque(mi.UInt32, len(table.entries) - 1)
             self._probes = table.probes
 
@@ -107,13 +109,14 @@ class SurfelIndex:
         number: Any = dr.reinterpret_array(mi.UInt32, si.shape)
         start = dr.gather(mi.UInt32, self._starts, number, active)
         piece = dr.gather(mi.UInt32, self._pieces, start + si.prim_index, active)
-        words = [
+        words: list[Any] = [
             dr.reinterpret_array(mi.UInt32, mi.Int32(dr.floor(si.p[k] / self.size + shift)))
             for k, shift in enumerate(_SHIFT_PARTS)
         ]
         faces = [mi.UInt32(mi.Int32(dr.round(normal[k] * _NORMAL_SCALE) + 1.0)) for k in range(3)]
         words.append(piece * 27 + faces[0] * 9 + faces[1] * 3 + faces[2])
-        place, check = mi.UInt32(0x2545F491), mi.UInt32(0x9E3779B9)
+        place: Any = mi.UInt32(0x2545F491)
+        check: Any = mi.UInt32(0x9E3779B9)
         for word, multiplier in zip(words, _MULTIPLIERS, strict=True):
             place = _mixed((place ^ word) * multiplier)
             check = _mixed((check + word) * (multiplier ^ 0x5BD1E994))
@@ -128,7 +131,8 @@ class SurfelIndex:
             active: Where it is wanted.
         """
         place, check = self.hashes(si, towards, active)
-        found, number = mi.Bool(False), mi.UInt32(0)
+        found: Any = mi.Bool(False)
+        number: Any = mi.UInt32(0)
         for step in range(self._probes):
             at = (place + step) & self._mask
             entry = dr.gather(mi.Vector2u, self._entries, at, active & ~found)

@@ -74,8 +74,8 @@ class Surroundings:
     """
 
     def __init__(
-        self, built: Any, index: LightIndex, materials: MaterialTable, rows: Any, known: Known,
-        depth: int,
+        self, built: Any, index: LightIndex, materials: MaterialTable, rows: Any,
+        known: Known, depth: int,
     ) -> None:  # fmt: skip
         self.built, self.index, self.materials = built, index, materials
         self.known, self.depth = known, depth
@@ -104,6 +104,7 @@ def follow(
     active: Any = True,
     begun: Any = None,
     numbers: Any = None,
+    prefix: Any = None,
 ) -> None:
     """Follow one path along each ray into the cache and add up what it brings.
 
@@ -117,6 +118,7 @@ def follow(
         begun: As of `orusd_mitsuba.transport.path_tracing.trace`. The cache then counts from the
             first surface that is met, else from the second one.
         numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
+        prefix: As of ``trace``; the cache then counts from the first surface that is met.
     """
     built, index, known = around.built, around.index, around.known
     context = mi.BSDFContext()
@@ -129,7 +131,12 @@ def follow(
     if dr.hint(begun is not None, mode="scalar"):
         before, density, certain = begun[0], mi.Float(begun[1]), mi.Bool(False)
         since = 0
-    crossed = mi.UInt32(index.elsewhere)
+    crossed = dr.opaque(mi.UInt32, index.elsewhere)
+    start = mi.UInt32(0)
+    if dr.hint(prefix is not None, mode="scalar"):
+        throughput, crossed = mi.Color3f(prefix.throughput), mi.UInt32(prefix.crossed)
+        scatterings, segments = mi.UInt32(prefix.scatterings), mi.UInt32(prefix.scatterings)
+        start = mi.UInt32(prefix.scatterings)
     active = mi.Bool(active)
     while active:
         si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
@@ -140,6 +147,8 @@ def follow(
         emits = active & (emitter != None)  # noqa: E711
         if dr.hint(first is not None, mode="scalar"):
             emits &= scatterings > 0
+        if dr.hint(prefix is not None, mode="scalar"):
+            emits &= segments > start
         ds = mi.DirectionSample3f(built, si, before)
         other = dr.select(certain, 0.0, built.pdf_emitter_direction(before, ds, emits & ~certain))
         met = throughput * emitter.eval(si, emits) * power_heuristic(density, other)
@@ -162,11 +171,10 @@ def follow(
         share = matter.diffuse * dr.inv_pi
         known.add(surfel, throughput * share, scatterings + 1, sums, ends, behind=False)
         # 3. Of what the cache knows only the lobe goes on.
-        full = dr.select(ends, mi.Float(0.0), mi.Float(1.0))
+        full: Any = dr.select(ends, mi.Float(0.0), mi.Float(1.0))
         reflection = Reflection.of(matter, si, 1.0, full, full)
-        lobe = mi.luminance(
-            microfacet.lobe_albedo(reflection.view.wi.z, matter.roughness, matter.specular)
-        )
+        albedo = microfacet.lobe_albedo(reflection.view.wi.z, matter.roughness, matter.specular)
+        lobe = matter.gloss * mi.luminance(albedo)
         chance = dr.clip(_CHANCE_PER_ALBEDO * lobe, _LEAST_CHANCE, 1.0)
         chance = dr.select(ends, dr.select(lobe > _LEAST_LOBE_ALBEDO, chance, 0.0), 1.0)
         onwards &= sampler.next_1d() < chance
@@ -216,3 +224,5 @@ def follow(
         kept = ~roulette | (sampler.next_1d() < survival)
         throughput[roulette] /= survival
         active = onwards & kept & (strongest > 0.0)
+        if dr.hint(prefix is not None, mode="scalar"):
+            active &= ~null | (segments > start + 1)

@@ -4,6 +4,7 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.render.scene.pictures import Array, Picture
@@ -18,7 +19,7 @@ from orusd_mitsuba.plugins.descriptions import (
     describe_sun,
 )
 from orusd_mitsuba.plugins.light_weights import LightWeights, brightest_beam, light_weights
-from orusd_mitsuba.plugins.material_table import MaterialTable
+from orusd_mitsuba.plugins.material_table import MaterialTable, shape_number
 
 
 class Builder:
@@ -132,6 +133,23 @@ class Builder:
         arrays["faces"] = np.arange(3 * count, dtype=np.uint32)
         arrays.update()
         return mesh
+
+    @property
+    def table(self) -> MaterialTable | None:
+        """What surfaces are rows of; None where none fits."""
+        return self._table
+
+    def tabulated(self, scene: Scene, built: Any) -> NDArray[np.bool_]:
+        """Which registered shapes have a row in the table; True for numbers that no shape has.
+
+        Args:
+            scene: The arrays.
+            built: What `scene` made of them.
+        """
+        numbers = [shape_number(shape) for shape in built.shapes()]
+        found = np.ones(max(numbers, default=0) + 1, dtype=bool)
+        found[numbers] = [id(patch.surface) in self._rows for patch in scene.patches]
+        return found
 
     def bsdf(self, surface: Surface) -> Any:
         """The BSDF of a surface; equal ones share one."""

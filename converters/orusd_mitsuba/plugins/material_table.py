@@ -27,9 +27,12 @@ _WRAPS: Final = ("repeat", "mirror", "clamp")
 
 
 def fits(surface: Surface) -> bool:
-    """Whether a surface can be a row: of OpenRooms' model, opaque, with pictures of 8 bits."""
+    """Whether a surface can be a row: of OpenRooms' model or Lambertian, with pictures of 8 bits.
+
+    Clear ones cannot; nor Lambertian ones with relief, which Mitsuba's own BSDF bends otherwise.
+    """
     return (
-        surface.f0 is not None
+        (surface.f0 is not None or (surface.is_diffuse and surface.normal is None))
         and surface.opacity == 1.0
         and all(picture.coding is not None for picture in _pictures(surface))
     )
@@ -65,7 +68,7 @@ class MaterialTable:
             shapes: Shapes that have the BSDF of this table.
             rows: Of each.
         """
-        numbers = [_number(shape) for shape in shapes]
+        numbers = [shape_number(shape) for shape in shapes]
         table = np.zeros(max(numbers, default=0) + 1, dtype=np.uint32)
         table[numbers] = list(rows)
         self._row_of_shape = mi.UInt32(table)
@@ -85,6 +88,7 @@ class MaterialTable:
             others.y,
             others.z,
             self._value("normal", row, si.uv, mi.Vector3f(0.0, 0.0, 1.0), active),
+            others.w,
         )
 
     def traverse(self, callback: Any) -> None:
@@ -99,7 +103,8 @@ def _numbers(surface: Surface) -> list[float]:
     """Eight numbers; what is a picture is 0."""
     base = _constant(surface.base_color, 3)
     scalars = [_constant(value, 1)[0] for value in (surface.roughness, surface.metallic)]
-    return [*base, *scalars, float(surface.f0 or 0.0), transmitted(surface), 0.0]
+    lobe = 0.0 if surface.f0 is None else 1.0
+    return [*base, *scalars, float(surface.f0 or 0.0), transmitted(surface), lobe]
 
 
 def _constant(value: Value, channels: int) -> list[float]:
@@ -248,7 +253,7 @@ def _turn(picture: Picture | None) -> list[float]:
     return rows
 
 
-def _number(shape: Any) -> int:
+def shape_number(shape: Any) -> int:
     """The number under which Dr.Jit knows a shape."""
     number: Any = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
     return int(number.numpy()[0])

@@ -33,6 +33,7 @@ class Matter:
         f0: Reflectance of the dielectric at normal incidence.
         transmission: What passes, in multiples of the diffuse albedo.
         relief: Tangent-space normal, of any length.
+        gloss: 1, or 0 where there is no specular lobe.
     """
 
     base_color: Any
@@ -41,6 +42,7 @@ class Matter:
     f0: Any
     transmission: Any
     relief: Any
+    gloss: Any = 1.0
 
     @property
     def diffuse(self) -> Any:
@@ -172,7 +174,7 @@ class Reflection:
         """
         matter = self.matter
         albedo = microfacet.lobe_albedo(self.view.wi.z, matter.roughness, matter.specular)
-        lobe = self.lobe * mi.luminance(albedo)
+        lobe = self.lobe * matter.gloss * mi.luminance(albedo)
         diffuse = mi.luminance(matter.diffuse)
         passage = self.passage * matter.transmission * diffuse
         total = dr.maximum(lobe + passage + self.reflection * diffuse, 1e-6)
@@ -199,7 +201,7 @@ class Reflection:
         color = matter.diffuse * (even * self.reflection)
         if self.lobe:
             shape = microfacet.specular(wi, wo, matter.roughness, matter.specular)
-            color += shape * wo.z
+            color += shape * (wo.z * matter.gloss)
         density = (1.0 - lobe - passage) * even
         density += lobe * microfacet.lobe_density(wi, wo, matter.roughness)
         passed = matter.diffuse * (self.passage * matter.transmission * even)

@@ -3,6 +3,7 @@
 - ``path_tracing`` follows paths and adds up what they bring, by the lights of ``light_index``.
 - ``scattered`` is the contract for what surfaces scatter back along rays, and its reference: the
   rest of a path.
+- ``paths`` is how that is asked for, whoever follows them.
 - ``lattice`` spreads the first random numbers of a pixel's samples, ``white`` makes the first
   surface white, for irradiance.
 - ``integrator`` is what estimates a camera's pictures, a batch at a time: ``path_integrator`` by

@@ -16,6 +16,7 @@ from openrooms_usd.render.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.incident import IncidentRadiance, Points
 from orusd_mitsuba.transport.light_index import LightIndex
+from orusd_mitsuba.transport.paths import Paths
 
 PLANES: Final = ("environment_direct", "environment")
 _MOST_SAMPLES_A_CELL: Final = 64
@@ -33,6 +34,7 @@ class HemisphereIntegrator:
         grid: Columns and rows of hemispheres.
         depth: At most this many segments of a path from a light to the camera, as of a
             `PathIntegrator`: the last one leads from the hemisphere's point to the camera.
+        paths: How they are followed from the points; None: to their end.
 
     Attributes:
         planes: 2, `PLANES`.
@@ -50,12 +52,13 @@ class HemisphereIntegrator:
         camera: PinholeCamera,
         grid: tuple[int, int],
         depth: int,
+        paths: Paths | None = None,
     ) -> None:
         columns, rows = grid
         hits = first_hits(scene, tracer, camera, columns, rows)
         self._pixels = hits.pixels
         points = surface_points(scene, camera, hits)
-        self._incident = IncidentRadiance(built, index, HEMISPHERE, points, depth - 1)
+        self._incident = IncidentRadiance(built, index, HEMISPHERE, points, depth - 1, paths=paths)
         self.planes, self.most = len(PLANES), _MOST_SAMPLES_A_CELL
         self._fit(rows, columns)
 

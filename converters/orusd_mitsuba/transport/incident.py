@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from openrooms_usd.geometry.hemisphere import Cells
 from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.transport.light_index import LightIndex
-from orusd_mitsuba.transport.path_tracing import PathAccumulator, power_heuristic, trace
+from orusd_mitsuba.transport.path_tracing import PathAccumulator, power_heuristic
+from orusd_mitsuba.transport.paths import Paths, TracedPaths
 
 # Paths in flight at once; each takes some 100 bytes of memory.
 _PATHS_IN_FLIGHT: Final = 1 << 21
@@ -62,14 +63,16 @@ class IncidentRadiance:
         points: Where.
         depth: At most this many segments of a path from a light to a point.
         light_samples: For each direction that is spread over the cells.
+        paths: How they are followed; None: to their end.
     """
 
     def __init__(
         self, built: Any, index: LightIndex, cells: Cells, points: Points, depth: int,
-        light_samples: int = _LIGHT_SAMPLES_PER_PATH,
+        light_samples: int = _LIGHT_SAMPLES_PER_PATH, paths: Paths | None = None,
     ) -> None:  # fmt: skip
-        self._built, self._index, self._points = built, index, points
-        self._depth, self._light_samples = depth, light_samples * cells.count
+        self._built, self._points = built, points
+        self._paths = paths or TracedPaths(built, index, depth)
+        self._light_samples = light_samples * cells.count
         self._cells = _Cells(cells)
 
     def sparse(self, which: NDArray[np.int64]) -> Self:
@@ -113,10 +116,8 @@ class IncidentRadiance:
         sampler.seed(seed & 0xFFFFFFFF, tasks * samples)
         accumulator = PathAccumulator(tasks * samples, None)
         density = 1.0 / (self._light_samples * cells.solid_angle(cell))
-        trace(
-            self._built, self._index, sampler, at.spawn_ray(d), accumulator, self._depth,
-            active=dr.dot(at.n, d) >= 0.0, begun=(at, density),
-        )  # fmt: skip
+        ahead = dr.dot(at.n, d) >= 0.0
+        self._paths.follow(sampler, at.spawn_ray(d), accumulator, active=ahead, begun=(at, density))
         sums = dr.block_sum(accumulator.kinds, samples)
         return cells.image(sums, points.count) / np.float32(samples)
 

@@ -11,7 +11,8 @@ from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.bands import Band, BandedIntegrator
 from orusd_mitsuba.transport.lattice import FirstDimensions
 from orusd_mitsuba.transport.light_index import LightIndex
-from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator, trace
+from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator
+from orusd_mitsuba.transport.paths import Paths, TracedPaths
 
 # Sets the seeds of pixels apart from those of paths.
 _SHIFT_SALT: Final = 0x5EED5EED
@@ -30,6 +31,7 @@ class PathIntegrator(BandedIntegrator):
         depth: At most this many segments of a path.
         by_light: Whether to split by light too.
         first: See `orusd_mitsuba.transport.path_tracing.trace`.
+        paths: How they are followed; None: to their end.
     """
 
     def __init__(
@@ -44,9 +46,10 @@ class PathIntegrator(BandedIntegrator):
         *,
         by_light: bool = True,
         first: Callable[[Any], Any] | None = None,
+        paths: Paths | None = None,
     ) -> None:
-        self._built, self._index = built, index
-        self._depth, self._first = depth, first
+        self._paths = paths or TracedPaths(built, index, depth)
+        self._first = first
         self._lights = index.count if by_light else None
         planes = len(KINDS) + (self._lights or 0)
         super().__init__(camera, width, height, origin, planes)
@@ -57,10 +60,7 @@ class PathIntegrator(BandedIntegrator):
         numbers = FirstDimensions(band.samples, band.paths, band.sampler(_SHIFT_SALT, pixels))
         ray = band.ray(numbers.pixel, sampler.next_2d())
         accumulator = PathAccumulator(band.paths, self._lights)
-        trace(
-            self._built, self._index, sampler, ray, accumulator, self._depth, self._first,
-            numbers=numbers,
-        )  # fmt: skip
+        self._paths.follow(sampler, ray, accumulator, first=self._first, numbers=numbers)
         wanted = (
             [accumulator.kinds]
             if accumulator.lights is None

@@ -1,0 +1,144 @@
+"""The light cache of an opened room: filled once, or read from its file, and given to paths."""
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, Final
+
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.render import light_store
+from openrooms_usd.render.scene.arrays import Scene
+from orusd_mitsuba.cache.filling import LIMITS, CacheData, fill
+from orusd_mitsuba.cache.lookup import LightCache, Nothing
+from orusd_mitsuba.cache.surfels import SurfelTable
+from orusd_mitsuba.cache.tracing import Surroundings, follow
+from orusd_mitsuba.plugins.build import Builder
+from orusd_mitsuba.transport.light_index import LightIndex
+from orusd_mitsuba.transport.path_tracing import Accumulator
+
+# The cache depends on no request, so that all of a room share it.
+_SEED: Final = 0x11647
+_MAKER: Final = "orusd_mitsuba.cache.filling"
+LEAST_BOUNCES: Final = 2
+"""With fewer there is nothing to look up: the second surface sends nothing on."""
+
+
+class RoomLight:
+    """The light of a room, for paths of one number of bounces.
+
+    Args:
+        scene: The arrays.
+        built: The same as a Mitsuba scene of a vectorized variant.
+        builder: What made it.
+        index: Its lights.
+        white: What makes surfaces white: `orusd_mitsuba.transport.white.white_first`.
+        bounces: At most this many scatterings between a light and a camera.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        built: Any,
+        builder: Builder,
+        index: LightIndex,
+        white: Callable[[Any], Any],
+        bounces: int,
+    ) -> None:
+        self._scene, self._built, self._builder = scene, built, builder
+        self._index, self._white, self._bounces = index, white, bounces
+
+    def paths(self, *, by_light: bool) -> "CachedPaths":
+        """Paths from a camera."""
+        cache = LightCache(self._scene, self._built, self._data, by_light=by_light, first=2)
+        return CachedPaths(self._around(cache, self._bounces + 1))
+
+    def arriving(self) -> "CachedPaths":
+        """Paths from points that light arrives at, one scattering before the camera."""
+        cache = LightCache(self._scene, self._built, self._data, by_light=False, first=1)
+        return CachedPaths(self._around(cache, self._bounces))
+
+    @cached_property
+    def _data(self) -> CacheData:
+        key = light_store.content_key(
+            self._scene, (_MAKER,), self._bounces, str(mi.variant()), mi.__version__
+        )
+        places = light_store.places(self._scene)
+        kept = light_store.load(key, places)
+        if kept is not None and (data := _data_of(kept, self._index.count)) is not None:
+            return data
+        around = self._around(Nothing(self._scene), self._bounces)
+        data = fill(
+            self._scene, self._built, around, self._white, self._bounces - LEAST_BOUNCES, _SEED
+        )
+        light_store.save(key, _arrays_of(data), places)
+        return data
+
+    def _around(self, known: Any, depth: int) -> Surroundings:
+        table = self._builder.table
+        assert table is not None, "without a table of materials there is nothing to look up"
+        return Surroundings(self._built, self._index, table, self._tabulated, known, depth)
+
+    @cached_property
+    def _tabulated(self) -> Any:
+        """By registered shape, whether it has a row in the table of materials."""
+        return mi.UInt32(self._builder.tabulated(self._scene, self._built).astype(np.uint32))
+
+
+class CachedPaths:
+    """Paths that end in the cache: see `orusd_mitsuba.transport.paths.Paths`.
+
+    Args:
+        around: The scene and its cache.
+    """
+
+    def __init__(self, around: Surroundings) -> None:
+        self._around = around
+
+    def follow(
+        self,
+        sampler: Any,
+        ray: Any,
+        accumulator: Accumulator,
+        *,
+        first: Any = None,
+        active: Any = True,
+        begun: Any = None,
+        numbers: Any = None,
+        prefix: Any = None,
+    ) -> None:
+        """See `orusd_mitsuba.transport.paths.Paths`."""
+        follow(self._around, sampler, ray, accumulator, first, active, begun, numbers, prefix)
+
+
+def _arrays_of(data: CacheData) -> dict[str, NDArray[Any]]:
+    """The cache as plain arrays."""
+    table = data.table
+    return {
+        "entries": table.entries,
+        "irradiance": data.irradiance,
+        "probes": np.array([table.probes], dtype=np.int64),
+        "size_m": np.array([table.size_m]),
+    }
+
+
+def _data_of(arrays: dict[str, NDArray[Any]], lights: int) -> CacheData | None:
+    """The cache that arrays are of; None where they are none: files are not to be trusted."""
+    try:
+        entries, irradiance = arrays["entries"], arrays["irradiance"]
+        probes, size_m = int(arrays["probes"][0]), float(arrays["size_m"][0])
+    except (KeyError, IndexError):
+        return None
+    slots, count = len(entries), len(irradiance)
+    fits = (
+        entries.dtype == np.uint32
+        and entries.shape == (slots, 2)
+        and slots & (slots - 1) == 0
+        and irradiance.dtype == np.float32
+        and irradiance.shape == (count, LIMITS, lights, 3)
+        and int(entries[:, 1].max(initial=0)) < max(count, 1)
+        and 0 < probes <= slots
+        and size_m > 0.0
+    )
+    return CacheData(SurfelTable(size_m, entries, probes), irradiance) if fits else None
