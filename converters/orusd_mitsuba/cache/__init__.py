@@ -3,5 +3,6 @@
 - ``surfels`` are the elements of surface that have a value, found by hashing.
 - ``population`` finds points of them where light may come, ``filling`` what arrives there.
 - ``tracing`` follows paths that end where the cache knows what is scattered, ``lookup`` adds that.
+- ``scattered`` gives them to whoever finds straight light by itself.
 - ``room_light`` is the cache of an opened room: filled, or read from its file.
 """
