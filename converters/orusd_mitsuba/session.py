@@ -17,6 +17,7 @@ from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import MODELS, Model, with_model
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.bias import measurable, with_bias
 from orusd_mitsuba.cache.room_light import LEAST_BOUNCES, RoomLight
 from orusd_mitsuba.direct.integrator import DirectIntegrator
 from orusd_mitsuba.plugins.build import Builder
@@ -31,7 +32,7 @@ from orusd_mitsuba.render_passes import (
 from orusd_mitsuba.tracer import MitsubaTracer
 from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
 from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator, coarse
-from orusd_mitsuba.transport.integrator import Integrator
+from orusd_mitsuba.transport.integrator import Integrator, SparseIntegrator
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_integrator import PathIntegrator
 from orusd_mitsuba.transport.probes import render_probes
@@ -108,7 +109,8 @@ class MitsubaSession:
             # Before the first pass: a new kind of surface changes the code of all kernels.
             _ = self._white
         seconds = None if request.seconds is None else request.seconds / len(needed)
-        part = replace(request, seconds=seconds)
+        is_biased = request.method != REFERENCE
+        part = replace(request, seconds=seconds, halves=request.halves or is_biased)
         images: dict[str, Image] = {}
         for number, (render_pass, found) in enumerate(needed):
             integrator = self._integrator(render_pass, camera, request, found)
@@ -116,7 +118,7 @@ class MitsubaSession:
             given, halves = run_pass(
                 render_pass, integrator, part, found, len(self._sources), share
             )
-            images |= given
+            images |= self._measured(given, render_pass, camera, request, found)
             self._note(request, render_pass.name, halves, int(integrator.broken.sum()))
         return images
 
@@ -180,6 +182,26 @@ class MitsubaSession:
         # Variants are chosen for the whole thread; another session may have changed it.
         mi.set_variant(self._variant)
         mi.set_log_level(mi.LogLevel.Error)
+
+    def _measured(
+        self,
+        images: Mapping[str, Image],
+        render_pass: RenderPass,
+        camera: PinholeCamera,
+        request: RenderRequest,
+        channels: tuple[str, ...],
+    ) -> Mapping[str, Image]:
+        """The images of a pass, with what they are off where the method is not the reference."""
+        if request.method == REFERENCE:
+            return images
+        if wanted := measurable(channels):
+            alike = replace(request, method=REFERENCE)
+            reference = self._integrator(render_pass, camera, alike, wanted)
+            assert isinstance(reference, SparseIntegrator)
+            images = with_bias(images, render_pass, reference, request, wanted, len(self._sources))
+        if request.halves:
+            return images
+        return {name: replace(image, halves=None) for name, image in images.items()}
 
     def _integrator(
         self,

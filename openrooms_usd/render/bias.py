@@ -24,11 +24,13 @@ _BRIGHTNESSES: Final = 2
 _WORST_SHARE: Final = 0.1
 # Pixels that a group has at least in the mean, for there to be a worst tenth.
 _LEAST_PIXELS_A_GROUP: Final = 4
+# Of equal share in a sum, for its spread to tell anything: (sum x)^2 / sum x^2.
+_LEAST_EFFECTIVE_PIXELS: Final = 4.0
 
 
 @dataclass(frozen=True)
 class Bias:
-    """What is stated of one channel, relative to the light that it has.
+    """What is stated of one channel, relative to the light of the reference.
 
     Attributes:
         total: Of the whole picture: -0.01 is one per cent too dark.
@@ -100,14 +102,14 @@ def measure(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) 
     """The bias of one channel.
 
     Args:
-        found: (2, N, C) two independent halves of the picture, at the pixels; twice the same where
-            there is one.
+        found: (2, N, C) two independent halves of the picture, at the pixels; (1, N, C) the
+            picture itself where there is one sample.
         reference: (2, N, C) two halves of unbiased samples of the same pixels, independent of
             these.
         pixels: Which they are.
 
     Returns:
-        None where the reference has seen nothing of the channel, and the picture something.
+        None where the reference has seen nothing of the channel, or in a few pixels alone.
     """
     # Components add up: what counts is light.
     a, b = (np.asarray(each, np.float64).sum(axis=2) for each in (found, reference))
@@ -116,9 +118,9 @@ def measure(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) 
         return None
     tenth: tuple[float, float] | tuple[None, None] = None, None
     enough = len(pixels.numbers) >= _LEAST_PIXELS_A_GROUP * _BRIGHTNESSES * np.prod(_BLOCKS)
-    if enough and not np.array_equal(a[0], a[1]):
-        tenth = _worst_tenth(a, a - b, pixels) or tenth
-    return Bias(*total, *tenth, len(pixels.numbers))
+    if enough and len(a) == 2:
+        tenth = _worst_tenth(a, b, pixels) or tenth
+    return Bias(*total, tenth[0], tenth[1], len(pixels.numbers))
 
 
 def factors(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) -> Array:
@@ -144,23 +146,23 @@ def factors(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) 
     return np.array(rows).reshape(-1, 2)
 
 
-def _worst_tenth(found: Array, off: Array, pixels: SparsePixels) -> tuple[float, float] | None:
-    """The mean size of the bias where it is worst, relative to the picture there.
-
-    A few dark paths, by which the bias would be divided, must not make it large: so it is divided
-    by the picture, which has less noise than the reference.
+def _worst_tenth(
+    found: Array, reference: Array, pixels: SparsePixels
+) -> tuple[float, float] | None:
+    """The mean size of the bias where it is worst, and its standard error.
 
     Args:
         found: (2, N) halves of the picture.
-        off: (2, N) what they have more than the reference.
+        reference: (2, N) halves of the reference.
         pixels: Which they are.
     """
     measured = []
     for one, other in ((0, 1), (1, 0)):
         groups = pixels.groups(found[one])
-        signs = _worst_groups(off[one], found[one], pixels.weights, groups)[groups]
+        signs = _worst_groups(found[one], reference[one], pixels.weights, groups)[groups]
         inside = signs != 0.0
-        part = (signs * off[other], found[other], pixels.weights)
+        off = signs * (found[other] - reference[other])
+        part = (off, reference[other], pixels.weights)
         ratio = _ratio(*(each[inside] for each in part))
         if ratio is None:
             return None
@@ -170,17 +172,21 @@ def _worst_tenth(found: Array, off: Array, pixels: SparsePixels) -> tuple[float,
     return 0.5 * (x + y), float(np.hypot(x_error, y_error) / np.sqrt(2.0))
 
 
-def _worst_groups(off: Array, scale: Array, weights: Array, groups: NDArray[np.int64]) -> Array:
+def _worst_groups(
+    found: Array, reference: Array, weights: Array, groups: NDArray[np.int64]
+) -> Array:
     """(G,) the sign of the bias of the groups that are the worst tenth; 0 for others.
 
-    A group whose bias may be noise counts less: b^3 / (b^2 + s^2) with its standard error s.
+    A group whose bias may be noise counts less: b^3 / (b^2 + s^2) with its standard error s. Here
+    the bias is relative to the mean of both, so that neither few paths nor none make it endless.
     """
+    off, scale = found - reference, 0.5 * (found + reference)
     count = int(groups.max()) + 1
-    found = np.zeros((count, 2))
+    told = np.zeros((count, 2))
     for group in range(count):
         inside = groups == group
-        found[group] = _ratio(off[inside], scale[inside], weights[inside]) or (0.0, 1.0)
-    bias, error = found.T
+        told[group] = _ratio(off[inside], scale[inside], weights[inside]) or (0.0, 1.0)
+    bias, error = told.T
     power = bias**2 + error**2
     surely = np.divide(bias**2, power, out=np.zeros(count), where=power > 0.0) * np.abs(bias)
     most = max(1, round(_WORST_SHARE * count))
@@ -193,16 +199,24 @@ def _worst_groups(off: Array, scale: Array, weights: Array, groups: NDArray[np.i
 def _ratio(values: Array, scale: Array, weights: Array) -> tuple[float, float] | None:
     """The ratio of two weighted sums over independent pixels, and its standard error.
 
-    The error is that of ratio estimators (Cochran, Sampling Techniques, 1977, section 6.3); that
-    the pixels are spread evenly makes it rather too large.
+    Where the lower sum has much noise, the plain ratio is too large in the mean; Beale's estimator
+    (Tin, Comparison of Some Ratio Estimators, 1965) takes most of that away. The error is that of
+    ratio estimators (Cochran, Sampling Techniques, 1977, section 6.3); that the pixels are spread
+    evenly makes it rather too large.
 
     Returns:
-        None where the second is 0 and the first is not.
+        None where too few pixels make the lower sum, or none, while the upper has something.
     """
-    count, total = len(values), float((weights * scale).sum())
-    if total <= 0.0:
-        return None if np.any(values != 0.0) else (0.0, 0.0)
-    ratio = float((weights * values).sum()) / total
-    residuals = weights * (values - ratio * scale)
-    spread = float((residuals**2).sum()) * count / max(1, count - 1)
-    return ratio, float(np.sqrt(spread)) / total
+    count = len(values)
+    if not np.any(values):
+        return 0.0, 0.0
+    upper, lower = weights * values, weights * scale
+    total = float(lower.sum())
+    if total <= 0.0 or total**2 < _LEAST_EFFECTIVE_PIXELS * float(lower @ lower):
+        return None
+    apart = count / max(1, count - 1) / total**2
+    across, along = upper - upper.mean(), lower - lower.mean()
+    plain = float(upper.sum()) / total
+    ratio = (plain + apart * float(across @ along)) / (1.0 + apart * float(along @ along))
+    residuals = upper - plain * lower
+    return ratio, float(np.sqrt(apart * (residuals @ residuals)))

@@ -52,8 +52,8 @@ CONVENTIONS: Final = {
     "bias": "of a method that is not the reference: total is the sum of what the picture has more "
     "than the reference over the sum of the reference, by paths that are independent of the "
     "picture in so many pixels; worst_tenth is the mean size of the bias in the tenth of the "
-    "pixels, in groups of neighbours, where it is worst, relative to the picture there: about 0 "
-    "where there is none; each with its standard error (_error); null where nobody measured it",
+    "pixels, in groups of neighbours, where it is worst, relative to the reference there: about "
+    "0 where there is none; each with its standard error (_error); null where nobody measured it",
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
     "bounces": "at most this many scatterings on the way from a light to the camera",

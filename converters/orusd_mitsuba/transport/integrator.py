@@ -1,6 +1,6 @@
 """What estimates pictures of one camera, a batch of samples at a time."""
 
-from typing import Protocol
+from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,4 +23,13 @@ class Integrator(Protocol):
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
         """(planes, height, width, 3) means of one batch."""
+        ...
+
+
+@runtime_checkable
+class SparseIntegrator(Integrator, Protocol):
+    """One that can render some pixels, or some tiles of its pictures, side by side."""
+
+    def sparse(self, pixels: NDArray[np.uint32]) -> Self:
+        """The same for those alone, by their numbers row by row."""
         ...
