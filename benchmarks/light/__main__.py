@@ -76,19 +76,31 @@ SECTIONS: Final[dict[str, Measure]] = {
     "--references", type=click.Path(path_type=Path),
     help="A folder where references are kept; without it they are made every time.",
 )  # fmt: skip
+@click.option(
+    "--results", type=click.Path(path_type=Path),
+    help="A folder where sections are kept as they are finished, and not measured again.",
+)  # fmt: skip
+@click.option("--minutes", type=float, help="After so many no further section is begun.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
 def main(
     chosen: tuple[str, ...], quick: bool, rooms: tuple[str, ...], references: Path | None,
-    target: Path | None,
+    results: Path | None, minutes: float | None, target: Path | None,
 ) -> None:  # fmt: skip
     sections: dict[str, Section] = {}
+    began = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         kept = References(references or Path(folder) / "references")
         setting = Setting(quick, Path(folder), kept, rooms)
         for name in chosen or SECTIONS:
-            began = time.perf_counter()
-            sections[name] = SECTIONS[name](setting)
-            click.echo(f"{name}: {time.perf_counter() - began:.0f} s", err=True)
+            file = (results or Path(folder) / "results") / f"{name}.json"
+            passed = time.monotonic() - began
+            found = Section.kept(file)
+            if found is None and minutes is not None and passed > 60.0 * minutes:
+                click.echo(f"{name}: not measured, time is up", err=True)
+                continue
+            sections[name] = found or SECTIONS[name](setting)
+            sections[name].keep(file)
+            click.echo(f"{name}: {time.monotonic() - began - passed:.0f} s", err=True)
     text = "\n\n".join(f"## {name}\n\n{section.markdown}" for name, section in sections.items())
     targets = [target for section in sections.values() for target in section.targets]
     if targets:

@@ -37,7 +37,7 @@ def complete(setting: Setting) -> Section:
     """Seconds of sets of channels."""
     size, grid = ((32, 24), (4, 3)) if setting.quick else ((320, 240), DEFAULT_GRID)
     rows: list[dict[str, Any]] = []
-    for name in setting.chosen(("bedroom", "plain")):
+    for name in setting.chosen(("bedroom",)):
         room = Room(ROOMS["plain" if setting.quick else name].build(setting.folder), *size)
         for method in methods_of(room):
             opened, alone = OpenedRoom(room, method), None

@@ -88,7 +88,7 @@ def _cost(
     """Of the full grid; measured on the coarse one where it grows with the number of paths."""
     asked = samples * _PIXEL_SAMPLES
     if not grows:
-        return opened.cost(_ASKED, asked, grid=full)
+        return opened.cost(_ASKED, asked, views=1, grid=full)
     seconds = opened.cost(_ASKED, asked, views=1, grid=coarse).view
     return Cost(0.0, float(seconds * np.prod(full) / np.prod(coarse)))
 

@@ -1,7 +1,8 @@
 """What every section of the benchmark has: a setting to be measured in, and what comes of it."""
 
+import json
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,20 @@ class Section:
     data: Any
     markdown: str
     targets: tuple[Target, ...] = ()
+
+    def keep(self, path: Path) -> None:
+        """Write it to a file."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(asdict(self), indent=1), encoding="utf-8")
+
+    @classmethod
+    def kept(cls, path: Path) -> "Section | None":
+        """The one of a file; None where there is none."""
+        if not path.is_file():
+            return None
+        found = json.loads(path.read_text(encoding="utf-8"))
+        targets = tuple(Target(**target) for target in found["targets"])
+        return cls(found["data"], found["markdown"], targets)
 
 
 Measure = Callable[[Setting], Section]
