@@ -6,8 +6,8 @@
 - ``session`` opens a translated scene (`openrooms_usd.render.scene`) and renders its cameras,
 - ``plugins`` makes Mitsuba's objects of it, ``tracer`` finds triangles in these,
 - ``render_passes`` says which pictures give which channels of light,
-- ``transport`` and ``direct`` estimate these pictures, ``cache`` keeps what is smooth in them, and
-  ``bias`` says how far a method is off.
+- ``transport`` and ``direct`` estimate these pictures, ``complete`` all of them at once; ``cache``
+  keeps what is smooth in them, and ``bias`` says how far a method is off.
 
 ``export`` writes a stage as XML instead. Importing this package imports no renderer: the backend's
 library has to be chosen before Mitsuba is loaded.

@@ -15,6 +15,7 @@ import numpy as np
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.scene.pictures import Array
+from orusd_mitsuba.complete import channels as complete
 from orusd_mitsuba.direct.control_variate import PLANES_PER_LIGHT, finish
 from orusd_mitsuba.transport import hemispheres
 from orusd_mitsuba.transport.integrator import Integrator
@@ -50,13 +51,13 @@ class RenderPass:
         return tuple(name for name in channels if name in self.picks)
 
 
-def _kinds(*wanted: str, factor: float = 1.0) -> Callable[[Array, int], Array]:
+def _kinds(*wanted: str) -> Callable[[Array, int], Array]:
     rows = [KINDS.index(kind) for kind in wanted]
-    return lambda planes, light: np.asarray(factor * planes[rows].sum(axis=0))
+    return lambda planes, light: np.asarray(planes[rows].sum(axis=0))
 
 
-def _of_light(factor: float = 1.0) -> Callable[[Array, int], Array]:
-    return lambda planes, light: np.asarray(factor * planes[len(KINDS) + light])
+def _of_light() -> Callable[[Array, int], Array]:
+    return lambda planes, light: np.asarray(planes[len(KINDS) + light])
 
 
 def _whole(planes: Array) -> Array:
@@ -73,18 +74,6 @@ RADIANCE: Final = RenderPass(
         "direct": _kinds("direct"),
         "indirect": _kinds("indirect"),
         "radiance_i": _of_light(),
-    },
-)
-# Of a white surface: radiance x pi is irradiance.
-IRRADIANCE: Final = RenderPass(
-    "irradiance",
-    "",
-    _whole,
-    {
-        "irradiance": _kinds("direct", "indirect", factor=np.pi),
-        "irradiance_direct": _kinds("direct", factor=np.pi),
-        "irradiance_indirect": _kinds("indirect", factor=np.pi),
-        "irradiance_i": _of_light(np.pi),
     },
 )
 
@@ -107,6 +96,10 @@ DIRECT: Final = RenderPass(
     lambda planes: np.asarray(planes[: len(planes) // PLANES_PER_LIGHT].sum(axis=0)),
     {name: _straight(name) for name in ("direct_i", "unoccluded_i", "visibility_i")},
 )
+# Everything at the pixels, from the same samples.
+COMPLETE: Final = RenderPass(
+    "light", "complete", lambda planes: complete.PICKS["radiance"](planes, 0), complete.PICKS
+)
 # What arrives from everywhere.
 ENVIRONMENT: Final = RenderPass(
     "environment",
@@ -115,6 +108,22 @@ ENVIRONMENT: Final = RenderPass(
     {name: _row(row) for row, name in enumerate(hemispheres.PLANES)},
     fewer=16,
 )
+
+
+def passes_for(channels: Iterable[str]) -> list[tuple[RenderPass, tuple[str, ...]]]:
+    """The render passes that give channels of light, each with its share of them.
+
+    Where one that does less is enough, it is taken; all others come from the same samples.
+    """
+    wanted = tuple(channels)
+    at_pixels = COMPLETE.gives(wanted)
+    chosen = []
+    if at_pixels:
+        enough = (one for one in (RADIANCE, DIRECT) if one.gives(wanted) == at_pixels)
+        chosen.append(next(enough, COMPLETE))
+    if ENVIRONMENT.gives(wanted):
+        chosen.append(ENVIRONMENT)
+    return [(one, one.gives(wanted)) for one in chosen]
 
 
 def run_pass(

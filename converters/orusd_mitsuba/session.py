@@ -19,14 +19,17 @@ from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bias import measurable, with_bias
 from orusd_mitsuba.cache.room_light import LEAST_BOUNCES, RoomLight
+from orusd_mitsuba.cache.scattered import CachedLight
+from orusd_mitsuba.complete.channels import RECEIVED
+from orusd_mitsuba.complete.integrator import CompleteIntegrator, CompleteScene, Wanted
 from orusd_mitsuba.direct.integrator import DirectIntegrator
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.render_passes import (
+    COMPLETE,
     DIRECT,
     ENVIRONMENT,
-    IRRADIANCE,
-    RADIANCE,
     RenderPass,
+    passes_for,
     run_pass,
 )
 from orusd_mitsuba.tracer import MitsubaTracer
@@ -37,12 +40,11 @@ from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_integrator import PathIntegrator
 from orusd_mitsuba.transport.probes import render_probes
 from orusd_mitsuba.transport.sampling import Halves
+from orusd_mitsuba.transport.scattered import ScatteredLight, TracedLight
 from orusd_mitsuba.transport.texels import light_texels
 from orusd_mitsuba.transport.white import white_first
 from orusd_mitsuba.variants import Backend
 
-# Those that take less time first.
-_PASSES: Final = (RADIANCE, IRRADIANCE, DIRECT, ENVIRONMENT)
 _CONVENTIONS: Final = {
     "bsdf": "how surfaces reflect: auto, as each material says; openrooms, all by the microfacet "
     "model of OpenRooms; preview, all as UsdPreviewSurface",
@@ -104,10 +106,12 @@ class MitsubaSession:
         """
         self._activate()
         _check(request, self._variant)
-        needed = [(one, found) for one in _PASSES if (found := one.gives(request.channels))]
-        if request.method == CACHE or any(one is IRRADIANCE or one is DIRECT for one, _ in needed):
+        needed = passes_for(request.channels)
+        if request.method == CACHE or any(one is DIRECT for one, _ in needed):
             # Before the first pass: a new kind of surface changes the code of all kernels.
             _ = self._white
+        if any(one is COMPLETE for one, _ in needed):
+            _ = self._complete
         seconds = None if request.seconds is None else request.seconds / len(needed)
         is_biased = request.method != REFERENCE
         part = replace(request, seconds=seconds, halves=request.halves or is_biased)
@@ -135,6 +139,7 @@ class MitsubaSession:
         self._builder.move(self._built, self._scene, moved)
         self._scene = moved
         self._room_lights.clear()
+        self.__dict__.pop("_complete", None)
 
     def probe(
         self, request: ProbeRequest, progress: ViewProgress = lambda fraction: None
@@ -230,10 +235,22 @@ class MitsubaSession:
                 self._scene, self._built, self._index, self.tracer, seen, request.grid,
                 request.bounces + 1, paths=light.arriving() if light else None,
             )  # fmt: skip
+        depth = request.bounces + 1
         by_light = any(CHANNELS[name].scope == "light" for name in channels)
+        if render_pass is COMPLETE:
+            scattered: ScatteredLight = (
+                CachedLight(light.paths(by_light=by_light))
+                if light
+                else TracedLight(self._built, self._index, depth)
+            )
+            wanted = Wanted(
+                by_light=by_light,
+                rest=not RECEIVED.issuperset(channels),
+                unoccluded=not {"unoccluded_i", "visibility_i"}.isdisjoint(channels),
+            )
+            return CompleteIntegrator(self._complete, scattered, camera, *size, depth, wanted)
         return PathIntegrator(
-            self._built, self._index, camera, *size, self._scene.origin, request.bounces + 1,
-            by_light=by_light, first=self._white if render_pass is IRRADIANCE else None,
+            self._built, self._index, camera, *size, self._scene.origin, depth, by_light=by_light,
             paths=light.paths(by_light=by_light) if light else None,
         )  # fmt: skip
 
@@ -252,6 +269,10 @@ class MitsubaSession:
     @cached_property
     def _index(self) -> LightIndex:
         return LightIndex(self._sources, self._built, self._scene.origin)
+
+    @cached_property
+    def _complete(self) -> CompleteScene:
+        return CompleteScene(self._scene, self._built, self._builder, self._sources, self._index)
 
     @cached_property
     def _white(self) -> Callable[[Any], Any]:

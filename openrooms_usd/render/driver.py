@@ -136,10 +136,11 @@ def render_stage(
     if FRICTION in asked:
         request = replace(request, channels=FrictionMap.needs(before_friction))
     before_shading = request.channels
-    if Shading.makes(asked):
-        request = replace(request, channels=Shading.needs(before_shading))
+    shading = Shading(adapter.channels)
+    if shading.makes(asked):
+        request = replace(request, channels=shading.needs(before_shading))
     # Errors of what is made of others are told by making it twice.
-    request = replace(request, halves=error_maps or Shading.makes(asked))
+    request = replace(request, halves=error_maps or shading.makes(asked))
     folder.check_writable(out)
 
     with claims.claimed(out, ledger.RENDER_FILE) as kept:
@@ -176,8 +177,8 @@ def render_stage(
             began = time.perf_counter()
             view = opened.render(replace(request, camera=camera), share)
             took = time.perf_counter() - began
-            if Shading.makes(asked):
-                view = Shading.complete(view, each(before_shading, lights))
+            if shading.makes(asked):
+                view = shading.complete(view, each(before_shading, lights))
             if friction:
                 view = friction.complete(view, each(before_friction, lights))
             if denoiser:

@@ -1,7 +1,10 @@
-"""Channels of light that are made of others: the Lambertian part, and what remains."""
+"""Channels of light that are made of others: the Lambertian part, and what remains.
+
+A renderer that has them from the lobes of surfaces gives them itself.
+"""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -43,30 +46,34 @@ def derivable(given: tuple[str, ...]) -> tuple[str, ...]:
     """The channels that can be made of what a renderer gives."""
     found: list[str] = []
     for name, (needed, _) in _RULES.items():
-        if {*needed} <= {*given, *found}:
+        if name not in given and {*needed} <= {*given, *found}:
             found.append(name)
     return tuple(found)
 
 
 class Shading:
-    """Makes the channels of the rules that are asked for."""
+    """Makes the channels of the rules that are asked for.
 
-    @staticmethod
-    def makes(channels: tuple[str, ...]) -> bool:
+    Args:
+        given: What the renderer gives by itself: that is better than a rule.
+    """
+
+    def __init__(self, given: Collection[str]) -> None:
+        self._rules = {name: rule for name, rule in _RULES.items() if name not in given}
+
+    def makes(self, channels: tuple[str, ...]) -> bool:
         """Whether any of these is one of ours."""
-        return not _RULES.keys().isdisjoint(channels)
+        return not self._rules.keys().isdisjoint(channels)
 
-    @staticmethod
-    def needs(channels: tuple[str, ...]) -> tuple[str, ...]:
+    def needs(self, channels: tuple[str, ...]) -> tuple[str, ...]:
         """The channels to render so that these can be written."""
         needed = set(channels)
-        for name, (sources, _) in reversed(_RULES.items()):
+        for name, (sources, _) in reversed(self._rules.items()):
             if name in needed:
                 needed = (needed - {name}) | set(sources)
         return tuple(name for name in CHANNELS if name in needed)
 
-    @staticmethod
-    def complete(view: View, channels: tuple[str, ...]) -> View:
+    def complete(self, view: View, channels: tuple[str, ...]) -> View:
         """The view with what it was asked for, and without the sources that nobody asked for.
 
         Args:
@@ -75,7 +82,7 @@ class Shading:
         """
         images = dict(view.images)
         lights = sum(name.startswith("irradiance_") and name[11:].isdigit() for name in images)
-        for name, (sources, rule) in _RULES.items():
+        for name, (sources, rule) in self._rules.items():
             each = range(lights) if name.endswith("_i") else (None,)
             for light in each:
                 _make(images, name, sources, rule, light)

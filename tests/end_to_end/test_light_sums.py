@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +18,6 @@ CHANNELS = [
     "radiance_i", "direct_i", "unoccluded_i", "visibility_i", "irradiance_i",
     "irradiance_unoccluded_i",
 ]  # fmt: skip
-STRAIGHT = ["irradiance_direct", "direct_i"]
 
 
 def of_lights(view: RenderedView, name: str) -> Array:
@@ -38,6 +36,7 @@ def assert_adds_up(view: RenderedView) -> None:
         (one["radiance"], lights["radiance"].sum(axis=0)),
         (one["irradiance"], one["irradiance_direct"] + one["irradiance_indirect"]),
         (one["irradiance"], lights["irradiance"].sum(axis=0)),
+        (one["irradiance_direct"], straight.sum(axis=0)),
         (one["direct"] + one["indirect"], one["diffuse"] + one["specular"]),
         (one["radiance"], one["diffuse"] + one["residual"]),
         (lights["irradiance_unoccluded"], lights["irradiance"] - straight + free),
@@ -46,8 +45,7 @@ def assert_adds_up(view: RenderedView) -> None:
     assert lights["visibility"].min() >= 0.0 and lights["visibility"].max() <= 1.0
     assert not lights["visibility"][free == 0.0].any()
     assert (straight <= free * (1.0 + 1e-5)).all()
-    nothing = one["valid"][..., 0] == 0.0
-    assert not one["diffuse"][nothing].any()
+    assert one["specular"].min() >= 0.0 and one["diffuse"].min() >= 0.0
 
 
 @pytest.mark.slow
@@ -57,17 +55,8 @@ def test_light_that_was_taken_apart_adds_up(
 ) -> None:
     if fastest == "scalar":
         pytest.skip("no vectorized backend works here")
-    scene = generated(kind, seed)
-    views = []
-    for channels, samples in ((CHANNELS, 16), (STRAIGHT, 512)):
-        out = tmp_path / str(samples)
-        how: dict[str, Any] = {"channels": channels, "samples": samples, "cameras": ["view_0"]}
-        render_stage(scene, out, resolution=SIZE, options={"variant": fastest}, **how)
-        views.append(read_render(out).views["view_0"])
-    assert_adds_up(views[0])
-    # By passes of their own; noise leaves less than a percent of the mean.
-    straight = of_lights(views[1], "direct").sum(axis=0)
-    received = views[1].pixels["irradiance_direct"].astype(np.float64)
-    np.testing.assert_allclose(straight.mean(axis=(0, 1)), received.mean(axis=(0, 1)), rtol=0.04)
-    ratio = straight[received > 0.0] / received[received > 0.0]
-    assert np.median(ratio) == pytest.approx(1.0, abs=0.03)
+    render_stage(
+        generated(kind, seed), tmp_path, resolution=SIZE, options={"variant": fastest},
+        channels=CHANNELS, samples=16, cameras=["view_0"],
+    )  # fmt: skip
+    assert_adds_up(read_render(tmp_path).views["view_0"])

@@ -142,7 +142,7 @@ class Lit:
         self.sources = sources_of(self.scene)
         self.index = LightIndex(self.sources, self.built, self.scene.origin)
         self.first = white_first(self.scene, self.built, builder)
-        self._builder = builder
+        self.builder = builder
 
     def camera(self, width: int, height: int, path: str = "/Camera") -> Any:
         from openrooms_usd.usd.cameras import read_camera

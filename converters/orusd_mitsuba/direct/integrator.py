@@ -119,7 +119,7 @@ class DirectIntegrator(BandedIntegrator):
         direction = mi.Vector3f((-along).tolist())
         light = self._index.crossed(at.si.p, direction, mi.Float(dr.inf), at.crossed)
         active = at.active & (at.cosine(direction) > 0.0)
-        seen = unblocked(self._built, at, at.si.spawn_ray(direction), active)
+        seen = unblocked(self._built, at.clear, at.si.spawn_ray(direction), active)
         sums.add(light, mi.Color3f(lux.tolist()) * at.cosine(direction), seen, active)
 
 
@@ -140,7 +140,7 @@ def _from_lamps(
         density = faces.density(row, lamp, at.si.p) * squared / turned
         value = faces.radiance(row, place, active) * (cosine / density)
         value *= heuristic(density, at.density(direction))
-        seen = unblocked(built, at, at.si.spawn_ray_to(point), active)
+        seen = unblocked(built, at.clear, at.si.spawn_ray_to(point), active)
         sums.add(faces.light(lamp), value, seen, active)
         lamp += 1
 
@@ -166,10 +166,10 @@ def _meet_lamps(
         front = hit & (turned > 0.0)
         squared = dr.squared_norm(si.p - at.si.p)
         other = faces.density(row, lamp, at.si.p, front) * squared / turned
-        value = faces.radiance(row, _place(faces, row, si.p), front) * (
+        value = faces.radiance(row, faces.place(row, si.p), front) * (
             at.cosine(direction) / density * heuristic(density, other)
         )
-        seen = unblocked(built, at, at.si.spawn_ray_to(si.p), front)
+        seen = unblocked(built, at.clear, at.si.spawn_ray_to(si.p), front)
         sums.add(faces.light(lamp), value, seen, front)
         ray = si.spawn_ray(direction)
         active = hit
@@ -190,17 +190,6 @@ def _in_closed_form(
             row += 1
         sums.add_closed(number, total, at.active)
         number += 1
-
-
-def _place(faces: LampFaces, row: Any, point: Any) -> Any:
-    """Barycentric coordinates of a point of a row's plane."""
-    a, b, c = faces.corners(row)
-    u, v, w = b - a, c - a, point - a
-    normal = dr.cross(u, v)
-    squared = dr.maximum(dr.squared_norm(normal), 1e-30)
-    return mi.Point2f(
-        dr.dot(dr.cross(w, v), normal) / squared, dr.dot(dr.cross(u, w), normal) / squared
-    )
 
 
 def heuristic(used: Any, other: Any) -> Any:

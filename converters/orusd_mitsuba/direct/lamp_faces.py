@@ -165,6 +165,16 @@ class LampFaces:
         a, b, c = self.corners(low)
         return low, place, a + (b - a) * place.x + (c - a) * place.y
 
+    def place(self, row: Any, point: Any) -> Any:
+        """Barycentric coordinates of a point of a row's plane."""
+        a, b, c = self.corners(row)
+        u, v, w = b - a, c - a, point - a
+        normal = dr.cross(u, v)
+        squared = dr.maximum(dr.squared_norm(normal), 1e-30)
+        return mi.Point2f(
+            dr.dot(dr.cross(w, v), normal) / squared, dr.dot(dr.cross(u, w), normal) / squared
+        )
+
     def radiance(self, row: Any, place: Any, active: Any = True) -> Any:
         """What a point of a row emits to its front.
 

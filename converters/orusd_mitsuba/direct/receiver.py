@@ -117,15 +117,22 @@ def receive(
 
 
 @dr.syntax
-def unblocked(built: Any, at: Receiver, ray: Any, active: Any) -> Any:
-    """The part of light that comes along rays, up to their ends: 0, 1, or what clear ones leave."""
-    if dr.hint(not at.clear, mode="scalar"):
+def unblocked(built: Any, clear: bool, ray: Any, active: Any) -> Any:
+    """The part of light that comes along rays, up to their ends: 0, 1, or what clear ones leave.
+
+    Args:
+        built: The Mitsuba scene.
+        clear: Whether any surface of the scene lets light straight through.
+        ray: The rays.
+        active: Which of them are wanted.
+    """
+    if dr.hint(not clear, mode="scalar"):
         return dr.select(built.ray_test(ray, active), 0.0, mi.Float(1.0))
     part, active, ray = mi.Float(1.0), mi.Bool(active), mi.Ray3f(ray)
     while active:
         si = built.ray_intersect(ray, active)
         hit = active & si.is_valid()
-        left = at.first(si).eval_null_transmission(si, hit)[1]
+        left = si.bsdf().eval_null_transmission(si, hit)[1]
         part = dr.select(hit, part * left, part)
         onwards = si.spawn_ray(ray.d)
         onwards.maxt = ray.maxt - si.t

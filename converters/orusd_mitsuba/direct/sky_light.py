@@ -65,5 +65,5 @@ class Sky:
         towards.wi = -direction
         # The power heuristic: the square of the technique's own density over all of them.
         value = self._emitter.eval(towards, active) * (at.cosine(direction) / (density * others))
-        seen = unblocked(self._built, at, at.si.spawn_ray(direction), active)
+        seen = unblocked(self._built, at.clear, at.si.spawn_ray(direction), active)
         sums.add(light, value, seen, active)

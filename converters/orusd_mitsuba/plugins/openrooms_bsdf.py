@@ -101,7 +101,7 @@ class Inputs:
 
 
 @dataclass(frozen=True, eq=False)
-class _View:
+class View:
     """The viewer's side of surface points.
 
     Attributes:
@@ -123,7 +123,8 @@ class _View:
         return (wo.z > 0.0) & (height >= 0.0), (wo.z < 0.0) & (height < 0.0)
 
 
-def _view(si: Any, relief: Any) -> _View:
+def view_of(si: Any, relief: Any) -> View:
+    """The viewer's side at surface interactions of a relief, as the ground truth shows it."""
     true = si.to_local(si.n)
     side = dr.select(dr.dot(true, si.wi) >= 0.0, mi.Float(1.0), mi.Float(-1.0))
     normal = dr.normalize(mi.Vector3f(relief.x, relief.y, relief.z * side))
@@ -131,7 +132,7 @@ def _view(si: Any, relief: Any) -> _View:
     frame = mi.Frame3f(bent * dr.rsqrt(dr.maximum(dr.squared_norm(bent), 1e-12)))
     wi = frame.to_local(si.wi)
     wi.z = dr.maximum(wi.z, 0.0)
-    return _View(frame, wi, true * side)
+    return View(frame, wi, true * side)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +148,7 @@ class Reflection:
     """
 
     matter: Matter
-    view: _View
+    view: View
     lobe: float
     reflection: Any
     passage: Any
@@ -163,7 +164,7 @@ class Reflection:
     @staticmethod
     def of(matter: Matter, si: Any, lobe: float, reflection: Any, passage: Any) -> "Reflection":
         """The model of some matter at surface interactions, its parts weighed."""
-        return Reflection(matter, _view(si, matter.relief), lobe, reflection, passage)
+        return Reflection(matter, view_of(si, matter.relief), lobe, reflection, passage)
 
     @property
     def shares(self) -> tuple[Any, Any]:

@@ -26,6 +26,7 @@ class Band:
     """Some rows of a picture, with all samples of one batch.
 
     Attributes:
+        top: The first.
         rows: How many.
         samples: Of each pixel.
         seed: Of its random numbers.
@@ -33,7 +34,7 @@ class Band:
     """
 
     def __init__(self, integrator: "BandedIntegrator", top: int, samples: int, seed: int) -> None:
-        self._integrator, self._top = integrator, top
+        self._integrator, self.top = integrator, top
         self.samples, self.seed = samples, seed
         height, self.width = integrator.size
         self.rows = min(integrator.rows, height - top)
@@ -54,7 +55,7 @@ class Band:
         """
         # As variables, not as parts of the compiled code: bands of all sizes share it.
         pixel = dr.arange(mi.UInt32, self.paths) // dr.opaque(mi.UInt32, self.samples)
-        width, rows = self.width, (self._top, self.rows)
+        width, rows = self.width, (self.top, self.rows)
         if self._integrator.pixels is not None:
             # They stand in a row, but lie anywhere in the picture.
             pixel = dr.gather(mi.UInt32, mi.UInt32(self._integrator.pixels), pixel)

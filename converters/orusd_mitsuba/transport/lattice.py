@@ -55,6 +55,49 @@ class FirstDimensions:
         self.lobe = _wrapped(mi.Float(number * mi.UInt32(_SILVER_STEP)) * 2.0**-32 + shifts[6])
 
 
+class PixelLattice:
+    """The same for threads that take the samples of a pixel in turn, with pairs without end.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Args:
+        samples: Of each pixel.
+        pixel: The number of each thread's pixel.
+        sample: The number of the sample that it takes now.
+        seed: Of the shifts.
+    """
+
+    def __init__(self, samples: int, pixel: Any, sample: Any, seed: int) -> None:
+        # As variables, not as parts of the compiled code.
+        self._count, self._seed = dr.opaque(mi.UInt32, samples), dr.opaque(mi.UInt32, seed)
+        self._step = dr.opaque(mi.Float, 1.0 / samples)
+        self._strides = [dr.opaque(mi.UInt32, coprime(samples, part)) for part in _STRIDES_OF_PAIRS]
+        self._pixel, self._sample = pixel, sample
+
+    def pair(self, salt: Any, order: int = 0) -> Any:
+        """Two numbers for each thread.
+
+        Args:
+            salt: Tells pairs apart, a number below 2^31.
+            order: Pairs of different orders take the lattice in different ways, of three.
+        """
+        turned = self._sample * self._strides[order] % self._count
+        first, second = self._shifts(2 * mi.UInt32(salt))
+        across = mi.Float(turned) * self._step + first
+        along = mi.Float(turned * mi.UInt32(_GOLDEN_STEP)) * 2.0**-32 + second
+        return mi.Point2f(_wrapped(across), _wrapped(along))
+
+    def single(self, salt: Any) -> Any:
+        """One number for each thread; see `pair`."""
+        shift, _ = self._shifts(2 * mi.UInt32(salt) + 1)
+        return _wrapped(mi.Float(self._sample * mi.UInt32(_SILVER_STEP)) * 2.0**-32 + shift)
+
+    def _shifts(self, salt: Any) -> tuple[Any, Any]:
+        drawn: Any = mi.sample_tea_32
+        first, second = drawn(self._pixel, salt ^ self._seed)
+        return mi.Float(first) * 2.0**-32, mi.Float(second) * 2.0**-32
+
+
 def coprime(count: int, part: float) -> int:
     """The least number from a part of ``count`` on that has no factor in common with it."""
     step = max(1, round(part * count))

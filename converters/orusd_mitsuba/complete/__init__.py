@@ -1,0 +1,8 @@
+"""The whole set of light channels from one set of first hits and one set of light samples.
+
+- ``matter`` tells what every surface is made of, whatever its model.
+- ``first_surface`` is what a camera's rays meet: its white frame, and the rest that it scatters.
+- ``light_samples`` samples every light, ``accumulator`` files what it finds.
+- ``integrator`` combines these; what surfaces scatter on comes from `transport.scattered`.
+- ``channels`` makes the channels of the sums.
+"""
