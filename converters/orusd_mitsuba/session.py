@@ -113,8 +113,7 @@ class MitsubaSession:
         if any(one is COMPLETE for one, _ in needed):
             _ = self._complete
         seconds = None if request.seconds is None else request.seconds / len(needed)
-        is_biased = request.method != REFERENCE
-        part = replace(request, seconds=seconds, halves=request.halves or is_biased)
+        part = replace(request, seconds=seconds)
         images: dict[str, Image] = {}
         for number, (render_pass, found) in enumerate(needed):
             integrator = self._integrator(render_pass, camera, request, found)
@@ -122,7 +121,7 @@ class MitsubaSession:
             given, halves = run_pass(
                 render_pass, integrator, part, found, len(self._sources), share
             )
-            images |= self._measured(given, render_pass, camera, request, found)
+            images |= self._measured(given, render_pass, integrator, camera, request, found)
             self._note(request, render_pass.name, halves, int(integrator.broken.sum()))
         return images
 
@@ -192,21 +191,21 @@ class MitsubaSession:
         self,
         images: Mapping[str, Image],
         render_pass: RenderPass,
+        integrator: Integrator,
         camera: PinholeCamera,
         request: RenderRequest,
         channels: tuple[str, ...],
     ) -> Mapping[str, Image]:
         """The images of a pass, with what they are off where the method is not the reference."""
-        if request.method == REFERENCE:
+        wanted = measurable(channels)
+        if request.method == REFERENCE or not wanted:
             return images
-        if wanted := measurable(channels):
-            alike = replace(request, method=REFERENCE)
-            reference = self._integrator(render_pass, camera, alike, wanted)
-            assert isinstance(reference, SparseIntegrator)
-            images = with_bias(images, render_pass, reference, request, wanted, len(self._sources))
-        if request.halves:
-            return images
-        return {name: replace(image, halves=None) for name, image in images.items()}
+        alike = replace(request, method=REFERENCE)
+        reference = self._integrator(render_pass, camera, alike, channels)
+        assert isinstance(integrator, SparseIntegrator) and isinstance(reference, SparseIntegrator)
+        return with_bias(
+            images, render_pass, integrator, reference, request, wanted, len(self._sources)
+        )
 
     def _integrator(
         self,

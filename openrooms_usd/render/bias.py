@@ -4,9 +4,9 @@ Some pixels, spread over the picture and drawn by chance, are rendered again by 
 to its end. The bias of the whole is the sum of the differences over the sum of that reference.
 
 The worst tenth of pixels is harder: of numbers with noise the worst tenth is always bad. So the
-pixels are put into groups, neighbours of alike brightness; one half of all samples, of the picture
-and of the reference, says in which tenth the bias is worst and of which sign, and the other half
-measures it there. Then the halves change places, and the mean counts. Where there is no bias this
+pixels are put into groups, neighbours of alike brightness; every other pixel says in which tenth of
+the groups the bias is worst and of which sign, and the others measure it there. Then the two halves
+of the pixels change places, and the mean counts. Where there is no bias this
 is 0 in the mean; where there is, noise may hide the worst groups, so that it is rather too small.
 """
 
@@ -22,8 +22,9 @@ Array = NDArray[np.float64]
 _BLOCKS: Final = (5, 4)
 _BRIGHTNESSES: Final = 2
 _WORST_SHARE: Final = 0.1
-# Pixels that a group has at least in the mean, for there to be a worst tenth.
-_LEAST_PIXELS_A_GROUP: Final = 4
+# What a group has at least in the mean, for there to be a worst tenth.
+_LEAST_PIXELS_A_GROUP: Final = 3
+_LEAST_PATHS_A_GROUP: Final = 24
 # Of equal share in a sum, for its spread to tell anything: (sum x)^2 / sum x^2.
 _LEAST_EFFECTIVE_PIXELS: Final = 4.0
 
@@ -36,8 +37,7 @@ class Bias:
         total: Of the whole picture: -0.01 is one per cent too dark.
         total_error: Its standard error.
         worst_tenth: Mean size of the bias in the tenth of the pixels where it is worst; about 0,
-            and now and then below, where there is none. None where the pixels are too few or the
-            picture has one sample.
+            and now and then below, where there is none. None where the pixels are too few.
         worst_tenth_error: Its standard error.
         pixels: How many were rendered again.
     """
@@ -98,28 +98,36 @@ class SparsePixels:
         return np.asarray(np.unique(found, return_inverse=True)[1])
 
 
-def measure(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) -> Bias | None:
+def measure(
+    found: NDArray[Any],
+    reference: NDArray[Any],
+    pixels: SparsePixels,
+    brightness: NDArray[Any],
+    paths: int = 1,
+) -> Bias | None:
     """The bias of one channel.
 
     Args:
-        found: (2, N, C) two independent halves of the picture, at the pixels; (1, N, C) the
-            picture itself where there is one sample.
-        reference: (2, N, C) two halves of unbiased samples of the same pixels, independent of
-            these.
+        found: (N, C) by the method, at the pixels.
+        reference: (N, C) unbiased samples of the same. Each pixel has random numbers of its own;
+            the two of a pixel may share them, which takes away noise.
         pixels: Which they are.
+        brightness: (N,) of the finished picture there, which has other random numbers than these.
+        paths: Of which each pixel is the mean.
 
     Returns:
         None where the reference has seen nothing of the channel, or in a few pixels alone.
     """
     # Components add up: what counts is light.
-    a, b = (np.asarray(each, np.float64).sum(axis=2) for each in (found, reference))
-    total = _ratio(a.mean(axis=0) - b.mean(axis=0), b.mean(axis=0), pixels.weights)
+    a, b = (np.asarray(each, np.float64).sum(axis=1) for each in (found, reference))
+    total = _ratio(a - b, b, pixels.weights)
     if total is None:
         return None
     tenth: tuple[float, float] | tuple[None, None] = None, None
-    enough = len(pixels.numbers) >= _LEAST_PIXELS_A_GROUP * _BRIGHTNESSES * np.prod(_BLOCKS)
-    if enough and len(a) == 2:
-        tenth = _worst_tenth(a, b, pixels) or tenth
+    a_group = len(pixels.numbers) / (_BRIGHTNESSES * np.prod(_BLOCKS))
+    if a_group >= _LEAST_PIXELS_A_GROUP and a_group * paths >= _LEAST_PATHS_A_GROUP:
+        groups = pixels.groups(np.asarray(brightness, np.float64))
+        tenth = _worst_tenth(a, b, pixels.weights, groups) or tenth
     return Bias(*total, tenth[0], tenth[1], len(pixels.numbers))
 
 
@@ -147,23 +155,25 @@ def factors(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) 
 
 
 def _worst_tenth(
-    found: Array, reference: Array, pixels: SparsePixels
+    found: Array, reference: Array, weights: Array, groups: NDArray[np.int64]
 ) -> tuple[float, float] | None:
     """The mean size of the bias where it is worst, and its standard error.
 
     Args:
-        found: (2, N) halves of the picture.
-        reference: (2, N) halves of the reference.
-        pixels: Which they are.
+        found: (N,) by the method.
+        reference: (N,) by the reference.
+        weights: (N,) of the pixels.
+        groups: (N,) their groups.
     """
+    second = np.zeros(len(groups), dtype=bool)
+    second[np.argsort(groups, kind="stable")[1::2]] = True
     measured = []
-    for one, other in ((0, 1), (1, 0)):
-        groups = pixels.groups(found[one])
-        signs = _worst_groups(found[one], reference[one], pixels.weights, groups)[groups]
+    for half in (second, ~second):
+        told = _worst_groups(found[half], reference[half], weights[half], groups[half])
+        signs = np.where(half, 0.0, told[groups])
         inside = signs != 0.0
-        off = signs * (found[other] - reference[other])
-        part = (off, reference[other], pixels.weights)
-        ratio = _ratio(*(each[inside] for each in part))
+        off = signs * (found - reference)
+        ratio = _ratio(*(each[inside] for each in (off, reference, weights)))
         if ratio is None:
             return None
         measured.append(ratio)

@@ -1,6 +1,7 @@
 """Bias that a method has by its making is measured at sparse pixels, and none where it has none."""
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -40,19 +41,18 @@ def rendered(mi: Any, half_hidden: Any) -> Callable[..., tuple[dict[str, Image],
     return render
 
 
-def measured(images: dict[str, Image], reference: Any, lights: int, **how: Any) -> dict[str, Image]:
+def measured(images: dict[str, Image], biased: Any, reference: Any, **how: Any) -> dict[str, Image]:
     from orusd_mitsuba.bias import with_bias
     from orusd_mitsuba.render_passes import RADIANCE
 
-    request = replace(REQUEST, **how)
-    return with_bias(images, RADIANCE, reference, request, CHANNELS_HERE, lights)
+    request, lights = replace(REQUEST, **how), sum(name.startswith("radiance_") for name in images)
+    return with_bias(images, RADIANCE, biased, reference, request, CHANNELS_HERE, lights)
 
 
 def test_a_method_that_stops_too_early_is_too_dark_by_what_it_leaves_out(rendered: Any) -> None:
-    images, _ = rendered(STRAIGHT, samples=128)
+    images, biased = rendered(STRAIGHT, samples=64)
     _, reference = rendered(LONG, samples=1)
-    lights = sum(name.startswith("radiance_") for name in images)
-    told = measured(images, reference, lights)
+    told = measured(images, biased, reference)
     # Of the whole pictures, by other random numbers.
     short, whole = (rendered(depth, samples=256, seed=9)[0] for depth in (STRAIGHT, LONG))
     for name, image in told.items():
@@ -61,30 +61,42 @@ def test_a_method_that_stops_too_early_is_too_dark_by_what_it_leaves_out(rendere
             continue
         wanted = short[name].pixels.sum(dtype=np.float64) / truth - 1.0
         bias = image.bias
-        assert bias and abs(bias.total - wanted) <= 4 * bias.total_error, name
+        assert bias and abs(bias.total - wanted) <= 4 * bias.total_error + 1e-3, name
         assert wanted < -0.1 and bias.total_error < 0.1, name
-        assert bias.pixels > 200
+        assert bias.pixels > 500
     lost = told["radiance"].bias
-    assert lost and lost.worst_tenth > -lost.total > 5 * lost.total_error
+    assert lost and (lost.worst_tenth or 0.0) > -lost.total > 5 * lost.total_error
     lost = told["indirect"].bias
     assert lost and lost.total == -1.0 and lost.worst_tenth == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_method_without_bias_is_told_to_have_none(rendered: Any) -> None:
-    images, integrator = rendered(LONG, seed=3)
-    lights = sum(name.startswith("radiance_") for name in images)
+    images, integrator = rendered(LONG, seed=3, samples=64)
+    # With the same random numbers it is the same, to the last bit.
+    same = measured(images, integrator, integrator)
+    assert all(image.bias.total == 0.0 for image in same.values() if image.bias)
     deviations = []
     for seed in range(4):
-        for image in measured(images, integrator, lights, seed=seed).values():
+        for image in measured(images, reseeded(integrator), integrator, seed=seed).values():
             if image.bias and image.bias.total_error > 0.0:
                 deviations.append(image.bias.total / image.bias.total_error)
                 worst, error = image.bias.worst_tenth, image.bias.worst_tenth_error
                 assert worst is None or abs(worst) <= 4 * error
     assert len(deviations) >= 12 and max(map(abs, deviations)) < 4.0
-    # Equal requests tell the same, and the picture itself stays.
-    one, again = (measured(images, integrator, lights) for _ in range(2))
-    assert {n: i.bias for n, i in one.items()} == {n: i.bias for n, i in again.items()}
-    assert all(one[name].pixels is images[name].pixels for name in images)
+    assert all(same[name].pixels is images[name].pixels for name in images)
+
+
+def reseeded(integrator: Any) -> Any:
+    """The same with random numbers of its own."""
+
+    class Reseeded(type(integrator)):  # type: ignore[misc]
+        def _band(self, band: Any) -> Any:
+            band.seed ^= 0x2A
+            return super()._band(band)
+
+    found = copy(integrator)
+    found.__class__ = Reseeded
+    return found
 
 
 @pytest.mark.slow

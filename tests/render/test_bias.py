@@ -17,17 +17,17 @@ def light(x: Array, y: Array) -> Array:
     return np.exp(np.sin(5 * x) + np.cos(4 * y))
 
 
-def measured(seed: int, planted: Planted, count: int = 800, spread: float = 1.0) -> Bias:
+def measured(seed: int, planted: Planted, count: int = 1200, spread: float = 1.0) -> Bias:
     """Of a picture with a planted relative bias, by paths of which few are bright."""
     rng = np.random.default_rng(seed)
     pixels = SparsePixels.draw(*SIZE, count, rng)
     rows, columns = np.divmod(pixels.numbers, SIZE[0])
     x, y = (columns + 0.5) / SIZE[0], (rows + 0.5) / SIZE[1]
-    shape = (2, len(x), 3)
+    shape = (len(x), 3)
     noise = np.exp(spread * rng.standard_normal(shape) - spread**2 / 2)
     truth = light(x, y)[:, None] * np.array([1.0, 0.8, 0.5])
     found = truth * (1 + planted(x, y)[:, None]) * (1 + 0.2 * rng.standard_normal(shape))
-    bias = measure(found, truth * noise, pixels)
+    bias = measure(found, truth * noise, pixels, truth.sum(axis=1))
     assert bias
     return bias
 
@@ -91,19 +91,23 @@ def test_weights_make_sums_of_sparse_pixels_unbiased() -> None:
 
 
 def test_what_cannot_be_said_is_not_said() -> None:
-    pixels = SparsePixels.draw(*SIZE, 400, np.random.default_rng(0))
-    shape = (2, len(pixels.numbers), 3)
+    pixels = SparsePixels.draw(*SIZE, 1000, np.random.default_rng(0))
+    shape = (len(pixels.numbers), 3)
     dark, bright = np.zeros(shape), np.random.default_rng(1).random(shape)
-    off = measure(dark, dark, pixels)
+    level = bright.sum(axis=1)
+    off = measure(dark, dark, pixels, 0.0 * level)
     assert off and (off.total, off.total_error, off.worst_tenth) == (0.0, 0.0, 0.0)
-    # A lamp that no path of the reference has met.
-    assert measure(bright, dark, pixels) is None
-    # One sample has no halves, and few pixels no worst tenth.
-    single = measure(bright[:1], bright, pixels)
-    assert single and single.worst_tenth is None
-    few = SparsePixels.draw(*SIZE, 12, np.random.default_rng(0))
-    told = measure(*np.random.default_rng(2).random((2, 2, len(few.numbers), 3)), few)
-    assert told and told.worst_tenth is None
+    # A lamp that no path of the reference has met, or one alone.
+    assert measure(bright, dark, pixels, level) is None
+    lucky = dark.copy()
+    lucky[7] = 100.0
+    assert measure(bright, lucky, pixels, level) is None
+    # Few pixels have no worst tenth, unless each tells much.
+    few = SparsePixels.draw(*SIZE, 200, np.random.default_rng(0))
+    some = np.random.default_rng(2).random((2, len(few.numbers), 3))
+    for paths, has in ((1, False), (500, True)):
+        told = measure(*some, few, level[: len(few.numbers)], paths)
+        assert told and (told.worst_tenth is not None) is has
 
 
 def test_factors_take_the_bias_out_of_the_sum() -> None:
