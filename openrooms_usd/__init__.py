@@ -15,6 +15,7 @@ from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
+    from openrooms_usd.api.films import render_path as render_path
     from openrooms_usd.api.light import Lightmaps as Lightmaps
     from openrooms_usd.api.light import Probe as Probe
     from openrooms_usd.api.light import Probes as Probes
@@ -64,6 +65,7 @@ _HOME = {
     "read_render": "openrooms_usd.api.renders",
     "relight": "openrooms_usd.api.light",
     "render": "openrooms_usd.api.renders",
+    "render_path": "openrooms_usd.api.films",
     "robots": "openrooms_usd.api",
     "save": "openrooms_usd.api.rooms",
     "simulate": "openrooms_usd.api.scenes",
@@ -94,6 +96,7 @@ __all__ = [
     "read_render",
     "relight",
     "render",
+    "render_path",
     "robots",
     "save",
     "simulate",

@@ -10,7 +10,13 @@ import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.renderer import renderer_options
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, DEFAULT_SAMPLES, METHODS
+from openrooms_usd.render.contract import (
+    DEFAULT_BOUNCES,
+    DEFAULT_GRID,
+    DEFAULT_RATE,
+    DEFAULT_SAMPLES,
+    METHODS,
+)
 
 if TYPE_CHECKING:
     from openrooms_usd.render import RenderSummary
@@ -59,6 +65,13 @@ def _resolution(
 )
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @click.option(
+    "--path", "spec", metavar="PATH",
+    help="Write a video instead: walk, a camera that moves, or a file of keys (docs/paths.md).",
+)  # fmt: skip
+@click.option("--duration", type=float, help="Seconds of the video; 10 for a walk.")
+@click.option("--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default.")
+@click.option("--frames", is_flag=True, help="Write every frame of the video too.")
+@click.option(
     "--dataset", "root", type=click.Path(path_type=Path), metavar="ROOT",
     help="Also write OpenRooms' files there, as `orusd dataset` does.",
 )  # fmt: skip
@@ -80,22 +93,37 @@ def render(
     renderer: str,
     options: dict[str, str],
     denoise: bool,
+    spec: str | None,
+    duration: float | None,
+    fps: int | None,
+    frames: bool,
     root: Path | None,
     as_json: bool,
 ) -> None:
-    """Render the cameras of a USD stage with their ground truth.
+    """Render the cameras of a USD stage with their ground truth, or a camera path as a video.
 
     OUT receives a folder for every view, contact_sheet.png, manifest.json and timing.json. Ctrl-C
     keeps the views that are finished.
     """
     from openrooms_usd import adapters
     from openrooms_usd.cli.datasets import print_dataset
+    from openrooms_usd.cli.filming import film
     from openrooms_usd.render import render_stage
     from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
     from openrooms_usd.render.reading import read_render
     from openrooms_usd.usd.diagnostics import quiet
 
     _warn_of_units(stage)
+    if spec is not None:
+        _check_stills(cameras, channels, grid, error_maps, error, seconds, root)
+        film(
+            stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
+            resolution=resolution, samples=spp, seed=seed, bounces=bounces, method=method,
+            renderer=renderer, options=options, denoise=denoise, keep_frames=frames,
+        )  # fmt: skip
+        return
+    if duration is not None or fps is not None or frames:
+        raise click.UsageError("--duration, --fps and --frames belong to --path")
     _tell_what_goes(out)
     # What cannot be written should not be rendered first.
     writer: DatasetWriter | None = adapters.load(adapters.DATASETS, "openrooms") if root else None
@@ -126,6 +154,15 @@ def render(
     _print_summary(summary)
     if written:
         print_dataset(written)
+
+
+def _check_stills(*given: Any) -> None:
+    """Refuse what a video has not."""
+    if any(value not in ((), "usual", None, False) for value in given):
+        raise click.UsageError(
+            "with --path there is no --camera, --channels, --grid, --error-maps, --error, --time "
+            "or --dataset: frames have --spp, and --frames keeps them with their ground truth"
+        )
 
 
 def _warn_of_units(stage: Path) -> None:

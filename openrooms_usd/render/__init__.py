@@ -6,7 +6,7 @@ its light and the core's exact channels together, ``shading``, ``friction`` and 
 others of them, and ``run`` writes. The files are ``exr``, ``previews`` (with ``color``), ``sheet``,
 ``manifest`` and the ``folder`` of them all. ``reading`` and ``manifest_schema`` give finished
 renders back and trust no file; ``relight``, ``probes``, ``datasets`` and ``coco`` use them.
-``bake`` writes light as textures.
+``bake`` writes light as textures, ``paths`` renders walks as videos.
 
 Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors and ``bias``, ``fits``,
 ``lights`` and ``light_store``, which keeps the light of a room beside it.

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 DEFAULT_BOUNCES: Final = 7
 DEFAULT_SAMPLES: Final = 64
+DEFAULT_RATE: Final = 24  # frames of a video a second
 DEFAULT_GRID: Final = (160, 120)
 
 Method = Literal["cache", "reference"]

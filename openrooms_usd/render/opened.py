@@ -13,6 +13,7 @@ from pxr import Usd
 
 from openrooms_usd.channels import each, numbered
 from openrooms_usd.errors import RenderError
+from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render.contract import (
     NO_OPTIONS,
     Image,
@@ -173,6 +174,11 @@ class OpenedStage:
             self.session.move(self._scene)
         else:
             self.session = self._renderer.open(self._scene, self._options)
+
+    @property
+    def caster(self) -> RayCaster:
+        """Casts rays against what is rendered."""
+        return self._caster.caster
 
     @property
     def _scene(self) -> Scene:

@@ -1,0 +1,290 @@
+"""Renders a camera path of a stage into files: a video, the cameras of its frames, and frames."""
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd import adapters, atomic, claims, ledger
+from openrooms_usd.convert import add_missing
+from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.imagefile import write_png
+from openrooms_usd.names import CREATOR
+from openrooms_usd.progress import Progress, silent
+from openrooms_usd.render import exr, folder, manifest
+from openrooms_usd.render.contract import (
+    DEFAULT_BOUNCES,
+    DEFAULT_RATE,
+    NO_OPTIONS,
+    Renderer,
+    RenderRequest,
+)
+from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
+from openrooms_usd.render.given import check_method, choose_method, rendered
+from openrooms_usd.render.paths import video
+from openrooms_usd.render.paths.camera_path import CameraPath
+from openrooms_usd.render.paths.choosing import choose_path
+from openrooms_usd.render.paths.film import (
+    DEFAULT_SAMPLES,
+    EXACT,
+    LIGHT,
+    Frame,
+    fitted_exposure,
+    frames,
+)
+from openrooms_usd.render.plan import plan, sized
+from openrooms_usd.render.previews import preview
+from openrooms_usd.untrusted import read_text
+
+DEFAULT_RESOLUTION: Final = (320, 240)
+_RATES: Final = (1, 240)
+_MOST_SECONDS: Final = 3600.0
+CONVENTIONS: Final = {
+    "estimated_error": "of what the samples of a frame and its history say, before denoising: the "
+    "relative mean squared error, told by two halves that never meet",
+    "flicker": "of what is shown: root mean square over the surfaces that a frame and the one "
+    "before it both see of the change of luminance, over sqrt(m^2 + 0.01 M^2) and sqrt(2), m its "
+    "mean there and M that of the picture",
+    "new": "the part of the pixels that the frame before did not see",
+    "exposure": "what radiance in nits is multiplied by in the video, the same for all frames",
+}
+
+
+@dataclass(frozen=True)
+class PathSummary:
+    """What was written of a path.
+
+    Attributes:
+        video: The video.
+        cameras: The file with the cameras of its frames.
+        frames: The folder of frames, where they were asked for.
+        manifest: What stands in ``cameras``.
+        timing: Mean seconds of the steps of a frame.
+    """
+
+    video: Path
+    cameras: Path
+    frames: Path | None
+    manifest: Mapping[str, Any]
+    timing: Mapping[str, float]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The summary as plain data."""
+        return {
+            "video": str(self.video),
+            "cameras": str(self.cameras),
+            "frames": None if self.frames is None else str(self.frames),
+            "manifest": self.manifest,
+            "timing": self.timing,
+        }
+
+
+def render_path(
+    path: Path,
+    out: Path,
+    spec: str,
+    *,
+    seconds: float | None = None,
+    rate: int = DEFAULT_RATE,
+    resolution: tuple[int, int] | None = None,
+    samples: int | None = None,
+    seed: int = 0,
+    bounces: int = DEFAULT_BOUNCES,
+    method: str | None = None,
+    renderer: str = "mitsuba",
+    options: Mapping[str, str] = NO_OPTIONS,
+    denoise: bool = False,
+    keep_frames: bool = False,
+    progress: Progress = silent,
+) -> PathSummary:
+    """Render a camera path of a USD stage as a video.
+
+    ``out`` then holds ``<name>.webm``, ``<name>.json`` with the camera of every frame,
+    ``<name>_timing.json`` and, on request, ``<name>_frames`` with an EXR and a PNG of each.
+
+    Args:
+        path: The USD file.
+        out: The folder to write.
+        spec: ``walk``, the name of a camera with time samples, or a file with keys.
+        seconds: How long; by default as long as the path is, ten seconds for a walk.
+        rate: Frames a second.
+        resolution: Width and height in pixels, even numbers; 320x240 by default.
+        samples: Samples a pixel of a frame; `DEFAULT_SAMPLES` by default.
+        seed: Fixes every random number.
+        bounces: At most this many scatterings on the way from a light to the camera.
+        method: See `openrooms_usd.render.render_stage`, like the rest.
+        renderer: See there; it must give radiance.
+        options: See there.
+        denoise: Whether frames are denoised.
+        keep_frames: Whether to write every frame too.
+        progress: Called with the path's name and the finished fraction.
+
+    Raises:
+        InputError: There is no such path, or a number is absurd.
+        MissingPackageError: What encodes videos, or the denoiser, is not installed.
+        OutputError: The folder cannot be written, or holds somebody else's files of these names.
+        RenderError: There is no room for a walk, or the renderer cannot do it.
+    """
+    from openrooms_usd.render.opened import open_with
+    from openrooms_usd.usd.diagnostics import reading
+    from openrooms_usd.usd.layers import open_stage
+
+    # 1. Refuse what cannot work before anything slow begins.
+    size = resolution or DEFAULT_RESOLUTION
+    _check(seconds, rate)
+    video.check(size)
+    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
+    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
+    if LIGHT not in adapter.channels:
+        raise InputError(f"the renderer {renderer} gives no light", place="renderer")
+    request = plan(
+        (LIGHT,), size, samples=samples or DEFAULT_SAMPLES, error=None, seconds=None, seed=seed,
+        bounces=bounces,
+    )  # fmt: skip
+    named = check_method(method)
+    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
+    folder.check_writable(out)
+
+    # 2. Translate the stage, and find the path.
+    stage = open_stage(path)
+    with reading(path):
+        opened = open_with(adapter, stage, options)
+        add_missing(opened.report, stage)
+    request = replace(sized(request, size), method=choose_method(named, opened.session))
+    camera_path = choose_path(spec, stage, opened, size, seconds, rate)
+    files = _Files(out, camera_path.name, keep_frames)
+    files.check()
+
+    # 3. Render frame by frame.
+    with claims.claimed(out, ledger.RENDER_FILE):
+        exposure = fitted_exposure(opened, camera_path, request)
+        told, spent = [], []
+        with files.writing(size, rate) as writer:
+            for number, frame in enumerate(frames(opened, camera_path, request, denoiser)):
+                writer.add(number, frame, exposure, denoiser is not None)
+                told.append(_told(frame))
+                spent.append(frame.seconds)
+                progress(camera_path.name, (number + 1) / len(camera_path))
+            shared = manifest.run_entry(path, renderer, opened, replace(request, channels=()))
+            entry = shared | _entry(camera_path, request, exposure, denoiser, told)
+            timing = {step: float(np.mean([s[step] for s in spent])) for step in spent[0]}
+            writer.tell(entry, timing)
+    return PathSummary(
+        files.video, files.cameras, files.frames if keep_frames else None, entry, timing
+    )
+
+
+def _check(seconds: float | None, rate: int) -> None:
+    if seconds is not None and not 0.0 < seconds <= _MOST_SECONDS:
+        raise InputError(f"no path takes {seconds:g} seconds", place="duration (--duration)")
+    if not _RATES[0] <= rate <= _RATES[1]:
+        wanted = f"between {_RATES[0]} and {_RATES[1]}"
+        raise InputError(f"{rate} frames a second are not {wanted}", place="rate (--fps)")
+
+
+def _told(frame: Frame) -> dict[str, Any]:
+    return {
+        "world_from_camera": frame.view.world_from_camera.tolist(),
+        "samples": frame.samples,
+        "new": round(frame.new, 4),
+        "estimated_error": frame.error,
+        "flicker": frame.flicker,
+    }
+
+
+def _entry(
+    path: CameraPath,
+    request: RenderRequest,
+    exposure: float,
+    denoiser: Denoiser | None,
+    told: list[dict[str, Any]],
+) -> dict[str, Any]:
+    moved = [one["flicker"] for one in told if one["flicker"] is not None]
+    error = float(np.mean([one["estimated_error"] for one in told]))
+    return {
+        "path": path.name,
+        "rate": path.rate,
+        "resolution": [request.width, request.height],
+        "K": path.K.tolist(),
+        "exposure": exposure,
+        "denoiser": denoiser.entry() if denoiser else None,
+        "estimated_error": error,
+        "flicker": {
+            "mean": float(np.mean(moved)) if moved else None,
+            "most": max(moved, default=None),
+            "stated": float(np.sqrt(error)),
+        },
+        "conventions": {**manifest.CONVENTIONS, **CONVENTIONS},
+        "frames": told,
+    }
+
+
+class _Files:
+    """The files of a path in a folder."""
+
+    def __init__(self, out: Path, name: str, keep_frames: bool) -> None:
+        self.out, self.keep_frames = out, keep_frames
+        self.video, self.cameras = out / f"{name}{video.SUFFIX}", out / f"{name}.json"
+        self.timing, self.frames = out / f"{name}_timing.json", out / f"{name}_frames"
+
+    def check(self) -> None:
+        """See that nothing gives way but what an earlier run of the same path wrote.
+
+        Raises:
+            OutputError: It would.
+        """
+        there = [path for path in (self.video, self.cameras, self.timing) if path.exists()]
+        if there and not self._is_ours():
+            raise OutputError(
+                "this is not of an earlier path, and will not be replaced",
+                place=there[0],
+                remedy="choose another output folder, or move it away",
+            )
+        if self.keep_frames and self.frames.exists():
+            atomic.check_own(self.frames)
+
+    def _is_ours(self) -> bool:
+        try:
+            found = json.loads(read_text(self.cameras, "json"))
+        except (InputError, ValueError, RecursionError):
+            return False
+        return isinstance(found, dict) and str(found.get("generator", "")).startswith(CREATOR)
+
+    @contextmanager
+    def writing(self, size: tuple[int, int], rate: int) -> Iterator["_Writer"]:
+        """What takes the frames; the files appear when all are there."""
+        beside_frames = atomic.appearing(self.frames) if self.keep_frames else nullcontext(None)
+        with (
+            atomic.filling(self.out) as beside,
+            beside_frames as inner,
+            video.writing(beside / self.video.name, size, rate) as encoder,
+        ):
+            yield _Writer(encoder, inner, beside / self.cameras.name, beside / self.timing.name)
+
+
+@dataclass(frozen=True)
+class _Writer:
+    """Takes frames, and what is to be said of them all."""
+
+    encoder: video.Encoder
+    frames: Path | None
+    cameras: Path
+    timing: Path
+
+    def add(self, number: int, frame: Frame, exposure: float, is_denoised: bool) -> None:
+        shown = preview(LIGHT, frame.pixels, exposure).pixels
+        self.encoder.add(shown)
+        if self.frames is not None:
+            planes = {name: frame.view.images[name].pixels for name in (LIGHT, *EXACT)}
+            if is_denoised:
+                planes[DENOISED] = frame.pixels
+            exr.write_channels(self.frames / f"frame_{number:04d}.exr", planes)
+            write_png(self.frames / f"frame_{number:04d}.png", shown)
+
+    def tell(self, entry: Mapping[str, Any], timing: Mapping[str, float]) -> None:
+        manifest.write_json(self.cameras, dict(entry))
+        manifest.write_json(self.timing, dict(timing))
