@@ -198,7 +198,7 @@ class MitsubaSession:
     ) -> Mapping[str, Image]:
         """The images of a pass, with what they are off where the method is not the reference."""
         wanted = measurable(channels)
-        if request.method == REFERENCE or not wanted:
+        if request.method == REFERENCE or not (wanted and request.measure_bias):
             return images
         alike = replace(request, method=REFERENCE)
         reference = self._integrator(render_pass, camera, alike, channels)

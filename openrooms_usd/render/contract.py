@@ -53,6 +53,7 @@ class RenderRequest:
         grid: Columns and rows of hemispheres for channels of the scope ``grid``.
         halves: Whether images shall have their two halves.
         method: How light is computed; one of those that the session has (`MethodicalSession`).
+        measure_bias: Whether images shall have their bias where the method is not `REFERENCE`.
     """
 
     camera: str | None
@@ -67,6 +68,7 @@ class RenderRequest:
     grid: tuple[int, int] = DEFAULT_GRID
     halves: bool = False
     method: Method = REFERENCE
+    measure_bias: bool = True
 
 
 @dataclass(frozen=True)
