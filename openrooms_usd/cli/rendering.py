@@ -4,7 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -20,6 +20,9 @@ from openrooms_usd.render.contract import (
 
 if TYPE_CHECKING:
     from openrooms_usd.render import RenderSummary
+
+# Of a channel's sum, and beyond two standard errors.
+_BIAS_WORTH_A_WARNING: Final = 0.03
 
 
 def _resolution(
@@ -240,6 +243,17 @@ def _warnings(view: Mapping[str, Any], wanted: float | None) -> Iterator[str]:
     for name, channel in view["channels"].items():
         if channel["nonfinite_pixels"]:
             yield f"{channel['nonfinite_pixels']} pixels of {name} were no finite numbers"
+    if biased := [name for name, channel in view["channels"].items() if _is_biased(channel)]:
+        total = view["channels"][biased[0]]["bias"]["total"]
+        more = f", and others too ({len(biased) - 1})" if len(biased) > 1 else ""
+        said = f"by {100 * total:+.1f} %{more}; --method reference has no bias"
+        yield f"{biased[0]} is off {said}"
+
+
+def _is_biased(channel: Mapping[str, Any]) -> bool:
+    """Whether a channel is surely off by more than a picture may be."""
+    bias = channel.get("bias")
+    return bool(bias) and abs(bias["total"]) - 2.0 * bias["total_error"] > _BIAS_WORTH_A_WARNING
 
 
 @click.command()

@@ -229,6 +229,19 @@ def test_pixels_that_are_no_numbers_are_said():
     assert told == ["2 pixels of radiance were no finite numbers"]
 
 
+def test_what_is_surely_off_is_said():
+    def channel(total, error):
+        bias = {"total": total, "total_error": error}
+        return {"estimated_error": None, "samples": 1, "nonfinite_pixels": 0, "bias": bias}
+
+    rows = {"radiance": channel(0.1, 0.06), "irradiance": channel(-0.21, 0.05), "direct": {
+        **channel(0.0, 0.0), "bias": None}, "indirect": channel(0.3, 0.01)}  # fmt: skip
+    (told,) = _warnings({"channels": rows}, None)
+    assert told == (
+        "irradiance is off by -21.0 %, and others too (1); --method reference has no bias"
+    )
+
+
 @pytest.fixture
 def asked(monkeypatch):
     """What the demo asks of the renderer, which does nothing here."""
