@@ -153,7 +153,7 @@ class Lit:
         """The `RoomLight` of the room, filled anew."""
         from orusd_mitsuba.cache.room_light import RoomLight
 
-        return RoomLight(self.scene, self.built, self._builder, self.index, self.first, bounces)
+        return RoomLight(self.scene, self.built, self.builder, self.index, self.first, bounces)
 
     def direct(
         self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)

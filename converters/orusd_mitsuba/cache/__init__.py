@@ -1,8 +1,10 @@
 """The light cache: what surfaces of a room receive of each light, computed once for all views.
 
 - ``surfels`` are the elements of surface that have a value, found by hashing.
-- ``population`` finds points of them where light may come, ``filling`` what arrives there.
+- ``population`` finds points of them where light may come, ``filling`` what arrives there: by
+  ``links`` of what lights and other surfels send, and ``bounces`` from one to the other.
 - ``tracing`` follows paths that end where the cache knows what is scattered, ``lookup`` adds that.
+- ``arriving`` looks up what very many rays bring to points, for environment maps.
 - ``scattered`` gives them to whoever finds straight light by itself.
 - ``room_light`` is the cache of an opened room: filled, or read from its file.
 """

@@ -7,8 +7,8 @@ import mitsuba as mi
 import numpy as np
 
 from openrooms_usd.render.scene.arrays import Scene
-from orusd_mitsuba.cache.filling import LIMITS, NEAREST_PER_SIZE, CacheData
-from orusd_mitsuba.cache.surfels import SurfelIndex
+from orusd_mitsuba.cache.filling import CacheData
+from orusd_mitsuba.cache.surfels import NEAREST_PER_SIZE, SurfelIndex
 from orusd_mitsuba.plugins.memory import aligned
 
 
@@ -22,7 +22,7 @@ class Nothing:
     def __init__(self, scene: Scene) -> None:
         self.passing = passing(scene)
 
-    def find(self, si: Any, towards: Any, active: Any) -> tuple[Any, Any]:
+    def find(self, si: Any, towards: Any, active: Any, *, through: bool = False) -> tuple[Any, Any]:
         """See `tracing.Known`."""
         return mi.UInt32(0), mi.Bool(False)
 
@@ -31,7 +31,14 @@ class Nothing:
         return mi.Bool(False)
 
     def add(
-        self, surfel: Any, weight: Any, scatterings: Any, sums: Any, active: Any, *, behind: bool
+        self,
+        surfel: Any,
+        weight: Any,
+        scatterings: Any,
+        crossed: Any,
+        sums: Any,
+        active: Any,
+        through: bool,
     ) -> None:
         """See `tracing.Known`."""
 
@@ -53,17 +60,17 @@ class LightCache:
     def __init__(
         self, scene: Scene, built: Any, data: CacheData, *, by_light: bool, first: int = 2
     ) -> None:
-        self._first = first
+        self._first, self._split = first, by_light
         self._index = SurfelIndex(scene, built, data.table.size_m, data.table)
         values = data.irradiance if by_light else data.irradiance.sum(axis=2, keepdims=True)
-        self._lights = values.shape[2]
+        self._limits, self._lights = values.shape[1:3]
         padded = np.concatenate([values, np.zeros_like(values[..., :1])], axis=-1)
         self._values = mi.Float(aligned(padded.astype(np.float32)))
         self.passing = passing(scene)
 
-    def find(self, si: Any, towards: Any, active: Any) -> tuple[Any, Any]:
+    def find(self, si: Any, towards: Any, active: Any, *, through: bool = False) -> tuple[Any, Any]:
         """See `tracing.Known`."""
-        return self._index.find(si, towards, active)
+        return self._index.find(si, towards, active, through=through)
 
     def trusted(self, distance: Any, scatterings: Any) -> Any:
         """See `tracing.Known`."""
@@ -71,16 +78,26 @@ class LightCache:
 
     @dr.syntax
     def add(
-        self, surfel: Any, weight: Any, scatterings: Any, sums: Any, active: Any, *, behind: bool
+        self,
+        surfel: Any,
+        weight: Any,
+        scatterings: Any,
+        crossed: Any,
+        sums: Any,
+        active: Any,
+        through: bool,
     ) -> None:
         """See `tracing.Known`."""
         # The second surface of a path from the camera is the first one here.
-        limit = dr.clip(mi.Int32(scatterings) - self._first, 0, LIMITS - 1)
-        row = (surfel * LIMITS + mi.UInt32(limit)) * self._lights
+        limit = dr.clip(mi.Int32(scatterings) - self._first, 0, self._limits - 1)
+        row = (surfel * self._limits + mi.UInt32(limit)) * self._lights
         light = mi.UInt32(0)
         while light < self._lights:
             value = dr.gather(mi.Vector4f, self._values, row + light, active)
-            sums.add(weight * mi.Color3f(value.x, value.y, value.z), light, scatterings, active)
+            color = weight * mi.Color3f(value.x, value.y, value.z)
+            # The last one is elsewhere: what has come in through no opening.
+            source = dr.select(light + 1 == self._lights, crossed, light) if self._split else light
+            sums.add(color, source, scatterings, active)
             light += 1
 
 

@@ -42,6 +42,11 @@ class Rays:
             dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number)
         )
 
+    def rows(self, which: NDArray[np.int64]) -> "Rays":
+        """Some of them, by number."""
+        number = mi.UInt32(which.astype(np.uint32))
+        return Rays(dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number))
+
     @staticmethod
     def joined(parts: list["Rays"]) -> "Rays":
         """All of them, in their order."""

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd.render import light_store
 from openrooms_usd.render.scene.arrays import Scene
-from orusd_mitsuba.cache.filling import LIMITS, CacheData, fill
+from orusd_mitsuba.cache.arriving import ArrivingPaths
+from orusd_mitsuba.cache.filling import CacheData, fill
 from orusd_mitsuba.cache.lookup import LightCache, Nothing
 from orusd_mitsuba.cache.surfels import SurfelTable
 from orusd_mitsuba.cache.tracing import Surroundings, follow
@@ -54,10 +55,12 @@ class RoomLight:
         cache = LightCache(self._scene, self._built, self._data, by_light=by_light, first=2)
         return CachedPaths(self._around(cache, self._bounces + 1))
 
-    def arriving(self) -> "CachedPaths":
+    def arriving(self) -> ArrivingPaths:
         """Paths from points that light arrives at, one scattering before the camera."""
         cache = LightCache(self._scene, self._built, self._data, by_light=False, first=1)
-        return CachedPaths(self._around(cache, self._bounces))
+        around = self._around(cache, self._bounces)
+        rows = self._builder.in_table(self._scene)
+        return ArrivingPaths(self._scene, around, self._data, rows)
 
     @cached_property
     def _data(self) -> CacheData:
@@ -66,12 +69,13 @@ class RoomLight:
         )
         places = light_store.places(self._scene)
         kept = light_store.load(key, places)
-        if kept is not None and (data := _data_of(kept, self._index.count)) is not None:
-            return data
+        scatterings = self._bounces - LEAST_BOUNCES
+        if kept is not None:
+            found = _data_of(kept, scatterings + 1, self._index.count)
+            if found is not None:
+                return found
         around = self._around(Nothing(self._scene), self._bounces)
-        data = fill(
-            self._scene, self._built, around, self._white, self._bounces - LEAST_BOUNCES, _SEED
-        )
+        data = fill(self._scene, self._built, around, self._white, scatterings, _SEED)
         light_store.save(key, _arrays_of(data), places)
         return data
 
@@ -118,15 +122,21 @@ def _arrays_of(data: CacheData) -> dict[str, NDArray[Any]]:
     return {
         "entries": table.entries,
         "irradiance": data.irradiance,
+        "reflected": data.reflected,
+        "passed": data.passed,
+        "lobe": data.lobe,
+        "behind": data.behind,
         "probes": np.array([table.probes], dtype=np.int64),
         "size_m": np.array([table.size_m]),
     }
 
 
-def _data_of(arrays: dict[str, NDArray[Any]], lights: int) -> CacheData | None:
+def _data_of(arrays: dict[str, NDArray[Any]], limits: int, lights: int) -> CacheData | None:
     """The cache that arrays are of; None where they are none: files are not to be trusted."""
     try:
         entries, irradiance = arrays["entries"], arrays["irradiance"]
+        reflected, passed = arrays["reflected"], arrays["passed"]
+        lobe, behind = arrays["lobe"], arrays["behind"]
         probes, size_m = int(arrays["probes"][0]), float(arrays["size_m"][0])
     except (KeyError, IndexError):
         return None
@@ -136,9 +146,17 @@ def _data_of(arrays: dict[str, NDArray[Any]], lights: int) -> CacheData | None:
         and entries.shape == (slots, 2)
         and slots & (slots - 1) == 0
         and irradiance.dtype == np.float32
-        and irradiance.shape == (count, LIMITS, lights, 3)
+        and irradiance.shape == (count, limits, lights, 3)
         and int(entries[:, 1].max(initial=0)) < max(count, 1)
+        and reflected.shape == passed.shape == (count, 3)
+        and lobe.shape == behind.shape == (count,)
+        and reflected.dtype == passed.dtype == lobe.dtype == np.float32
+        and behind.dtype == np.uint32
+        and int(behind.max(initial=0)) < max(count, 1)
         and 0 < probes <= slots
         and size_m > 0.0
     )
-    return CacheData(SurfelTable(size_m, entries, probes), irradiance) if fits else None
+    if not fits:
+        return None
+    table = SurfelTable(size_m, entries, probes)
+    return CacheData(table, irradiance, reflected, passed, lobe, behind)

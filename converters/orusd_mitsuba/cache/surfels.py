@@ -4,6 +4,9 @@ A surfel is what of one piece of surface lies in one cube of a grid and faces ab
 side. Which surfel a point belongs to is told by a hash of the cube, the piece and the direction
 (Binder, Fricke and Keller 2019, "Massively parallel path space filtering"); surfels are kept in an
 open-addressing table.
+
+What arrives at the other side of sheets that pass light on has surfels of its own, of the points
+that are seen from this side: those that are seen from the other one lie where more light arrives.
 """
 
 from dataclasses import dataclass
@@ -18,12 +21,17 @@ from openrooms_usd.render.scene.arrays import Scene
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.light_index import registered
 
+NEAREST_PER_SIZE: Final = 1.5
+"""Rays shorter than this many edges of a surfel do not look it up."""
+
 # Normals are rounded after this scaling: to the 26 neighbours of a cube.
 _NORMAL_SCALE: Final = 1.2
 # The grid is shifted by these parts of a cube, so that walls at whole metres do not lie between
 # two of them.
 _SHIFT_PARTS: Final = (0.371, 0.437, 0.419)
 _LOAD: Final = 0.1
+# Set in the piece of surfels that have what arrives at their other side.
+_THROUGH: Final = 1 << 24
 _MULTIPLIERS: Final = (0x8DA6B343, 0xD8163841, 0xCB1AB31F, 0x9E3779B1)
 
 
@@ -96,21 +104,30 @@ class SurfelIndex:
             self._mask = dr.opaque(mi.UInt32, len(table.entries) - 1)
             self._probes = table.probes
 
-    def hashes(self, si: Any, towards: Any, active: Any = True) -> tuple[Any, Any]:
+    def hashes(
+        self, si: Any, towards: Any, active: Any = True, *, through: Any = False
+    ) -> tuple[Any, Any]:
         """Place and check of the surfel that faces a direction.
 
         Args:
             si: Interactions on surfaces.
             towards: To the side that is meant.
             active: Where they are wanted.
+            through: Whether the surfel is meant that has what arrives at its other side.
         """
-        normal = mi.Vector3f(si.sh_frame.n)
-        normal = normal * dr.select(dr.dot(si.n, towards) >= 0.0, 1.0, -1.0)
-        number: Any = dr.reinterpret_array(mi.UInt32, si.shape)
-        start = dr.gather(mi.UInt32, self._starts, number, active)
-        piece = dr.gather(mi.UInt32, self._pieces, start + si.prim_index, active)
+        normal = mi.Vector3f(si.n) * dr.select(dr.dot(si.n, towards) >= 0.0, 1.0, -1.0)
+        row = self.triangle(si.shape, si.prim_index, active)
+        piece = dr.gather(mi.UInt32, self._pieces, row, active)
+        return self._hashes(si.p, normal, dr.select(through, piece | _THROUGH, piece))
+
+    def triangle(self, shape: Any, prim_index: Any, active: Any = True) -> Any:
+        """Rows of the scene's triangles."""
+        number: Any = dr.reinterpret_array(mi.UInt32, shape)
+        return dr.gather(mi.UInt32, self._starts, number, active) + prim_index
+
+    def _hashes(self, at: Any, normal: Any, piece: Any) -> tuple[Any, Any]:
         words: list[Any] = [
-            dr.reinterpret_array(mi.UInt32, mi.Int32(dr.floor(si.p[k] / self.size + shift)))
+            dr.reinterpret_array(mi.UInt32, mi.Int32(dr.floor(at[k] / self.size + shift)))
             for k, shift in enumerate(_SHIFT_PARTS)
         ]
         faces = [mi.UInt32(mi.Int32(dr.round(normal[k] * _NORMAL_SCALE) + 1.0)) for k in range(3)]
@@ -122,15 +139,17 @@ class SurfelIndex:
             check = _mixed((check + word) * (multiplier ^ 0x5BD1E994))
         return place, check | 1
 
-    def find(self, si: Any, towards: Any, active: Any = True) -> tuple[Any, Any]:
-        """The number of the surfel, and whether there is one.
+    def find(
+        self, si: Any, towards: Any, active: Any = True, *, through: bool = False
+    ) -> tuple[Any, Any]:
+        """The number of the surfel that `hashes` belong to, and whether there is one."""
+        return self._entry(*self.hashes(si, towards, active, through=through), active)
 
-        Args:
-            si: Interactions on surfaces.
-            towards: To the side that is meant.
-            active: Where it is wanted.
-        """
-        place, check = self.hashes(si, towards, active)
+    def find_at(self, at: Any, normal: Any, piece: Any, active: Any = True) -> tuple[Any, Any]:
+        """The same of a point of a piece, by the normal on the side that is meant."""
+        return self._entry(*self._hashes(at, normal, piece), active)
+
+    def _entry(self, place: Any, check: Any, active: Any) -> tuple[Any, Any]:
         found: Any = mi.Bool(False)
         number: Any = mi.UInt32(0)
         for step in range(self._probes):

@@ -22,9 +22,9 @@ from orusd_mitsuba.transport.path_tracing import power_heuristic
 
 # A lobe is followed on with this chance for all that it reflects of even light, and at least with
 # the second one where it reflects anything.
-_CHANCE_PER_ALBEDO: Final = 2.0
-_LEAST_CHANCE: Final = 0.1
-_LEAST_LOBE_ALBEDO: Final = 1e-4
+CHANCE_PER_ALBEDO: Final = 2.0
+LEAST_CHANCE: Final = 0.1
+LEAST_LOBE_ALBEDO: Final = 1e-4
 _ROULETTE_FROM_SEGMENT: Final = 5
 _MOST_SURVIVAL: Final = 0.95
 
@@ -35,8 +35,15 @@ class Known(Protocol):
     passing: bool
     """Whether any surface passes light on diffusely."""
 
-    def find(self, si: Any, towards: Any, active: Any) -> tuple[Any, Any]:
-        """The surfel on the side that ``towards`` points to, and whether it is filled."""
+    def find(self, si: Any, towards: Any, active: Any, *, through: bool = False) -> tuple[Any, Any]:
+        """The surfel on the side that ``towards`` points to, and whether it is filled.
+
+        Args:
+            si: Interactions on surfaces.
+            towards: To the side that is meant.
+            active: Where it is wanted.
+            through: Whether it shall be the one for what arrives at the other side.
+        """
         ...
 
     def trusted(self, distance: Any, scatterings: Any) -> Any:
@@ -44,7 +51,14 @@ class Known(Protocol):
         ...
 
     def add(
-        self, surfel: Any, weight: Any, scatterings: Any, sums: Any, active: Any, *, behind: bool
+        self,
+        surfel: Any,
+        weight: Any,
+        scatterings: Any,
+        crossed: Any,
+        sums: Any,
+        active: Any,
+        through: bool,
     ) -> None:
         """Add a weight times the irradiance of a surfel, by light.
 
@@ -52,9 +66,11 @@ class Known(Protocol):
             surfel: Its number.
             weight: Colour.
             scatterings: Between the surfel and where the path began, itself included.
+            crossed: The opening that the path has crossed last: light that has come in through
+                none before belongs to it.
             sums: What receives it.
             active: Where.
-            behind: Whether the surfel is on the other side of what was met.
+            through: Whether it is the surfel for what arrives at the other side.
         """
         ...
 
@@ -105,6 +121,7 @@ def follow(
     begun: Any = None,
     numbers: Any = None,
     prefix: Any = None,
+    counted: Any = None,
 ) -> None:
     """Follow one path along each ray into the cache and add up what it brings.
 
@@ -119,6 +136,8 @@ def follow(
             first surface that is met, else from the second one.
         numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
         prefix: As of ``trace``; the cache then counts from the first surface that is met.
+        counted: Where what is known of the first surface has been added, and what paths carry that
+            go on by its lobe: a mask, and a number. None: nowhere.
     """
     built, index, known = around.built, around.index, around.known
     context = mi.BSDFContext()
@@ -137,6 +156,10 @@ def follow(
         throughput, crossed = mi.Color3f(prefix.throughput), mi.UInt32(prefix.crossed)
         scatterings, segments = mi.UInt32(prefix.scatterings), mi.UInt32(prefix.scatterings)
         start = mi.UInt32(prefix.scatterings)
+    done, carried = mi.Bool(False), mi.Float(1.0)
+    if dr.hint(counted is not None, mode="scalar"):
+        done, carried = mi.Bool(counted[0]), mi.Float(counted[1])
+        throughput *= mi.Color3f(carried)
     active = mi.Bool(active)
     while active:
         si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
@@ -163,20 +186,24 @@ def follow(
         ends &= found
         if dr.hint(known.passing, mode="scalar"):
             passes = ends & (matter.transmission > 0.0)
-            behind, filled = known.find(si, ray.d, passes)
+            behind, filled = known.find(si, -ray.d, passes, through=True)
             passes &= filled
             ends &= passes | (matter.transmission <= 0.0)
             share = matter.diffuse * (matter.transmission * dr.inv_pi)
-            known.add(behind, throughput * share, scatterings + 1, sums, passes, behind=True)
-        share = matter.diffuse * dr.inv_pi
-        known.add(surfel, throughput * share, scatterings + 1, sums, ends, behind=False)
+            passes &= ~done
+            brought = throughput * share
+            known.add(behind, brought, scatterings + 1, crossed, sums, passes, True)
+        brought = throughput * matter.diffuse * dr.inv_pi
+        known.add(surfel, brought, scatterings + 1, crossed, sums, ends & ~done, False)
         # 3. Of what the cache knows only the lobe goes on.
         full: Any = dr.select(ends, mi.Float(0.0), mi.Float(1.0))
         reflection = Reflection.of(matter, si, 1.0, full, full)
         albedo = microfacet.lobe_albedo(reflection.view.wi.z, matter.roughness, matter.specular)
         lobe = matter.gloss * mi.luminance(albedo)
-        chance = dr.clip(_CHANCE_PER_ALBEDO * lobe, _LEAST_CHANCE, 1.0)
-        chance = dr.select(ends, dr.select(lobe > _LEAST_LOBE_ALBEDO, chance, 0.0), 1.0)
+        chance = dr.clip(CHANCE_PER_ALBEDO * lobe, LEAST_CHANCE, 1.0)
+        chance = dr.select(ends, dr.select(lobe > LEAST_LOBE_ALBEDO, chance, 0.0), 1.0)
+        chance = dr.select(done, 1.0, chance)
+        done = mi.Bool(False)
         onwards &= sampler.next_1d() < chance
         throughput /= dr.select(onwards, chance, 1.0)
         # 4. Light that is looked for.

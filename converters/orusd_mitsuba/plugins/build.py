@@ -148,8 +148,12 @@ class Builder:
         """
         numbers = [shape_number(shape) for shape in built.shapes()]
         found = np.ones(max(numbers, default=0) + 1, dtype=bool)
-        found[numbers] = [id(patch.surface) in self._rows for patch in scene.patches]
+        found[numbers] = self.in_table(scene)
         return found
+
+    def in_table(self, scene: Scene) -> NDArray[np.bool_]:
+        """(patches,) which of a scene's patches have a row in the table."""
+        return np.array([id(patch.surface) in self._rows for patch in scene.patches], dtype=bool)
 
     def bsdf(self, surface: Surface) -> Any:
         """The BSDF of a surface; equal ones share one."""

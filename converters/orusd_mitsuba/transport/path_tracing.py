@@ -7,6 +7,7 @@ the light. The sums add up to what ``path`` would return. No backend adds in ano
 to run, because every path has sums of its own.
 """
 
+from copy import copy
 from typing import Any, Final, Protocol
 
 import drjit as dr
@@ -52,12 +53,19 @@ class PathAccumulator:
     def __init__(self, paths: int, lights: int | None) -> None:
         self.paths = paths
         self._stride = dr.opaque(mi.UInt32, paths)
+        self._slots: Any = None
         self.kinds = dr.zeros(mi.Float, len(KINDS) * 3 * paths)
         self.lights = None if lights is None else dr.zeros(mi.Float, lights * 3 * paths)
 
+    def part(self, paths: Any) -> "PathAccumulator":
+        """The same sums for threads that are some of the paths, by their numbers."""
+        found = copy(self)
+        found._slots = paths
+        return found
+
     def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
         """Add a contribution of the path in whose thread this runs."""
-        slot = dr.arange(mi.UInt32, self.paths)
+        slot = dr.arange(mi.UInt32, self.paths) if self._slots is None else self._slots
         kind = dr.minimum(scatterings, len(KINDS) - 1)
         for entries, row in ((self.lights, light), (self.kinds, kind)):
             if entries is None:
