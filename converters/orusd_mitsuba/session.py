@@ -21,7 +21,8 @@ from orusd_mitsuba.bias import measurable, with_bias
 from orusd_mitsuba.cache.room_light import LEAST_BOUNCES, RoomLight
 from orusd_mitsuba.cache.scattered import CachedLight
 from orusd_mitsuba.complete.channels import RECEIVED
-from orusd_mitsuba.complete.integrator import CompleteIntegrator, CompleteScene, Wanted
+from orusd_mitsuba.complete.integrator import CompleteIntegrator, Wanted
+from orusd_mitsuba.complete.meeting import CompleteScene
 from orusd_mitsuba.direct.integrator import DirectIntegrator
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.render_passes import (

@@ -149,9 +149,10 @@ def test_of_one_colour_diffuse_is_albedo_over_pi_times_irradiance(
 def test_sums_take_no_more_room_for_more_samples(build: Any, lit: Any) -> None:
     """Equal seeds give equal bits, and a pixel has few strands for any number of samples."""
     from orusd_mitsuba.complete import integrator as complete
+    from orusd_mitsuba.complete.meeting import CompleteScene
 
     room = lit(furnished(build))
-    scene = complete.CompleteScene(room.scene, room.built, room.builder, room.sources, room.index)
+    scene = CompleteScene(room.scene, room.built, room.builder, room.sources, room.index)
     from orusd_mitsuba.transport.scattered import TracedLight
 
     traced = TracedLight(room.built, room.index, 8)

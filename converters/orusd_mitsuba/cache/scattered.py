@@ -13,6 +13,8 @@ class CachedLight:
         paths: Paths from a camera that end in the cache.
     """
 
+    is_cheap = True
+
     def __init__(self, paths: Paths) -> None:
         self._paths = paths
 

@@ -1,25 +1,44 @@
-"""Sums of the whole set of light channels, one for each strand of a pixel's samples."""
+"""Sums of the whole set of light channels, by light, one for each strand of a pixel's samples."""
 
 from typing import Any, Final
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
 
 from orusd_mitsuba.complete.first_surface import FirstSurface
 
-KINDS: Final = (
+SUMS: Final = (
     "emission",
-    "direct",
-    "indirect",
-    "diffuse",
-    "specular",
+    "diffuse_direct",
+    "diffuse_indirect",
+    "rest_direct",
+    "rest_indirect",
     "irradiance_direct",
     "irradiance_indirect",
+    "unoccluded",
 )
-"""Sums that there are once: what the picture is made of, and what its surfaces receive."""
+"""What is summed of every light."""
 
-OF_LIGHT: Final = ("radiance", "irradiance_direct", "irradiance_indirect", "unoccluded")
-"""Sums that there are for every light."""
+KINDS: Final[dict[str, tuple[str, ...]]] = {
+    "emission": ("emission",),
+    "direct": ("diffuse_direct", "rest_direct"),
+    "indirect": ("diffuse_indirect", "rest_indirect"),
+    "diffuse": ("diffuse_direct", "diffuse_indirect"),
+    "specular": ("rest_direct", "rest_indirect"),
+    "irradiance_direct": ("irradiance_direct",),
+    "irradiance_indirect": ("irradiance_indirect",),
+}
+"""Pictures that there are once, and what is summed over all lights for them."""
+
+OF_LIGHT: Final[dict[str, tuple[str, ...]]] = {
+    "radiance": SUMS[:5],
+    "irradiance_direct": ("irradiance_direct",),
+    "irradiance_indirect": ("irradiance_indirect",),
+    "unoccluded": ("unoccluded",),
+}
+"""Pictures that there are for every light, and what is summed for them."""
 
 
 class WholeAccumulator:
@@ -29,23 +48,22 @@ class WholeAccumulator:
 
     Args:
         strands: How many there are.
-        lights: How many lights; None where sums by light are not wanted.
+        lights: How many lights; None adds them all as of the first.
 
     Attributes:
-        entries: (rows * 3 * strands) `KINDS`, then each of `OF_LIGHT` for all lights.
+        entries: (`SUMS` * lights * 3 * strands).
     """
 
     def __init__(self, strands: int, lights: int | None) -> None:
-        self.strands = strands
+        self.strands, self._by_light = strands, lights is not None
         # As variables, not as parts of the compiled code.
         self._stride = dr.opaque(mi.UInt32, strands)
-        self._lights = None if lights is None else dr.opaque(mi.UInt32, lights)
+        self._lights = dr.opaque(mi.UInt32, lights or 1)
         self.entries = dr.zeros(mi.Float, rows_of(lights) * 3 * strands)
 
     def emitted(self, value: Any, light: Any, active: Any) -> None:
         """Add what the first surface emits, or the sky."""
-        self._add("emission", value, active)
-        self._add_of("radiance", light, value, active)
+        self._add("emission", light, value, active)
 
     def received(self, lux: Any, at: FirstSurface, kind: str, light: Any, active: Any) -> None:
         """Add irradiance, and what Lambert's reflection makes of it.
@@ -57,39 +75,24 @@ class WholeAccumulator:
             light: Where it comes from, by number.
             active: Where there is any.
         """
-        self._add(f"irradiance_{kind}", lux, active)
-        self._add_of(f"irradiance_{kind}", light, lux, active)
         diffuse = at.albedo * lux * dr.inv_pi
-        self._add("diffuse", diffuse, active)
-        if at.undivided is None:
-            self._sent(diffuse, kind, light, active)
-        else:
-            self._sent(diffuse, kind, light, active & ~at.undivided)
-            self._add("specular", -diffuse, active & at.undivided)
+        self._add(f"irradiance_{kind}", light, lux, active)
+        self._add(f"diffuse_{kind}", light, diffuse, active)
+        if at.undivided is not None:
+            # What the rest has of it already.
+            self._add(f"rest_{kind}", light, -diffuse, active & at.undivided)
 
     def reflected(self, value: Any, kind: str, light: Any, active: Any) -> None:
         """Add what the surface scatters otherwise; see `received`."""
-        self._add("specular", value, active)
-        self._sent(value, kind, light, active)
-
-    def _sent(self, value: Any, kind: str, light: Any, active: Any) -> None:
-        self._add(kind, value, active)
-        self._add_of("radiance", light, value, active)
+        self._add(f"rest_{kind}", light, value, active)
 
     def unoccluded(self, lux: Any, light: Any, active: Any) -> None:
         """Add straight irradiance as if nothing stood in its way."""
-        self._add_of("unoccluded", light, lux, active)
+        self._add("unoccluded", light, lux, active)
 
-    def _add(self, name: str, value: Any, active: Any) -> None:
-        self._scatter(mi.UInt32(KINDS.index(name)), value, active)
-
-    def _add_of(self, name: str, light: Any, value: Any, active: Any) -> None:
-        if self._lights is not None:
-            row = len(KINDS) + OF_LIGHT.index(name) * self._lights + light
-            self._scatter(row, value, active)
-
-    def _scatter(self, row: Any, value: Any, active: Any) -> None:
+    def _add(self, name: str, light: Any, value: Any, active: Any) -> None:
         strand = dr.arange(mi.UInt32, self.strands)
+        row = SUMS.index(name) * self._lights + (light if self._by_light else 0)
         for channel in range(3):
             place = (row * 3 + channel) * self._stride + strand
             dr.scatter_reduce(
@@ -99,8 +102,36 @@ class WholeAccumulator:
 
 
 def rows_of(lights: int | None) -> int:
-    """How many pictures the sums make."""
+    """How many sums there are."""
+    return len(SUMS) * (lights or 1)
+
+
+def pictures_of(lights: int | None) -> int:
+    """How many pictures are made of them: `KINDS`, then each of `OF_LIGHT` for all lights."""
     return len(KINDS) + len(OF_LIGHT) * (lights or 0)
+
+
+def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float32]:
+    """Those pictures.
+
+    Args:
+        sums: (`rows_of`, ...) the means over samples.
+        lights: How many lights; None where they were all added as of the first.
+    """
+    by_light = sums.reshape(len(SUMS), lights or 1, *sums.shape[1:])
+    whole = by_light.sum(axis=1, dtype=np.float64)
+    once = [_sum_of(whole, names) for names in KINDS.values()]
+    # Rounding alone can make them negative, where Lambert's reflection was taken off and put back.
+    for name in ("direct", "indirect"):
+        np.maximum(once[[*KINDS].index(name)], 0.0, out=once[[*KINDS].index(name)])
+    each = [] if lights is None else [_sum_of(by_light, names) for names in OF_LIGHT.values()]
+    found = np.concatenate([np.stack(once), *(np.maximum(values, 0.0) for values in each)])
+    return np.asarray(found, dtype=np.float32)
+
+
+def _sum_of(values: NDArray[Any], names: tuple[str, ...]) -> NDArray[np.float64]:
+    rows = [SUMS.index(name) for name in names]
+    return np.asarray(values[rows].sum(axis=0, dtype=np.float64))
 
 
 class Received:
@@ -134,3 +165,21 @@ class Reflected:
     def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
         """Add radiance that is sent to the camera."""
         self._sums.reflected(value, self._kind, light, active)
+
+
+class EitherOf:
+    """Receives the light of one of both kinds of directions: `path_tracing.Accumulator`.
+
+    Args:
+        which: Where the direction is one of the rest.
+        rest: What receives that.
+        cosine: What receives the others.
+    """
+
+    def __init__(self, which: Any, rest: Reflected, cosine: Received) -> None:
+        self._which, self._rest, self._cosine = which, rest, cosine
+
+    def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
+        """Add radiance to one of them."""
+        self._rest.add(value, light, scatterings, active & self._which)
+        self._cosine.add(value, light, scatterings, active & ~self._which)

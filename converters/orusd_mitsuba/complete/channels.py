@@ -10,14 +10,14 @@ from orusd_mitsuba.complete.accumulator import KINDS, OF_LIGHT
 
 
 def _sum_of(*kinds: str) -> Callable[[Array, int], Array]:
-    rows = [KINDS.index(kind) for kind in kinds]
+    rows = [[*KINDS].index(kind) for kind in kinds]
     return lambda planes, light: np.asarray(planes[rows].sum(axis=0))
 
 
 def _sum_of_light(*names: str) -> Callable[[Array, int], Array]:
     def pick(planes: Array, light: int) -> Array:
         by_name = planes[len(KINDS) :].reshape(len(OF_LIGHT), -1, *planes.shape[1:])
-        return np.asarray(by_name[[OF_LIGHT.index(name) for name in names], light].sum(axis=0))
+        return np.asarray(by_name[[[*OF_LIGHT].index(name) for name in names], light].sum(axis=0))
 
     return pick
 

@@ -14,6 +14,9 @@ from orusd_mitsuba.transport.path_tracing import Accumulator, Prefix, trace
 class ScatteredLight(Protocol):
     """Finds what surfaces scatter back along the rays that meet them."""
 
+    is_cheap: bool
+    """Whether it takes no more time than few rays, so that a path may be split before it."""
+
     def add(
         self,
         sampler: Any,
@@ -52,6 +55,8 @@ class TracedLight:
         index: Its lights.
         depth: At most this many segments of a whole path.
     """
+
+    is_cheap = False
 
     def __init__(self, built: Any, index: LightIndex, depth: int) -> None:
         self._built, self._index, self._depth = built, index, depth
