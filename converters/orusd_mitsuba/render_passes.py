@@ -2,18 +2,20 @@
 
 A render pass is one integrator with all channels (AOVs) that come of its pictures. Those that a
 request needs share its time; each goes on until its own error is small enough where an error is
-asked for.
+asked for. Strips of rows are finished one by one: what a pass keeps of the others are the pictures.
 """
 
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.halves import HalvedPicture
 from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.complete import channels as complete
 from orusd_mitsuba.direct.control_variate import PLANES_PER_LIGHT, finish
@@ -133,7 +135,7 @@ def run_pass(
     channels: Sequence[str],
     lights: int,
     progress: Progress,
-) -> tuple[Images, Halves]:
+) -> tuple[Images, ProgressiveSampler]:
     """Render one pass until the request is met.
 
     Args:
@@ -145,35 +147,71 @@ def run_pass(
         progress: Called with the finished fraction.
 
     Returns:
-        The images by name, and what they come from.
+        The images by name, and what rendered them.
     """
     start = time.perf_counter()
     if request.samples is not None:
         request = replace(request, samples=max(1, request.samples // render_pass.fewer))
-    sampler = ProgressiveSampler(
-        integrator,
-        request,
-        (integrator.planes, *integrator.size),
-        integrator.most,
-        progress,
-        render_pass.judged,
-        render_pass.key,
-    )
-    halves = sampler.run()
-    mean, replaced = halves.mean.astype(np.float64), int(integrator.broken.sum())
-    images: Images = {}
-    for name in channels:
-        of_light = CHANNELS[name].scope == "light"
-        for light in range(lights) if of_light else (0,):
+    sampler = ProgressiveSampler(integrator, request, progress, render_pass.judged, render_pass.key)
+    pictures = _Pictures(render_pass, channels, lights, integrator.size)
+    sampler.run(pictures.finish)
+    replaced, seconds = int(integrator.broken.sum()), time.perf_counter() - start
+    samples = sampler.samples[0], sampler.samples[1]
+    return pictures.images(samples, seconds, replaced, keep=request.halves), sampler
 
-            def pick(planes: Array, name: str = name, light: int = light) -> Array:
-                return render_pass.picks[name](planes, light)
 
-            single = numbered(name, light) if of_light else name
-            pixels = np.asarray(pick(mean), dtype=np.float32)
-            pair = halves.of(pick)
-            error = pair.error if pair else None
-            kept = pair.single if pair and request.halves else None
-            images[single] = Image(pixels, halves.total, 0.0, error, replaced, kept)
-    seconds = time.perf_counter() - start
-    return {name: replace(image, seconds=seconds) for name, image in images.items()}, halves
+def _picked(pick: Callable[[Array, int], Array], light: int, planes: Array) -> Array:
+    return pick(planes, light)
+
+
+class _Pictures:
+    """The channels of one pass, which fill up strip by strip.
+
+    Args:
+        render_pass: What gives them.
+        channels: Those that it shall give.
+        lights: How many there are.
+        size: Height and width.
+    """
+
+    def __init__(
+        self, render_pass: RenderPass, channels: Sequence[str], lights: int, size: tuple[int, int]
+    ) -> None:
+        self._picks: dict[str, Callable[[Array], Array]] = {}
+        for name in channels:
+            of_light, pick = CHANNELS[name].scope == "light", render_pass.picks[name]
+            for light in range(lights) if of_light else (0,):
+                single = numbered(name, light) if of_light else name
+                self._picks[single] = partial(_picked, pick, light)
+        self._kept = {
+            name: HalvedPicture.blank(np.zeros((*size, 3), np.float32)) for name in self._picks
+        }
+
+    def finish(self, rows: slice, halves: Halves) -> None:
+        """Fill in a strip."""
+        mean, each = halves.mean.astype(np.float64), halves.each
+        for name, pick in self._picks.items():
+            self._kept[name].pixels[rows] = pick(mean)
+            if each:
+                self._kept[name].fill(rows, pick(each[0]), pick(each[1]))
+
+    def images(
+        self, samples: tuple[int, int], seconds: float, replaced: int, *, keep: bool
+    ) -> Images:
+        """The finished ones.
+
+        Args:
+            samples: Of a pixel, in each half.
+            seconds: What they took.
+            replaced: Pixels in which there was no number.
+            keep: Whether images shall have their halves.
+        """
+        images: Images = {}
+        for name in self._picks:
+            kept = self._kept.pop(name)
+            halves = kept.of(samples) if min(samples) else None
+            images[name] = Image(
+                kept.pixels, sum(samples), seconds, halves.error if halves else None, replaced,
+                halves if keep else None,
+            )  # fmt: skip
+        return images

@@ -40,7 +40,7 @@ from orusd_mitsuba.transport.integrator import Integrator, SparseIntegrator
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_integrator import PathIntegrator
 from orusd_mitsuba.transport.probes import render_probes
-from orusd_mitsuba.transport.sampling import Halves
+from orusd_mitsuba.transport.sampling import ProgressiveSampler
 from orusd_mitsuba.transport.scattered import ScatteredLight, TracedLight
 from orusd_mitsuba.transport.texels import light_texels
 from orusd_mitsuba.transport.white import white_first
@@ -119,11 +119,11 @@ class MitsubaSession:
         for number, (render_pass, found) in enumerate(needed):
             integrator = self._integrator(render_pass, camera, request, found)
             share = partial(_share, progress, number, len(needed))
-            given, halves = run_pass(
+            given, sampler = run_pass(
                 render_pass, integrator, part, found, len(self._sources), share
             )
             images |= self._measured(given, render_pass, integrator, camera, request, found)
-            self._note(request, render_pass.name, halves, int(integrator.broken.sum()))
+            self._note(request, render_pass.name, sampler, int(integrator.broken.sum()))
         return images
 
     def move(self, scene: Scene) -> None:
@@ -278,12 +278,14 @@ class MitsubaSession:
     def _white(self) -> Callable[[Any], Any]:
         return white_first(self._scene, self._built, self._builder)
 
-    def _note(self, request: RenderRequest, what: str, halves: Halves, replaced: int) -> None:
+    def _note(
+        self, request: RenderRequest, what: str, sampler: ProgressiveSampler, replaced: int
+    ) -> None:
         where = request.camera or "framing camera"
-        if request.error is not None and (halves.error or 0.0) > request.error:
+        if request.error is not None and (sampler.error or 0.0) > request.error:
             reason = (
-                f"{what}: estimated error {halves.error:.2g} after {halves.total} samples a pixel, "
-                f"not {request.error:g}"
+                f"{what}: estimated error {sampler.error:.2g} after {sum(sampler.samples)} samples "
+                f"a pixel, not {request.error:g}"
             )
             self._scene.report.add(where, "approximated", reason)
         if replaced:

@@ -8,8 +8,8 @@ others of them, and ``run`` writes. The files are ``exr``, ``previews`` (with ``
 renders back and trust no file; ``relight``, ``probes``, ``datasets`` and ``coco`` use them.
 ``bake`` writes light as textures, ``paths`` renders walks as videos.
 
-Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors and ``bias``, ``fits``,
-``lights`` and ``light_store``, which keeps the light of a room beside it.
+Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves`` and
+``bias``, ``fits``, ``lights`` and ``light_store``, which keeps the light of a room beside it.
 """
 
 from openrooms_usd.render.contract import (

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.bias import Bias
-from openrooms_usd.render.estimates import Halves
+from openrooms_usd.render.halves import KeptHalves
 
 if TYPE_CHECKING:
     from openrooms_usd.render.scene.arrays import Scene
@@ -92,7 +92,7 @@ class Image:
     seconds: float
     error: float | None
     replaced: int = 0
-    halves: Halves | None = None
+    halves: KeptHalves | None = None
     bias: Bias | None = None
 
 

@@ -24,11 +24,6 @@ class Halves:
     samples: tuple[int, int]
 
     @property
-    def single(self) -> "Halves":
-        """The same in single precision, to be kept."""
-        return Halves(self.a.astype(np.float32), self.b.astype(np.float32), self.samples)
-
-    @property
     def deviation(self) -> Array:
         """(height, width, components) the estimated standard error of their mean."""
         return np.asarray(np.sqrt(variance(self.a, self.b, *self.samples)))

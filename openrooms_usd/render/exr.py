@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,10 @@ from openrooms_usd.untrusted import checked
 
 Pixels = NDArray[np.float32]
 
-_ROWS_PER_WRITE: Final = (
-    256  # written at once: a multiple of the 16 rows that zip compression packs together
-)
+# Written at once: a multiple of the 16 rows that zip compression packs together, and few where
+# there are many channels.
+_ROWS_PACKED: Final = 16
+_MOST_BYTES_PER_WRITE: Final = 1 << 26
 
 # What is read at most, and how many numbers a byte can hold: of halves, deflated as far as it goes.
 _MOST_NUMBERS: Final = 2**31
@@ -27,12 +28,25 @@ _AGAIN: Final = "render again"
 _CHROMATICITIES: Final = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
+class Rows(Protocol):
+    """A picture whose rows are asked for as they are written: (height, width, components)."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of all of it."""
+        ...
+
+    def __getitem__(self, which: slice, /) -> Pixels:
+        """Some rows."""
+        ...
+
+
 def exr_channels(name: str) -> list[str]:
     """The names in the EXR file of one of our channels: ``depth`` gives ``["depth.Y"]``."""
     return [f"{name}.{component}" for component in definition(name).components]
 
 
-def write_channels(path: Path, images: Mapping[str, NDArray[np.float32]]) -> None:
+def write_channels(path: Path, images: Mapping[str, Rows]) -> None:
     """Write channels of the table into one part, each in the sample type that the table says.
 
     Args:
@@ -47,7 +61,7 @@ def write_channels(path: Path, images: Mapping[str, NDArray[np.float32]]) -> Non
     _write(path, names, storage, list(images.values()))
 
 
-def write_rgb(path: Path, pixels: NDArray[np.float32]) -> None:
+def write_rgb(path: Path, pixels: Rows) -> None:
     """Write plain R, G, B in float, for any viewer.
 
     Args:
@@ -60,9 +74,7 @@ def write_rgb(path: Path, pixels: NDArray[np.float32]) -> None:
     _write(path, ["R", "G", "B"], ["float"] * 3, [pixels])
 
 
-def _write(
-    path: Path, names: list[str], storage: Sequence[str], planes: list[NDArray[np.float32]]
-) -> None:
+def _write(path: Path, names: list[str], storage: Sequence[str], planes: list[Rows]) -> None:
     import OpenImageIO
 
     height, width = planes[0].shape[:2]
@@ -78,8 +90,10 @@ def _write(
     spec.attribute("chromaticities", OpenImageIO.TypeDesc("float[8]"), _CHROMATICITIES)
     output: Any = OpenImageIO.ImageOutput.create(str(path))
     done = output.open(str(path), spec)
-    for top in range(0, height, _ROWS_PER_WRITE):
-        rows = np.concatenate([plane[top : top + _ROWS_PER_WRITE] for plane in planes], axis=2)
+    packs = _MOST_BYTES_PER_WRITE // (4 * len(names) * width * _ROWS_PACKED)
+    step = _ROWS_PACKED * max(1, packs)
+    for top in range(0, height, step):
+        rows = np.concatenate([plane[top : top + step] for plane in planes], axis=2)
         rows = np.ascontiguousarray(rows)  # numpy keeps the memory order of what it joins
         done = done and output.write_scanlines(top, top + len(rows), 0, rows)
     imagefile.finish(output, done, path)

@@ -139,11 +139,7 @@ class Run:
 
 def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:
     """What writes the estimated errors of pixels: functions and their arguments."""
-    known = {
-        name: image.halves.deviation.astype(np.float32)
-        for name, image in view.images.items()
-        if image.halves
-    }
+    known = {name: image.halves.deviation for name, image in view.images.items() if image.halves}
     tiles = {name: d for name, d in known.items() if definition(name).scope == "grid"}
     pixels = {name: d for name, d in known.items() if name not in tiles}
     jobs: list[tuple[Any, ...]] = [

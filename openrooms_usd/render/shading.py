@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.render.contract import Image, View
 from openrooms_usd.render.estimates import Halves
+from openrooms_usd.render.halves import KeptHalves
 
 Pixels = NDArray[Any]
 Rule = tuple[tuple[str, ...], Callable[..., Pixels]]
@@ -108,7 +109,8 @@ def _make(
     halves = _halves(rule, whole) if all(part.halves for part in lit) else None
     images[single(name)] = Image(
         pixels, min(part.samples for part in lit or whole), time.perf_counter() - began,
-        halves.error if halves else None, max(part.replaced for part in whole), halves,
+        halves.error if halves else None, max(part.replaced for part in whole),
+        KeptHalves.made(pixels, halves) if halves else None,
     )  # fmt: skip
 
 
@@ -117,8 +119,12 @@ def _halves(rule: Callable[..., Pixels], parts: Sequence[Image]) -> Halves | Non
     counts = [part.halves.samples for part in parts if part.halves]
     if not counts:
         return None
+    known = [part.halves.halves if part.halves else None for part in parts]
     a, b = (
-        rule(*(getattr(part.halves, side) if part.halves else part.pixels for part in parts))
+        rule(*(
+            getattr(pair, side) if pair else part.pixels
+            for part, pair in zip(parts, known, strict=True)
+        ))
         for side in ("a", "b")
-    )
+    )  # fmt: skip
     return Halves(a, b, min(counts))

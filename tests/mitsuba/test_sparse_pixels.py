@@ -23,7 +23,7 @@ def test_rays_begin_in_their_pixels(integrator: Any, mi: Any) -> None:
     from orusd_mitsuba.transport.bands import Band
 
     def directions(integrator: Any) -> np.ndarray:
-        band = Band(integrator, 0, 2, 0)
+        band = Band(integrator, slice(0, integrator.size[0]), 2, 0)
         return band.ray(mi.Point2f(0.3, 0.8), mi.Point2f(0.5)).d.numpy().T.reshape(-1, 2, 3)
 
     whole, some = directions(integrator), directions(integrator.sparse(PIXELS))

@@ -41,7 +41,7 @@ from orusd_mitsuba.transport.path_tracing import Accumulator
 from orusd_mitsuba.transport.scattered import ScatteredLight
 
 # Sums that one batch may keep, 4 bytes each.
-_MOST_SUMS: Final = 1 << 27
+_MOST_SUMS: Final = 1 << 26
 # Threads that a batch shall have, as far as there are samples: fewer leave processors idle.
 _THREADS: Final = 1 << 17
 # Samples a pixel of a batch: it cannot be stopped in between.
@@ -99,14 +99,21 @@ class CompleteIntegrator(BandedIntegrator):
     def _fit(self, height: int, width: int) -> None:
         super()._fit(height, width)
         # Sums are by strand, not by sample.
-        self._threads = _MOST_SUMS // (3 * rows_of(self._lights))
-        self.rows = max(1, min(height, self._threads // width))
+        self.capacity = _MOST_SUMS // (3 * rows_of(self._lights))
         self.most = _MOST_SAMPLES
+
+    def strips(self, samples: int) -> list[slice]:
+        """Rows to render at once: of however many samples."""
+        return super().strips(1)
+
+    def most_in(self, rows: slice) -> int:
+        """Samples of each pixel that one batch of a strip may have."""
+        return self.most
 
     def _band(self, band: Band) -> NDArray[np.float32]:
         pixels = band.width * band.rows
-        strands = max(1, min(band.samples, min(_THREADS, self._threads) // pixels))
-        threads = Band(self, band.top, strands, band.seed)
+        strands = max(1, min(band.samples, min(_THREADS, self.capacity) // pixels))
+        threads = Band(self, band.where, strands, band.seed)
         sums = WholeAccumulator(threads.paths, self._lights)
         _take_samples(self, threads, threads.sampler(), band.samples, sums)
         means = threads.means(sums.entries) * np.float32(strands / band.samples)

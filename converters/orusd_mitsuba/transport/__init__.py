@@ -7,8 +7,9 @@
 - ``lattice`` spreads the first random numbers of a pixel's samples, ``white`` makes the first
   surface white, for irradiance.
 - ``integrator`` is what estimates a camera's pictures, a batch at a time: ``path_integrator`` by
-  our paths, ``builtin_integrator`` by Mitsuba's, each in ``bands`` of rows; ``hemispheres`` and
+  our paths in ``bands`` of rows, ``builtin_integrator`` by Mitsuba's; ``hemispheres`` and
   ``probes`` by ``incident``, the radiance that arrives at points by direction; ``texels`` those of
   lightmaps.
-- ``sampling`` goes on with batches until a request is met, and tells the error.
+- ``sampling`` goes on with batches until a request is met, in ``strips`` of rows, so that memory is
+  bounded.
 """

@@ -16,9 +16,10 @@ from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
+from orusd_mitsuba.transport.strips import most_samples, strips
 
 # Sums that one batch may keep, 4 bytes each, and paths that may be in flight.
-_MOST_SUMS: Final = 1 << 27
+_MOST_SUMS: Final = 1 << 26
 _PATHS_IN_FLIGHT: Final = 1 << 21
 
 
@@ -26,6 +27,7 @@ class Band:
     """Some rows of a picture, with all samples of one batch.
 
     Attributes:
+        where: Which.
         top: The first.
         rows: How many.
         samples: Of each pixel.
@@ -33,11 +35,13 @@ class Band:
         paths: One for each sample of each pixel, those of a pixel in a row.
     """
 
-    def __init__(self, integrator: "BandedIntegrator", top: int, samples: int, seed: int) -> None:
-        self._integrator, self.top = integrator, top
+    def __init__(
+        self, integrator: "BandedIntegrator", where: slice, samples: int, seed: int
+    ) -> None:
+        self._integrator, self.where, self.top = integrator, where, where.start
         self.samples, self.seed = samples, seed
-        height, self.width = integrator.size
-        self.rows = min(integrator.rows, height - top)
+        self.width = integrator.size[1]
+        self.rows = where.stop - where.start
         self.paths = self.width * self.rows * samples
 
     def sampler(self, salt: int = 0, count: int | None = None) -> Any:
@@ -90,8 +94,8 @@ class BandedIntegrator(ABC):
         height: Of the camera's picture.
         size: Height and width of what is rendered of it: all, or a row of pixels.
         pixels: Numbers of these, row by row of the picture; None where it is all.
-        rows: Of a band.
-        most: Samples a pixel that one batch may have at most.
+        capacity: Samples, of all pixels together, that one batch may have.
+        most: Samples a pixel that a batch of the whole picture may have without being cut.
         broken: (height, width) bool, pixels in which a batch gave no number.
     """
 
@@ -115,11 +119,10 @@ class BandedIntegrator(ABC):
         return found
 
     def _fit(self, height: int, width: int) -> None:
-        """Set the size of what is rendered, and of the parts of it that fit into memory."""
+        """Set the size of what is rendered, and what of it fits into memory."""
         self.size = height, width
-        fitting = min(_PATHS_IN_FLIGHT, _MOST_SUMS // (3 * self.planes))
-        self.rows = max(1, min(height, fitting // width))
-        self.most = max(1, fitting // (width * self.rows))
+        self.capacity = min(_PATHS_IN_FLIGHT, _MOST_SUMS // (3 * self.planes))
+        self.most = max(1, self.capacity // (width * height))
         self.broken = np.zeros((height, width), dtype=bool)
 
     def sensor(self, band: tuple[int, int]) -> dict[str, Any]:
@@ -127,17 +130,33 @@ class BandedIntegrator(ABC):
         return describe_sensor(self._camera, self.width, self.height, self._origin, band)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
-        """Render one batch; equal seeds give equal bits.
+        """Render one batch of the whole picture; equal seeds give equal bits.
 
         Returns:
             (planes, height, width, 3) means over the samples.
         """
-        tops = range(0, self.size[0], self.rows)
-        seeds = [(seed + i) & 0xFFFFFFFF for i in range(len(tops))]
-        bands = [Band(self, *band) for band in zip(tops, [samples] * len(tops), seeds, strict=True)]
-        pixels = np.concatenate([self._band(band) for band in bands], axis=1)
+        cut = enumerate(self.strips(samples))
+        return np.concatenate([self.strip(rows, samples, seed + i) for i, rows in cut], axis=1)
+
+    def strips(self, samples: int) -> list[slice]:
+        """Rows to render at once; see `Integrator`."""
+        return strips(self.size, self.planes, samples, self.capacity)
+
+    def most_in(self, rows: slice) -> int:
+        """Samples of each pixel that one batch of a strip may have."""
+        return most_samples(rows, self.size[1], self.capacity)
+
+    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch of some rows; equal seeds give equal bits.
+
+        Returns:
+            (planes, rows, width, 3) means over the samples.
+        """
+        pixels = self._band(Band(self, rows, samples, seed & 0xFFFFFFFF))
         finite = np.isfinite(pixels)
-        self.broken |= ~finite.all(axis=(0, 3))
+        if finite.all():
+            return pixels
+        self.broken[rows] |= ~finite.all(axis=(0, 3))
         return np.where(finite, pixels, np.float32(0.0))
 
     @abstractmethod

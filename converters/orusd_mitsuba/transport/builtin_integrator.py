@@ -10,57 +10,56 @@ from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
+from orusd_mitsuba.transport.strips import most_samples, strips
 
 # Paths in flight at once; each takes some 200 bytes of memory.
 _PATHS_IN_FLIGHT: Final = 1 << 22
 
 
 class BuiltinIntegrator:
-    """Renders batches of samples of a camera, in bands where a whole one takes too much memory.
+    """Renders batches of samples of a camera, in strips where a whole one takes too much memory.
 
     Attributes:
         planes: 1, the radiance.
         size: Height and width.
-        most: Samples a pixel that one batch may have at most.
+        most: Samples a pixel that a batch of the whole picture may have without being cut.
         broken: (height, width) bool, pixels in which a batch gave no number.
     """
 
     def __init__(
         self, built: Any, camera: PinholeCamera, request: RenderRequest, origin: NDArray[np.float64]
     ) -> None:
-        self._built = built
+        self._built, self._camera, self._origin = built, camera, origin
         self.planes, self.size = 1, (request.height, request.width)
         self.most = max(1, _PATHS_IN_FLIGHT // (request.width * request.height))
         self._integrator = mi.load_dict({"type": "path", "max_depth": request.bounces + 1})
-        rows = max(1, _PATHS_IN_FLIGHT // request.width)
-        self._bands = [
-            load_sensor(
-                describe_sensor(
-                    camera,
-                    request.width,
-                    request.height,
-                    origin,
-                    (top, min(rows, request.height - top)),
-                ),
-                {"type": "independent"},
-            )
-            for top in range(0, request.height, rows)
-        ]
         self.broken = np.zeros((request.height, request.width), dtype=bool)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
-        """Render one batch: (1, height, width, 3)."""
-        bands = [
-            mi.render(
-                self._built,
-                sensor=sensor,
-                integrator=self._integrator,
-                spp=samples,
-                seed=(seed + number) & 0xFFFFFFFF,
-            ).numpy()
-            for number, sensor in enumerate(self._bands)
-        ]
-        pixels = np.concatenate(bands)
+        """Render one batch of the whole picture: (1, height, width, 3)."""
+        cut = enumerate(self.strips(samples))
+        return np.concatenate([self.strip(rows, samples, seed + i) for i, rows in cut], axis=1)
+
+    def strips(self, samples: int) -> list[slice]:
+        """Rows to render at once; see `Integrator`."""
+        return strips(self.size, self.planes, samples, _PATHS_IN_FLIGHT)
+
+    def most_in(self, rows: slice) -> int:
+        """Samples of each pixel that one batch of a strip may have."""
+        return most_samples(rows, self.size[1], _PATHS_IN_FLIGHT)
+
+    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch of some rows: (1, rows, width, 3)."""
+        height, width = self.size
+        band = rows.start, rows.stop - rows.start
+        described = describe_sensor(self._camera, width, height, self._origin, band)
+        pixels = mi.render(
+            self._built,
+            sensor=load_sensor(described, {"type": "independent"}),
+            integrator=self._integrator,
+            spp=samples,
+            seed=seed & 0xFFFFFFFF,
+        ).numpy()
         finite = np.isfinite(pixels)
-        self.broken |= ~finite.all(axis=2)
+        self.broken[rows] |= ~finite.all(axis=2)
         return np.where(finite, pixels, np.float32(0.0))[None]

@@ -17,9 +17,10 @@ from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.incident import IncidentRadiance, Points
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.paths import Paths
+from orusd_mitsuba.transport.strips import most_samples, strips
 
 PLANES: Final = ("environment_direct", "environment")
-_MOST_SAMPLES_A_CELL: Final = 64
+_SAMPLES_A_BATCH: Final = 1 << 23
 
 
 class HemisphereIntegrator:
@@ -39,7 +40,6 @@ class HemisphereIntegrator:
     Attributes:
         planes: 2, `PLANES`.
         size: Height and width of each.
-        most: Samples of each cell that one batch may have at most.
         broken: (height, width) bool, cells in which a batch gave no number.
     """
 
@@ -59,7 +59,7 @@ class HemisphereIntegrator:
         self._pixels = hits.pixels
         points = surface_points(scene, camera, hits)
         self._incident = IncidentRadiance(built, index, HEMISPHERE, points, depth - 1, paths=paths)
-        self.planes, self.most = len(PLANES), _MOST_SAMPLES_A_CELL
+        self.planes = len(PLANES)
         self._fit(rows, columns)
 
     def sparse(self, pixels: NDArray[np.uint32]) -> Self:
@@ -81,7 +81,7 @@ class HemisphereIntegrator:
         self.broken = np.zeros(self.size, dtype=bool)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
-        """Render one batch; equal seeds give equal bits.
+        """Render one batch of all of them; equal seeds give equal bits.
 
         Args:
             samples: Directions in each cell.
@@ -90,19 +90,44 @@ class HemisphereIntegrator:
         Returns:
             (2, rows elevations, columns azimuths, 3); 0 where nothing is seen.
         """
-        found = self._incident(samples, seed)
+        return self.strip(slice(0, self.size[0]), samples, seed)
+
+    def strips(self, samples: int) -> list[slice]:
+        """Rows to render at once, of whole hemispheres; see `Integrator`."""
+        return strips(self.size, self.planes, samples, _SAMPLES_A_BATCH, HEMISPHERE.rows)
+
+    def most_in(self, rows: slice) -> int:
+        """Samples of each cell that one batch of a strip may have."""
+        return most_samples(rows, self.size[1], _SAMPLES_A_BATCH)
+
+    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch of some rows of whole hemispheres; equal seeds give equal bits.
+
+        Args:
+            rows: Of cells.
+            samples: Directions in each cell.
+            seed: Of random numbers.
+
+        Returns:
+            (2, rows, columns azimuths, 3); 0 where nothing is seen.
+        """
+        above, below = rows.start // HEMISPHERE.rows, rows.stop // HEMISPHERE.rows
+        columns = self._grid[1]
+        first, last = np.searchsorted(self._pixels, [above * columns, below * columns])
+        points, pixels = slice(first, last), self._pixels[first:last] - above * columns
+
+        def tiles(values: NDArray[Any]) -> NDArray[Any]:
+            grid = np.zeros(((below - above) * columns, *values.shape[1:]), dtype=values.dtype)
+            grid[pixels] = values
+            return tiled(grid.reshape(below - above, columns, *values.shape[1:]))
+
+        found = self._incident(samples, seed, points)
         finite: NDArray[np.bool_] = np.isfinite(found)
         if not finite.all():
             whole: NDArray[np.bool_] = np.all(finite, axis=(0, -1))
-            self.broken |= self._tiles(~whole[..., None])[..., 0]
+            self.broken[rows] |= tiles(~whole[..., None])[..., 0]
             found = np.where(finite, found, np.float32(0.0))
-        return np.stack([self._tiles(plane) for plane in found])
-
-    def _tiles(self, values: NDArray[Any]) -> NDArray[Any]:
-        rows, columns = self._grid
-        grid = np.zeros((rows * columns, *values.shape[1:]), dtype=values.dtype)
-        grid[self._pixels] = values
-        return tiled(grid.reshape(rows, columns, *values.shape[1:]))
+        return np.stack([tiles(plane) for plane in found])
 
 
 def coarse(camera: PinholeCamera, size: tuple[int, int], grid: tuple[int, int]) -> Array:

@@ -81,22 +81,24 @@ class IncidentRadiance:
         found._points = self._points.rows(which)
         return found
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+    def __call__(self, samples: int, seed: int, which: slice = slice(None)) -> NDArray[np.float32]:
         """Estimate once; equal seeds give equal bits.
 
         Args:
             samples: Directions in each cell.
             seed: Of random numbers.
+            which: Of the points, all unless told otherwise; P are these.
 
         Returns:
             (2, P, rows, columns, 3) what comes straight from lights, and all that comes.
         """
         shape = self._cells.shape
         batch = max(1, _PATHS_IN_FLIGHT // (shape.count * samples))
-        found = np.zeros((2, len(self._points), shape.rows, shape.columns, 3), dtype=np.float32)
-        for number, start in enumerate(range(0, len(self._points), batch)):
+        chosen = self._points.rows(which)
+        found = np.zeros((2, len(chosen), shape.rows, shape.columns, 3), dtype=np.float32)
+        for number, start in enumerate(range(0, len(chosen), batch)):
             part = slice(start, start + batch)
-            points = _Gathered(self._points.rows(part))
+            points = _Gathered(chosen.rows(part))
             spread = self._by_cells(points, samples, seed + 2 * number)
             found[0, part] = spread[0] + self._by_lights(points, samples, seed + 2 * number + 1)
             found[1, part] = found[0, part] + spread[1] + spread[2]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 class Integrator(Protocol):
-    """Renders batches of samples of one camera."""
+    """Renders batches of samples of one camera, in strips of rows."""
 
     planes: int
     """Pictures that a batch gives."""
@@ -15,14 +15,22 @@ class Integrator(Protocol):
     size: tuple[int, int]
     """Height and width of each, pixels or texels."""
 
-    most: int
-    """Samples that one batch may have at most."""
-
     broken: NDArray[np.bool_]
     """(height, width) where a batch gave no number."""
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
-        """(planes, height, width, 3) means of one batch."""
+    def strips(self, samples: int) -> list[slice]:
+        """Rows to render at once, from the top, where a batch shall have so many samples.
+
+        They depend on what is rendered alone, not on the machine: random numbers go by the strip.
+        """
+        ...
+
+    def most_in(self, rows: slice) -> int:
+        """Samples of each pixel that one batch of a strip may have."""
+        ...
+
+    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+        """(planes, rows, width, 3) means of one batch; equal seeds give equal bits."""
         ...
 
 

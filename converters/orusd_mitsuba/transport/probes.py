@@ -58,6 +58,18 @@ class ProbeIntegrator:
         Returns:
             (1, height, width, 3).
         """
+        return self.strip(slice(0, self.size[0]), samples, seed)
+
+    def strips(self, samples: int) -> list[slice]:
+        """All rows: panoramas are rendered whole."""
+        return [slice(0, self.size[0])]
+
+    def most_in(self, rows: slice) -> int:
+        """Samples of each pixel that one batch may have."""
+        return self.most
+
+    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch of all rows."""
         pixels = self._incident(samples, seed)[1]
         finite = np.isfinite(pixels)
         self.broken |= ~finite.all(axis=(0, 3))
@@ -88,10 +100,10 @@ def render_probes(
             built, index, np.array(position) - origin, size, request.bounces + 1
         )
         part = partial(_part, progress, number, count)
-        halves = ProgressiveSampler(
-            integrator, how, (integrator.planes, *size), integrator.most, part,
-            lambda planes: np.asarray(planes[0]), f"probe {position}",
-        ).run()  # fmt: skip
+        sampler = ProgressiveSampler(
+            integrator, how, part, lambda planes: np.asarray(planes[0]), f"probe {position}"
+        )
+        halves = sampler.whole()
         seconds, replaced = time.perf_counter() - start, int(integrator.broken.sum())
         images.append(Image(halves.mean[0], halves.total, seconds, halves.error, replaced))
     return tuple(images)

@@ -70,6 +70,18 @@ class TexelIntegrator:
         Returns:
             (lights, 1, texels, 3) lux.
         """
+        return self.strip(slice(0, 1), samples, seed)
+
+    def strips(self, samples: int) -> list[slice]:
+        """The only row."""
+        return [slice(0, 1)]
+
+    def most_in(self, rows: slice) -> int:
+        """Samples of each texel that one batch may have."""
+        return self.most
+
+    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+        """Render one batch of the only row."""
         starts = range(0, self.size[1], self._texels)
         parts = [self._part(start, samples, seed + i) for i, start in enumerate(starts)]
         values = np.concatenate(parts, axis=2).transpose(0, 2, 1)[:, None]
@@ -164,9 +176,8 @@ def light_texels(
     integrator = TexelIntegrator(built, index, white, request.points, origin, request.bounces + 1)
     how = RenderRequest(None, (), 1, 1, samples=request.samples, seed=request.seed)
     halves = ProgressiveSampler(
-        integrator, how, (integrator.planes, *integrator.size), integrator.most, progress,
-        lambda planes: np.asarray(planes.sum(axis=0)), "texels",
-    ).run()  # fmt: skip
+        integrator, how, progress, lambda planes: np.asarray(planes.sum(axis=0)), "texels"
+    ).whole()
     seconds, replaced = time.perf_counter() - start, int(integrator.broken.sum())
     return Irradiance(halves.mean[:, 0], halves.total, seconds, halves.error, replaced)
 

@@ -91,7 +91,10 @@ def frames(
         image = opened.picture(camera, asked).images[LIGHT]
         clock.lap("light")
         halves = light.add(
-            image.halves or Halves(image.pixels, image.pixels, (1, 1)), base, taps, worth
+            image.halves.halves if image.halves else Halves(image.pixels, image.pixels, (1, 1)),
+            base,
+            taps,
+            worth,
         )
         pixels = _mean(halves)
         clock.lap("accumulation")
