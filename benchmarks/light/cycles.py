@@ -43,7 +43,7 @@ def cycles(setting: Setting) -> Section:
     blender = _Blender(python, setting.folder, room)
     theirs = setting.references.pair(
         room.scene,
-        {"cycles": many[0], "size": size, "path": room.path},
+        {"cycles": many[0], "seen": room.seen},
         lambda half: blender.reference(many[0], half),
     )
     rows = _theirs(blender, counts, (theirs[0]["radiance"], theirs[1]["radiance"]))

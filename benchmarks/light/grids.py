@@ -45,7 +45,7 @@ def grids(setting: Setting) -> Section:
         for method in methods_of(room):
             reference = method == REFERENCE
             opened = OpenedRoom(room, method)
-            for samples in counts if reference else counts[:-1]:
+            for samples in (counts[0], counts[-1]) if reference else counts[:-1]:
                 cost = _cost(opened, samples, coarse, full, reference)
                 if reference:
                     paper = cost.views(1)

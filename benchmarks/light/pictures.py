@@ -1,6 +1,7 @@
 """Pictures of radiance: noise and bias against seconds, for every method, raw and denoised."""
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -46,11 +47,15 @@ def truth_of(
     setting: Setting, room: Room, channels: tuple[str, ...], samples: int, **how: Any
 ) -> Mapping[str, Pair]:
     """Both halves of the reference of channels, by image."""
-    opened = OpenedRoom(room)
+
+    @cache
+    def opened() -> OpenedRoom:
+        return OpenedRoom(room)
+
     halves = setting.references.pair(
         room.scene,
-        {"size": room.size, "channels": channels, "samples": samples, "path": room.path, **how},
-        lambda half: opened.shot(channels, samples, seed=REFERENCE_SEED + half, **how).pixels,
+        {"seen": room.seen, "channels": channels, "samples": samples, **how},
+        lambda half: opened().shot(channels, samples, seed=REFERENCE_SEED + half, **how).pixels,
     )
     return {name: (halves[0][name], halves[1][name]) for name in halves[0]}
 

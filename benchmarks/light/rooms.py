@@ -113,6 +113,12 @@ class Room:
         self.path = f"/World{CAMERA}" if f"/World{CAMERA}" in prims else min(prims)
         self.camera = self.seen_at(width, height)
 
+    @property
+    def seen(self) -> tuple[Any, ...]:
+        """What tells its picture from others of the same scene."""
+        pose = self.camera.world_from_camera.round(6)
+        return self.size, self.bounces, self.camera.K.round(6).tolist(), pose.tolist()
+
     def seen_at(self, width: int, height: int) -> PinholeCamera:
         """Its camera, for a picture of any size."""
         return read_camera(self.stage.GetPrimAtPath(self.path), width, height)

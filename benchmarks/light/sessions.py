@@ -91,7 +91,7 @@ class OpenedRoom:
         asked: dict[str, Any] = {
             "camera": self._room.path, "channels": channels, "samples": samples, "seed": seed,
             "width": self._room.size[0], "height": self._room.size[1],
-            "bounces": self._room.bounces, "method": self.method,
+            "bounces": self._room.bounces, "method": self.method, "measure_bias": False,
         }  # fmt: skip
         request = RenderRequest(**{**asked, **how})
         camera = turned(self._room.seen_at(request.width, request.height), view * _TURN_DEG)
