@@ -53,7 +53,7 @@ class Accumulation:
             The halves of the radiance with what is known from before.
         """
         shape = base_color.shape
-        divisor = np.maximum(base_color.reshape(-1, 3), np.float32(_LEAST_BASE_COLOR))
+        divisor = divisor_of(base_color).reshape(-1, 3)
         now: list[Pixels] = [
             np.asarray(half.reshape(-1, 3) / divisor, dtype=np.float32)
             for half in (halves.a, halves.b)
@@ -72,6 +72,11 @@ class Accumulation:
             self._frames = known + np.float32(frames)
         a, b = ((half * divisor).reshape(shape) for half in self._halves)
         return Halves(a, b, halves.samples)
+
+
+def divisor_of(base_color: Pixels) -> Pixels:
+    """(..., 3) what light is divided by, so that textures stay out of what is added up."""
+    return np.maximum(base_color, np.float32(_LEAST_BASE_COLOR))
 
 
 def _near(before: list[Pixels], now: list[Pixels], shape: tuple[int, int]) -> list[Pixels]:

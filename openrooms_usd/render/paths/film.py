@@ -14,7 +14,7 @@ from openrooms_usd.render.denoise import Denoiser
 from openrooms_usd.render.estimates import Halves
 from openrooms_usd.render.opened import OpenedStage
 from openrooms_usd.render.paths import reprojection
-from openrooms_usd.render.paths.accumulation import Accumulation
+from openrooms_usd.render.paths.accumulation import Accumulation, divisor_of
 from openrooms_usd.render.paths.camera_path import CameraPath
 from openrooms_usd.render.paths.reprojection import Surfaces, reproject
 from openrooms_usd.render.paths.steadiness import flicker
@@ -103,9 +103,11 @@ def frames(
             clean = denoiser.denoise(image.pixels, guides)
             pixels = _mean(shown.add(Halves(clean, clean, (1, 1)), base, taps, worth))
             clock.lap("denoising")
-        moved = flicker(pixels, before[1], taps) if before and taps else None
+        # Of a texture a pixel shows now this part and now that one: only light can flicker.
+        received = np.asarray(pixels / divisor_of(base), dtype=np.float32)
+        moved = flicker(received, before[1], taps) if before and taps else None
         images = {**view.images, LIGHT: replace(image, halves=None)}
-        before = surfaces, pixels
+        before = surfaces, received
         yield Frame(
             replace(view, images=images), pixels, halves.error, moved, new,
             usual * worth, clock.seconds,

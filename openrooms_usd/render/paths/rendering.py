@@ -46,7 +46,7 @@ _MOST_SECONDS: Final = 3600.0
 CONVENTIONS: Final = {
     "estimated_error": "of what the samples of a frame and its history say, before denoising: the "
     "relative mean squared error, told by two halves that never meet",
-    "flicker": "of what is shown: root mean square over the surfaces that a frame and the one "
+    "flicker": "of what is shown, by base colour: root mean square over what a frame and the one "
     "before it both see of the change of luminance, over sqrt(m^2 + 0.01 M^2) and sqrt(2), m its "
     "mean there and M that of the picture",
     "new": "the part of the pixels that the frame before did not see",

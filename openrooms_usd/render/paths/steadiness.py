@@ -17,7 +17,7 @@ def flicker(now: Pixels, before: Pixels, taps: Taps) -> float:
     frames with independent errors it is the relative standard error of one of them.
 
     Args:
-        now: (H, W, 3) a frame.
+        now: (H, W, 3) a frame, without its textures.
         before: (H, W, 3) the frame before it.
         taps: Where what ``now`` sees was in ``before``.
 
