@@ -44,7 +44,7 @@ def render_path(
         samples: Samples a pixel of a frame; 4 by default.
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and the camera; 7 by default.
-        method: As of `render`.
+        method: As of `render`; ``cache`` by default where the renderer has it.
         denoise: Whether frames are denoised (extra ``denoise``).
         renderer: A registered renderer that gives light.
         options: What is asked of the renderer, by name.

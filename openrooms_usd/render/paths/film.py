@@ -36,6 +36,7 @@ _BASE_PLACES: Final = 2
 # Frames along the path, small, that its exposure is fitted to.
 _EXPOSURE_FRAMES: Final = 8
 _EXPOSURE_PIXELS_WIDE: Final = 64
+_EXPOSURE_SAMPLES: Final = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +88,9 @@ def frames(
         new = float(1.0 - taps.found.mean()) if taps else 1.0
         clock.lap("reprojection")
         worth = 1 + round(new * _MOST_EXTRA_FRAMES) if taps else _FIRST_FRAMES
-        asked = replace(asked, channels=(LIGHT,), samples=usual * worth, halves=True)
+        asked = replace(
+            asked, channels=(LIGHT,), samples=usual * worth, halves=True, measure_bias=number == 0
+        )
         image = opened.picture(camera, asked).images[LIGHT]
         clock.lap("light")
         halves = light.add(
@@ -122,7 +125,10 @@ def fitted_exposure(opened: OpenedStage, path: CameraPath, request: RenderReques
     small = [max(2, round(side * scale)) for side in (request.width, request.height)]
     K = np.diag([small[0] / request.width, small[1] / request.height, 1.0]) @ path.K
     chosen = np.unique(np.linspace(0, len(path) - 1, _EXPOSURE_FRAMES).round().astype(int))
-    asked = replace(request, width=small[0], height=small[1], channels=(LIGHT,), samples=16)
+    asked = replace(
+        request, width=small[0], height=small[1], channels=(LIGHT,), samples=_EXPOSURE_SAMPLES,
+        measure_bias=False,
+    )  # fmt: skip
     strip = []
     for number, camera in enumerate(path.cameras):
         if number in chosen:

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,11 +17,15 @@ from openrooms_usd.names import CREATOR
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render import exr, folder, manifest
 from openrooms_usd.render.contract import (
+    CACHE,
     DEFAULT_BOUNCES,
     DEFAULT_RATE,
     NO_OPTIONS,
+    Method,
+    MethodicalSession,
     Renderer,
     RenderRequest,
+    RenderSession,
 )
 from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
 from openrooms_usd.render.given import check_method, choose_method, rendered
@@ -116,9 +120,9 @@ def render_path(
         samples: Samples a pixel of a frame; `DEFAULT_SAMPLES` by default.
         seed: Fixes every random number.
         bounces: At most this many scatterings on the way from a light to the camera.
-        method: See `openrooms_usd.render.render_stage`, like the rest.
-        renderer: See there; it must give radiance.
-        options: See there.
+        method: How light is computed; by default ``cache`` where the renderer has it.
+        renderer: A registered renderer that gives radiance.
+        options: What is asked of it, by the names that it declares.
         denoise: Whether frames are denoised.
         keep_frames: Whether to write every frame too.
         progress: Called with the path's name and the finished fraction.
@@ -154,7 +158,7 @@ def render_path(
     with reading(path):
         opened = open_with(adapter, stage, options)
         add_missing(opened.report, stage)
-    request = replace(sized(request, size), method=choose_method(named, opened.session))
+    request = replace(sized(request, size), method=_method(named, opened.session))
     camera_path = choose_path(spec, stage, opened, size, seconds, rate)
     files = _Files(out, camera_path.name, keep_frames)
     files.check()
@@ -162,15 +166,18 @@ def render_path(
     # 3. Render frame by frame.
     with claims.claimed(out, ledger.RENDER_FILE):
         exposure = fitted_exposure(opened, camera_path, request)
-        told, spent = [], []
+        told, spent, bias = [], [], None
         with files.writing(size, rate) as writer:
             for number, frame in enumerate(frames(opened, camera_path, request, denoiser)):
+                if found := frame.view.images[LIGHT].bias:
+                    bias = asdict(found)
                 writer.add(number, frame, exposure, denoiser is not None)
                 told.append(_told(frame))
                 spent.append(frame.seconds)
                 progress(camera_path.name, (number + 1) / len(camera_path))
             shared = manifest.run_entry(path, renderer, opened, replace(request, channels=()))
             entry = shared | _entry(camera_path, request, exposure, denoiser, told)
+            entry["bias"] = bias
             timing = {step: float(np.mean([s[step] for s in spent])) for step in spent[0]}
             writer.tell(entry, timing)
     return PathSummary(
@@ -184,6 +191,12 @@ def _check(seconds: float | None, rate: int) -> None:
     if not _RATES[0] <= rate <= _RATES[1]:
         wanted = f"between {_RATES[0]} and {_RATES[1]}"
         raise InputError(f"{rate} frames a second are not {wanted}", place="rate (--fps)")
+
+
+def _method(asked: Method | None, session: RenderSession) -> Method:
+    """As asked for; else what computes the light of a room once: a film has many frames of it."""
+    can = isinstance(session, MethodicalSession) and CACHE in session.methods
+    return choose_method(CACHE if asked is None and can else asked, session)
 
 
 def _told(frame: Frame) -> dict[str, Any]:

@@ -26,7 +26,11 @@ _BELOW_CEILING_M: Final = 0.3
 _FARTHEST_STOP_M: Final = 1.0
 _STEP_M: Final = 0.05
 _SMOOTHINGS: Final = 400
-_MOST_PITCH_DEG: Final = 20.0
+_PITCHES_DEG: Final = (-20.0, 0.0)
+# A turn of at least so much may be made the other way round, where there is more to be seen.
+_WIDE_TURN_DEG: Final = 110.0
+_WORTH_OF_OTHER_TURN: Final = 1.2
+_FARTHEST_SIGHT_M: Final = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,16 +57,15 @@ def walk(caster: RayCaster, cameras: Sequence[Array], times: Array) -> Array:
     space = FreeSpace(caster, _start(caster, cameras))
     stops = _stops(space, cameras)
     line, marks = _line(space, stops)
-    seconds = _seconds(line, marks, stops)
+    looks = _looks(caster, line, marks, stops)
+    seconds = _seconds(marks, looks)
     length = float(times[-1] - times[0]) or 1.0
     share = eased((times - times[0]) / length)
     now = share * seconds[-1]
     along = interpolated(seconds, marks[:, None], now)[:, 0]
     along = np.maximum.accumulate(np.clip(along, 0.0, marks[-1]))
     eyes = np.column_stack([np.interp(along, _lengths(line), line[:, k]) for k in range(3)])
-    looks = np.array([(stop.yaw, stop.pitch) for stop in stops])
-    looks[:, 0] = np.unwrap(looks[:, 0])
-    yaw, pitch = interpolated(seconds, looks, now).T
+    yaw, pitch = np.clip(interpolated(seconds, looks, now), looks.min(axis=0), looks.max(axis=0)).T
     ahead = np.column_stack(
         [np.cos(yaw) * np.cos(pitch), np.sin(yaw) * np.cos(pitch), np.sin(pitch)]
     )
@@ -104,8 +107,7 @@ def _stops(space: FreeSpace, cameras: Sequence[Array]) -> list[_Stop]:
     for camera in cameras:
         cell, apart = space.nearest(camera[:3, 3])
         ahead = camera[:3, 2]
-        steepest = np.radians(_MOST_PITCH_DEG)
-        pitch = float(np.clip(np.arcsin(np.clip(ahead[2], -1, 1)), -steepest, steepest))
+        pitch = float(np.clip(np.arcsin(np.clip(ahead[2], -1, 1)), *np.radians(_PITCHES_DEG)))
         if not found or (apart < _FARTHEST_STOP_M and cell not in [stop.cell for stop in found]):
             found.append(_Stop(cell, float(np.arctan2(ahead[1], ahead[0])), pitch))
     places = space.places(space.usable)
@@ -143,6 +145,30 @@ def _line(space: FreeSpace, stops: list[_Stop]) -> tuple[Array, Array]:
     return line, _lengths(line)[ends]
 
 
+def _looks(caster: RayCaster, line: Array, marks: Array, stops: list[_Stop]) -> Array:
+    """(S, 2) yaw and pitch at the stops; turns do not lead past a wall that is near."""
+    yaws = [stops[0].yaw]
+    for number, stop in enumerate(stops[1:]):
+        short = (stop.yaw - yaws[-1] + np.pi) % (2.0 * np.pi) - np.pi
+        turns = [short]
+        if abs(short) > np.radians(_WIDE_TURN_DEG):
+            turns.append(short - np.sign(short) * 2.0 * np.pi)
+        middle = 0.5 * (marks[number] + marks[number + 1])
+        eye = np.array([np.interp(middle, _lengths(line), line[:, k]) for k in range(3)])
+        seen = [_sight(caster, eye, yaws[-1], turn) for turn in turns]
+        longer = len(turns) > 1 and seen[1] > _WORTH_OF_OTHER_TURN * seen[0]
+        yaws.append(yaws[-1] + turns[int(longer)])
+    return np.column_stack([yaws, [stop.pitch for stop in stops]])
+
+
+def _sight(caster: RayCaster, eye: Array, yaw: float, turn: float) -> float:
+    """How far one sees on the mean during a turn, metres."""
+    swept = yaw + turn * np.linspace(0.15, 0.85, 15)
+    ahead = np.column_stack([np.cos(swept), np.sin(swept), np.zeros_like(swept)])
+    distance = caster.first_hit(eye, ahead).distance
+    return float(np.minimum(distance, _FARTHEST_SIGHT_M).mean())
+
+
 def _resampled(line: Array) -> Array:
     """(N, 3) points in even steps along a line, without its first."""
     lengths = _lengths(line)
@@ -154,10 +180,8 @@ def _lengths(line: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
 
 
-def _seconds(line: Array, marks: Array, stops: list[_Stop]) -> Array:
+def _seconds(marks: Array, looks: Array) -> Array:
     """(S,) when the stops are reached at an easy pace, as far as walking and looking take it."""
-    turns = np.diff(np.unwrap([stop.yaw for stop in stops]))
-    needed = np.maximum(
-        np.diff(marks) / _STROLL_M_PER_S, np.abs(turns) / np.radians(_TURN_DEG_PER_S)
-    )
+    turns = np.abs(np.diff(looks[:, 0]))
+    needed = np.maximum(np.diff(marks) / _STROLL_M_PER_S, turns / np.radians(_TURN_DEG_PER_S))
     return np.concatenate([[0.0], np.cumsum(np.maximum(needed, 1e-3))])
