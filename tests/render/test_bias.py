@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from openrooms_usd.render.bias import Bias, SparsePixels, factors, measure
+from openrooms_usd.render.bias import Bias, SparsePixels, factors, measure, shrunk
 
 SIZE = (160, 120)
 Array = np.ndarray
@@ -129,3 +129,13 @@ def test_factors_take_the_bias_out_of_the_sum() -> None:
         off.append((factor[:2, 0] - wanted) / factor[:2, 1])
     assert (np.abs(np.mean(off, axis=0)) < 4 / 80**0.5).all()
     assert ((np.std(off, axis=0) > 0.7) & (np.std(off, axis=0) < 1.3)).all()
+
+
+def test_a_correction_that_is_not_sure_is_left_away() -> None:
+    known = np.array([[1.2, 0.01], [0.5, 0.0], [1.0, 0.0], [1.05, 0.1], [0.9, 0.05]])
+    assert shrunk(known) == pytest.approx([1.2 - 0.01**2 / 0.2, 0.5, 1.0, 1.0, 0.9 + 0.025])
+    # Where there is no bias it adds a part of the noise alone; where there is much, it takes it.
+    rng = np.random.default_rng(0)
+    for bias, most in ((0.0, 0.45), (5.0, 1.2)):
+        told = np.stack([1 + bias + rng.standard_normal(4000), np.ones(4000)], axis=1)
+        assert np.mean((shrunk(told) - 1 - bias) ** 2) < most
