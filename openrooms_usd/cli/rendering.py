@@ -252,8 +252,10 @@ def _warnings(view: Mapping[str, Any], wanted: float | None) -> Iterator[str]:
 
 def _is_biased(channel: Mapping[str, Any]) -> bool:
     """Whether a channel is surely off by more than a picture may be."""
-    bias = channel.get("bias")
-    return bool(bias) and abs(bias["total"]) - 2.0 * bias["total_error"] > _BIAS_WORTH_A_WARNING
+    bias: Mapping[str, float] | None = channel.get("bias")
+    if bias is None:
+        return False
+    return abs(bias["total"]) - 2.0 * bias["total_error"] > _BIAS_WORTH_A_WARNING
 
 
 @click.command()
