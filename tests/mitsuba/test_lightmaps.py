@@ -204,3 +204,21 @@ def test_what_makes_no_lightmap_is_refused(
         bake_stage(source, tmp_path / "out", BakeSettings(0.5))
     assert "openrooms-usd[bake]" in str(error.value)
     assert not (tmp_path / "out").exists()
+
+
+def test_what_is_buried_does_not_darken_what_is_beside_it(build: Any, tmp_path: Path) -> None:
+    """A block stands on a plate under an even sky: of texels below it none is traced."""
+    room = build()
+    black = room.material("/Black", base_color=(0.0,) * 3)
+    room.quad("/Plate", [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], material=black)
+    block = room.box("/Block", 0.7, material=black)
+    block.AddTranslateOp().Set(Gf.Vec3d(0, 0, 0.35))
+    room.dome(radiance=NITS)
+    source = saved(room.stage, tmp_path)
+    bake_stage(source, tmp_path / "out", BakeSettings(0.2, samples=64))
+    plate = client.load(tmp_path / "out/baked.usda")
+    # Beside the block half of the sky is left; below it there is none.
+    beside = np.array([[0.352, 0.1, 0.0], [0.352, -0.1, 0.0]])
+    rows = np.array([0, 0])
+    lux = plate.irradiance(rows, beside)[:, 1]
+    assert (lux > 0.45 * np.pi * NITS).all()

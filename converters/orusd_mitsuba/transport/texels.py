@@ -14,15 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest, TexelPoints
+from openrooms_usd.render.bake.request import (
+    LIFT_M,
+    Irradiance,
+    IrradianceRequest,
+    TexelPoints,
+)
 from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import FirstDimensions
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator, trace
 from orusd_mitsuba.transport.sampling import ProgressiveSampler
 
-# Above the surface, where its rays begin. What is nearer to it than this is not in their way.
-_LIFT_M: Final = 1e-4
 # Sums that one batch may keep, 4 bytes each, and paths that may be in flight.
 _MOST_SUMS: Final = 1 << 26
 _PATHS_IN_FLIGHT: Final = 1 << 20
@@ -94,7 +97,10 @@ class TexelIntegrator:
         texels = min(self._texels, self.size[1] - start)
         paths = texels * samples
         numbers = FirstDimensions(samples, paths, _sampler(seed ^ _SHIFT_SALT, texels))
-        texel = start + dr.arange(mi.UInt32, paths) // samples
+        # As variables, not as parts of the compiled code: all batches share it.
+        texel = dr.opaque(mi.UInt32, start) + dr.arange(mi.UInt32, paths) // dr.opaque(
+            mi.UInt32, samples
+        )
         found = irradiance_at(
             self._built, self._index, self._white, *self._points.chosen(texel, numbers.pixel.x),
             _sampler(seed, paths), self._depth, numbers,
@@ -122,7 +128,7 @@ def irradiance_at(
     Returns:
         (lights * 3 * P) lux; red, green and blue of a light lie side by side.
     """
-    ray = mi.Ray3f(points + _LIFT_M * normals, -normals)
+    ray = mi.Ray3f(points + LIFT_M * normals, -normals)
     accumulator = PathAccumulator(dr.width(ray), index.count)
     trace(built, index, sampler, ray, accumulator, depth, white, numbers=numbers)
     assert accumulator.lights is not None

@@ -14,6 +14,7 @@ from openrooms_usd.imagefile import write_png
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.render import exr
 from openrooms_usd.render.bake.atlases import Atlases, placed
+from openrooms_usd.render.bake.buried import without_buried
 from openrooms_usd.render.bake.layer import (
     AtlasFiles,
     scale_offset,
@@ -27,7 +28,11 @@ from openrooms_usd.render.bake.units import Reading, read_units
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, NO_OPTIONS
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview
+from openrooms_usd.render.scene.light_records import light_records
 from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.render.scene.rays import CastingTracer
+from openrooms_usd.render.scene.sources import sources_of
+from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.version import __version__
 
 TEXEL_M: Final = 0.05
@@ -104,7 +109,6 @@ def bake_stage(
         OutputError: The folder cannot be written.
         RenderError: The renderer lights no texels.
     """
-    from openrooms_usd.render.opened import open_with
     from openrooms_usd.usd.layers import open_stage
 
     _check(settings)
@@ -119,22 +123,24 @@ def bake_stage(
     atlases = placed(
         reading.units, texel_m=settings.texel_m, side=settings.side, most=settings.most_texels
     )
-    texels = find_texels(atlases)
     # 2. Light.
-    opened = open_with(adapter, stage, options)
-    if not isinstance(opened.session, TexelLighting):
+    scene = translate(stage)
+    session = adapter.open(scene, options)
+    if not isinstance(session, TexelLighting):
         raise RenderError(f"the renderer {renderer} lights no texels", remedy="--renderer mitsuba")
+    texels = without_buried(find_texels(atlases), scene, session.tracer or CastingTracer(scene))
+    lights = light_records(stage, scene, sources_of(scene))
     request = IrradianceRequest(texels.points, settings.samples, settings.seed, settings.bounces)
     told = nested(progress, "", 0.05, 0.95)
-    light = opened.session.irradiance(request, lambda done: told(f"{len(texels)} texels", done))
+    light = session.irradiance(request, lambda done: told(f"{len(texels)} texels", done))
     # 3. Files.
     progress("writing", 0.95)
     with atomic.filling(out) as beside:
         (beside / FOLDER).mkdir()
-        files = _write_pictures(beside, atlases, texels, light.values, opened.lights)
-        write_layer(beside / LAYER, FOLDER, stage, atlases, files, opened.lights)
+        files = _write_pictures(beside, atlases, texels, light.values, lights)
+        write_layer(beside / LAYER, FOLDER, stage, atlases, files, lights)
         write_lit_stage(beside / LIT, stage, f"./{LAYER}", _relative(path, out))
-        entry = _manifest(path, settings, reading, atlases, texels, light, files, opened.lights)
+        entry = _manifest(path, settings, reading, atlases, texels, light, files, lights)
         write_json(beside / MANIFEST, entry)
     progress("writing", 1.0)
     return entry

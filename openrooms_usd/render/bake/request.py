@@ -2,13 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.contract import DEFAULT_BOUNCES
 from openrooms_usd.render.scene.pictures import Array
+
+LIFT_M: Final = 1e-4
+"""How far above a surface its rays begin: what is nearer than this is not in their way."""
 
 
 @dataclass(frozen=True, eq=False)
