@@ -39,6 +39,7 @@ from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator, coarse
 from orusd_mitsuba.transport.integrator import Integrator, SparseIntegrator
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_integrator import PathIntegrator
+from orusd_mitsuba.transport.paths import Paths, TracedPaths
 from orusd_mitsuba.transport.probes import render_probes
 from orusd_mitsuba.transport.sampling import ProgressiveSampler
 from orusd_mitsuba.transport.scattered import ScatteredLight, TracedLight
@@ -179,8 +180,15 @@ class MitsubaSession:
                 f"the backend {self._variant} cannot make lightmaps",
                 remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
             )
+        how = RenderRequest(None, (), 1, 1, bounces=request.bounces, method=request.method)
+        light = self._room_light(how)
+        paths: Paths = (
+            light.paths(by_light=True)
+            if light
+            else TracedPaths(self._built, self._index, request.bounces + 1)
+        )
         return light_texels(
-            self._built, self._index, self._white, self._scene.origin, request, progress
+            paths, self._index.count, self._white, self._scene.origin, request, progress
         )
 
     def _activate(self) -> None:

@@ -270,6 +270,7 @@ def bake(
     samples: int | None = None,
     seed: int = 0,
     bounces: int | None = None,
+    method: str | None = None,
     renderer: str = "mitsuba",
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
@@ -286,6 +287,8 @@ def bake(
         seed: Fixes every random number.
         bounces: At most this many scatterings of light on its way, the one at the texel included;
             7 by default.
+        method: ``reference`` follows every path to its end, without bias; ``cache`` computes what
+            is smooth once for the room. By default what the renderer prefers.
         renderer: A registered renderer.
         options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with what is done and the finished fraction.
@@ -302,6 +305,7 @@ def bake(
     """
     from openrooms_usd.render.bake.baking import MOST_TEXELS, SAMPLES, BakeSettings, bake_stage
     from openrooms_usd.render.contract import DEFAULT_BOUNCES
+    from openrooms_usd.render.given import check_method
     from openrooms_usd.usd.diagnostics import quiet
 
     file = usd_file(scene)
@@ -312,6 +316,7 @@ def bake(
         seed=seed,
         bounces=DEFAULT_BOUNCES if bounces is None else bounces,
         most_texels=MOST_TEXELS if max_texels is None else max_texels,
+        method=check_method(method),
     )
     with quiet():
         manifest = bake_stage(

@@ -6,7 +6,7 @@ import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.renderer import renderer_options
-from openrooms_usd.render.contract import DEFAULT_BOUNCES
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, METHODS, Method
 
 
 @click.command()
@@ -21,6 +21,11 @@ from openrooms_usd.render.contract import DEFAULT_BOUNCES
 @click.option("--spp", type=int, default=256, show_default=True, help="Paths for each texel.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
+@click.option(
+    "--method", type=click.Choice(METHODS),
+    help="How light is computed: reference follows every path to its end, without bias; cache "
+    "computes what is smooth once for the room. By default what the renderer prefers.",
+)  # fmt: skip
 @renderer_options(variant="The backend: auto, cuda or llvm.")
 @json_option
 def bake(
@@ -32,6 +37,7 @@ def bake(
     spp: int,
     seed: int,
     bounces: int,
+    method: Method | None,
     renderer: str,
     options: dict[str, str],
     as_json: bool,
@@ -44,7 +50,7 @@ def bake(
     from openrooms_usd.render.bake.baking import BakeSettings, bake_stage
     from openrooms_usd.usd.diagnostics import quiet
 
-    settings = BakeSettings(texel, spp, seed, bounces, side, max_texels)
+    settings = BakeSettings(texel, spp, seed, bounces, side, max_texels, method)
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
         found = bake_stage(
             stage, out, settings, renderer=renderer, options=options, progress=progress

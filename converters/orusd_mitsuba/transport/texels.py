@@ -22,8 +22,8 @@ from openrooms_usd.render.bake.request import (
 )
 from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import FirstDimensions
-from orusd_mitsuba.transport.light_index import LightIndex
-from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator, trace
+from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator
+from orusd_mitsuba.transport.paths import Paths
 from orusd_mitsuba.transport.sampling import ProgressiveSampler
 
 # Sums that one batch may keep, 4 bytes each, and paths that may be in flight.
@@ -36,12 +36,11 @@ class TexelIntegrator:
     """Renders batches of samples of the irradiance of texels.
 
     Args:
-        built: The Mitsuba scene of a vectorized variant.
-        index: Its lights.
+        paths: How they are followed.
+        lights: How many there are.
         white: Gives the white BSDF of a surface (`orusd_mitsuba.transport.white`).
         points: What the texels stand for.
         origin: (3,) the point of the world that is Mitsuba's origin.
-        depth: At most this many segments of a path.
 
     Attributes:
         planes: One for each light.
@@ -52,17 +51,16 @@ class TexelIntegrator:
 
     def __init__(
         self,
-        built: Any,
-        index: LightIndex,
+        paths: Paths,
+        lights: int,
         white: Callable[[Any], Any],
         points: TexelPoints,
         origin: Array,
-        depth: int,
     ) -> None:
-        self._built, self._index, self._white, self._depth = built, index, white, depth
+        self._paths, self._white = paths, white
         self._points = _Points(points, origin)
-        self.planes, self.size = index.count, (1, len(points))
-        fitting = min(_PATHS_IN_FLIGHT, _MOST_SUMS // (3 * (index.count + len(KINDS))))
+        self.planes, self.size = lights, (1, len(points))
+        fitting = min(_PATHS_IN_FLIGHT, _MOST_SUMS // (3 * (lights + len(KINDS))))
         self._texels = max(1, min(len(points), fitting))
         self.most = max(1, fitting // self._texels)
         self.broken = np.zeros(self.size, dtype=bool)
@@ -102,35 +100,34 @@ class TexelIntegrator:
             mi.UInt32, samples
         )
         found = irradiance_at(
-            self._built, self._index, self._white, *self._points.chosen(texel, numbers.pixel.x),
-            _sampler(seed, paths), self._depth, numbers,
+            self._paths, self.planes, self._white, *self._points.chosen(texel, numbers.pixel.x),
+            _sampler(seed, paths), numbers,
         )  # fmt: skip
         sums = dr.block_sum(found, samples).numpy()
         return np.asarray(sums.reshape(-1, 3, texels) / np.float32(samples))
 
 
 def irradiance_at(
-    built: Any, index: LightIndex, white: Callable[[Any], Any], points: Any, normals: Any,
-    sampler: Any, depth: int, numbers: FirstDimensions | None = None,
+    paths: Paths, lights: int, white: Callable[[Any], Any], points: Any, normals: Any,
+    sampler: Any, numbers: FirstDimensions | None = None,
 ) -> Any:  # fmt: skip
-    """The irradiance at points on surfaces by unbiased paths, one for each point.
+    """The irradiance at points on surfaces, by one path from each.
 
     Args:
-        built: The Mitsuba scene of a vectorized variant.
-        index: Its lights.
+        paths: How they are followed: to their end, without bias, or as another method does it.
+        lights: How many there are.
         white: Gives the white BSDF of a surface.
         points: P points on surfaces, relative to Mitsuba's origin.
         normals: P unit normals, to the side that is lit.
         sampler: Seeded for P paths.
-        depth: At most this many segments of a path.
         numbers: What the first surface draws by; None: the sampler's.
 
     Returns:
         (lights * 3 * P) lux; red, green and blue of a light lie side by side.
     """
     ray = mi.Ray3f(points + LIFT_M * normals, -normals)
-    accumulator = PathAccumulator(dr.width(ray), index.count)
-    trace(built, index, sampler, ray, accumulator, depth, white, numbers=numbers)
+    accumulator = PathAccumulator(dr.width(ray), lights)
+    paths.follow(sampler, ray, accumulator, first=white, numbers=numbers)
     assert accumulator.lights is not None
     return accumulator.lights * dr.pi
 
@@ -165,21 +162,21 @@ class _Points:
 
 
 def light_texels(
-    built: Any, index: LightIndex, white: Callable[[Any], Any], origin: Array,
+    paths: Paths, lights: int, white: Callable[[Any], Any], origin: Array,
     request: IrradianceRequest, progress: Callable[[float], None],
 ) -> Irradiance:  # fmt: skip
     """The irradiance of a request's texels, by light.
 
     Args:
-        built: The Mitsuba scene of a vectorized variant.
-        index: Its lights.
+        paths: How they are followed.
+        lights: How many there are.
         white: Gives the white BSDF of a surface.
         origin: (3,) the point of the world that is Mitsuba's origin.
         request: What to find out.
         progress: Called with the finished fraction.
     """
     start = time.perf_counter()
-    integrator = TexelIntegrator(built, index, white, request.points, origin, request.bounces + 1)
+    integrator = TexelIntegrator(paths, lights, white, request.points, origin)
     how = RenderRequest(None, (), 1, 1, samples=request.samples, seed=request.seed)
     halves = ProgressiveSampler(
         integrator, how, progress, lambda planes: np.asarray(planes.sum(axis=0)), "texels"

@@ -25,7 +25,8 @@ from openrooms_usd.render.bake.pictures import Border, Pixels, known_of, picture
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest, TexelLighting
 from openrooms_usd.render.bake.texels import Texels, find_texels
 from openrooms_usd.render.bake.units import Reading, read_units
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, NO_OPTIONS
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, NO_OPTIONS, Method
+from openrooms_usd.render.given import choose_method
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.scene.light_records import light_records
@@ -67,6 +68,7 @@ class BakeSettings:
         bounces: At most this many scatterings of light on its way, the one at the texel included.
         side: Of an atlas at most, texels.
         most_texels: Of all atlases together; texels grow until there are no more.
+        method: How light is computed; None: as the renderer prefers.
     """
 
     texel_m: float = TEXEL_M
@@ -75,6 +77,7 @@ class BakeSettings:
     bounces: int = DEFAULT_BOUNCES
     side: int = SIDE_TEXELS
     most_texels: int = MOST_TEXELS
+    method: Method | None = None
 
 
 def bake_stage(
@@ -130,7 +133,10 @@ def bake_stage(
         raise RenderError(f"the renderer {renderer} lights no texels", remedy="--renderer mitsuba")
     texels = without_buried(find_texels(atlases), scene, session.tracer or CastingTracer(scene))
     lights = light_records(stage, scene, sources_of(scene))
-    request = IrradianceRequest(texels.points, settings.samples, settings.seed, settings.bounces)
+    method = choose_method(settings.method, session)
+    request = IrradianceRequest(
+        texels.points, settings.samples, settings.seed, settings.bounces, method
+    )
     told = nested(progress, "", 0.05, 0.95)
     light = session.irradiance(request, lambda done: told(f"{len(texels)} texels", done))
     # 3. Files.
@@ -140,7 +146,7 @@ def bake_stage(
         files = _write_pictures(beside, atlases, texels, light.values, lights)
         write_layer(beside / LAYER, FOLDER, stage, atlases, files, lights)
         write_lit_stage(beside / LIT, stage, f"./{LAYER}", _relative(path, out))
-        entry = _manifest(path, settings, reading, atlases, texels, light, files, lights)
+        entry = _manifest(path, settings, method, reading, atlases, texels, light, files, lights)
         write_json(beside / MANIFEST, entry)
     progress("writing", 1.0)
     return entry
@@ -202,6 +208,7 @@ def _pictures(
 def _manifest(
     path: Path,
     settings: BakeSettings,
+    method: Method,
     reading: Reading,
     atlases: Atlases,
     texels: Texels,
@@ -219,6 +226,7 @@ def _manifest(
         "samples": light.samples,
         "seed": settings.seed,
         "bounces": settings.bounces,
+        "method": method,
         "estimated_error": light.error,
         "nonfinite_texels": light.replaced,
         "atlases": [

@@ -7,7 +7,7 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.contract import DEFAULT_BOUNCES
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, REFERENCE, Method
 from openrooms_usd.render.scene.pictures import Array
 
 LIFT_M: Final = 1e-4
@@ -52,12 +52,14 @@ class IrradianceRequest:
         samples: Paths for each texel.
         seed: Of random numbers.
         bounces: At most this many scatterings of light, the one at the texel included.
+        method: How light is computed; one of those that the session has (`MethodicalSession`).
     """
 
     points: TexelPoints
     samples: int
     seed: int = 0
     bounces: int = DEFAULT_BOUNCES
+    method: Method = REFERENCE
 
 
 @dataclass(frozen=True, eq=False)
