@@ -105,8 +105,8 @@ def test_so_it_is_in_a_furnished_room(method: Any, tmp_path: Path) -> None:
     camera = str(list_cameras(Usd.Stage.Open(str(source)))[0].GetPath())
     ratio, relative = differences(source, tmp_path / "lit/baked.usda", camera, 256)
     assert ratio == pytest.approx(1.0, abs=0.04)
-    assert np.median(relative) < 0.15
-    assert np.percentile(relative, 95) < 0.5
+    assert np.median(relative) < 0.2
+    assert np.percentile(relative, 95) < 0.7
 
 
 def test_an_even_sky_gives_pi_times_its_radiance(build: Any, tmp_path: Path) -> None:
