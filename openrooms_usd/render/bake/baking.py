@@ -25,7 +25,7 @@ from openrooms_usd.render.bake.pictures import Border, Pixels, known_of, picture
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest, TexelLighting
 from openrooms_usd.render.bake.texels import Texels, find_texels
 from openrooms_usd.render.bake.units import Reading, read_units
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, NO_OPTIONS, Method
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, NO_OPTIONS, Method, RenderSession
 from openrooms_usd.render.given import choose_method
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview
@@ -128,7 +128,7 @@ def bake_stage(
     )
     # 2. Light.
     scene = translate(stage)
-    session = adapter.open(scene, options)
+    session: RenderSession = adapter.open(scene, options)
     if not isinstance(session, TexelLighting):
         raise RenderError(f"the renderer {renderer} lights no texels", remedy="--renderer mitsuba")
     texels = without_buried(find_texels(atlases), scene, session.tracer or CastingTracer(scene))
