@@ -3,6 +3,7 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from openrooms_usd.render.given import available, check_method, choose_method, r
 from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 from openrooms_usd.render.shading import Shading
+from openrooms_usd.render.writer import ViewWriter, view_writer
 
 
 @dataclass(frozen=True)
@@ -159,7 +161,7 @@ def render_stage(
         lights = len(opened.lights)
         folder.check_space(out, raw_bytes(listed, lights))
 
-        # 3. Render view by view; each is on disk, and in the manifest, before the next begins.
+        # 3. Render view by view; each is written, and then in the manifest, beside the next.
         entry = manifest.run_entry(path, renderer, opened, listed)
         if denoiser:
             entry["denoiser"] = denoiser.entry()
@@ -172,22 +174,31 @@ def render_stage(
             "machine": manifest.machine_entry(opened.session.backend),
             "translation": translation,
         }
-        for index, (name, camera) in enumerate(views.items()):
-            share = part(progress, name, index, len(views))
-            began = time.perf_counter()
-            view = opened.render(replace(request, camera=camera), share)
-            took = time.perf_counter() - began
-            if shading.makes(asked):
-                view = shading.complete(view, each(before_shading, lights))
-            if friction:
-                view = friction.complete(view, each(before_friction, lights))
-            if denoiser:
-                view = denoiser.complete(view, each(asked, lights))
-            if not error_maps:
-                view = _without_halves(view)
-            shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
-            run.add(name, view, listed, took, shown)
+        with view_writer() as writer:
+            for index, (name, camera) in enumerate(views.items()):
+                share = part(partial(_checked, writer, progress), name, index, len(views))
+                began = time.perf_counter()
+                view = opened.render(replace(request, camera=camera), share)
+                took = time.perf_counter() - began
+                if shading.makes(asked):
+                    view = shading.complete(view, each(before_shading, lights))
+                if friction:
+                    view = friction.complete(view, each(before_friction, lights))
+                if denoiser:
+                    view = denoiser.complete(view, each(asked, lights))
+                if not error_maps:
+                    view = _without_halves(view)
+                shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
+                # What is told of the next view is no part of this one's manifest.
+                told = opened.report.as_dict()
+                writer.put(view, partial(run.add, name, view, listed, took, shown, told))
     return RenderSummary(out, run.manifest, run.timing, opened.session.advice, tuple(run.stay))
+
+
+def _checked(writer: ViewWriter, progress: Progress, what: str, fraction: float) -> None:
+    """Progress of what is rendered while a view before is written, which may fail."""
+    writer.check()
+    progress(what, fraction)
 
 
 def _without_halves(view: View) -> View:

@@ -2,8 +2,9 @@
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -84,6 +85,8 @@ class Run:
         request: RenderRequest,
         seconds: float,
         photograph: Mapping[str, str] | None = None,
+        report: manifest.Plain | None = None,
+        check: Callable[[], None] = lambda: None,
     ) -> None:
         """Write a finished view, and say so in the manifest.
 
@@ -93,6 +96,8 @@ class Run:
             request: What was asked for.
             seconds: What it took to render.
             photograph: What it stands for in a capture, if anything.
+            report: What became of every prim so far; None for what the report says now.
+            check: Called before every file; it raises where the view shall not be written.
 
         Raises:
             OutputError: It cannot be written.
@@ -105,7 +110,8 @@ class Run:
             atomic.filling(self._out) as lists,
             atomic.appearing(self._out / name) as beside,
         ):
-            previews = write_view(beside, view)
+            previews = write_view(beside, view, check)
+            check()
             entry = manifest.view_entry(name, view, previews, self._lights, photograph)
             if FITTED in view.images:
                 entry["fits"] = _fit(beside, name, view)
@@ -115,7 +121,9 @@ class Run:
                 "render": seconds,
                 "output": time.perf_counter() - began,
             }
-            listed = _with_view(self.manifest, name, entry) | {"report": self._report.as_dict()}
+            listed = _with_view(self.manifest, name, entry) | {
+                "report": self._report.as_dict() if report is None else report
+            }
             timed = _with_view(self.timing, name, took)
             if manifest.by_light(request) and not self._rows:
                 self._write_openings(lists)
@@ -170,15 +178,19 @@ def _check(name: str, view: View, request: RenderRequest, lights: int) -> None:
             raise RenderError(f"the renderer gave {got} for the channel {channel!r}", place=name)
 
 
-def write_view(target: Path, view: View) -> dict[str, Preview]:
+def write_view(
+    target: Path, view: View, check: Callable[[], None] = lambda: None
+) -> dict[str, Preview]:
     """Write the files of a view into an empty folder.
 
     Args:
         target: The folder.
         view: What was rendered.
+        check: Called before every file; it raises where no more shall be written.
 
     Returns:
-        The pictures that were written, by channel name.
+        The pictures that were written, by channel name; of those that no contact sheet shows, only
+        what they show.
 
     Raises:
         OutputError: A file cannot be written.
@@ -191,25 +203,32 @@ def write_view(target: Path, view: View) -> dict[str, Preview]:
     if by_scope["light"]:
         (target / folder.LIGHTS_FOLDER).mkdir()
 
+    on_sheet = sheet.chosen(pixels)
+
     def picture(name: str) -> Preview:
+        check()
         shown = preview(name, pixels[name], view.exposure)
         write_png(target / folder.preview_file(name), shown.pixels)
-        return shown
+        return shown if name in on_sheet else replace(shown, pixels=shown.pixels[:0])
+
+    def file(write: Callable[..., None], *what: Any) -> None:
+        check()
+        write(*what)
 
     # Encoding leaves the interpreter's lock: the longest goes first, the rest beside it.
     with ThreadPoolExecutor(max_workers=4) as pool:
         files = ((folder.CHANNELS_FILE, "view"), (folder.LIGHTS_FILE, "light"))
         exact = [
-            pool.submit(exr.write_channels, target / file, by_scope[scope])
-            for file, scope in files
+            pool.submit(file, exr.write_channels, target / path, by_scope[scope])
+            for path, scope in files
             if by_scope[scope]
         ]
         for name, tiles in by_scope["grid"].items():
-            exact.append(pool.submit(exr.write_rgb, target / folder.grid_file(name), tiles))
-        exact += [pool.submit(*job) for job in _error_files(target, view)]
-        for name, file in folder.PLAIN_FILES.items():
+            exact.append(pool.submit(file, exr.write_rgb, target / folder.grid_file(name), tiles))
+        exact += [pool.submit(file, *job) for job in _error_files(target, view)]
+        for name, path in folder.PLAIN_FILES.items():
             if name in pixels:
-                exact.append(pool.submit(exr.write_rgb, target / file, pixels[name]))
+                exact.append(pool.submit(file, exr.write_rgb, target / path, pixels[name]))
         previews = dict(zip(pixels, pool.map(picture, pixels), strict=True))
     for written in exact:
         written.result()

@@ -1,6 +1,6 @@
 """The contact sheet: every view and its main channels at one glance."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -33,11 +33,16 @@ def tiles(view: str, previews: Mapping[str, Preview]) -> list[Tile]:
         view: The view's name.
         previews: By channel name.
     """
-    chosen = [name for name in MAIN if name in previews] or list(previews)
     return [
         (f"{view}  {name}\n{previews[name].shows}", _reduced(previews[name].pixels))
-        for name in chosen
+        for name in chosen(previews)
     ]
+
+
+def chosen(channels: Iterable[str]) -> list[str]:
+    """The channels of a view that a contact sheet shows: the main ones, or all that it has."""
+    there = list(channels)
+    return [name for name in MAIN if name in there] or there
 
 
 def reduced(row: Sequence[Tile]) -> list[Tile]:

@@ -4,6 +4,8 @@ import dataclasses
 import errno
 import json
 import re
+import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,7 @@ import pytest
 from openrooms_usd import ledger
 from openrooms_usd.channels import CHANNELS, DEFAULT, WRITTEN
 from openrooms_usd.errors import InputError, OutputError, RenderError
-from openrooms_usd.render import exr, folder, render_stage, run
+from openrooms_usd.render import exr, folder, render_stage, run, writer
 
 VIEW_FILES = {"channels.exr", "radiance.exr", *(f"{name}.png" for name in WRITTEN)}
 
@@ -165,6 +167,76 @@ def test_interrupted_while_writing(renderer, scene, tmp_path, snapshot, monkeypa
     with pytest.raises(KeyboardInterrupt):
         render_stage(scene, out, seed=9)
     assert snapshot(out) == before
+
+
+def test_a_view_is_written_while_the_next_is_rendered(renderer, scene, tmp_path, monkeypatch):
+    """Its files wait for the next render to begin: if that waited for them, nothing would."""
+    rendering, real = threading.Event(), exr.write_channels
+
+    def write(path, images):
+        assert "right" in str(path) or rendering.wait(20.0)
+        real(path, images)
+
+    def progress(view: str, fraction: float) -> None:
+        if view == "right":
+            rendering.set()
+
+    monkeypatch.setattr(exr, "write_channels", write)
+    out = tmp_path / "out"
+    render_stage(scene, out, progress=progress)
+    assert list(manifest(out)["views"]) == ["left", "right"]
+
+
+def test_a_large_view_is_written_before_the_next_is_rendered(
+    renderer, scene, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(writer, "_MOST_BESIDE_BYTES", 0)
+    out = tmp_path / "out"
+
+    def progress(view: str, fraction: float) -> None:
+        assert view == "left" or list(manifest(out)["views"]) == ["left"]
+
+    render_stage(scene, out, progress=progress)
+    assert list(manifest(out)["views"]) == ["left", "right"]
+
+
+def test_what_cannot_be_written_stops_the_next_render(renderer, scene, tmp_path, monkeypatch):
+    failed = threading.Event()
+
+    def write(path, images):
+        failed.set()
+        raise OutputError("no space", place=path)
+
+    def progress(view: str, fraction: float) -> None:
+        if view == "right":
+            pytest.fail("the next view was rendered on") if fraction > 0.99 else failed.wait(20.0)
+            time.sleep(0.2)
+
+    monkeypatch.setattr(exr, "write_channels", write)
+    with pytest.raises(OutputError, match="no space"):
+        render_stage(scene, tmp_path / "out", progress=progress)
+    assert not (tmp_path / "out").exists()
+
+
+def test_interrupted_while_much_is_written(renderer, scene, tmp_path, monkeypatch):
+    """The first view goes, after a moment: it is not waited for."""
+    monkeypatch.setattr(writer, "_GRACE_SECONDS", 0.05)
+    began, real = threading.Event(), exr.write_channels
+
+    def write(path, images):
+        began.set()
+        time.sleep(0.3)
+        real(path, images)
+
+    def progress(view: str, fraction: float) -> None:
+        if view == "right":
+            assert began.wait(20.0)
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(exr, "write_channels", write)
+    with pytest.raises(KeyboardInterrupt):
+        render_stage(scene, tmp_path / "out", progress=progress)
+    assert not (tmp_path / "out").exists()
 
 
 def test_interrupted_before_anything(renderer, scene, tmp_path):
