@@ -15,6 +15,7 @@ import numpy as np
 
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.render.estimates import ErrorEstimate
 from openrooms_usd.render.halves import HalvedPicture
 from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.complete import channels as complete
@@ -210,8 +211,9 @@ class _Pictures:
         for name in self._picks:
             kept = self._kept.pop(name)
             halves = kept.of(samples) if min(samples) else None
+            told = halves.estimate if halves else ErrorEstimate(None, None)
             images[name] = Image(
-                kept.pixels, sum(samples), seconds, halves.error if halves else None, replaced,
-                halves if keep else None,
+                kept.pixels, sum(samples), seconds, told.relative_mse, replaced,
+                halves if keep else None, robust_error=told.robust,
             )  # fmt: skip
         return images

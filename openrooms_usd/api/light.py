@@ -99,8 +99,8 @@ class Probe:
 
     @property
     def estimated_error(self) -> float | None:
-        """Of the panorama; None where a single path a pixel gives no estimate."""
-        error: float | None = self.entry["estimated_error"]
+        """Robust, of the panorama; None where a single path a pixel gives no estimate."""
+        error: float | None = self.entry["estimated_robust_error"]
         return error
 
     def _numbers(self, key: str) -> "NDArray[np.float64]":

@@ -206,7 +206,7 @@ def render(
             them. The usual ones by default.
         resolution: Width and height in pixels; by default what the scene says.
         samples: Samples a pixel; 64 by default where neither ``error`` nor ``seconds`` is given.
-        error: Stop a view at this estimated relative error of its radiance.
+        error: Stop a view at this estimated robust error of its radiance.
         seconds: Stop a view after about this time.
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and the camera; 7 by default.

@@ -124,7 +124,7 @@ def probe(
         print_json(found)
         return
     for entry in found["probes"]:
-        error = entry["estimated_error"]
+        error = entry["estimated_robust_error"]
         measured = "" if error is None else f"  estimated error {error:.2g}"
         echo(f"{entry['name']:<16}{measured}")
     echo(f"wrote {out / 'probes.json'} and {len(found['probes'])} panoramas")

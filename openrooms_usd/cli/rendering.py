@@ -53,7 +53,7 @@ def _resolution(
 )
 @click.option("--error-maps", is_flag=True, help="Write the estimated error of every pixel too.")
 @click.option("--spp", type=int, help=f"Samples a pixel; {DEFAULT_SAMPLES} by default.")
-@click.option("--error", type=float, help="Stop at this estimated relative error.")
+@click.option("--error", type=float, help="Stop at this estimated robust error.")
 @click.option("--time", "seconds", type=float, help="Stop each view after these seconds.")
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
@@ -227,15 +227,16 @@ def _quality(view: Mapping[str, Any]) -> str:
     radiance = view["channels"].get("radiance")
     if radiance is None:
         return ""
-    error = radiance["estimated_error"]
-    measured = "" if error is None else f", estimated error {error:.2g}"
+    robust, squared = radiance["estimated_robust_error"], radiance["estimated_error"]
+    measured = "" if robust is None else f", estimated error {robust:.2g}"
+    measured += "" if squared is None else f" (relative MSE {squared:.2g})"
     return f"{radiance['samples']} samples{measured}  "
 
 
 def _warnings(view: Mapping[str, Any], wanted: float | None) -> Iterator[str]:
     radiance = view["channels"].get("radiance")
     if radiance and wanted is not None:
-        reached, samples = radiance["estimated_error"], radiance["samples"]
+        reached, samples = radiance["estimated_robust_error"], radiance["samples"]
         if reached is None:
             yield f"no estimated error after {samples} samples, so not surely {wanted:g}"
         elif reached > wanted:

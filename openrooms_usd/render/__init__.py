@@ -9,8 +9,9 @@ and ``manifest_schema`` give finished renders back and trust no file; ``relight`
 ``datasets`` and ``coco`` use them. ``bake`` writes light as textures, ``paths`` renders walks as
 videos.
 
-Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves`` and
-``bias``, ``fits``, ``lights`` and ``light_store``, which keeps the light of a room beside it.
+Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves``
+and ``rare_light``, ``bias``, ``fits``, ``lights`` and ``light_store``, which keeps the light of a
+room beside it.
 """
 
 from openrooms_usd.render.contract import (

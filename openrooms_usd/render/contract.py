@@ -46,7 +46,8 @@ class RenderRequest:
         width: Pixels.
         height: Pixels.
         samples: Samples a pixel for the channels that need many.
-        error: Stop when the radiance's estimated error (see the conventions) is at most this.
+        error: Stop when the estimated robust error of the radiance (see `estimates`) is at most
+            this.
         seconds: Stop after about this time.
         seed: Fixes every random number, together with the camera's path.
         bounces: At most this many scatterings on the way from a light to the camera.
@@ -79,12 +80,13 @@ class Image:
         pixels: (height, width, components) float32, top row first; of a grid the tiles'.
         samples: Samples a pixel.
         seconds: What it took to render.
-        error: Estimated relative mean squared error; 0 where one ray is exact, None where a single
-            sample gives no estimate.
+        error: Estimated relative mean squared error; 0 where one ray is exact, None where samples
+            give no estimate: a single one, or where none of them has met any light.
         replaced: Pixels in which the renderer put 0 where it found no number.
         halves: What it is the mean of, where that was asked for and there are two.
         bias: How far it is from the reference beyond noise; None where nobody measured it, such as
             of the reference itself.
+        robust_error: Estimated robust error, which no single pixel dominates; as ``error``.
     """
 
     pixels: NDArray[np.float32]
@@ -94,6 +96,7 @@ class Image:
     replaced: int = 0
     halves: KeptHalves | None = None
     bias: Bias | None = None
+    robust_error: float | None = None
 
 
 @dataclass(frozen=True)

@@ -89,7 +89,7 @@ def render_stage(
         grid: Columns and rows of hemispheres, where channels of them are asked for.
         error_maps: Whether to write the estimated standard error of each pixel too.
         samples: Samples a pixel; `DEFAULT_SAMPLES` where neither ``error`` nor ``seconds`` is.
-        error: Stop a view at this estimated error of its radiance.
+        error: Stop a view at this estimated robust error of its radiance.
         seconds: Stop a view after about this time.
         seed: Fixes every random number.
         bounces: At most this many scatterings on the way from a light to the camera.

@@ -1,12 +1,38 @@
-"""How far a picture is from the truth: against a reference, or told by its own two halves."""
+"""How far a picture is from the truth: against a reference, or told by its own two halves.
+
+Two figures: the relative mean squared error, which few pixels may dominate, and the robust error,
+the same with every pixel's part capped at 1.
+
+The estimate takes what one half has more than the other for a sample of the error. A scale by the
+picture itself would hide most of it: where one path has made a pixel a hundred times too bright,
+the error is ten thousand, but 1 of the pixel as it is. So the scale is made of what is supported,
+and of the rest spread to where it may as well be; where none of it was met the error is that it is
+missing (`openrooms_usd.render.rare_light`). Last comes how much the estimate itself may be wrong.
+"""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render import rare_light
+
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """The estimated errors of one image; None where it does not tell.
+
+    Attributes:
+        relative_mse: What `relative_mse` would be against the truth.
+        robust: What `robust_error` would be.
+    """
+
+    relative_mse: float | None
+    robust: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +55,19 @@ class Halves:
         return np.asarray(np.sqrt(variance(self.a, self.b, *self.samples)))
 
     @property
-    def error(self) -> float:
-        """The `relative_error` of their mean."""
-        return relative_error(self.a, self.b, *self.samples)
+    def error(self) -> float | None:
+        """The estimated relative mean squared error of their mean; None where they do not tell."""
+        return self.estimate.relative_mse
+
+    @property
+    def robust_error(self) -> float | None:
+        """The estimated robust error of their mean; None where they do not tell."""
+        return self.estimate.robust
+
+    @cached_property
+    def estimate(self) -> ErrorEstimate:
+        """Both."""
+        return estimate(self.a, self.b, *self.samples)
 
 
 def relative_mse(picture: NDArray[Any], reference: NDArray[Any]) -> float:
@@ -80,22 +116,47 @@ def variance(a: NDArray[Any], b: NDArray[Any], samples_a: int = 1, samples_b: in
     return np.asarray((a - b) ** 2 * (samples_a * samples_b / total**2))
 
 
-def relative_error(
+def estimate(
     a: NDArray[Any], b: NDArray[Any], samples_a: int = 1, samples_b: int = 1
-) -> float:
-    """Estimated relative mean squared error of the mean of two independent halves.
+) -> ErrorEstimate:
+    """The estimated errors of the mean of two independent halves.
 
-    With m the mean of the two weighted by their samples, M its mean over the picture, and v the
-    `variance` of m, (a - b)^2 n_a n_b / (n_a + n_b)^2, which for equal halves is (a - b)^2 / 4:
-    the mean over pixels of v / (m^2 + 0.01 M^2) for each component, and the mean of these.
+    With m the mean of the two weighted by their samples, v the `variance` of m, s what is
+    supported of m, e the rest as far as one half alone has met it, spread, and f the standard error
+    of e: q is the mean over components of (v + (e + f)^2) / ((s + e)^2 + 0.01 M^2). M is the mean
+    of m without the pixel that has most beyond its s. Estimated are the means over pixels of q and
+    of the same with each component's part capped at 1, each with its own standard error added,
+    sqrt(sum q^2) over the number of pixels.
 
     Args:
         a: (height, width, components) one half.
         b: The other.
         samples_a: Samples a pixel in ``a``.
         samples_b: Samples a pixel in ``b``.
+
+    Returns:
+        Both errors. None where nothing was met at all, and where one pixel alone has met anything.
     """
-    mean = (a * samples_a + b * samples_b) / (samples_a + samples_b)
+    largest = max(float(np.abs(a).max(initial=0.0)), float(np.abs(b).max(initial=0.0)))
+    if not 0.0 < largest < np.inf:
+        return ErrorEstimate(None, None)
+    # In single precision squares of small numbers would vanish.
+    a, b = (np.asarray(half / largest, dtype=np.float32) for half in (a, b))
     found = variance(a, b, samples_a, samples_b)
-    scale = mean**2 + 0.01 * mean.mean(axis=(0, 1)) ** 2
-    return float(np.mean(np.divide(found, scale, out=np.zeros_like(scale), where=scale > 0)))
+    mean = np.abs(a * samples_a + b * samples_b) / np.float32(samples_a + samples_b)
+    a, b = np.abs(a), np.abs(b)
+    supported = rare_light.supported(a, b, mean)
+    chance = mean - supported
+    expected, unsure = rare_light.spread(chance * rare_light.alone(a, b))
+    brightness = mean.mean(axis=(0, 1)) - chance.max(axis=(0, 1)) / mean[..., 0].size
+    squares = found + np.square(expected + unsure)
+    scale = np.square(supported + expected) + 0.01 * np.square(brightness)
+    parts = np.divide(squares, scale, out=np.where(squares > 0, np.inf, 0.0), where=scale > 0)
+    squared, robust = _careful_mean(parts), _careful_mean(np.minimum(parts, 1.0))
+    return ErrorEstimate(squared if np.isfinite(squared) else None, min(robust, 1.0))
+
+
+def _careful_mean(parts: Array) -> float:
+    """The mean of (height, width, components) with its standard error."""
+    of_pixels = parts.mean(axis=-1, dtype=np.float64)
+    return float(of_pixels.mean() + np.sqrt(np.square(of_pixels).sum()) / of_pixels.size)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.library.friction.references import SUBSTANCES
-from openrooms_usd.render.contract import Image, View
+from openrooms_usd.render.contract import View
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -80,7 +80,7 @@ class FrictionMap:
         began = time.perf_counter()
         pixels = self.pixels(*(view.images[name].pixels for name in SOURCES))
         source = view.images["base_color"]
-        made = Image(pixels, source.samples, time.perf_counter() - began, source.error)
+        made = replace(source, pixels=pixels, seconds=time.perf_counter() - began)
         images = {**view.images, FRICTION: made}
         return replace(view, images={name: images[name] for name in channels})
 

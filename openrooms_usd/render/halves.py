@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.estimates import Halves
+from openrooms_usd.render.estimates import ErrorEstimate, Halves
 
 _MOST_OF_HALF_PRECISION: Final = 65504.0
 
@@ -85,9 +85,9 @@ class KeptHalves:
         return Deviation(self)
 
     @property
-    def error(self) -> float:
-        """The estimated relative error of the picture."""
-        return self.halves.error
+    def estimate(self) -> ErrorEstimate:
+        """The estimated errors of the picture."""
+        return self.halves.estimate
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,11 +44,13 @@ CONVENTIONS: Final = {
     "x right, y down, z forward; metres",
     "K": "3x3 intrinsics in pixels; the centre of the top-left pixel is at (0.5, 0.5)",
     "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
-    "estimated_error": "of each component the mean over pixels of v / (m^2 + 0.01 M^2), and of "
-    "these the mean over components: m is the mean of two independent halves a and b, weighted by "
-    "their samples n_a and n_b; v = (a - b)^2 n_a n_b / (n_a + n_b)^2, which is (a - b)^2 / 4 for "
-    "equal halves; M is the channel's mean of that component; 0 where one ray is exact, null where "
-    "there is no estimate",
+    "estimated_error": "what the mean over pixels and components of (x - t)^2 / (t^2 + 0.01 T^2) "
+    "is likely to be, x the picture, t what it would be with endless samples, T the mean of t in a "
+    "component: told by two independent halves of the samples, with rare bright paths in mind, "
+    "and rather too large than too small; 0 where one ray is exact, null where there is no "
+    "estimate, such as where no sample has met any light",
+    "estimated_robust_error": "the same with the part of every pixel and component capped at 1: no "
+    "single pixel dominates it; a render that stops at an error stops by this one",
     "bias": "of a method that is not the reference: total is the sum of what the picture has more "
     "than the reference over the sum of the reference, by paths that are independent of the "
     "picture in so many pixels; worst_tenth is the mean size of the bias in the tenth of the "
@@ -152,6 +154,7 @@ def view_entry(
             channel: {
                 "samples": image.samples,
                 "estimated_error": _number(image.error),
+                "estimated_robust_error": _number(image.robust_error),
                 "bias": asdict(image.bias) if image.bias else None,
                 "nonfinite_pixels": nonfinite_pixels(channel, image),
                 "preview": f"{name}/{preview_file(channel)}",

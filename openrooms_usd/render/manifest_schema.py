@@ -168,6 +168,7 @@ class ChannelEntry(_Part):
     samples: _Count | None = None
     bias: BiasEntry | None = None
     estimated_error: _Factor | None = None
+    estimated_robust_error: _Factor | None = None
     nonfinite_pixels: _Count = 0
     preview: _File | None = None
     preview_shows: str = ""

@@ -213,7 +213,10 @@ class OpenedStage:
             else:
                 made = {name: truth.channel(name)}
             seconds = shared + time.perf_counter() - start
-            images |= {single: Image(pixels, 1, seconds, 0.0) for single, pixels in made.items()}
+            images |= {
+                single: Image(pixels, 1, seconds, 0.0, robust_error=0.0)
+                for single, pixels in made.items()
+            }
         return images
 
     @cached_property

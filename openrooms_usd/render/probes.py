@@ -211,6 +211,7 @@ def _entry(place: Place, image: Image) -> dict[str, Any]:
         "irradiance": spherical_harmonics.irradiance(radiance).tolist(),
         "axes": {name: irradiance(image.pixels, way).tolist() for name, way in _AXES.items()},
         "estimated_error": image.error,
+        "estimated_robust_error": image.robust_error,
         "nonfinite_pixels": image.replaced,
     }
     if place.opening and place.outwards:

@@ -111,6 +111,7 @@ def _make(
         pixels, min(part.samples for part in lit or whole), time.perf_counter() - began,
         halves.error if halves else None, max(part.replaced for part in whole),
         KeptHalves.made(pixels, halves) if halves else None,
+        robust_error=halves.robust_error if halves else None,
     )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ def test_probe_takes_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
 
     def made(stage: Path, out: Path, **how: Any) -> dict[str, Any]:
         seen.append(how)
-        return {"probes": [{"name": "probe_0", "estimated_error": 0.01}]}
+        return {"probes": [{"name": "probe_0", "estimated_robust_error": 0.01}]}
 
     monkeypatch.setattr(probes, "probe_stage", made)
     found = run("probe", "scene.usda", "-o", str(tmp_path), "--at", "-1,2,0.5", "--at", "0,0,1",

@@ -19,7 +19,8 @@ def test_errors_and_deviations_are_those_of_the_halves(scale: float) -> None:
     halves = noisy(scale)
     pixels = ((5 * halves.a + 3 * halves.b) / 8).astype(np.float32)
     kept = KeptHalves.made(pixels, halves)
-    assert kept.error == pytest.approx(halves.error, rel=1e-3)
+    assert kept.estimate.relative_mse == pytest.approx(halves.error, rel=1e-3)
+    assert kept.estimate.robust == pytest.approx(halves.robust_error, rel=1e-3)
     apart = np.abs(kept.deviation[2:9] - halves.deviation[2:9])
     assert (apart <= 1e-3 * pixels[2:9]).all()
     assert kept.deviation.shape == pixels.shape

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any, Final
 
@@ -105,7 +106,9 @@ def render_probes(
         )
         halves = sampler.whole()
         seconds, replaced = time.perf_counter() - start, int(integrator.broken.sum())
-        images.append(Image(halves.mean[0], halves.total, seconds, halves.error, replaced))
+        found = halves.estimate
+        made = Image(halves.mean[0], halves.total, seconds, found.relative_mse, replaced)
+        images.append(replace(made, robust_error=found.robust))
     return tuple(images)
 
 

@@ -71,14 +71,19 @@ class Halves:
 
     @property
     def error(self) -> float | None:
-        """The estimated error of what is judged; None while one half is empty."""
+        """The estimated robust error of what is judged; None where they do not tell."""
+        return self.estimate.robust
+
+    @property
+    def estimate(self) -> estimates.ErrorEstimate:
+        """The estimated errors of what is judged."""
         if min(self.samples) == 0:
-            return None
+            return estimates.ErrorEstimate(None, None)
         a, b = (
             np.asarray(self.judged(total), np.float64) / count
             for total, count in zip(self.sums, self.samples, strict=True)
         )
-        return estimates.Halves(a, b, (self.samples[0], self.samples[1])).error
+        return estimates.Halves(a, b, (self.samples[0], self.samples[1])).estimate
 
     def rows(self, which: slice) -> "Halves":
         """A strip of it."""

@@ -182,7 +182,7 @@ def light_texels(
         integrator, how, progress, lambda planes: np.asarray(planes.sum(axis=0)), "texels"
     ).whole()
     seconds, replaced = time.perf_counter() - start, int(integrator.broken.sum())
-    return Irradiance(halves.mean[:, 0], halves.total, seconds, halves.error, replaced)
+    return Irradiance(halves.mean[:, 0], halves.total, seconds, halves.estimate.robust, replaced)
 
 
 def _sampler(seed: int, count: int) -> Any:

@@ -70,7 +70,7 @@ class Irradiance:
         values: (L, T, 3) float32, lux from each light, by the numbers of the stage's lights.
         samples: Paths that were followed for each texel.
         seconds: What it took.
-        error: Estimated relative mean squared error of the sum; None for a single sample.
+        error: Estimated robust error of the sum (see `estimates`); None for a single sample.
         replaced: Texels for which the renderer put 0 where it found no number.
     """
 

@@ -56,7 +56,7 @@ class Frame:
 
     view: View
     pixels: Pixels
-    error: float
+    error: float | None
     flicker: float | None
     new: float
     samples: int
