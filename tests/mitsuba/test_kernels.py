@@ -12,7 +12,7 @@ from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import connect_portals, define_portal
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.plugins.memory import aligned
-from tests.mitsuba.passes import PASSES
+from tests.mitsuba.passes import LIT, PASSES
 from tests.mitsuba.test_portals import window_portal
 
 
@@ -48,6 +48,14 @@ def test_a_second_camera_compiles_nothing(build: Any, mi: Any, channels: Any) ->
     assert len(first) >= 2
     other = replace(request, camera="/Without", seed=7, samples=24)
     assert not kernels(opened, other) - first
+
+
+@pytest.mark.slow
+def test_nor_does_it_where_all_channels_come_from_the_light_cache(build: Any, mi: Any) -> None:
+    opened = room(build)
+    request = RenderRequest("/Within", LIT, 16, 12, samples=4, grid=(4, 3), method="cache")
+    first = kernels(opened, request)
+    assert not kernels(opened, replace(request, camera="/Without", seed=7)) - first
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.uint32])
