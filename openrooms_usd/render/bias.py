@@ -206,11 +206,8 @@ def _worst_groups(
     """
     off, scale = found - reference, 0.5 * (found + reference)
     count = int(groups.max()) + 1
-    told = np.zeros((count, 2))
-    for group in range(count):
-        inside = groups == group
-        told[group] = _ratio(off[inside], scale[inside], weights[inside]) or (0.0, 1.0)
-    bias, error = told.T
+    told = _ratios(off, scale, weights, groups, count)
+    bias, error = np.where(np.isnan(told), (0.0, 1.0), told).T
     power = bias**2 + error**2
     surely = np.divide(bias**2, power, out=np.zeros(count), where=power > 0.0) * np.abs(bias)
     most = max(1, round(_WORST_SHARE * count))
@@ -221,26 +218,41 @@ def _worst_groups(
 
 
 def _ratio(values: Array, scale: Array, weights: Array) -> tuple[float, float] | None:
-    """The ratio of two weighted sums over independent pixels, and its standard error.
+    """The one of `_ratios` of all pixels together; None where there is none."""
+    ratio, error = _ratios(values, scale, weights, np.zeros(len(values), np.int64), 1)[0].tolist()
+    return None if np.isnan(ratio) else (ratio, error)
+
+
+def _ratios(
+    values: Array, scale: Array, weights: Array, groups: NDArray[np.int64], count: int
+) -> Array:
+    """(G, 2) ratios of two weighted sums over the independent pixels of groups, and their errors.
 
     Where the lower sum has much noise, the plain ratio is too large in the mean; Beale's estimator
-    (Tin, Comparison of Some Ratio Estimators, 1965) takes most of that away. The error is that of
-    ratio estimators (Cochran, Sampling Techniques, 1977, section 6.3); that the pixels are spread
-    evenly makes it rather too large.
+    (Tin, Comparison of Some Ratio Estimators, 1965) takes most of that away. The standard error is
+    that of ratio estimators (Cochran, Sampling Techniques, 1977, section 6.3); that the pixels are
+    spread evenly makes it rather too large.
 
     Returns:
-        None where too few pixels make the lower sum, or none, while the upper has something.
+        No number where too few pixels make the lower sum, or none, while the upper has something.
     """
-    count = len(values)
-    if not np.any(values):
-        return 0.0, 0.0
+
+    def summed(each: Array) -> Array:
+        return np.bincount(groups, each, count)
+
     upper, lower = weights * values, weights * scale
-    total = float(lower.sum())
-    if total <= 0.0 or total**2 < _LEAST_EFFECTIVE_PIXELS * float(lower @ lower):
-        return None
-    apart = count / max(1, count - 1) / total**2
-    across, along = upper - upper.mean(), lower - lower.mean()
-    plain = float(upper.sum()) / total
-    ratio = (plain + apart * float(across @ along)) / (1.0 + apart * float(along @ along))
-    residuals = upper - plain * lower
-    return ratio, float(np.sqrt(apart * (residuals @ residuals)))
+    pixels, total, above = summed(np.ones(len(values))), summed(lower), summed(upper)
+    squares, mixed, highs = summed(lower**2), summed(upper * lower), summed(upper**2)
+    told = (total > 0.0) & (total**2 >= _LEAST_EFFECTIVE_PIXELS * squares)
+    some = np.maximum(pixels, 1.0)
+    below = np.where(told, total, 1.0)
+    apart = some / np.maximum(some - 1.0, 1.0) / below**2
+    plain = above / below
+    along, across = squares - total**2 / some, mixed - above * total / some
+    ratio = (plain + apart * across) / (1.0 + apart * along)
+    residuals = np.maximum(highs - 2.0 * plain * mixed + plain**2 * squares, 0.0)
+    found = np.stack([ratio, np.sqrt(apart * residuals)], axis=1)
+    found[~told] = np.nan
+    # Of nothing there is no share, whatever it is compared with.
+    found[highs == 0.0] = 0.0
+    return found
