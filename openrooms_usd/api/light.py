@@ -288,7 +288,7 @@ def bake(
         bounces: At most this many scatterings of light on its way, the one at the texel included;
             7 by default.
         method: ``reference`` follows every path to its end, without bias; ``cache`` computes what
-            is smooth once for the room. By default what the renderer prefers.
+            is smooth once for the room. By default what takes less time.
         renderer: A registered renderer.
         options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with what is done and the finished fraction.

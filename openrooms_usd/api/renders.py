@@ -211,7 +211,7 @@ def render(
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and the camera; 7 by default.
         method: ``reference`` follows every path to its end, without bias; ``cache`` computes what
-            is smooth once for the room. By default what the renderer prefers.
+            is smooth once for the room. By default what takes less time.
         grid: Columns and rows of hemispheres, where channels of them are asked for; (160, 120).
         error_maps: Whether to write the estimated standard error of each pixel too.
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``).

@@ -24,7 +24,7 @@ from openrooms_usd.render.contract import DEFAULT_BOUNCES, METHODS, Method
 @click.option(
     "--method", type=click.Choice(METHODS),
     help="How light is computed: reference follows every path to its end, without bias; cache "
-    "computes what is smooth once for the room. By default what the renderer prefers.",
+    "computes what is smooth once for the room. By default what takes less time.",
 )  # fmt: skip
 @renderer_options(variant="The backend: auto, cuda or llvm.")
 @json_option

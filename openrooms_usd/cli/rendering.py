@@ -60,7 +60,7 @@ def _resolution(
 @click.option(
     "--method", type=click.Choice(METHODS),
     help="How light is computed: reference follows every path to its end, without bias; cache "
-    "computes what is smooth once for the room. By default what the renderer prefers.",
+    "computes what is smooth once for the room. By default what takes less time.",
 )  # fmt: skip
 @renderer_options(
     variant="The backend: auto, cuda, llvm or scalar.",

@@ -22,7 +22,7 @@ from openrooms_usd.render.contract import (
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
 from openrooms_usd.render.given import available, check_method, choose_method, rendered
-from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized
+from openrooms_usd.render.plan import choose_cameras, choose_channels, paths_of, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 from openrooms_usd.render.shading import Shading
 from openrooms_usd.render.writer import ViewWriter, view_writer
@@ -154,8 +154,9 @@ def render_stage(
             add_missing(opened.report, stage)
         translation = time.perf_counter() - began
         request = sized(request, resolution or opened.resolution)
-        request = replace(request, method=choose_method(named, opened.session))
         views = choose_cameras(cameras, opened.cameras)
+        paths = paths_of(request, len(views))
+        request = replace(request, method=choose_method(named, opened.session, paths))
         folder.check_replaceable(out, views)
         listed = replace(request, channels=written)
         lights = len(opened.lights)

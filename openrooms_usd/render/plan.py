@@ -1,6 +1,7 @@
 """What a run shall render: cameras, channels, size and quality; the absurd is refused first."""
 
 import difflib
+import math
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -8,6 +9,7 @@ from typing import Final, SupportsFloat, SupportsIndex
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.hemisphere import HEMISPHERE
 from openrooms_usd.render.contract import DEFAULT_GRID, DEFAULT_SAMPLES, RenderRequest
 from openrooms_usd.render.denoise import DENOISED
 from openrooms_usd.render.given import remedy_for
@@ -17,6 +19,8 @@ USUAL: Final = "usual"  # stands for those that need not be asked for
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
 _MOST_PIXELS: Final = 2**27
+# One of a hemisphere's cell is taken for so many of a pixel.
+_SAMPLES_PER_CELL_SAMPLE: Final = 16
 _LIMITS: Final[dict[str, tuple[float, float]]] = {
     "width": (1, 2**15),
     "height": (1, 2**15),
@@ -28,6 +32,22 @@ _LIMITS: Final[dict[str, tuple[float, float]]] = {
     "seed": (0, 2**31 - 1),
     "bounces": (0, 1024),
 }
+
+
+def paths_of(request: RenderRequest, views: int) -> float:
+    """About how many paths a render follows, for `openrooms_usd.render.given.choose_method`.
+
+    Args:
+        request: For each view, with its size.
+        views: How many there are.
+    """
+    lit = [CHANNELS[name].scope for name in request.channels if CHANNELS[name].kind == "light"]
+    # Those that stop by error or time: as many as where nobody says.
+    samples = request.samples or DEFAULT_SAMPLES
+    pixels = request.width * request.height if any(scope != "grid" for scope in lit) else 0
+    points = math.prod(request.grid) if "grid" in lit else 0
+    cells = HEMISPHERE.count * max(1, samples // _SAMPLES_PER_CELL_SAMPLE)
+    return float(views * (pixels * samples + points * cells))
 
 
 def plan(

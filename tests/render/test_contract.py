@@ -173,7 +173,7 @@ def test_a_method_that_the_renderer_does_not_have(even: Even, file: Path, tmp_pa
     assert not (tmp_path / "out").exists()
     assert render() == render(method="reference") == "reference"
     even.methods = ("cache", "reference")  # type: ignore[attr-defined]
-    assert (render(method="reference"), render()) == ("reference", "cache")
+    assert (render(), render(method="cache")) == ("reference", "cache")
     assert even.asked[-1].method == "cache"
 
 
@@ -215,3 +215,31 @@ def test_a_camera_or_a_size_that_is_none(stage: Usd.Stage) -> None:
         opened.render(RenderRequest("/Other", ("radiance",), *SIZE, samples=1))
     with pytest.raises(RenderError, match="0x12"):
         opened.render(RenderRequest("/Camera", ("radiance",), 0, 12, samples=1))
+
+
+class _Both:
+    methods = ("reference", "cache")
+    backend = "both"
+
+
+@pytest.mark.parametrize(
+    ("channels", "size", "samples", "views", "method"),
+    [
+        (("radiance",), (320, 240), 64, 1, "reference"),
+        (("radiance",), (640, 480), 64, 1, "cache"),
+        (("radiance",), (320, 240), 64, 2, "cache"),
+        (("environment",), (64, 48), 16, 1, "cache"),
+        (("depth",), (4096, 4096), 64, 9, "reference"),
+    ],
+)
+def test_large_renders_take_the_cache(
+    channels: tuple[str, ...], size: tuple[int, int], samples: int, views: int, method: str
+) -> None:
+    from openrooms_usd.render.given import choose_method
+    from openrooms_usd.render.plan import paths_of, plan
+
+    request = plan(channels, size, samples=samples, error=None, seconds=None, seed=0, bounces=7)
+    paths = paths_of(request, views)
+    session: Any = _Both()
+    assert choose_method(None, session, paths) == method
+    assert choose_method("reference", session, paths) == "reference"

@@ -133,7 +133,7 @@ def bake_stage(
         raise RenderError(f"the renderer {renderer} lights no texels", remedy="--renderer mitsuba")
     texels = without_buried(find_texels(atlases), scene, session.tracer or CastingTracer(scene))
     lights = light_records(stage, scene, sources_of(scene))
-    method = choose_method(settings.method, session)
+    method = choose_method(settings.method, session, len(texels) * settings.samples)
     request = IrradianceRequest(
         texels.points, settings.samples, settings.seed, settings.bounces, method
     )
