@@ -9,6 +9,8 @@ there are for each light, the mean over them.
 complete: sets of channels: how much longer they take than the radiance alone.
 view: all files of a view by the command line.
 hard: rooms that are hard to light.
+honesty: how often the true error of a picture is more than twice the one that the render states,
+over all rooms, channels and lights; of those that the reference can tell.
 memory: of many lights, and of many views.
 repeatable: whether the bytes depend on who computes them.
 cycles: radiance beside that of Blender's Cycles, raw and denoised.
@@ -43,6 +45,7 @@ from benchmarks.light.environment import environment
 from benchmarks.light.grids import grids
 from benchmarks.light.growth import growth
 from benchmarks.light.hard_rooms import hard
+from benchmarks.light.honesty import honesty
 from benchmarks.light.memory import memory
 from benchmarks.light.pictures import pictures
 from benchmarks.light.radiance import radiance
@@ -59,6 +62,7 @@ SECTIONS: Final[dict[str, Measure]] = {
     "complete": complete,
     "view": view,
     "hard": hard,
+    "honesty": honesty,
     "memory": memory,
     "repeatable": repeatable,
     "cycles": cycles,

@@ -146,7 +146,8 @@ def test_light(tmp_path):
 
     if variants.choose("auto").variant == "scalar_rgb":
         pytest.skip("no vectorized backend works here")
-    sections = ("--section", "radiance", "--section", "environment", "--section", "hard")
+    asked = ("radiance", "environment", "hard", "honesty")
+    sections = [word for name in asked for word in ("--section", name)]
     said, data = run("light", tmp_path / "l.json", *sections)
     errors = {row["estimator"]: row["relative MSE"] for row in data["radiance"]}
     assert errors.keys() == {"path", "path, tuned", "ours"}
@@ -155,6 +156,9 @@ def test_light(tmp_path):
     assert both < alone
     assert all(row["finite"] == "yes" and not row["replaced pixels"] for row in data["hard"])
     assert "to path" in said
+    whole, *parts = data["honesty"]
+    assert whole["pictures"] == sum(row["pictures"] for row in parts if row["by"] == "channel") > 9
+    assert 0.5 < whole["robust: estimate / truth"] < 3.0
 
 
 @pytest.mark.slow
