@@ -238,7 +238,7 @@ def _ratios(
     """
 
     def summed(each: Array) -> Array:
-        return np.bincount(groups, each, count)
+        return np.bincount(groups, each, count).astype(np.float64)
 
     upper, lower = weights * values, weights * scale
     pixels, total, above = summed(np.ones(len(values))), summed(lower), summed(upper)
