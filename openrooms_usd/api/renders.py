@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from openrooms_usd.api.given import AnyPath, choice_of, path_of, size_of, unknown_name, usd_file
 from openrooms_usd.progress import Progress, silent
@@ -191,7 +191,7 @@ def render(
     method: str | None = None,
     grid: tuple[int, int] | None = None,
     error_maps: bool = False,
-    denoise: bool = False,
+    denoise: bool | Literal["all"] = False,
     renderer: str = "mitsuba",
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
@@ -214,7 +214,8 @@ def render(
             is smooth once for the room. By default what takes less time.
         grid: Columns and rows of hemispheres, where channels of them are asked for; (160, 120).
         error_maps: Whether to write the estimated standard error of each pixel too.
-        denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``).
+        denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``); ``"all"``:
+            also ``denoised_channels.exr`` and ``denoised_lights.exr`` (docs/light.md).
         renderer: A registered renderer.
         options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with the view's name and the finished fraction of the whole.

@@ -68,6 +68,10 @@ def _resolution(
 )
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @click.option(
+    "--denoise-light", is_flag=True,
+    help="Write denoised versions of every channel of light that can bear it, too.",
+)  # fmt: skip
+@click.option(
     "--path", "spec", metavar="PATH",
     help="Write a video instead: walk, a camera that moves, or a file of keys (docs/paths.md).",
 )  # fmt: skip
@@ -96,6 +100,7 @@ def render(
     renderer: str,
     options: dict[str, str],
     denoise: bool,
+    denoise_light: bool,
     spec: str | None,
     duration: float | None,
     fps: int | None,
@@ -147,7 +152,7 @@ def render(
             method=method,
             renderer=renderer,
             options=options,
-            denoise=denoise,
+            denoise="all" if denoise_light else denoise,
             progress=progress,
         )
     written = writer.write([read_render(out)], root, DatasetOptions()) if writer and root else None

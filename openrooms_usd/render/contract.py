@@ -1,13 +1,14 @@
 """The contract between the core and whatever renders: a scene goes in, images come out."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.channels import definition
 from openrooms_usd.render.bias import Bias
 from openrooms_usd.render.halves import KeptHalves
 
@@ -100,6 +101,20 @@ class Image:
 
 
 @dataclass(frozen=True)
+class DenoisedImage:
+    """The denoised version of an image, for people and networks: no measurement.
+
+    Attributes:
+        pixels: (height, width, components) float32.
+        change: By how much its mean differs from the raw one
+            (`openrooms_usd.render.denoised_light.EnergyChange`).
+    """
+
+    pixels: NDArray[np.float32]
+    change: Mapping[str, float | None]
+
+
+@dataclass(frozen=True)
 class View:
     """A rendered camera.
 
@@ -111,6 +126,7 @@ class View:
         world_from_camera: (4, 4) from the OpenCV camera frame to the world, metres.
         exposure: What previews multiply radiance by; None fits it to the picture.
         images: By channel name; a channel of every light once for each, such as ``direct_0``.
+        denoised: Denoised versions of some of these.
     """
 
     camera: str | None
@@ -120,6 +136,15 @@ class View:
     world_from_camera: NDArray[np.float64]
     exposure: float | None
     images: Mapping[str, Image]
+    denoised: Mapping[str, DenoisedImage] = field(default_factory=dict)
+
+    def denoised_of(self, scope: str) -> dict[str, NDArray[np.float32]]:
+        """The denoised pixels of the channels of a scope, by name."""
+        return {
+            name: image.pixels
+            for name, image in self.denoised.items()
+            if definition(name).scope == scope
+        }
 
 
 class RenderSession(Protocol):

@@ -67,12 +67,15 @@ class Denoiser:
         images[DENOISED] = Image(pixels, source.samples, seconds, None)
         return replace(view, images=images)
 
-    def denoise(self, radiance: Pixels, guides: Mapping[str, Pixels]) -> Pixels:
+    def denoise(
+        self, radiance: Pixels, guides: Mapping[str, Pixels], *, hdr: bool = True
+    ) -> Pixels:
         """Denoise a picture.
 
         Args:
             radiance: (H, W, 3) scene-linear; what is no number counts as 0.
             guides: (H, W, 3) by channel; noise-free, but not antialiased.
+            hdr: Whether it may have any brightness; otherwise it lies between 0 and 1.
 
         Returns:
             (H, W, 3) finite and not negative.
@@ -85,10 +88,10 @@ class Denoiser:
         if mean <= 0.0:
             return np.zeros_like(radiance)
         # By a power of two, which is exact: nights are then as bright to the network as days.
-        scale = np.float32(2.0 ** round(math.log2(mean)))
+        scale = np.float32(2.0 ** round(math.log2(mean)) if hdr else 1.0)
         named = {GUIDES[name]: _mirrored(pixels) for name, pixels in guides.items()}
         try:
-            found: Any = self.package.denoise(_mirrored(color / scale), **named, hdr=True)
+            found: Any = self.package.denoise(_mirrored(color / scale), **named, hdr=hdr)
         except (RuntimeError, MemoryError) as error:
             raise RenderError(
                 f"Open Image Denoise failed: {error or 'out of memory'}",

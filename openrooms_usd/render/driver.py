@@ -20,6 +20,7 @@ from openrooms_usd.render.contract import (
     View,
 )
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
+from openrooms_usd.render.denoised_light import Denoise, with_denoised_light
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
 from openrooms_usd.render.given import available, check_method, choose_method, rendered
 from openrooms_usd.render.plan import choose_cameras, choose_channels, paths_of, plan, sized
@@ -68,7 +69,7 @@ def render_stage(
     method: str | None = None,
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
-    denoise: bool = False,
+    denoise: Denoise = False,
     progress: Progress = silent,
 ) -> RenderSummary:
     """Render cameras of a USD stage with their ground truth.
@@ -97,7 +98,8 @@ def render_stage(
             where nobody asks.
         renderer: A registered renderer.
         options: What is asked of the renderer, by the names that it declares.
-        denoise: Whether to write the denoised radiance beside the raw one.
+        denoise: Whether to write the denoised radiance beside the raw one; ``all``: also denoised
+            versions of every channel of light that can bear it, whose bias the manifest states.
         progress: Called with the view's name and the finished fraction of the whole run.
 
     Returns:
@@ -142,7 +144,8 @@ def render_stage(
     if shading.makes(asked):
         request = replace(request, channels=shading.needs(before_shading))
     # Errors of what is made of others are told by making it twice.
-    request = replace(request, halves=error_maps or shading.makes(asked))
+    halved = error_maps or shading.makes(asked) or denoise == "all"
+    request = replace(request, halves=halved)
     folder.check_writable(out)
 
     with claims.claimed(out, ledger.RENDER_FILE) as kept:
@@ -186,7 +189,8 @@ def render_stage(
                 if friction:
                     view = friction.complete(view, each(before_friction, lights))
                 if denoiser:
-                    view = denoiser.complete(view, each(asked, lights))
+                    clean = with_denoised_light(view, denoiser).denoised if denoise == "all" else {}
+                    view = replace(denoiser.complete(view, each(asked, lights)), denoised=clean)
                 if not error_maps:
                     view = _without_halves(view)
                 shown = photograph(stage.GetPrimAtPath(camera)) if camera else None

@@ -21,6 +21,8 @@ SHEET: Final = "contact_sheet.png"
 CHANNELS_FILE: Final = "channels.exr"
 # What there is of every light.
 LIGHTS_FILE: Final = "lights.exr"
+# Denoised versions of channels of light, and of those of every light.
+DENOISED_FILES: Final = (("denoised_channels.exr", "view"), ("denoised_lights.exr", "light"))
 # Estimated standard errors, pixel by pixel.
 ERRORS_FILE: Final = "errors.exr"
 LIGHTS_FOLDER: Final = "lights"

@@ -21,6 +21,7 @@ from openrooms_usd.render.contract import Image, RenderRequest, View
 from openrooms_usd.render.exr import exr_channels
 from openrooms_usd.render.folder import (
     CHANNELS_FILE,
+    DENOISED_FILES,
     ERRORS_FILE,
     LIGHTS_FILE,
     PLAIN_FILES,
@@ -59,6 +60,9 @@ CONVENTIONS: Final = {
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
     "bounces": "at most this many scatterings on the way from a light to the camera",
+    "denoised": "of denoised versions of channels: bias is the mean of the denoised picture over "
+    "that of the raw one, less 1; standard_error that of the raw mean, relative; blocks_beyond the "
+    "part of blocks of 16x16 pixels whose mean lies more than two standard errors from the raw one",
     "method": "how light was computed: reference, every path is followed to its end, without bias; "
     "cache, what is smooth was computed once for the room and looked up",
 }
@@ -131,6 +135,11 @@ def view_entry(
     files |= {"lights": f"{name}/{LIGHTS_FILE}"} if "light" in scopes.values() else {}
     grids = [channel for channel, scope in scopes.items() if scope == "grid"]
     files |= {channel: f"{name}/{grid_file(channel)}" for channel in grids}
+    files |= {
+        Path(file).stem: f"{name}/{file}"
+        for file, scope in DENOISED_FILES
+        if view.denoised_of(scope)
+    }
     known = [c for c, image in view.images.items() if image.halves]
     files |= {"errors": f"{name}/{ERRORS_FILE}"} if {*known} - {*grids} else {}
     files |= {f"{c}_errors": f"{name}/{grid_file(c, errors=True)}" for c in grids if c in known}
@@ -150,6 +159,11 @@ def view_entry(
             lights, view.K, view.world_from_camera, (view.width, view.height), masks
         ),
         "files": files,
+        **(
+            {"denoised": {c: dict(image.change) for c, image in view.denoised.items()}}
+            if view.denoised
+            else {}
+        ),
         "channels": {
             channel: {
                 "samples": image.samples,

@@ -174,6 +174,14 @@ class ChannelEntry(_Part):
     preview_shows: str = ""
 
 
+class DenoisedEntry(_Part):
+    """`openrooms_usd.render.denoised_light.EnergyChange` as it is written."""
+
+    bias: _Number | None = None
+    standard_error: _Factor | None = None
+    blocks_beyond: _Factor | None = None
+
+
 class FitsEntry(_Part):
     """The fits of a view's environment maps."""
 
@@ -192,6 +200,7 @@ class ViewEntry(_Part):
     lights: tuple[SeenLight, ...] = ()
     files: dict[str, _File] | None = None
     channels: dict[str, ChannelEntry] = {}
+    denoised: dict[str, DenoisedEntry] = {}
     fits: FitsEntry | None = None
 
     def paths(self) -> list[str]:

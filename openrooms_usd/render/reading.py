@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.render.exr import Pixels, read_channels, read_picture
-from openrooms_usd.render.folder import CHANNELS_FILE, LIGHTS_FILE
+from openrooms_usd.render.folder import CHANNELS_FILE, DENOISED_FILES, LIGHTS_FILE
 from openrooms_usd.render.manifest_schema import (
     AGAIN,
     MOST_LABELS,
@@ -107,6 +107,21 @@ class RenderedView:
             if parts := _NUMBERED.fullmatch(name):
                 found.setdefault(parts[1], {})[int(parts[2])] = pixels
         return found
+
+    @cached_property
+    def denoised(self) -> dict[str, Pixels]:
+        """(height, width, components) denoised versions by channel name; empty without any.
+
+        Raises:
+            InputError: A file is damaged, or not of the view's size.
+        """
+        paths = [self.folder / file for file, _ in DENOISED_FILES]
+        return {
+            name: pixels
+            for path in paths
+            if os.path.lexists(path)
+            for name, pixels in read_channels(path, self.entry.resolution).items()
+        }
 
     def grid(self, name: str) -> Pixels | None:
         """(rows, columns, 16, 32, 3) hemispheres such as ``environment``; None without them.

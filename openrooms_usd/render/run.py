@@ -159,6 +159,15 @@ def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:
     return jobs
 
 
+def _denoised_files(target: Path, view: View) -> list[tuple[Any, ...]]:
+    """What writes the denoised versions: functions and their arguments."""
+    return [
+        (exr.write_channels, target / file, found)
+        for file, scope in folder.DENOISED_FILES
+        if (found := view.denoised_of(scope))
+    ]
+
+
 def _fit(target: Path, name: str, view: View) -> manifest.Plain:
     """Write the fits of a view's environment maps; what the manifest says of them."""
     found = write_fits(target, untiled(view.images[FITTED].pixels))
@@ -225,7 +234,8 @@ def write_view(
         ]
         for name, tiles in by_scope["grid"].items():
             exact.append(pool.submit(file, exr.write_rgb, target / folder.grid_file(name), tiles))
-        exact += [pool.submit(file, *job) for job in _error_files(target, view)]
+        jobs = [*_error_files(target, view), *_denoised_files(target, view)]
+        exact += [pool.submit(file, *job) for job in jobs]
         for name, path in folder.PLAIN_FILES.items():
             if name in pixels:
                 exact.append(pool.submit(file, exr.write_rgb, target / path, pixels[name]))

@@ -93,4 +93,5 @@ def _bytes(view: View) -> int:
     images = view.images.values()
     halves = (image.halves for image in images if image.halves)
     kept = sum(half.a.nbytes + half.b.nbytes for half in halves)
-    return kept + sum(image.pixels.nbytes for image in images)
+    clean = sum(image.pixels.nbytes for image in view.denoised.values())
+    return kept + clean + sum(image.pixels.nbytes for image in images)

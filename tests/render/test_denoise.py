@@ -13,6 +13,7 @@ from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.errors import InputError, MissingPackageError, RenderError
 from openrooms_usd.render import exr, render_stage
 from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
+from openrooms_usd.render.reading import read_render
 
 SIZE = (64, 96)
 
@@ -135,6 +136,19 @@ def test_the_raw_radiance_is_kept_beside_it(renderer, scene, tmp_path, numbers) 
     assert said["views"]["left"]["files"][DENOISED] == "left/denoised.exr"
     assert said["views"]["left"]["channels"][DENOISED]["estimated_error"] is None
     assert DENOISED in summary.timing["views"]["left"]["channels"]
+
+
+def test_all_light_is_denoised_on_request(renderer, scene, tmp_path) -> None:
+    channels = ["radiance", "irradiance", "depth"]
+    render_stage(scene, tmp_path / "out", channels=channels, cameras=["left"], denoise="all")
+    view = read_render(tmp_path / "out").views["left"]
+    assert set(view.pixels) == {*channels, DENOISED}
+    assert set(view.denoised) == {*view.entry.denoised} == {"irradiance"}
+    raw, clean = (pixels["irradiance"] for pixels in (view.pixels, view.denoised))
+    assert clean.std() < raw.std()
+    said = view.entry.denoised["irradiance"]
+    assert said.bias == pytest.approx(clean.mean() / raw.mean() - 1, abs=1e-5)
+    assert view.entry.files["denoised_channels"] == "left/denoised_channels.exr"
 
 
 def test_it_is_off_unless_asked_for(renderer, scene, tmp_path) -> None:
