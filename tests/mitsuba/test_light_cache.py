@@ -1,11 +1,15 @@
 """The light cache gives what paths that are followed to their end give, for less noise."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from pxr import Gf, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.render import light_store
+from openrooms_usd.usd.materials import define_preview_surface
+from openrooms_usd.usd.surfaces import PreviewSurface
 from tests.mitsuba.test_transport import integrator_of, little_room, passes
 
 
@@ -22,8 +26,6 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def furnace(build: Any, albedo: float) -> Any:
     """A closed box whose walls all emit 3 nits and reflect a part of what they get."""
-    from pxr import UsdLux
-
     made = build()
     wall = made.material("/Wall", base_color=(albedo,) * 3, roughness=1.0, ior=1.0)
     corners = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
@@ -47,6 +49,14 @@ def test_a_box_that_emits_all_over_has_a_closed_form(small: None, build: Any, li
         np.testing.assert_allclose(irradiance[:, row], expected, rtol=0.2)
 
 
+def _agree(reference: Any, cached: Any, share: float = 0.02) -> None:
+    """Means of the picture by kind and by light agree, but for noise and a share."""
+    a, b = (x.mean(axis=(2, 3, 4)) for x in (reference, cached))
+    error = np.sqrt((a.var(axis=0, ddof=1) + b.var(axis=0, ddof=1)) / len(a))
+    bias = b.mean(axis=0) - a.mean(axis=0)
+    assert (np.abs(bias) <= 4.0 * error + share * a.mean(axis=0) + 1e-5 * a.sum()).all()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("white", [False, True])
 def test_it_agrees_with_paths_to_the_end(build: Any, lit: Any, white: bool) -> None:
@@ -55,10 +65,7 @@ def test_it_agrees_with_paths_to_the_end(build: Any, lit: Any, white: bool) -> N
     how = {"first": room.first} if white else {}
     reference = passes(integrator_of(room, **how), count=24)
     cached = passes(integrator_of(room, paths=room.cache().paths(by_light=True), **how), count=24)
-    a, b = (x.mean(axis=(2, 3, 4)) for x in (reference, cached))
-    error = np.sqrt((a.var(axis=0, ddof=1) + b.var(axis=0, ddof=1)) / len(a))
-    bias = b.mean(axis=0) - a.mean(axis=0)
-    assert (np.abs(bias) <= 4.0 * error + 0.02 * a.mean(axis=0) + 1e-5 * a.sum()).all()
+    _agree(reference, cached)
     noise = [x[:, 2].var(axis=0).mean() for x in (reference, cached)]
     assert noise[1] < 0.5 * noise[0]
 
@@ -68,3 +75,85 @@ def test_equal_rooms_get_equal_bytes(small: None, build: Any, lit: Any) -> None:
     one, other = (lit(little_room(build, ior=1.5), "openrooms").cache()._data for _ in range(2))
     np.testing.assert_array_equal(one.table.entries, other.table.entries)
     np.testing.assert_array_equal(one.irradiance, other.irradiance)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("bounces", [2, 3, 12])
+def test_it_counts_scatterings_exactly(build: Any, lit: Any, bounces: int) -> None:
+    """One more or less is some percent of the light in a bright room."""
+    room = lit(little_room(build, ior=1.5), "openrooms")
+    reference = passes(integrator_of(room, depth=bounces + 1), count=16)
+    paths = room.cache(bounces).paths(by_light=True)
+    cached = passes(integrator_of(room, depth=bounces + 1, paths=paths), count=16)
+    _agree(reference, cached)
+
+
+def _curtained(build: Any) -> Any:
+    """The little room with a cloth before its window."""
+    stage = little_room(build, ior=1.5)
+    cloth = PreviewSurface(base_color=(0.4, 0.4, 0.4), ior=1.5, transmission=0.3)
+    define_preview_surface(stage, "/Cloth", cloth)
+    mesh = UsdGeom.Mesh.Define(stage, "/Curtain")
+    corners = [(-0.8, 0.8), (0.8, 0.8), (0.8, -0.8), (-0.8, -0.8)]
+    mesh.CreatePointsAttr([Gf.Vec3f(x, 0.8, z) for x, z in corners])
+    mesh.CreateFaceVertexCountsAttr([4])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    mesh.CreateSubdivisionSchemeAttr("none")
+    material = UsdShade.Material(stage.GetPrimAtPath("/Cloth"))
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
+    return stage
+
+
+@pytest.mark.slow
+def test_light_goes_through_sheets(build: Any, lit: Any) -> None:
+    """What arrives at their other side is looked up where it is seen from this one."""
+    room = lit(_curtained(build), "openrooms")
+    assert any(patch.surface.transmission > 0.0 for patch in room.scene.patches)
+    reference = passes(integrator_of(room), count=24)
+    cached = passes(integrator_of(room, paths=room.cache().paths(by_light=True)), count=24)
+    _agree(reference, cached, 0.03)
+
+
+@pytest.mark.slow
+def test_environment_maps_look_it_up(build: Any, lit: Any) -> None:
+    """Rays that are only looked up, and those that are followed apart, make the same mean."""
+    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
+
+    room = lit(_curtained(build), "openrooms")
+    reference, cached = (
+        np.stack([integrator(2, seed) for seed in range(12)]).mean(axis=(2, 3, 4))
+        for integrator in (
+            hemispheres_of(room),
+            hemispheres_of(room, paths=room.cache().arriving()),
+        )
+    )
+    error = np.sqrt((reference.var(axis=0, ddof=1) + cached.var(axis=0, ddof=1)) / 12)
+    bias = cached.mean(axis=0) - reference.mean(axis=0)
+    assert (np.abs(bias) <= 4.0 * error + 0.02 * reference.mean(axis=0)).all()
+
+
+def test_the_file_holds_it(
+    small: None, build: Any, lit: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is read is what was filled; what is not sound is filled again."""
+    from orusd_mitsuba.cache import room_light
+
+    monkeypatch.setattr(light_store, "places", lambda scene: (tmp_path,))
+    room = lit(little_room(build, ior=1.5), "openrooms")
+    filled = room.cache()._data
+    (kept,) = tmp_path.iterdir()
+    arrays = light_store.load(kept.stem, (tmp_path,))
+    assert arrays is not None
+    read = room_light._data_of(arrays, filled.irradiance.shape[1], room.index.count)
+    assert read is not None
+    np.testing.assert_array_equal(read.irradiance, filled.irradiance)
+    for name, wrong in {
+        "irradiance": arrays["irradiance"][:, :-1],
+        "entries": arrays["entries"][:-1],
+        "behind": arrays["behind"] + np.uint32(len(filled.behind)),
+        "probes": np.array([0]),
+        "size_m": np.array([-1.0]),
+    }.items():
+        spoilt = {**arrays, name: wrong}
+        shape = filled.irradiance.shape[1], room.index.count
+        assert room_light._data_of(spoilt, *shape) is None, name
