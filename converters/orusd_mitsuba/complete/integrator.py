@@ -166,13 +166,14 @@ class CompleteIntegrator(BandedIntegrator):
         scene, wanted = self._scene, self._wanted
 
         def found(
-            light: Any, ray: Any, incident: Any, density: Any, rivals: Any, active: Any
-        ) -> None:
-            cosine = at.cosine(ray.d)
+            light: Any, ray: Any, direction: Any, incident: Any, density: Any, rivals: Any,
+            active: Any,
+        ) -> None:  # fmt: skip
+            cosine = at.cosine(direction)
             lux = incident * cosine / (rivals + dr.square(cosine * dr.inv_pi / density))
             sent = mi.Color3f(0.0)
             if wanted.rest:
-                rest, other = at.rest(ray.d)
+                rest, other = at.rest(direction)
                 sent = incident * rest / (rivals + dr.square(other / density))
             active = active & (dr.any(lux != 0.0) | dr.any(sent != 0.0))
             if wanted.unoccluded:

@@ -6,7 +6,7 @@ heuristic (Veach 1997), whose terms are ratios, because squares of densities ove
 """
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 import drjit as dr
 import mitsuba as mi
@@ -19,21 +19,28 @@ from orusd_mitsuba.direct.rectangles import Rectangles
 from orusd_mitsuba.transport.lattice import PixelLattice
 from orusd_mitsuba.transport.light_index import LightIndex, registered
 
+# What is nearer to a face's plane, relative to the numbers that say where it is, is in it: they are
+# in single precision.
+_IN_PLANE_HEIGHT_PER_SIZE: Final = 2.0**-22
 # Keep the random numbers of techniques apart; lamps and openings add their number.
-_SKY_SALT, _LAMP_SALT, _OPENING_SALT = 100, 1000, 1_000_000
+_SKY_SALT: Final = 100
+_LAMP_SALT: Final = 1000
+_OPENING_SALT: Final = 1_000_000
 
 
 class Found(Protocol):
     """Receives light samples."""
 
     def __call__(
-        self, light: Any, ray: Any, incident: Any, density: Any, rivals: Any, active: Any
-    ) -> None:
+        self, light: Any, ray: Any, direction: Any, incident: Any, density: Any, rivals: Any,
+        active: Any,
+    ) -> None:  # fmt: skip
         """Count a sample where nothing stands in its way.
 
         Args:
             light: Its number.
-            ray: From the surface to what is sampled.
+            ray: To what is sampled, from beside the surface.
+            direction: From the surface itself.
             incident: Radiance over density; of parallel light its irradiance.
             density: Over solid angle; infinite for parallel light.
             rivals: The squares of all densities that light samples take the direction with, over
@@ -93,7 +100,7 @@ class LightSamples:
             ray = si.spawn_ray(mi.Vector3f((-sun.direction).tolist()))
             light = self._index.crossed(ray.o, ray.d, mi.Float(dr.inf), crossed)
             lux = mi.Color3f(sun.irradiance.tolist())
-            found(light, ray, lux, mi.Float(dr.inf), mi.Float(1.0), active)
+            found(light, ray, ray.d, lux, mi.Float(dr.inf), mi.Float(1.0), active)
         if len(self.faces):
             self._draw_lamps(si, numbers, active, found)
         if self.sky is None:
@@ -115,12 +122,12 @@ class LightSamples:
             squared = dr.squared_norm(to)
             direction = to * dr.rsqrt(squared)
             turned = -dr.dot(self.faces.normal(row), direction)
-            front = active & (squared > 0.0) & (turned > 0.0)
+            front = active & (turned > 0.0) & self._faces_lamp(si, row, point)
             density = self.faces.density(row, lamp, si.p) * squared / turned
             incident = self.faces.radiance(row, place, front) / density
-            ray = si.spawn_ray_to(point)
             front &= density > 0.0
-            found(self.faces.light(lamp), ray, incident, density, mi.Float(1.0), front)
+            light, ray = self.faces.light(lamp), si.spawn_ray_to(point)
+            found(light, ray, direction, incident, density, mi.Float(1.0), front)
             lamp += 1
 
     @dr.syntax
@@ -145,7 +152,7 @@ class LightSamples:
         towards.wi = -direction
         incident = self.sky.eval(towards, active) / density
         rivals = self._sky_rivals(si, direction, density, light, active)
-        found(light, si.spawn_ray(direction), incident, density, rivals, active)
+        found(light, si.spawn_ray(direction), direction, incident, density, rivals, active)
 
     def rivals(self, si: Any, met: Any, ray: Any, density: Any, light: Any, active: Any) -> Any:
         """The squares of the densities of light samples over that of a ray's direction.
@@ -190,7 +197,7 @@ class LightSamples:
         row = met.prim_index
         lamp = self.faces.lamp(row, active)
         turned = -dr.dot(self.faces.normal(row, active), direction)
-        front = active & (turned > 0.0)
+        front = active & (turned > 0.0) & self._faces_lamp(si, row, met.p)
         by_area = self.faces.density(row, lamp, si.p, front)
         other = by_area * dr.squared_norm(met.p - si.p) / turned
         radiance = self.faces.radiance(row, self.faces.place(row, met.p), front)
@@ -205,8 +212,14 @@ class LightSamples:
         turned = -dr.dot(self.faces.normal(row, lamp), ray.d)
         squared = dr.squared_norm(met.p - si.p)
         by_area = self.faces.density(row, self.faces.lamp(row, lamp), si.p, lamp)
-        front = lamp & (turned > 0.0)
+        front = lamp & (turned > 0.0) & self._faces_lamp(si, row, met.p)
         return dr.select(front, by_area * squared / dr.select(front, turned, 1.0), 0.0)
+
+    def _faces_lamp(self, si: Any, row: Any, point: Any) -> Any:
+        """Whether surfaces are before a face and not in its plane: a lamp does not light itself."""
+        to = point - si.p
+        height = -dr.dot(self.faces.normal(row), to)
+        return height > _IN_PLANE_HEIGHT_PER_SIZE * (dr.norm(si.p) + dr.norm(to))
 
     def _sky_rivals(self, si: Any, direction: Any, density: Any, light: Any, active: Any) -> Any:
         ds = dr.zeros(mi.DirectionSample3f, dr.width(direction))
