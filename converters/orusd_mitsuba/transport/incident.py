@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.hemisphere import Cells
 from openrooms_usd.render.scene.pictures import Array
+from orusd_mitsuba.transport.lattice import TEA_ROUNDS
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_tracing import PathAccumulator, power_heuristic
 from orusd_mitsuba.transport.paths import Paths, TracedPaths
@@ -261,7 +262,7 @@ def _lattice(number: Any, count: int, key: Any, seed: int) -> Any:
     """
     # As variables, not as parts of the compiled code.
     drawn: Any = mi.sample_tea_32
-    shift = drawn(key, dr.opaque(mi.UInt32, seed & 0xFFFFFFFF))
+    shift = drawn(key, dr.opaque(mi.UInt32, seed & 0xFFFFFFFF), TEA_ROUNDS)
     across = number * dr.opaque(mi.UInt32, (1 << 32) // count & 0xFFFFFFFF) + shift[0]
     along = number * mi.UInt32(_GOLDEN_STEP) + shift[1]
     return mi.Point2f(*(dr.minimum(mi.Float(u) * 2.0**-32, _BELOW_ONE) for u in (across, along)))

@@ -20,8 +20,9 @@ _SILVER_STEP: Final = 1779033704
 # About how far the orders of the pairs step, in parts of the samples.
 _STRIDES_OF_PAIRS: Final = (0.0, 0.38, 0.28)
 _DIMENSIONS: Final = 7
-# After four, Mitsuba's default, the first of both numbers is not yet even.
-_TEA_ROUNDS: Final = 8
+TEA_ROUNDS: Final = 8
+"""After four, Mitsuba's default, the first of both numbers is not yet even."""
+
 _BELOW_ONE: Final = 1.0 - 2.0**-24
 
 
@@ -96,7 +97,7 @@ class PixelLattice:
 
     def _shifts(self, salt: Any) -> tuple[Any, Any]:
         drawn: Any = mi.sample_tea_32
-        first, second = drawn(self._pixel, salt ^ self._seed, _TEA_ROUNDS)
+        first, second = drawn(self._pixel, salt ^ self._seed, TEA_ROUNDS)
         return mi.Float(first) * 2.0**-32, mi.Float(second) * 2.0**-32
 
 
