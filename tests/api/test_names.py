@@ -32,7 +32,7 @@ def test_dir_and_completion_show_it() -> None:
     assert set(FUNCTIONS) >= ASKED
     completer = rlcompleter.Completer({"ou": ou})
     offered = completer.attr_matches("ou.re")
-    assert offered == ["ou.read_render(", "ou.relight(", "ou.render("]
+    assert offered == ["ou.read_render(", "ou.relight(", "ou.render(", "ou.render_path("]
     assert set(dir(ou.robots)) >= {"rover", "RobotCameras", "read_world"}
     assert all(getattr(ou.robots, name) is not None for name in dir(ou.robots))
 
@@ -76,7 +76,9 @@ def test_a_function_explains_itself(name: str) -> None:
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_what_takes_long_tells_its_progress_in_one_way(name: str) -> None:
     parameters = inspect.signature(getattr(ou, name)).parameters
-    takes_long = name in {"bake", "compare", "compose", "dataset", "probe", "render", "simulate"}
+    takes_long = name in {
+        "bake", "compare", "compose", "dataset", "probe", "render", "render_path", "simulate",
+    }  # fmt: skip
     assert ("progress" in parameters) == takes_long
     if takes_long:
         assert str(parameters["progress"].annotation).endswith("[[str, float], None]")

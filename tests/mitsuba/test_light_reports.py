@@ -71,8 +71,10 @@ def test_the_estimated_error_is_the_error_that_was_made(
             assert {found[single].error for found in renders} == {None}
         else:
             said = np.mean([found[single].error for found in renders]) + truth[single].error
-            # Where few pixels decide, at edges of lamps, rather too much than too little is told.
-            assert 0.56 * made - 1e-9 <= said <= 10.0 * made + 1e-9, (single, said, made)
+            # Where few pixels decide, at edges of lamps, rather too much than too little is told;
+            # a ratio may be told as wrong as one pixel, where the reference has a single ray in it.
+            one = 1.0 / exact[..., 0].size if name == "visibility_i" else 1e-9
+            assert 0.56 * made - 1e-9 <= said <= 10.0 * made + one, (single, said, made)
 
 
 @pytest.mark.slow
