@@ -12,7 +12,7 @@ from openrooms_usd.render.estimates import relative_mse, robust_error
 
 def environment(setting: Setting) -> Section:
     """The grid of hemispheres by both techniques, and by one alone."""
-    from orusd_mitsuba.transport import incident
+    from orusd_mitsuba.transport import incident, paths
     from orusd_mitsuba.transport.path_tracing import trace
 
     grid, counts, many = ((3, 2), (1,), 4) if setting.quick else ((12, 9), (1, 4), 128)
@@ -28,13 +28,14 @@ def environment(setting: Setting) -> Section:
 
     sample_lights = incident._sample_lights
 
-    def alone(*args: Any, begun: Any = None, **how: Any) -> None:
-        trace(*args, **how)
+    def alone(*args: Any) -> None:
+        *before, _begun, numbers, prefix = args
+        trace(*before, None, numbers, prefix)
 
     for title, only in (("both, as the paper", False), ("hemisphere alone", True)):
         for samples in counts:
             with (
-                patch.object(incident, "trace", alone if only else trace),
+                patch.object(paths, "trace", alone if only else trace),
                 patch.object(incident, "_sample_lights", _nothing if only else sample_lights),
             ):
                 integrator(samples, 1)

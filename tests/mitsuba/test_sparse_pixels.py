@@ -31,6 +31,7 @@ def test_rays_begin_in_their_pixels(integrator: Any, mi: Any) -> None:
     assert np.abs(whole[1:] - whole[:-1]).max() > 1e-2
 
 
+@pytest.mark.slow
 def test_means_are_those_of_the_whole_picture(integrator: Any) -> None:
     some = integrator.sparse(PIXELS)
     assert some.size == some.broken.shape == (1, len(PIXELS))

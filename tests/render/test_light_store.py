@@ -241,6 +241,7 @@ print(key)
 """
 
 
+@pytest.mark.slow
 def test_processes_that_write_at_the_same_time_agree(file: Path, tmp_path: Path) -> None:
     words = [sys.executable, "-c", _WRITER, str(file), str(tmp_path / "light")]
     started = [subprocess.Popen(words, stdout=subprocess.PIPE, text=True) for _ in range(2)]
