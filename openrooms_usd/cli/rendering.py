@@ -21,8 +21,10 @@ from openrooms_usd.render.contract import (
 if TYPE_CHECKING:
     from openrooms_usd.render import RenderSummary
 
-# Of a channel's sum, and beyond two standard errors.
+# Of a channel's sum, and beyond so many standard errors: a render has some sixty channels, and
+# light that few paths find has heavy tails.
 _BIAS_WORTH_A_WARNING: Final = 0.03
+_SURE_STANDARD_ERRORS: Final = 4.0
 
 
 def _resolution(
@@ -261,7 +263,7 @@ def _is_biased(channel: Mapping[str, Any]) -> bool:
     bias: Mapping[str, float] | None = channel.get("bias")
     if bias is None:
         return False
-    return abs(bias["total"]) - 2.0 * bias["total_error"] > _BIAS_WORTH_A_WARNING
+    return abs(bias["total"]) - _SURE_STANDARD_ERRORS * bias["total_error"] > _BIAS_WORTH_A_WARNING
 
 
 @click.command()
