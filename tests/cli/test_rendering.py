@@ -234,7 +234,7 @@ def test_what_is_surely_off_is_said():
         bias = {"total": total, "total_error": error}
         return {"estimated_error": None, "samples": 1, "nonfinite_pixels": 0, "bias": bias}
 
-    rows = {"radiance": channel(0.1, 0.06), "irradiance": channel(-0.21, 0.05), "direct": {
+    rows = {"radiance": channel(0.1, 0.02), "irradiance": channel(-0.21, 0.04), "direct": {
         **channel(0.0, 0.0), "bias": None}, "indirect": channel(0.3, 0.01)}  # fmt: skip
     (told,) = _warnings({"channels": rows}, None)
     assert told == (
