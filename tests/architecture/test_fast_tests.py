@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 CONFTEST = Path(__file__).parents[1] / "conftest.py"
 SETTINGS = "[pytest]\nmarkers =\n  slow: s\n  one_in(n): n\n  xdist_group(name): g\n"
 TESTS = """
@@ -55,6 +57,7 @@ def outcomes(folder: Path, *words: str) -> tuple[set[str], set[str], str]:
     return passed, failed, said
 
 
+@pytest.mark.slow
 def test_what_takes_long_without_the_mark_fails(tmp_path: Path) -> None:
     passed, failed, said = outcomes(tmp_path, "--cpu-limit", "0.1")
     assert failed == TOO_LONG, said

@@ -30,6 +30,8 @@ from tests.end_to_end.test_scanned_room import (
     write_table,
 )
 
+pytestmark = pytest.mark.slow
+
 BOX = [((0, 0, 0.15), (0.4, 0.3, 0.3))]
 # 3 cm in the wall y = 0, turned by 3 degrees; the box on it, 5 cm too high.
 AT, TURN = np.array([2.0, 0.34, 0.0]), np.radians(3.0)

@@ -15,6 +15,8 @@ from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.render.exr import read_channels
 from openrooms_usd.render.paths.rendering import render_path
 
+pytestmark = pytest.mark.slow
+
 SIZE = (32, 24)
 KEYS = """{"fov": 70, "keys": [
  {"time": 0, "position": [-0.9, -0.9, 0.0], "target": [0.3, 0.4, -0.5]},

@@ -17,6 +17,8 @@ from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import MjcfExporter, UrdfExporter, UsdPhysicsExporter
 from orusd_urdf.loading import load_bullet
 
+pytestmark = pytest.mark.slow
+
 STEP = 0.002
 STEPS = 250
 # What stands may settle onto its hulls within half a second, not leap: m/s and metres.
