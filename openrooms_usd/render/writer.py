@@ -40,7 +40,7 @@ class ViewWriter:
                 stop.
 
         Raises:
-            OpenRoomsError: The view before could not be written.
+            OrusdError: The view before could not be written.
         """
         self.wait()
         self._now = self._pool.submit(write, self._check_going)
@@ -56,7 +56,7 @@ class ViewWriter:
         """Wait until everything is written.
 
         Raises:
-            OpenRoomsError: It could not be.
+            OrusdError: It could not be.
         """
         if self._now is not None:
             now, self._now = self._now, None

@@ -1,4 +1,4 @@
-"""Light that arrives at points by very many rays, as of environment maps: at about their cost.
+"""Light that arrives at points by very many rays, as of environment maps, looked up at most.
 
 Of most rays nothing is asked but which surfel they meet and what that sends back diffusely. What is
 left (lamps, the sky, short rays, surfaces that are not known, and by chance lobes) is a small part;

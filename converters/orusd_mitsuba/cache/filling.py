@@ -27,7 +27,8 @@ from orusd_mitsuba.transport.lattice import FirstDimensions
 
 Floats = NDArray[np.float32]
 
-# About so many surfels share the surface that light reaches.
+# So many would tile all triangles, seen or not, from one side: about as many hold the points that
+# light reaches, more where surfaces are bent.
 _SURFELS: Final = 20_000
 _PATHS_A_SURFEL: Final = 128
 _POINTS_OF_MATTER: Final = 8
