@@ -157,3 +157,13 @@ def test_the_file_holds_it(
         spoilt = {**arrays, name: wrong}
         shape = filled.irradiance.shape[1], room.index.count
         assert room_light._data_of(spoilt, *shape) is None, name
+
+
+def test_a_room_without_light_has_an_empty_cache(small: None, build: Any, lit: Any) -> None:
+    made = build()
+    made.box("/Room", 2.0, inside=True, material=made.material("/Grey", ior=1.0))
+    made.camera((-0.9, -0.9, 0.0), (0.3, 0.4, -0.5), fov=70)
+    room = lit(made.stage)
+    light = room.cache()
+    assert not light._data.irradiance.any()
+    assert not integrator_of(room, size=(8, 6), paths=light.paths(by_light=True))(2, 0).any()

@@ -74,12 +74,24 @@ def fill(
     """
     rays = reached(scene, built, seed)
     size_m = _size(scene)
-    bare = SurfelIndex(scene, built, size_m)
-    points, table = _points(around, bare, rays, size_m)
+    found = None
+    if rays is not None:
+        found = _points(around, SurfelIndex(scene, built, size_m), rays, size_m)
+    if found is None:
+        return _dark(size_m, scatterings, around.index.count)
+    points, table = found
     index = SurfelIndex(scene, built, size_m, table)
     straight, transport = _gathered(around, index, white, points, scatterings + 1, seed)
     irradiance = bounced(straight, transport, scatterings)
     return CacheData(table, irradiance, *_matter(around, index, points))
+
+
+def _dark(size_m: float, scatterings: int, lights: int) -> CacheData:
+    """What holds nothing: one surfel that nobody finds."""
+    table = SurfelTable(size_m, np.zeros((1, 2), dtype=np.uint32), 1)
+    irradiance = np.zeros((1, scatterings + 1, lights, 3), dtype=np.float32)
+    nothing = np.zeros((1, 3), dtype=np.float32)
+    return CacheData(table, irradiance, nothing, nothing, nothing[:, 0], np.zeros(1, np.uint32))
 
 
 def _size(scene: Scene) -> float:
@@ -105,8 +117,11 @@ class Points:
 
 def _points(
     around: Surroundings, index: SurfelIndex, rays: Rays, size_m: float
-) -> tuple[Points, SurfelTable]:
-    """The rays by surfels, and these: where sheets pass light on, rays onto their back as well."""
+) -> tuple[Points, SurfelTable] | None:
+    """The rays by surfels, and these; None where none comes from far enough.
+
+    Where sheets pass light on, there are rays onto their back as well.
+    """
     built = around.built
     ray = mi.Ray3f(rays.o, rays.d)
     si = built.ray_intersect(ray)
@@ -121,9 +136,13 @@ def _points(
     kept: list[tuple[Rays, NDArray[np.uint32]]] = []
     for onto, which, words in parts:
         rows: Any = dr.compress(which)
+        if not dr.width(rows):
+            continue
         there = Rays(dr.gather(mi.Point3f, onto.o, rows), dr.gather(mi.Vector3f, onto.d, rows))
         found = [dr.gather(mi.UInt32, word, rows).numpy() for word in words]
         kept.append((there, np.column_stack(found)))
+    if not kept:
+        return None
     every = Rays.joined([there for there, _ in kept])
     hashes = np.concatenate([found for _, found in kept])
     table, numbers = tabulate(hashes, size_m)
@@ -151,7 +170,9 @@ def _gathered(
         sums, links = Straight(paths, lights, orders), Links(index, paths, around.known.passing)
         ray = points.rays.at(mi.UInt32(_turns(points.starts, surfels, _PATHS_A_SURFEL)))
         follow(around.knowing(links), sampler, ray, sums, white, numbers=numbers)
-        entries = dr.block_sum(sums.entries, _PATHS_A_SURFEL).numpy()
+        entries = np.asarray(dr.block_sum(sums.entries, _PATHS_A_SURFEL).numpy())
+        # As in pictures: what is no number counts as none.
+        entries = np.where(np.isfinite(entries), entries, np.float32(0.0))
         straight[:, surfels] = np.moveaxis(entries.reshape(orders, lights, 3, -1), 3, 1)
         met = links.found()
         found.append(replace(met, row=surfels[met.row // _PATHS_A_SURFEL]))

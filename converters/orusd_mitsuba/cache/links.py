@@ -86,12 +86,13 @@ class Links:
         """What was met."""
         surfels = np.asarray(self._surfels.numpy())
         slots = np.flatnonzero(surfels != NONE)
+        weights = np.column_stack([np.asarray(plane.numpy())[slots] for plane in self._weights])
         return Found(
             slots // (self._paths * _SIDES),
             slots % self._paths,
             surfels[slots].astype(np.int64),
             np.asarray(self._crossed.numpy())[slots],
-            np.column_stack([np.asarray(plane.numpy())[slots] for plane in self._weights]),
+            np.where(np.isfinite(weights), weights, np.float32(0.0)),
         )
 
 

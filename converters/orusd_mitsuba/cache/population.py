@@ -58,8 +58,8 @@ class Rays:
         )
 
 
-def reached(scene: Scene, built: Any, seed: int) -> Rays:
-    """Rays whose ends are points that light reaches; empty where there is no light.
+def reached(scene: Scene, built: Any, seed: int) -> Rays | None:
+    """Rays whose ends are points that light reaches; None where there is no light.
 
     Args:
         scene: The arrays.
@@ -67,8 +67,8 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays:
         seed: Of random numbers.
     """
     lit = _lit(scene, built, seed)
-    if not len(lit):
-        return lit
+    if lit is None:
+        return None
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(seed + 1, _WALKERS)
     walker = dr.arange(mi.UInt32, _WALKERS)
@@ -79,18 +79,20 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays:
         if step < _FORGOTTEN_STEPS:
             continue
         kept: Any = dr.compress(onwards)
+        if not dr.width(kept):
+            continue
         found.append(Rays(dr.gather(mi.Point3f, ray.o, kept), dr.gather(mi.Vector3f, d, kept)))
-    return Rays.joined(found)
+    return Rays.joined(found) if found else None
 
 
-def _lit(scene: Scene, built: Any, seed: int) -> Rays:
+def _lit(scene: Scene, built: Any, seed: int) -> Rays | None:
     """Rays onto points of either side that some light shines at, of candidates even by area."""
     corners = scene.triangles.corners - scene.origin
     a, b, c = np.moveaxis(corners, 1, 0)
     crosses = np.cross(b - a, c - a)
     areas = np.linalg.norm(crosses, axis=1)
     if not areas.sum() > 0.0:
-        return Rays(np.zeros((3, 0)), np.zeros((3, 0)))
+        return None
     rng = np.random.default_rng(seed)
     below = np.cumsum(areas) / areas.sum()
     row = np.searchsorted(below, (np.arange(_CANDIDATES) + rng.random(_CANDIDATES)) / _CANDIDATES)
@@ -109,6 +111,8 @@ def _lit(scene: Scene, built: Any, seed: int) -> Rays:
     facing = dr.dot(si.n, to.d) * dr.dot(si.n, -ray.d) > 0.0
     shone = si.is_valid() & (to.pdf > 0.0) & (dr.max(incident) > 0.0) & facing
     kept: Any = dr.compress(shone)
+    if not dr.width(kept):
+        return None
     return Rays(dr.gather(mi.Point3f, onto.o, kept), dr.gather(mi.Vector3f, onto.d, kept))
 
 

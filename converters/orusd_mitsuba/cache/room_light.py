@@ -65,7 +65,7 @@ class RoomLight:
     @cached_property
     def _data(self) -> CacheData:
         key = light_store.content_key(
-            self._scene, (_MAKER,), self._bounces, str(mi.variant()), mi.__version__
+            self._scene, (_MAKER,), self._bounces, _SEED, str(mi.variant()), mi.__version__
         )
         places = light_store.places(self._scene)
         kept = light_store.load(key, places)
