@@ -19,6 +19,9 @@ CELLS: Final = HEMISPHERE.directions.reshape(-1, 3).astype(np.float32)
 MAX_SHARPNESS: Final = 128.0
 """A lobe of this sharpness is as wide as a cell; what is narrower falls between their middles."""
 
+# What is smaller than e^-30 of a lobe's middle counts as that. Products of less are denormal numbers,
+# on which processors spend a hundred times as long.
+_MIN_LOGARITHM: Final = np.float32(-30.0)
 # Sharpness, and how many cells lie from axis to axis.
 _SHARPNESS_AND_CELLS: Final = ((1.0, 8), (4.0, 4), (16.0, 2), (MAX_SHARPNESS, 1))
 # Cells, and lobes, in one matrix product: so few that it takes one thread.
@@ -72,6 +75,11 @@ def pursue(light: Floats, weights: Floats, count: int) -> tuple[Floats, Floats]:
     return known.axes[chosen], known.sharpness[chosen]
 
 
+def raised(logarithms: Floats, out: Floats | None = None) -> Floats:
+    """Lobes of the colour 1 from their logarithms; none so small that products become denormal."""
+    return np.asarray(np.exp(np.maximum(logarithms, _MIN_LOGARITHM, out=out), out=out))
+
+
 @cache
 def _known() -> _Set:
     """All lobes; the first of them again at the end, so that the last piece is whole."""
@@ -80,7 +88,7 @@ def _known() -> _Set:
     ]
     lobes += lobes[: -len(lobes) % _CELLS_AT_A_TIME]
     sharpness, axes = (np.array(values, np.float32) for values in zip(*lobes, strict=True))
-    shapes = np.exp(sharpness[:, None] * (axes @ CELLS.T - 1.0))
+    shapes = raised(sharpness[:, None] * (axes @ CELLS.T - 1.0))
     pieces = shapes.reshape(
         -1, _CELLS_AT_A_TIME, HEMISPHERE.count // _CELLS_AT_A_TIME, _CELLS_AT_A_TIME
     ).transpose(0, 2, 3, 1)

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
-from openrooms_usd.geometry.lobe_pursuit import CELLS, MAX_SHARPNESS, Floats, pursue
+from openrooms_usd.geometry.lobe_pursuit import CELLS, MAX_SHARPNESS, Floats, pursue, raised
 
 LOBES: Final = 12
 _MIN_SHARPNESS: Final = 0.1
@@ -119,7 +119,7 @@ def evaluate(lobes: NDArray[Any]) -> Floats:
     for start in range(0, len(flat), _POINTS_AT_A_TIME):
         some = flat[start : start + _POINTS_AT_A_TIME]
         axes = spherical(some[..., 0], some[..., 1]).astype(np.float32)
-        shapes = np.exp(some[..., 2:3] * (axes @ CELLS.T - 1.0))
+        shapes = raised(some[..., 2:3] * (axes @ CELLS.T - 1.0))
         light[start : start + _POINTS_AT_A_TIME] = np.swapaxes(shapes, 1, 2) @ some[..., 3:]
     return light.reshape(*lobes.shape[:-2], HEMISPHERE.rows, HEMISPHERE.columns, 3)
 
@@ -190,7 +190,7 @@ def _colored(
     """
     count = sharpness.shape[1]
     np.matmul(_slopes(axes, sharpness), _FORMS, out=room[:, count:])
-    np.exp(room[:, count : 2 * count], out=room[:, :count])
+    raised(room[:, count : 2 * count], out=room[:, :count])
     room[:, :count] *= root[:, None]
     kinds = room.reshape(len(room), 4, count, -1)
     kinds[:, 1:] *= kinds[:, :1]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.geometry import spherical_gaussians as sg
-from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance
+from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
 
 
 def mixtures(points: int, lobes: int, seed: int = 0) -> np.ndarray:
@@ -43,6 +43,19 @@ def test_a_single_lobe_is_found_by_number() -> None:
     light = by_formula(lobe[0])[None]
     found = sg.fit(light, lobes=1)[0, 0]
     np.testing.assert_allclose(found, lobe[0, 0], rtol=2e-2)
+
+
+@pytest.mark.parametrize("sharpness", [16.0, 60.0, 128.0])
+def test_no_product_of_lobes_is_denormal(sharpness: float) -> None:
+    """Processors spend a hundred times as long on such numbers."""
+    lobes = np.array([[[0.1, 0.0], [1.5, 3.0], [0.9, -1.0]]], np.float32)
+    axes = spherical(lobes[..., 0], lobes[..., 1]).astype(np.float32)
+    light, root = np.full((1, 512, 3), 1e3, np.float32), np.full((1, 512), 1e-3, np.float32)
+    room = np.empty((1, 12, 512), np.float32)
+    widths = np.full((1, 3), sharpness, np.float32)
+    fitted = sg._colored(axes, widths, np.zeros_like(axes), light, root, room, 1)
+    for values in (room, room[:, :3] ** 2, fitted.products, fitted.target):
+        assert (np.abs(values[values != 0.0]) > np.finfo(np.float32).tiny).all()
 
 
 def test_fits_keep_irradiance_and_their_bounds() -> None:
