@@ -19,8 +19,8 @@ CELLS: Final = HEMISPHERE.directions.reshape(-1, 3).astype(np.float32)
 MAX_SHARPNESS: Final = 128.0
 """A lobe of this sharpness is as wide as a cell; what is narrower falls between their middles."""
 
-# What is smaller than e^-30 of a lobe's middle counts as that. Products of less are denormal numbers,
-# on which processors spend a hundred times as long.
+# What is smaller than e^-30 of a lobe's middle counts as that. Products of less are denormal
+# numbers, on which processors spend a hundred times as long.
 _MIN_LOGARITHM: Final = np.float32(-30.0)
 # Sharpness, and how many cells lie from axis to axis.
 _SHARPNESS_AND_CELLS: Final = ((1.0, 8), (4.0, 4), (16.0, 2), (MAX_SHARPNESS, 1))
