@@ -2,8 +2,8 @@
 
 One module a section (`section`):
 
-- what is shown of every method: `pictures`, `grids`, `channels`, `complete`, `hard_rooms`,
-  `honesty` of estimated errors;
+- what is shown of every method: `pictures`, `grids`, `fits`, `channels`, `complete`,
+  `hard_rooms`, `honesty` of estimated errors;
 - what it takes: `memory`, `repeatable`;
 - beside others: `radiance`, `environment` and `growth` of full paths, `cycles` (with `in_blender`,
   which Blender's Python runs).

@@ -8,6 +8,8 @@ channels: every channel of light: the estimated error, the true one and the bias
 there are for each light, the mean over them.
 complete: sets of channels: how much longer they take than the radiance alone.
 view: all files of a view by the command line.
+fits: the spherical Gaussians of hemispheres: seconds of a full grid, and the root of the squared
+error over that of the light, its mean, median, and mean over the worst tenth.
 hard: rooms that are hard to light.
 honesty: how often the true error of a picture is more than twice the one that the render states,
 over all rooms, channels and lights; of those that the reference can tell.
@@ -42,6 +44,7 @@ from benchmarks.light.channels import channels
 from benchmarks.light.complete import complete, view
 from benchmarks.light.cycles import cycles
 from benchmarks.light.environment import environment
+from benchmarks.light.fits import fits
 from benchmarks.light.grids import grids
 from benchmarks.light.growth import growth
 from benchmarks.light.hard_rooms import hard
@@ -61,6 +64,7 @@ SECTIONS: Final[dict[str, Measure]] = {
     "channels": channels,
     "complete": complete,
     "view": view,
+    "fits": fits,
     "hard": hard,
     "honesty": honesty,
     "memory": memory,

@@ -7,5 +7,6 @@
   and cameras in it;
 - `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,
   `openings`, `shell`, `leaves`, `doors`, `windows`: a room of them;
-- `hemisphere`, `spherical_harmonics`, `lobe_pursuit`, `spherical_gaussians`: light by direction.
+- `hemisphere`, `spherical_harmonics`: light by direction; `lobe_pursuit`, `lobe_refinement`,
+  `spherical_gaussians`: the same as a sum of lobes.
 """

@@ -75,6 +75,22 @@ def pursue(light: Floats, weights: Floats, count: int) -> tuple[Floats, Floats]:
     return known.axes[chosen], known.sharpness[chosen]
 
 
+def most_wanted(left: Floats, weights: Floats) -> tuple[Floats, Floats]:
+    """The lobe of the set that alone takes most of what is left.
+
+    Args:
+        left: (P, cells, C) of light, times the weights.
+        weights: (P, cells) of squared differences.
+
+    Returns:
+        (P, 3) its axis and (P,) its sharpness.
+    """
+    known = _known()
+    gains = sum(np.maximum(known.products(color), 0.0) ** 2 for color in np.moveaxis(left, -1, 0))
+    best = np.argmax(gains / known.products(weights, 2), axis=1)
+    return known.axes[best], known.sharpness[best]
+
+
 def raised(logarithms: Floats, out: Floats | None = None) -> Floats:
     """Lobes of the colour 1 from their logarithms; none so small that products become denormal."""
     return np.asarray(np.exp(np.maximum(logarithms, _MIN_LOGARITHM, out=out), out=out))
