@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
 from openrooms_usd import adapters
 
@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from pxr import Usd
 
 Outcome = Literal["translated", "approximated", "skipped"]
+
+# What a file is by its ending, where nobody says; all else is written as Mitsuba's.
+_BY_ENDING: Final = {".glb": "gltf"}
+_USUAL: Final = "mitsuba"
 
 
 @dataclass
@@ -83,7 +87,7 @@ def convert_stage(
     path: Path,
     destination: Path,
     *,
-    to: str = "mitsuba",
+    to: str | None = None,
     options: Mapping[str, Any] | None = None,
     include_outside: bool = False,
 ) -> Report:
@@ -92,7 +96,7 @@ def convert_stage(
     Args:
         path: The USD file.
         destination: The file or folder to write.
-        to: The exporter's name.
+        to: The exporter's name; None for what the destination's ending says (`exporter_of`).
         options: What the exporter understands.
         include_outside: Whether pictures outside the file's folder may be copied.
 
@@ -108,7 +112,7 @@ def convert_stage(
     from openrooms_usd.usd.layers import open_stage
     from openrooms_usd.usd.outside import is_picture, refuse_outside
 
-    exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
+    exporter: Exporter = adapters.load(adapters.EXPORTERS, to or exporter_of(destination))
     stage = open_stage(path)
     if not include_outside:
         refuse_outside(stage, str(destination), is_picture)
@@ -116,6 +120,11 @@ def convert_stage(
         report = exporter.convert(stage, destination, options or {})
         add_missing(report, stage)
     return report
+
+
+def exporter_of(destination: Path) -> str:
+    """The exporter that a destination asks for by its ending."""
+    return _BY_ENDING.get(destination.suffix.lower(), _USUAL)
 
 
 def add_missing(report: Report, stage: "Usd.Stage") -> None:

@@ -236,7 +236,7 @@ def convert(
     scene: AnyPath,
     out: AnyPath,
     *,
-    to: str,
+    to: str | None = None,
     options: Mapping[str, Any] | None = None,
     include_outside: bool = False,
 ) -> "Report":
@@ -245,7 +245,8 @@ def convert(
     Args:
         scene: A composed room or any USD file.
         out: The file or folder to write.
-        to: ``mitsuba``, ``urdf``, ``mjcf``, ``usdphysics``, or another installed exporter.
+        to: ``mitsuba``, ``gltf``, ``urdf``, ``mjcf``, ``usdphysics``, or another installed
+            exporter; None for ``gltf`` where ``out`` ends in .glb, else ``mitsuba``.
         options: What is asked of the exporter.
         include_outside: Whether pictures outside the scene's folder may be copied.
 

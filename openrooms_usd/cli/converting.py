@@ -14,7 +14,7 @@ _FLAGS: Final = {"true": True, "false": False}
 @click.command()
 @click.argument("stage", type=click.Path(path_type=Path))
 @click.argument("out", type=click.Path(path_type=Path))
-@click.option("--to", default="mitsuba", show_default=True, metavar="KIND", help="The exporter.")
+@click.option("--to", metavar="KIND", help="The exporter; by default what OUT's ending says.")
 @click.option(
     "--option",
     "options",
@@ -27,19 +27,21 @@ _FLAGS: Final = {"true": True, "false": False}
 def convert(
     stage: Path,
     out: Path,
-    to: str,
+    to: str | None,
     options: tuple[str, ...],
     include_outside: bool,
     as_json: bool,
 ) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
 
-    KIND is mitsuba, urdf, mjcf, usdphysics, or what another installed exporter is called. What
-    could not be translated whole is listed with the reason; nothing is lost in silence.
+    KIND is mitsuba, gltf, urdf, mjcf, usdphysics, or what another installed exporter is called;
+    without it .glb is gltf, and all else mitsuba. What could not be translated whole is listed with
+    the reason; nothing is lost in silence.
     """
-    from openrooms_usd.convert import convert_stage
+    from openrooms_usd.convert import convert_stage, exporter_of
     from openrooms_usd.usd.diagnostics import quiet
 
+    to = to or exporter_of(out)
     with quiet():
         report = convert_stage(
             stage, out, to=to, options=_given(options), include_outside=include_outside

@@ -11,14 +11,15 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = {
-    "openrooms_usd", "orusd_schemas", "orusd_mitsuba", "orusd_openrooms", "orusd_preview",
-    "orusd_scans", "orusd_urdf",
+    "openrooms_usd", "orusd_schemas", "orusd_gltf", "orusd_mitsuba", "orusd_openrooms",
+    "orusd_preview", "orusd_scans", "orusd_urdf",
 }  # fmt: skip
 DATA = {
     "openrooms_usd/py.typed",
     "openrooms_usd/demo/room.yaml",
     "openrooms_usd/library/hosek_wilkie.npy",
     "openrooms_usd/library/hosek_wilkie.LICENSE.txt",
+    "orusd_gltf/py.typed",
     "orusd_mitsuba/py.typed",
     "orusd_openrooms/py.typed",
     "orusd_preview/py.typed",

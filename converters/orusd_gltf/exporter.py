@@ -1,0 +1,44 @@
+"""What is registered as entry point: an exporter that loads USD when it is used."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from openrooms_usd.convert import Report
+from openrooms_usd.errors import InputError
+from orusd_gltf.options import parsed
+
+if TYPE_CHECKING:
+    from pxr import Usd
+
+
+class GltfExporter:
+    """Writes a stage as one GLB file."""
+
+    def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
+        """Write ``stage`` to the file ``destination``.
+
+        Args:
+            stage: The composed stage, with any up axis and unit.
+            destination: The ``.glb`` file.
+            options: Those of `orusd_gltf.options.Options`.
+
+        Returns:
+            What became of every prim.
+
+        Raises:
+            InputError: An option is not known, or the destination is no GLB file.
+            MissingPackageError: A compression needs a package that is not installed.
+            OutputError: The file cannot be written, or would be larger than GLB allows.
+        """
+        asked = parsed(options)
+        if destination.suffix.lower() != ".glb":
+            raise InputError(
+                "the glTF exporter writes one file", place=destination, remedy="end it in .glb"
+            )
+        from openrooms_usd import atomic
+        from orusd_gltf.scene import translate
+
+        data, report = translate(stage, asked)
+        atomic.write_bytes(destination, data)
+        return report

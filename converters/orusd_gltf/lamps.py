@@ -1,0 +1,132 @@
+"""Lights as KHR_lights_punctual: points, spots and suns, in candela and lux.
+
+A lamp of some size becomes a point without size that is as bright from afar.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.rotations import pose
+from openrooms_usd.usd.lightreader import ellipse_perimeter, ellipsoid_area
+from openrooms_usd.usd.lights import (
+    CylinderLight,
+    DiskLight,
+    DistantLight,
+    DomeLight,
+    Light,
+    RectLight,
+    SphereLight,
+)
+from openrooms_usd.usd.meshes import PlacedMesh
+from orusd_gltf.document import Document, Object, number, numbers
+
+Array = NDArray[np.float64]
+
+EXTENSION: Final = "KHR_lights_punctual"
+# Part of a mesh's area that faces one way where the mesh counts as a panel.
+_PANEL_SHARE: Final = 0.98
+_HALF_TURN: Final = math.pi / 2
+
+_NO_SIZE: Final = "its light comes from a point; its own shape is not seen"
+_FROM_A_POINT: Final = "what it gives to the room comes from a point"
+_COSINE: Final = "its light falls off towards the side as the viewer's spots do"
+_SHARP: Final = "its angle is left out: shadows are sharp"
+_SKY: Final = "glTF has no surroundings that give light"
+
+
+@dataclass(frozen=True, eq=False)
+class Lamp:
+    """A light of the document.
+
+    Attributes:
+        number: Its number there.
+        world: (4, 4) where it stands, in the world; it shines along -Z.
+        losses: What could not be kept, in words.
+    """
+
+    number: int
+    world: Array
+    losses: tuple[str, ...] = ()
+
+
+def add_light(document: Document, light: Light, name: str) -> Lamp | str:
+    """Add a light of a stage.
+
+    Returns:
+        The lamp, or why there is none.
+    """
+    M = light.world_from_light
+    if isinstance(light, DomeLight):
+        return _SKY
+    if abs(np.linalg.det(M[:3, :3])) < 1e-18:
+        return "its transform is singular"
+    world = pose(_turned(M[:3, :3]), M[:3, 3])
+    x, y, z = np.linalg.norm(M[:3, :3], axis=0).tolist()
+    if isinstance(light, DistantLight):
+        lost: tuple[str, ...] = (_SHARP,) if light.angle > 0 else ()
+        return _added(document, name, "directional", light.irradiance, world, lost)
+    if isinstance(light, RectLight | DiskLight):
+        area = (
+            light.width * light.height
+            if isinstance(light, RectLight)
+            else math.pi * (light.radius**2)
+        )
+        flat = float(np.linalg.norm(np.cross(M[:3, 0], M[:3, 1])))
+        textured = isinstance(light, RectLight) and light.texture is not None
+        lost = (_NO_SIZE, _COSINE, *(["its picture is left out"] if textured else []))
+        return _added(document, name, "spot", light.radiance * area * flat, world, lost)
+    if isinstance(light, SphereLight):
+        area = ellipsoid_area(*(light.radius * np.array([x, y, z])))
+    elif isinstance(light, CylinderLight):
+        area = light.length * x * ellipse_perimeter(light.radius * y, light.radius * z)
+    else:
+        return "; ".join(light.losses)
+    # What shines outwards from a convex surface shows a quarter of its area in the mean.
+    return _added(document, name, "point", light.radiance * area / 4.0, world, (_NO_SIZE,))
+
+
+def add_glow(document: Document, mesh: PlacedMesh, radiance: Array, name: str) -> Lamp:
+    """Add what a mesh that emits gives to the room; a panel is a spot, all else a point."""
+    corners = mesh.world_points()[mesh.mesh.triangles]
+    a, b, c = np.moveaxis(corners, 1, 0)
+    areas = np.cross(b - a, c - a) / 2.0 * (-1.0 if mesh.mirrored else 1.0)
+    sizes = np.linalg.norm(areas, axis=1)
+    area, facing = float(sizes.sum()), areas.sum(axis=0)
+    centre = (corners.mean(axis=1) * sizes[:, None]).sum(axis=0) / area
+    if np.linalg.norm(facing) < _PANEL_SHARE * area:
+        world = pose(np.eye(3), centre)
+        return _added(document, name, "point", radiance * area / 4.0, world, (_FROM_A_POINT,))
+    world = pose(_looking(facing / np.linalg.norm(facing)), centre)
+    return _added(document, name, "spot", radiance * area, world, (_FROM_A_POINT, _COSINE))
+
+
+def _added(
+    document: Document, name: str, kind: str, values: Array, world: Array, losses: tuple[str, ...]
+) -> Lamp:
+    """Candela or lux of each primary, as a colour of at most one and a factor."""
+    most = float(values.max())
+    light: Object = {"name": name, "type": kind, "intensity": number(most)}
+    if most > 0.0 and values.min() < most:
+        light["color"] = numbers(values / most)
+    if kind == "spot":
+        light["spot"] = {"innerConeAngle": 0.0, "outerConeAngle": number(_HALF_TURN)}
+    document.use(EXTENSION)
+    return Lamp(document.add("lights", light), world, losses)
+
+
+def _turned(linear: Array) -> Array:
+    """The rotation whose -Z is where a light shines, without scales and mirrors."""
+    return _looking(-linear[:, 2] / np.linalg.norm(linear[:, 2]))
+
+
+def _looking(direction: Array) -> Array:
+    """(3, 3) a rotation that takes -Z to a unit vector."""
+    z = -direction
+    side = np.eye(3)[int(np.abs(z).argmin())]
+    x = np.cross(side, z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)

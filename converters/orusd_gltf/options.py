@@ -1,0 +1,40 @@
+"""What may be asked of the exporter."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Final, Literal
+
+from openrooms_usd.errors import InputError
+
+_CHOICES: Final[dict[str, tuple[str, ...]]] = {
+    "pictures": ("png", "jpeg", "webp"),
+}
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the exporter does.
+
+    Attributes:
+        pictures: How textures are stored: ``png`` keeps PNG and JPEG files as they are, ``jpeg``
+            and ``webp`` make them smaller; readers must know the extension for WebP.
+    """
+
+    pictures: Literal["png", "jpeg", "webp"] = "png"
+
+
+def parsed(given: Mapping[str, Any]) -> Options:
+    """The options that somebody has given.
+
+    Raises:
+        InputError: One is not known, or has a value that is not.
+    """
+    known = [item.name for item in fields(Options)]
+    for name, value in given.items():
+        if name not in known:
+            offered = ", ".join(known)
+            raise InputError(f"the glTF exporter has no option {name!r}", remedy=f"use {offered}")
+        if value not in _CHOICES[name]:
+            offered = " or ".join(_CHOICES[name])
+            raise InputError(f"{name} is {value!r}", remedy=f"give {offered}")
+    return Options(**given)

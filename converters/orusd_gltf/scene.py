@@ -1,0 +1,235 @@
+"""From a composed USD stage to a GLB file: surfaces, lamps, cameras and a report."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
+
+from openrooms_usd.convert import Report
+from openrooms_usd.render.scene.cameras import clipping_loss
+from openrooms_usd.render.scene.unseen import report_unseen
+from openrooms_usd.usd.cameras import list_cameras
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.lights import MeshLight, read_lights
+from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
+from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.usd.portals import read_portals
+from openrooms_usd.usd.surfaces import PreviewSurface
+from orusd_gltf.document import INDICES, VERTICES, Document, Object
+from orusd_gltf.geometry import vertices
+from orusd_gltf.hierarchy import Hierarchy
+from orusd_gltf.lamps import EXTENSION, Lamp, add_glow, add_light
+from orusd_gltf.materials import Material, add_material
+from orusd_gltf.options import Options
+from orusd_gltf.pictures import Pictures
+
+_Radiance = tuple[float, ...] | None
+_TRIANGLES: Final = 4
+
+
+def translate(stage: Usd.Stage, options: Options) -> tuple[bytes, Report]:
+    """Translate a stage; nothing that it holds raises.
+
+    Args:
+        stage: The composed stage, with any up axis and unit.
+        options: How.
+
+    Returns:
+        The bytes of the GLB file, and a report of every prim.
+    """
+    work = _Translation(stage, options)
+    # 1. Light, first: a mesh has to know whether it emits.
+    work.add_lights()
+    # 2. Surfaces; what repeats is stored once.
+    work.add_meshes()
+    # 3. Cameras, and the names of all that is left.
+    work.add_cameras()
+    work.name_the_rest()
+    return work.document.glb(), work.report
+
+
+@dataclass
+class _Translation:
+    """Gathers what will be the file."""
+
+    stage: Usd.Stage
+    options: Options
+    document: Document = field(default_factory=Document)
+    report: Report = field(default_factory=Report)
+
+    def __post_init__(self) -> None:
+        self._nodes = Hierarchy(self.stage, self.document)
+        self._pictures = Pictures(self.document, self.options.pictures)
+        self._emitting: dict[str, NDArray[np.float64]] = {}
+        self._glowing: dict[str, tuple[str, ...]] = {}
+        self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
+        self._materials: dict[tuple[str, bool, _Radiance], Material] = {}
+        self._meshes: dict[Any, tuple[int, tuple[str, ...]]] = {}
+
+    # Light.
+
+    def add_lights(self) -> None:
+        for light in read_lights(self.stage):
+            if isinstance(light, MeshLight):
+                self._emitting[light.path] = light.radiance
+                self._glowing[light.path] = light.losses
+                continue
+            name = light.path.rpartition("/")[2]
+            lamp = add_light(self.document, light, name)
+            if isinstance(lamp, str):
+                self.report.add(light.path, "skipped", lamp)
+                continue
+            self._shine(self._nodes.child(_parent(light.path), name, lamp.world), lamp)
+            self._say(light.path, [*light.losses, *lamp.losses])
+        for portal in read_portals(self.stage):
+            self.report.add(portal.path, "skipped", "it emits nothing: the sky comes in here")
+
+    def _shine(self, node: int, lamp: Lamp) -> None:
+        self.document.objects["nodes"][node]["extensions"] = {EXTENSION: {"light": lamp.number}}
+
+    # Surfaces.
+
+    def add_meshes(self) -> None:
+        reading = read_meshes(self.stage)
+        for path, outcome, reason in reading.losses:
+            self.report.add(path, outcome, reason)
+        lossy = {path for path, _, _ in reading.losses}
+        for mesh in reading:
+            losses = self._add_mesh(mesh)
+            if losses or mesh.path not in lossy:
+                self._say(mesh.path, losses)
+
+    def _add_mesh(self, mesh: PlacedMesh) -> list[str]:
+        losses: list[str] = []
+        emitted = self._emitting.get(str(mesh.prim.GetPath()))
+        radiance = None if emitted is None else tuple(map(float, emitted))
+        parts = [
+            (rows, self._material(mesh, material, radiance, losses))
+            for rows, material in _parts(mesh)
+        ]
+        number, lost = self._mesh(mesh, parts)
+        node = self._nodes.place(mesh.path, mesh.world_from_local)
+        self.document.objects["nodes"][node]["mesh"] = number
+        if emitted is not None and emitted.max() > 0.0:
+            name = f"{mesh.path.rpartition('/')[2]}_light"
+            lamp = add_glow(self.document, mesh, emitted, name)
+            self._shine(self._nodes.child(mesh.path, name, lamp.world), lamp)
+            losses += [*self._glowing[str(mesh.prim.GetPath())], *lamp.losses]
+        return [*losses, *lost]
+
+    def _mesh(
+        self, mesh: PlacedMesh, parts: list[tuple[NDArray[np.intp], Material]]
+    ) -> tuple[int, tuple[str, ...]]:
+        """The number of a mesh and what was lost; repeats of one prototype share it."""
+        # The triangles are kept by the reading, so that their identity is not given to others.
+        key = (id(mesh.mesh), *((material.number, rows.tobytes()) for rows, material in parts))
+        if key not in self._meshes:
+            losses: list[str] = []
+            primitives = []
+            for rows, material in parts:
+                found = vertices(mesh.mesh, rows, material.sets, material.normal_set)
+                losses += found.losses
+                attributes = {
+                    name: self.document.accessor(values, VERTICES)
+                    for name, values in found.attributes.items()
+                }
+                primitive: Object = {
+                    "attributes": attributes,
+                    "indices": self.document.accessor(found.indices, INDICES),
+                    "material": material.number,
+                    "mode": _TRIANGLES,
+                }
+                primitives.append(primitive)
+            said = {"name": mesh.prim.GetName(), "primitives": primitives}
+            self._meshes[key] = self.document.add("meshes", said), tuple(losses)
+        return self._meshes[key]
+
+    def _material(
+        self,
+        mesh: PlacedMesh,
+        material: UsdShade.Material | None,
+        radiance: _Radiance,
+        losses: list[str],
+    ) -> Material:
+        if material is None:
+            color, reason = _display_color(mesh.prim)
+            losses.append(reason)
+            key, name, preview = f"{color}", "no_material", PreviewSurface(base_color=color)
+        else:
+            key, name = _key(material), material.GetPrim().GetName()
+            if key not in self._previews:
+                self._previews[key] = read_preview_surface(material)
+            preview = self._previews[key][0]
+        shown = key, mesh.double_sided, radiance
+        if shown not in self._materials:
+            first = not any(known == key for known, _, _ in self._materials)
+            self._materials[shown] = made = add_material(
+                self.document, self._pictures, preview, name=name,
+                double_sided=mesh.double_sided, radiance=radiance,
+            )  # fmt: skip
+            if material is not None and first:
+                self._say(str(material.GetPath()), [*self._previews[key][1], *made.losses])
+        return self._materials[shown]
+
+    # The rest.
+
+    def add_cameras(self) -> None:
+        from orusd_gltf.cameras import add_camera
+
+        for prim in list_cameras(self.stage):
+            path = str(prim.GetPath())
+            found = add_camera(self.document, prim)
+            if isinstance(found, str):
+                self.report.add(path, "skipped", found)
+                continue
+            number, world, known, lost = found
+            node = self._nodes.place(path, world)
+            self.document.objects["nodes"][node]["camera"] = number
+            self.document.objects["nodes"][node]["extras"] |= known
+            self._say(path, list(filter(None, [lost, clipping_loss(prim)])))
+
+    def name_the_rest(self) -> None:
+        report_unseen(self.stage, self.report)
+        for prim in self.stage.Traverse():
+            if prim.IsA(UsdPhysics.Joint):
+                self.report.add(prim.GetPath(), "skipped", "glTF has no joints of bodies")
+
+    def _say(self, path: str, losses: list[str]) -> None:
+        told = "; ".join(dict.fromkeys(losses))
+        self.report.add(path, "approximated" if told else "translated", told)
+
+
+def _parent(path: str) -> str:
+    return path.rpartition("/")[0]
+
+
+def _key(material: UsdShade.Material) -> str:
+    """The same for all instances of one prototype, which show it under many paths."""
+    prim = material.GetPrim()
+    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+    return str(source.GetPath())
+
+
+def _parts(mesh: PlacedMesh) -> Iterator[tuple[NDArray[np.intp], UsdShade.Material | None]]:
+    """(rows of triangles, their material) for each part of a mesh with a material of its own."""
+    faces = mesh.mesh.faces
+    rest = np.ones(len(faces), dtype=bool)
+    for indices, material in bound_subsets(mesh.prim):
+        rows = np.flatnonzero(rest & np.isin(faces, indices))
+        if len(rows):
+            rest[rows] = False
+            yield rows, material
+    if rest.any():
+        yield np.flatnonzero(rest), bound_material(mesh.prim)
+
+
+def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
+    primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
+    values = np.asarray(primvar.ComputeFlattened(TIME) or [], dtype=np.float64).reshape(-1, 3)
+    if not len(values) or not np.isfinite(values).all():
+        return (0.18, 0.18, 0.18), "it has no material: taken as grey"
+    red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()
+    return (red, green, blue), "it has no material: taken as its displayColor"
