@@ -5,7 +5,7 @@
 - ``variants`` finds the backend that works on this machine,
 - ``session`` opens a translated scene (`openrooms_usd.render.scene`) and renders its cameras,
 - ``plugins`` makes Mitsuba's objects of it, ``tracer`` finds triangles in these,
-- ``render_passes`` says which pictures give which channels of light,
+- ``render_passes`` says which pictures give which channels of light, ``pictures`` keeps these,
 - ``transport`` and ``direct`` estimate these pictures, ``complete`` all of them at once; ``cache``
   keeps what is smooth in them, and ``bias`` says how far a method is off.
 

@@ -11,10 +11,12 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.bias import Bias, SparsePixels, measure
+from orusd_mitsuba.pictures import BLOCK_PIXELS, Changes
 from orusd_mitsuba.render_passes import RenderPass, run_pass
 from orusd_mitsuba.transport.integrator import SparseIntegrator
 from orusd_mitsuba.transport.sampling import batch_seed
@@ -35,6 +37,7 @@ def measurable(channels: Sequence[str]) -> tuple[str, ...]:
 
 def with_bias(
     images: Mapping[str, Image],
+    changes: Changes,
     render_pass: RenderPass,
     biased: SparseIntegrator,
     reference: SparseIntegrator,
@@ -46,6 +49,7 @@ def with_bias(
 
     Args:
         images: By name.
+        changes: What was done to them that is not done to sparse pixels.
         render_pass: What gave them.
         biased: What rendered them.
         reference: Renders the same without bias.
@@ -67,14 +71,22 @@ def with_bias(
         for which in (biased, reference)
     )
     return {
-        name: replace(image, bias=_measured(image, found[name], truth[name], pixels))
+        name: replace(
+            image, bias=_measured(image, found[name], truth[name], pixels, changes.get(name))
+        )
         if name in truth
         else image
         for name, image in images.items()
     }
 
 
-def _measured(image: Image, found: Image, truth: Image, pixels: SparsePixels) -> Bias | None:
+def _measured(
+    image: Image,
+    found: Image,
+    truth: Image,
+    pixels: SparsePixels,
+    change: NDArray[np.float32] | None,
+) -> Bias | None:
     # A pixel may be a tile of the picture, a hemisphere: then its mean counts.
     tile = image.pixels.shape[0] // pixels.height, image.pixels.shape[1] // pixels.width
     rows, columns = np.divmod(pixels.numbers.astype(np.int64), pixels.width)
@@ -84,6 +96,9 @@ def _measured(image: Image, found: Image, truth: Image, pixels: SparsePixels) ->
         row.pixels.reshape(tile[0], -1, tile[1], 3).mean(axis=(0, 2), dtype=np.float64)
         for row in (found, truth)
     )
+    if change is not None:
+        # Each pixel stands for its surroundings: there the change is known, with little noise.
+        a = a + change[rows // BLOCK_PIXELS, columns // BLOCK_PIXELS]
     return measure(a, b, pixels, brightness, paths=tile[0] * tile[1] * truth.samples)
 
 

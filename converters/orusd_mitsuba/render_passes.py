@@ -8,25 +8,23 @@ asked for. Strips of rows are finished one by one: what a pass keeps of the othe
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Final
 
 import numpy as np
 
-from openrooms_usd.channels import CHANNELS, numbered
-from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.estimates import ErrorEstimate
-from openrooms_usd.render.halves import HalvedPicture
+from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene.pictures import Array
 from orusd_mitsuba.complete import channels as complete
+from orusd_mitsuba.complete.integrator import CompleteIntegrator
+from orusd_mitsuba.complete.smoothed import SmoothedPictures
 from orusd_mitsuba.direct.control_variate import PLANES_PER_LIGHT, finish
+from orusd_mitsuba.pictures import Changes, Images, Pick, Pictures, of_lights
 from orusd_mitsuba.transport import hemispheres
 from orusd_mitsuba.transport.integrator import Integrator
 from orusd_mitsuba.transport.path_tracing import KINDS
-from orusd_mitsuba.transport.sampling import Halves, Pick, ProgressiveSampler
+from orusd_mitsuba.transport.sampling import ProgressiveSampler
 
 Progress = Callable[[float], None]
-Images = dict[str, Image]
 
 
 @dataclass(frozen=True)
@@ -136,8 +134,10 @@ def run_pass(
     channels: Sequence[str],
     lights: int,
     progress: Progress,
-) -> tuple[Images, ProgressiveSampler]:
+) -> tuple[Images, Changes, ProgressiveSampler]:
     """Render one pass until the request is met.
+
+    With guides, indirect irradiance is smoothed.
 
     Args:
         render_pass: What it is.
@@ -148,72 +148,20 @@ def run_pass(
         progress: Called with the finished fraction.
 
     Returns:
-        The images by name, and what rendered them.
+        The images by name, what smoothing has changed of these, and what rendered them.
     """
     start = time.perf_counter()
     if request.samples is not None:
         request = replace(request, samples=max(1, request.samples // render_pass.fewer))
     sampler = ProgressiveSampler(integrator, request, progress, render_pass.judged, render_pass.key)
-    pictures = _Pictures(render_pass, channels, lights, integrator.size)
+    picks = of_lights({name: render_pass.picks[name] for name in channels}, lights)
+    pictures = Pictures(picks, integrator.size)
+    if isinstance(integrator, CompleteIntegrator) and integrator.guided:
+        pictures = SmoothedPictures(picks, integrator.size, integrator.lights)
     sampler.run(pictures.finish)
-    replaced, seconds = int(integrator.broken.sum()), time.perf_counter() - start
     samples = sampler.samples[0], sampler.samples[1]
-    return pictures.images(samples, seconds, replaced, keep=request.halves), sampler
-
-
-def _picked(pick: Callable[[Array, int], Array], light: int, planes: Array) -> Array:
-    return pick(planes, light)
-
-
-class _Pictures:
-    """The channels of one pass, which fill up strip by strip.
-
-    Args:
-        render_pass: What gives them.
-        channels: Those that it shall give.
-        lights: How many there are.
-        size: Height and width.
-    """
-
-    def __init__(
-        self, render_pass: RenderPass, channels: Sequence[str], lights: int, size: tuple[int, int]
-    ) -> None:
-        self._picks: dict[str, Callable[[Array], Array]] = {}
-        for name in channels:
-            of_light, pick = CHANNELS[name].scope == "light", render_pass.picks[name]
-            for light in range(lights) if of_light else (0,):
-                single = numbered(name, light) if of_light else name
-                self._picks[single] = partial(_picked, pick, light)
-        self._kept = {
-            name: HalvedPicture.blank(np.zeros((*size, 3), np.float32)) for name in self._picks
-        }
-
-    def finish(self, rows: slice, halves: Halves) -> None:
-        """Fill in a strip."""
-        mean, each = halves.mean.astype(np.float64), halves.each
-        for name, pick in self._picks.items():
-            self._kept[name].pixels[rows] = pick(mean)
-            if each:
-                self._kept[name].fill(rows, pick(each[0]), pick(each[1]))
-
-    def images(
-        self, samples: tuple[int, int], seconds: float, replaced: int, *, keep: bool
-    ) -> Images:
-        """The finished ones.
-
-        Args:
-            samples: Of a pixel, in each half.
-            seconds: What they took.
-            replaced: Pixels in which there was no number.
-            keep: Whether images shall have their halves.
-        """
-        images: Images = {}
-        for name in self._picks:
-            kept = self._kept.pop(name)
-            halves = kept.of(samples) if min(samples) else None
-            told = halves.estimate if halves else ErrorEstimate(None, None)
-            images[name] = Image(
-                kept.pixels, sum(samples), seconds, told.relative_mse, replaced,
-                halves if keep else None, robust_error=told.robust,
-            )  # fmt: skip
-        return images
+    if isinstance(pictures, SmoothedPictures):
+        pictures.smooth(samples)
+    replaced, seconds = int(integrator.broken.sum()), time.perf_counter() - start
+    images = pictures.images(samples, seconds, replaced, keep=request.halves)
+    return images, pictures.changes, sampler

@@ -23,7 +23,9 @@ from orusd_mitsuba.cache.scattered import CachedLight
 from orusd_mitsuba.complete.channels import RECEIVED
 from orusd_mitsuba.complete.integrator import CompleteIntegrator, Wanted
 from orusd_mitsuba.complete.meeting import CompleteScene
+from orusd_mitsuba.complete.smoothed import SMOOTHED
 from orusd_mitsuba.direct.integrator import DirectIntegrator
+from orusd_mitsuba.pictures import Changes
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.render_passes import (
     COMPLETE,
@@ -120,10 +122,12 @@ class MitsubaSession:
         for number, (render_pass, found) in enumerate(needed):
             integrator = self._integrator(render_pass, camera, request, found)
             share = partial(_share, progress, number, len(needed))
-            given, sampler = run_pass(
+            given, changes, sampler = run_pass(
                 render_pass, integrator, part, found, len(self._sources), share
             )
-            images |= self._measured(given, render_pass, integrator, camera, request, found)
+            images |= self._measured(
+                given, changes, render_pass, integrator, camera, request, found
+            )
             self._note(request, render_pass.name, sampler, int(integrator.broken.sum()))
         return images
 
@@ -199,6 +203,7 @@ class MitsubaSession:
     def _measured(
         self,
         images: Mapping[str, Image],
+        changes: Changes,
         render_pass: RenderPass,
         integrator: Integrator,
         camera: PinholeCamera,
@@ -213,8 +218,9 @@ class MitsubaSession:
         reference = self._integrator(render_pass, camera, alike, channels)
         assert isinstance(integrator, SparseIntegrator) and isinstance(reference, SparseIntegrator)
         return with_bias(
-            images, render_pass, integrator, reference, request, wanted, len(self._sources)
-        )
+            images, changes, render_pass, integrator, reference, request, wanted,
+            len(self._sources),
+        )  # fmt: skip
 
     def _integrator(
         self,
@@ -255,6 +261,7 @@ class MitsubaSession:
                 by_light=by_light,
                 rest=not RECEIVED.issuperset(channels),
                 unoccluded=not {"unoccluded_i", "visibility_i"}.isdisjoint(channels),
+                guides=light is not None and not set(SMOOTHED).isdisjoint(channels),
             )
             return CompleteIntegrator(self._complete, scattered, camera, *size, depth, wanted)
         return PathIntegrator(

@@ -41,6 +41,19 @@ class HalvedPicture:
             part = np.divide(half - pixels, pixels, out=np.zeros_like(pixels), where=pixels != 0.0)
             kept[rows] = np.clip(part, -_MOST_OF_HALF_PRECISION, _MOST_OF_HALF_PRECISION)
 
+    def add(self, mean: NDArray[Any], a: NDArray[Any], b: NDArray[Any] | None = None) -> None:
+        """Add to the picture and its halves; what would be negative becomes 0.
+
+        Args:
+            mean: To the picture.
+            a: To one half.
+            b: To the other; None: the same.
+        """
+        pixels = self.pixels.astype(np.float64)
+        halves = pixels * (1.0 + self.a) + a, pixels * (1.0 + self.b) + (a if b is None else b)
+        self.pixels[:] = np.maximum(pixels + mean, 0.0)
+        self.fill(slice(None), *halves)
+
     def of(self, samples: tuple[int, int]) -> "KeptHalves":
         """The same, of so many samples each."""
         return KeptHalves(self.pixels, self.a, self.b, samples)

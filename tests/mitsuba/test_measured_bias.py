@@ -33,7 +33,7 @@ def rendered(mi: Any, half_hidden: Any) -> Callable[..., tuple[dict[str, Image],
     def render(depth: int, **how: Any) -> tuple[dict[str, Image], Any]:
         integrator = PathIntegrator(lit.built, lit.index, camera, *SIZE, lit.scene.origin, depth)
         request = replace(REQUEST, **how)
-        images, _ = run_pass(
+        images, _, _ = run_pass(
             RADIANCE, integrator, request, CHANNELS_HERE, lit.index.count, lambda done: None
         )
         return images, integrator
@@ -46,7 +46,7 @@ def measured(images: dict[str, Image], biased: Any, reference: Any, **how: Any) 
     from orusd_mitsuba.render_passes import RADIANCE
 
     request, lights = replace(REQUEST, **how), sum(name.startswith("radiance_") for name in images)
-    return with_bias(images, RADIANCE, biased, reference, request, CHANNELS_HERE, lights)
+    return with_bias(images, {}, RADIANCE, biased, reference, request, CHANNELS_HERE, lights)
 
 
 def test_a_method_that_stops_too_early_is_too_dark_by_what_it_leaves_out(rendered: Any) -> None:
@@ -68,6 +68,26 @@ def test_a_method_that_stops_too_early_is_too_dark_by_what_it_leaves_out(rendere
     assert lost and (lost.worst_tenth or 0.0) > -lost.total > 5 * lost.total_error
     lost = told["indirect"].bias
     assert lost and lost.total == -1.0 and lost.worst_tenth == pytest.approx(1.0, abs=0.1)
+
+
+def test_what_is_changed_after_the_samples_is_part_of_the_bias(rendered: Any) -> None:
+    """Three tenths of the light of one block are taken away; no sparse pixel knows of it."""
+    from orusd_mitsuba.bias import with_bias
+    from orusd_mitsuba.render_passes import RADIANCE
+
+    images, integrator = rendered(LONG, samples=64)
+    change = np.zeros((3, 3, 3), dtype=np.float32)
+    mean = images["radiance"].pixels.mean()
+    change[1, 2] = -0.3 * mean
+    lights = sum(name.startswith("radiance_") for name in images)
+    told = with_bias(
+        images, {"radiance": change}, RADIANCE, integrator, integrator, REQUEST, CHANNELS_HERE,
+        lights,
+    )  # fmt: skip
+    bias = told["radiance"].bias
+    # Of 48 x 36 pixels the block has 16 x 16.
+    assert bias and bias.total == pytest.approx(-0.3 * 256 / (48 * 36), rel=0.2)
+    assert told["indirect"].bias and told["indirect"].bias.total == 0.0
 
 
 def test_a_method_without_bias_is_told_to_have_none(rendered: Any) -> None:

@@ -21,6 +21,11 @@ SUMS: Final = (
 )
 """What is summed of every light."""
 
+GUIDES: Final = ("albedo", "normal", "position", "nearness")
+"""What is summed of first surfaces, if that is wanted: Lambert's albedo, unit normal, position in
+metres; of the last the first component is the inverse distance to what a direction by the cosine
+meets, per metre, the second 1."""
+
 KINDS: Final[dict[str, tuple[str, ...]]] = {
     "emission": ("emission",),
     "direct": ("diffuse_direct", "rest_direct"),
@@ -31,6 +36,9 @@ KINDS: Final[dict[str, tuple[str, ...]]] = {
     "irradiance_indirect": ("irradiance_indirect",),
 }
 """Pictures that there are once, and what is summed over all lights for them."""
+
+# Of what rays meet nearer than that, metres, the distance counts as this.
+_NEAREST_M: Final = 1e-3
 
 OF_LIGHT: Final[dict[str, tuple[str, ...]]] = {
     "radiance": SUMS[:5],
@@ -49,17 +57,18 @@ class WholeAccumulator:
     Args:
         strands: How many there are.
         lights: How many lights; None adds them all as of the first.
+        guided: Whether `GUIDES` are summed as well.
 
     Attributes:
-        entries: (`SUMS` * lights * 3 * strands).
+        entries: (`rows_of` * 3 * strands).
     """
 
-    def __init__(self, strands: int, lights: int | None) -> None:
-        self.strands, self._by_light = strands, lights is not None
+    def __init__(self, strands: int, lights: int | None, *, guided: bool = False) -> None:
+        self.strands, self._by_light, self._guided = strands, lights is not None, guided
         # As variables, not as parts of the compiled code.
         self._stride = dr.opaque(mi.UInt32, strands)
         self._lights = dr.opaque(mi.UInt32, lights or 1)
-        self.entries = dr.zeros(mi.Float, rows_of(lights) * 3 * strands)
+        self.entries = dr.zeros(mi.Float, rows_of(lights, guided) * 3 * strands)
 
     def emitted(self, value: Any, light: Any, active: Any) -> None:
         """Add what the first surface emits, or the sky."""
@@ -90,9 +99,29 @@ class WholeAccumulator:
         """Add straight irradiance as if nothing stood in its way."""
         self._add("unoccluded", light, lux, active)
 
+    def guide(self, at: FirstSurface, meets: Any, distance: Any) -> None:
+        """Add what first surfaces are like, if that is wanted.
+
+        Args:
+            at: The surfaces.
+            meets: Where a direction by the cosine meets anything.
+            distance: How far away, metres.
+        """
+        if not self._guided:
+            return
+        # A ray that begins in a crease would count for all others.
+        nearness = dr.select(meets, dr.rcp(dr.maximum(distance, _NEAREST_M)), 0.0)
+        values = at.albedo, at.normal, at.si.p, mi.Vector3f(nearness, 1.0, 0.0)
+        for number, value in enumerate(values):
+            self._add_to(len(SUMS) * self._lights + number, value, at.active)
+
     def _add(self, name: str, light: Any, value: Any, active: Any) -> None:
+        self._add_to(
+            SUMS.index(name) * self._lights + (light if self._by_light else 0), value, active
+        )
+
+    def _add_to(self, row: Any, value: Any, active: Any) -> None:
         strand = dr.arange(mi.UInt32, self.strands)
-        row = SUMS.index(name) * self._lights + (light if self._by_light else 0)
         for channel in range(3):
             place = (row * 3 + channel) * self._stride + strand
             dr.scatter_reduce(
@@ -101,14 +130,14 @@ class WholeAccumulator:
             )  # fmt: skip
 
 
-def rows_of(lights: int | None) -> int:
+def rows_of(lights: int | None, guided: bool = False) -> int:
     """How many sums there are."""
-    return len(SUMS) * (lights or 1)
+    return len(SUMS) * (lights or 1) + guided * len(GUIDES)
 
 
-def pictures_of(lights: int | None) -> int:
-    """How many pictures are made of them: `KINDS`, then each of `OF_LIGHT` for all lights."""
-    return len(KINDS) + len(OF_LIGHT) * (lights or 0)
+def pictures_of(lights: int | None, guided: bool = False) -> int:
+    """How many pictures are made of them: `KINDS`, each of `OF_LIGHT` for all lights, `GUIDES`."""
+    return len(KINDS) + len(OF_LIGHT) * (lights or 0) + guided * len(GUIDES)
 
 
 def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float32]:
@@ -118,6 +147,7 @@ def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float3
         sums: (`rows_of`, ...) the means over samples.
         lights: How many lights; None where they were all added as of the first.
     """
+    sums, guides = np.split(sums, [len(SUMS) * (lights or 1)])
     by_light = sums.reshape(len(SUMS), lights or 1, *sums.shape[1:])
     whole = by_light.sum(axis=1, dtype=np.float64)
     once = [_sum_of(whole, names) for names in KINDS.values()]
@@ -125,7 +155,8 @@ def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float3
     for name in ("direct", "indirect"):
         np.maximum(once[[*KINDS].index(name)], 0.0, out=once[[*KINDS].index(name)])
     each = [] if lights is None else [_sum_of(by_light, names) for names in OF_LIGHT.values()]
-    found = np.concatenate([np.stack(once), *(np.maximum(values, 0.0) for values in each)])
+    lit = [np.stack(once), *(np.maximum(values, 0.0) for values in each)]
+    found = np.concatenate([*lit, guides])
     return np.asarray(found, dtype=np.float32)
 
 

@@ -33,6 +33,7 @@ class FirstSurface:
         active: See above.
         crossed: See above.
         albedo: What Lambert's reflection has of each colour.
+        normal: That of the ground truth, on the side of the camera, in the world.
         undivided: Where the rest is all that the surface scatters; None where that is nowhere.
     """
 
@@ -41,6 +42,7 @@ class FirstSurface:
         found = matter(si, active)
         self.albedo = found.diffuse
         self._view = view_of(si, found.relief)
+        self.normal = si.to_world(self._view.frame.n)
         self._model = Reflection(found, self._view, lobe=1.0, reflection=0.0, passage=1.0)
         self._bsdf, self.undivided, self._matte = _NOTHING, _NOTHING, _NOTHING
         if matter.matte is not None:

@@ -9,7 +9,7 @@ by light and by kind, so they agree but for rounding.
 """
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import drjit as dr
 import mitsuba as mi
@@ -61,15 +61,17 @@ class Wanted:
         by_light: Whether to split by light.
         rest: Whether what surfaces scatter but for Lambert's reflection is wanted.
         unoccluded: Whether light is wanted as if nothing stood in its way.
+        guides: Whether `accumulator.GUIDES` are wanted.
     """
 
     by_light: bool = True
     rest: bool = True
     unoccluded: bool = True
+    guides: bool = False
 
 
 class CompleteIntegrator(BandedIntegrator):
-    """Renders batches of a camera: `accumulator.KINDS`, then `accumulator.OF_LIGHT`.
+    """Renders batches of a camera: `accumulator.KINDS`, `accumulator.OF_LIGHT`, and `GUIDES`.
 
     Args:
         scene: What it sees.
@@ -79,6 +81,10 @@ class CompleteIntegrator(BandedIntegrator):
         height: Pixels.
         depth: At most this many segments of a path.
         wanted: What it is for.
+
+    Attributes:
+        lights: How many lights are told apart; None where they are not.
+        guided: Whether the last pictures are `accumulator.GUIDES`.
     """
 
     def __init__(
@@ -93,14 +99,22 @@ class CompleteIntegrator(BandedIntegrator):
     ) -> None:
         self._scene, self._scattered = scene, scattered
         self._depth, self._wanted = depth, wanted
-        self._lights = scene.index.count if wanted.by_light else None
-        super().__init__(camera, width, height, scene.origin, pictures_of(self._lights))
+        self.lights = scene.index.count if wanted.by_light else None
+        self.guided = wanted.guides
+        planes = pictures_of(self.lights, self.guided)
+        super().__init__(camera, width, height, scene.origin, planes)
 
     def _fit(self, height: int, width: int) -> None:
         super()._fit(height, width)
         # Sums are by strand, not by sample.
-        self.capacity = _MOST_SUMS // (3 * rows_of(self._lights))
+        self.capacity = _MOST_SUMS // (3 * rows_of(self.lights, self.guided))
         self.most = _MOST_SAMPLES
+
+    def sparse(self, pixels: NDArray[np.uint32]) -> Self:
+        """See `BandedIntegrator`; without guides: such pixels have no neighbours."""
+        found = super().sparse(pixels)
+        found.guided, found.planes = False, pictures_of(self.lights)
+        return found
 
     def strips(self, samples: int) -> list[slice]:
         """Rows to render at once: of however many samples."""
@@ -114,10 +128,10 @@ class CompleteIntegrator(BandedIntegrator):
         pixels = band.width * band.rows
         strands = max(1, min(band.samples, min(_THREADS, self.capacity) // pixels))
         threads = Band(self, band.where, strands, band.seed)
-        sums = WholeAccumulator(threads.paths, self._lights)
+        sums = WholeAccumulator(threads.paths, self.lights, guided=self.guided)
         _take_samples(self, threads, threads.sampler(), band.samples, sums)
         means = threads.means(sums.entries) * np.float32(strands / band.samples)
-        return np.ascontiguousarray(np.moveaxis(pictures(means, self._lights), 1, 3))
+        return np.ascontiguousarray(np.moveaxis(pictures(means, self.lights), 1, 3))
 
     def sample(
         self, threads: Band, sampler: Any, samples: int, number: Any, sums: WholeAccumulator
@@ -194,8 +208,10 @@ class CompleteIntegrator(BandedIntegrator):
         active = at.active & (density > 0.0)
         if self._wanted.unoccluded:
             meet_unoccluded(self._scene, at, direction, density, active, sums)
-        straight = Received(sums, at, "direct")
-        return self._follow(at, direction, density, mi.Color3f(1.0), active, sampler, straight)
+        straight, weight = Received(sums, at, "direct"), mi.Color3f(1.0)
+        found = self._follow(at, direction, density, weight, active, sampler, straight)
+        sums.guide(at, found.active, dr.norm(found.si.p - at.si.p))
+        return found
 
     def _by_rest(
         self, at: FirstSurface, numbers: PixelLattice, sampler: Any, sums: WholeAccumulator
