@@ -247,7 +247,7 @@ class MitsubaSession:
             seen = replace(camera, K=coarse(camera, size, request.grid))
             return HemisphereIntegrator(
                 self._scene, self._built, self._index, self.tracer, seen, request.grid,
-                request.bounces + 1, paths=light.arriving() if light else None,
+                request.bounces + 1, arrival=light.arriving() if light else None,
             )  # fmt: skip
         depth = request.bounces + 1
         by_light = any(CHANNELS[name].scope == "light" for name in channels)

@@ -124,7 +124,7 @@ def test_environment_maps_look_it_up(build: Any, lit: Any) -> None:
         np.stack([integrator(2, seed) for seed in range(12)]).mean(axis=(2, 3, 4))
         for integrator in (
             hemispheres_of(room),
-            hemispheres_of(room, paths=room.cache().arriving()),
+            hemispheres_of(room, arrival=room.cache().arriving()),
         )
     )
     error = np.sqrt((reference.var(axis=0, ddof=1) + cached.var(axis=0, ddof=1)) / 12)

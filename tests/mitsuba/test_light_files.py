@@ -78,7 +78,8 @@ def test_what_was_no_number_is_counted_in_every_channel(
 
     # Two pixels, and two cells of hemispheres: a red and a green one share theirs.
     pixels = [np.s_[:, 1, 2, 0], np.s_[:, 1, 2, 1], np.s_[:, 3, 4, 2]]
-    cells = [np.s_[:, 0, 3, 4, 0], np.s_[:, 0, 3, 4, 1], np.s_[:, 1, 3, 5, 2]]
+    row = 6 * 32
+    cells = [np.s_[:, 3 * row + 4, 0], np.s_[:, 3 * row + 4, 1], np.s_[:, 3 * row + 37, 2]]
     for owner, name, where in (
         (complete_integrator.CompleteIntegrator, "_band", pixels),
         (incident.IncidentRadiance, "__call__", cells),

@@ -4,7 +4,8 @@
 - ``population`` finds points of them where light may come, ``filling`` what arrives there: by
   ``links`` of what lights and other surfels send, and ``bounces`` from one to the other.
 - ``tracing`` follows paths that end where the cache knows what is scattered, ``lookup`` adds that.
-- ``arriving`` looks up what very many rays bring to points, for environment maps.
+- ``arriving`` looks up what very many rays bring to points, for environment maps: what surfels
+  have ``sent``.
 - ``scattered`` gives them to whoever finds straight light by itself.
 - ``room_light`` is the cache of an opened room: filled, or read from its file.
 """

@@ -1,8 +1,9 @@
 """Light that arrives at points by very many rays, as of environment maps, looked up at most.
 
-Of most rays nothing is asked but which surfel they meet and what that sends back diffusely. What is
-left (lamps, the sky, short rays, surfaces that are not known, and by chance lobes) is a small part;
-it is gathered together and followed apart, so that no ray waits for its neighbours' longer ways.
+Of most rays nothing is asked but which surfel they meet and what that sends on. What is left (lamps
+and sky, short rays, strong lobes, surfaces that are not known) is a small part. It is gathered and
+followed apart, so that no ray waits for its neighbours' longer ways: to the first surface, with a
+sample of the lights and one direction from there, whose end is looked up in its turn.
 """
 
 from typing import Any, Final
@@ -13,22 +14,29 @@ import numpy as np
 
 from openrooms_usd.render.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import CacheData
-from orusd_mitsuba.cache.surfels import NEAREST_PER_SIZE, SurfelIndex
-from orusd_mitsuba.cache.tracing import (
-    CHANCE_PER_ALBEDO,
-    LEAST_CHANCE,
-    LEAST_LOBE_ALBEDO,
-    Surroundings,
-    follow,
-)
-from orusd_mitsuba.plugins.memory import aligned
+from orusd_mitsuba.cache.sent import SurfelLight
+from orusd_mitsuba.cache.tracing import CHANCE_PER_ALBEDO, Surroundings, follow
+from orusd_mitsuba.plugins.openrooms_bsdf import Reflection
+from orusd_mitsuba.transport.arrival import Begin, Start
+from orusd_mitsuba.transport.lattice import TEA_ROUNDS
+from orusd_mitsuba.transport.path_tracing import Prefix, power_heuristic
 
-# Set in the piece of a triangle that is not to be looked up.
-_APART: Final = 1 << 31
+# Light samples of a point for each direction of its cells: lamps fall into few of them, and what is
+# broad is found by the directions.
+_LIGHT_SAMPLES: Final = 64
+# Rays shorter than this many edges of a surfel do not look it up: the first one, and the next.
+_NEAREST_PER_SIZE: Final = 1.0
+_NEAREST_SECOND_PER_SIZE: Final = 0.5
+# What lobes that reflect less than this of even light send is taken as even.
+_LEAST_LOBE_ALBEDO: Final = 0.1
+# Set random numbers apart.
+_CHANCE_SALT: Final = 0x6C6F6265
+_ONCE_SALT: Final = 0x6F6E6365
+_ONWARDS_SALT: Final = 0x6F6E7761
 
 
-class ArrivingPaths:
-    """Paths from points that light arrives at: see `orusd_mitsuba.transport.paths.Paths`.
+class LookedUpArrival:
+    """See `orusd_mitsuba.transport.arrival.Arrival`.
 
     No dataclass: Dr.Jit would carry its arrays through loops.
 
@@ -40,72 +48,142 @@ class ArrivingPaths:
     """
 
     def __init__(self, scene: Scene, around: Surroundings, data: CacheData, tabulated: Any) -> None:
-        self._around = around
-        self._index = SurfelIndex(scene, around.built, data.table.size_m, data.table)
-        a, b, c = np.moveaxis(scene.triangles.corners, 1, 0)
-        normals = np.cross(b - a, c - a)
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-        apart = np.array([patch.radiance is not None for patch in scene.patches]) | ~tabulated
-        pieces = scene.triangles.pieces.astype(np.uint32)
-        pieces |= np.repeat(apart, np.diff(scene.offsets)).astype(np.uint32) * np.uint32(_APART)
-        rows = np.column_stack([normals.astype(np.float32), pieces.view(np.float32)])
-        self._triangles = mi.Float(aligned(rows))
-        first = data.irradiance[:, 0].sum(axis=1)
-        sent = (data.reflected * first + data.passed * first[data.behind]) / np.float32(np.pi)
-        chance = np.clip(CHANCE_PER_ALBEDO * data.lobe, LEAST_CHANCE, 1.0)
-        chance = np.where(data.lobe > LEAST_LOBE_ALBEDO, chance, 0.0)
-        self._sent = mi.Float(aligned(np.column_stack([sent, chance]).astype(np.float32)))
+        self._around, self._built = around, around.built
+        self._light = SurfelLight(scene, around.built, data, tabulated)
+        strong = data.lobe >= _LEAST_LOBE_ALBEDO
+        chance = np.where(strong, np.minimum(CHANCE_PER_ALBEDO * data.lobe, 1.0), 0.0)
+        self._first = self._light.sent(0, np.where(strong, 0.0, data.lobe), chance)
+        self._second = self._light.sent(1, data.lobe, chance)
 
-    def follow(
-        self,
-        sampler: Any,
-        ray: Any,
-        accumulator: Any,
-        *,
-        first: Any = None,
-        active: Any = True,
-        begun: Any = None,
-        numbers: Any = None,
-        prefix: Any = None,
-    ) -> None:
-        """See `Paths`; with ``begun``, into a `PathAccumulator`, and outside loops."""
-        point, density = begun
-        hit = self._around.built.ray_intersect_preliminary(ray, active=active)
-        meets = active & hit.is_valid()
-        row = self._index.triangle(hit.shape, hit.prim_index, meets)
-        triangle = dr.gather(mi.Vector4f, self._triangles, row, meets)
-        piece: Any = dr.reinterpret_array(mi.UInt32, triangle.w)
-        normal = mi.Vector3f(triangle.x, triangle.y, triangle.z)
-        normal = dr.select(dr.dot(normal, ray.d) <= 0.0, normal, -normal)
-        far = hit.t > NEAREST_PER_SIZE * self._index.size
-        asked = meets & far & (piece < _APART)
-        surfel, known = self._index.find_at(ray(hit.t), normal, piece, asked)
-        sent = dr.gather(mi.Vector4f, self._sent, surfel, known)
-        color = mi.Color3f(sent.x, sent.y, sent.z)
-        accumulator.add(color, mi.UInt32(0), mi.UInt32(1), known)
-        drawn = sampler.next_1d()
-        left = active & (~known | (drawn < sent.w))
-        carried = dr.select(known, dr.rcp(sent.w), 1.0)
-        dr.eval(left, known, carried, drawn, ray.o, ray.d, point.p, point.n, density)
+    def light_samples(self, cells: int) -> int:
+        """See `Arrival`."""
+        return _LIGHT_SAMPLES
+
+    def arriving(self, begin: Begin, rays: int, seed: int) -> tuple[Any, Any]:
+        """See `Arrival`."""
+        number = dr.arange(mi.UInt32, rays)
+        start = begin(number)
+        hit = self._built.ray_intersect_preliminary(start.ray, active=start.active)
+        color, chance, known = self._looked_up(start, hit)
+        draw: Any = mi.sample_tea_float32
+        salt = dr.opaque(mi.UInt32, (seed ^ _CHANCE_SALT) & 0xFFFFFFFF)
+        left = start.active & (~known | (draw(number, salt, TEA_ROUNDS) < chance))
+        dr.eval(color, left)
         rest: Any = dr.compress(left)
-        if not dr.width(rest):
-            return
-        self._rest(accumulator.part(rest), rest, ray, point, density, (known, carried), drawn)
+        straight = mi.Color3f(*(dr.zeros(mi.Float, rays) for _ in range(3)))
+        if dr.width(rest):
+            sums = RaySums(straight, color, rest)
+            self._once(begin(rest), sums, seed)
+        return straight, color
 
-    def _rest(
-        self, accumulator: Any, rest: Any, ray: Any, point: Any, density: Any, counted: Any,
-        drawn: Any,
-    ) -> None:  # fmt: skip
-        """What is followed apart."""
-        sampler = mi.load_dict({"type": "independent"})
-        # By what was drawn first: no other batch of rays has the same.
-        sampler.seed(int(float(drawn[0]) * 2.0**32), dr.width(rest))
-        at = dr.zeros(mi.SurfaceInteraction3f, dr.width(rest))
-        at.p = dr.gather(mi.Point3f, point.p, rest)
-        at.n = dr.gather(mi.Normal3f, point.n, rest)
+    def _looked_up(self, start: Start, hit: Any) -> tuple[Any, Any, Any]:
+        """What rays meet sends diffusely, the chance of its lobe, and whether that is known."""
+        meets = start.active & hit.is_valid()
+        met = self._light.meet(start.ray, hit, meets)
+        known = met.known & ~met.emits & (hit.t > _NEAREST_PER_SIZE * self._light.size)
+        sent = dr.gather(mi.Vector4f, self._first, met.surfel, known)
+        return mi.Color3f(sent.x, sent.y, sent.z), sent.w, known
+
+    def _once(self, start: Start, sums: "RaySums", seed: int) -> None:
+        """Rays that are followed: what they meet is scattered once, and then looked up."""
+        around, built, ray = self._around, self._built, start.ray
+        sampler = _sampler(seed ^ _ONCE_SALT, dr.width(ray))
+        hit = built.ray_intersect_preliminary(ray, active=start.active)
+        _, chance, counted = self._looked_up(start, hit)
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.All, start.active)
+        sums.straight(self._emitted(si, start.at, start.density, start.active), start.active)
+        # 1. Light that is looked for; of what has been looked up only the lobe is asked.
+        onwards = start.active & si.is_valid()
+        onwards &= around.depth > 1
+        matter = around.materials(si, around.tabulated(si.shape, onwards))
+        full: Any = dr.select(counted, mi.Float(0.0), mi.Float(1.0))
+        reflection = Reflection.of(matter, si, 1.0, full, full)
+        to, incident = built.sample_emitter_direction(si, sampler.next_2d(), True, onwards)
+        local = si.to_local(to.d)
+        value, pdf = reflection.value(reflection.view.frame.to_local(local), local)
+        throughput = dr.select(counted, dr.rcp(chance), 1.0)
+        lit = onwards & (to.pdf > 0.0)
+        share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, pdf))
+        sums.scattered(throughput * value * incident * share, lit)
+        # 2. One direction, and what it meets.
+        wo, _ = reflection.direction(sampler.next_1d(), sampler.next_2d())
+        turned = reflection.view.frame.to_world(wo)
+        value, drawn = reflection.value(wo, turned)
+        onwards &= (drawn > 0.0) & (dr.max(value) > 0.0)
+        weight = throughput * value / dr.select(onwards, drawn, 1.0)
+        ray = si.spawn_ray(si.to_world(turned))
+        hit = built.ray_intersect_preliminary(ray, active=onwards)
+        end = hit.compute_surface_interaction(ray, mi.RayFlags.All, onwards)
+        sums.scattered(weight * self._emitted(end, si, drawn, onwards), onwards)
+        meets = onwards & hit.is_valid()
+        met = self._light.meet(ray, hit, meets)
+        sent = dr.gather(mi.Vector4f, self._second, met.surfel, met.known)
+        known = met.known & (sent.w == 0.0) & (hit.t > _NEAREST_SECOND_PER_SIZE * self._light.size)
+        sums.scattered(weight * mi.Color3f(sent.x, sent.y, sent.z), known)
+        # 3. What is still not known is followed as any path is.
+        left = meets & ~known
+        dr.eval(left, ray.o, ray.d, weight)
+        rest: Any = dr.compress(left)
+        if dr.width(rest):
+            self._onwards(ray, weight, rest, sums.part(rest), seed)
+
+    def _onwards(self, ray: Any, weight: Any, rest: Any, sums: "RaySums", seed: int) -> None:
+        """Some of the rays that have been scattered once, which carry a weight."""
+        sampler = _sampler(seed ^ _ONWARDS_SALT, dr.width(rest))
         onto = mi.Ray3f(dr.gather(mi.Point3f, ray.o, rest), dr.gather(mi.Vector3f, ray.d, rest))
-        follow(
-            self._around, sampler, onto, accumulator,
-            begun=(at, dr.gather(mi.Float, density, rest)),
-            counted=tuple(dr.gather(type(part), part, rest) for part in counted),
-        )  # fmt: skip
+        elsewhere = dr.opaque(mi.UInt32, self._around.index.elsewhere)
+        before = Prefix(dr.gather(mi.Color3f, weight, rest), mi.UInt32(1), elsewhere)
+        follow(self._around, sampler, onto, sums, prefix=before)
+
+    def _emitted(self, si: Any, before: Any, density: Any, active: Any) -> Any:
+        """What lamps or the sky send straight, weighted against samples of them."""
+        emitter = si.emitter(self._built)
+        emits = active & (emitter != None)  # noqa: E711
+        ds = mi.DirectionSample3f(self._built, si, before)
+        other = self._built.pdf_emitter_direction(before, ds, emits)
+        return dr.select(emits, emitter.eval(si, emits) * power_heuristic(density, other), 0.0)
+
+
+class RaySums:
+    """Sums of what comes along some of many rays.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Args:
+        straight: A colour for each of all rays, to which is added what lights send straight.
+        scattered: The same of what surfaces send.
+        rays: The numbers of the rays that threads are for.
+    """
+
+    def __init__(self, straight: Any, scattered: Any, rays: Any) -> None:
+        self._planes, self._rays = (straight, scattered), rays
+
+    def part(self, threads: Any) -> "RaySums":
+        """The same sums for some of the threads, by their numbers."""
+        return RaySums(*self._planes, dr.gather(mi.UInt32, self._rays, threads))
+
+    def straight(self, value: Any, active: Any) -> None:
+        """Add what lights send straight."""
+        self._add(self._planes[0], value, active)
+
+    def scattered(self, value: Any, active: Any) -> None:
+        """Add what surfaces send."""
+        self._add(self._planes[1], value, active)
+
+    def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
+        """See `orusd_mitsuba.transport.path_tracing.Accumulator`; all that paths bring later."""
+        self.scattered(value, active)
+
+    def _add(self, color: Any, value: Any, active: Any) -> None:
+        for channel in range(3):
+            dr.scatter_reduce(
+                dr.ReduceOp.Add, color[channel], value[channel], self._rays, active,
+                mode=dr.ReduceMode.NoConflicts,
+            )  # fmt: skip
+
+
+def _sampler(seed: int, count: int) -> Any:
+    """Independent random numbers."""
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(seed & 0xFFFFFFFF, count)
+    return sampler

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.render import light_store
 from openrooms_usd.render.scene.arrays import Scene
-from orusd_mitsuba.cache.arriving import ArrivingPaths
+from orusd_mitsuba.cache.arriving import LookedUpArrival
 from orusd_mitsuba.cache.filling import CacheData, fill
 from orusd_mitsuba.cache.lookup import LightCache, Nothing
 from orusd_mitsuba.cache.surfels import SurfelTable
@@ -55,12 +55,12 @@ class RoomLight:
         cache = LightCache(self._scene, self._built, self._data, by_light=by_light, first=2)
         return CachedPaths(self._around(cache, self._bounces + 1))
 
-    def arriving(self) -> ArrivingPaths:
+    def arriving(self) -> LookedUpArrival:
         """Paths from points that light arrives at, one scattering before the camera."""
         cache = LightCache(self._scene, self._built, self._data, by_light=False, first=1)
         around = self._around(cache, self._bounces)
         rows = self._builder.in_table(self._scene)
-        return ArrivingPaths(self._scene, around, self._data, rows)
+        return LookedUpArrival(self._scene, around, self._data, rows)
 
     @cached_property
     def _data(self) -> CacheData:

@@ -8,8 +8,8 @@
   surface white, for irradiance.
 - ``integrator`` is what estimates a camera's pictures, a batch at a time: ``path_integrator`` by
   our paths in ``bands`` of rows, ``builtin_integrator`` by Mitsuba's; ``hemispheres`` and
-  ``probes`` by ``incident``, the radiance that arrives at points by direction; ``texels`` those of
-  lightmaps.
+  ``probes`` by ``incident``, the radiance that arrives at points by direction, in ``cells``, found
+  as ``arrival`` says; ``texels`` those of lightmaps.
 - ``sampling`` goes on with batches until a request is met, in ``strips`` of rows, so that memory is
   bounded.
 """

@@ -6,7 +6,7 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.hemisphere import HEMISPHERE, surface_frames, tiled
+from openrooms_usd.geometry.hemisphere import HEMISPHERE, surface_frames
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.first_hits import Hits, first_hits
@@ -14,9 +14,10 @@ from openrooms_usd.render.scene.ground_truth import GroundTruth
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
-from orusd_mitsuba.transport.incident import IncidentRadiance, Points
+from orusd_mitsuba.transport.arrival import Arrival
+from orusd_mitsuba.transport.cells import Layout, Points
+from orusd_mitsuba.transport.incident import IncidentRadiance
 from orusd_mitsuba.transport.light_index import LightIndex
-from orusd_mitsuba.transport.paths import Paths
 from orusd_mitsuba.transport.strips import most_samples, strips
 
 PLANES: Final = ("environment_direct", "environment")
@@ -35,7 +36,7 @@ class HemisphereIntegrator:
         grid: Columns and rows of hemispheres.
         depth: At most this many segments of a path from a light to the camera, as of a
             `PathIntegrator`: the last one leads from the hemisphere's point to the camera.
-        paths: How they are followed from the points; None: to their end.
+        arrival: How light that comes to the points is found; None: by paths.
 
     Attributes:
         planes: 2, `PLANES`.
@@ -52,13 +53,13 @@ class HemisphereIntegrator:
         camera: PinholeCamera,
         grid: tuple[int, int],
         depth: int,
-        paths: Paths | None = None,
+        arrival: Arrival | None = None,
     ) -> None:
         columns, rows = grid
         hits = first_hits(scene, tracer, camera, columns, rows)
         self._pixels = hits.pixels
         points = surface_points(scene, camera, hits)
-        self._incident = IncidentRadiance(built, index, HEMISPHERE, points, depth - 1, paths=paths)
+        self._incident = IncidentRadiance(built, index, HEMISPHERE, points, depth - 1, arrival)
         self.planes = len(PLANES)
         self._fit(rows, columns)
 
@@ -112,22 +113,19 @@ class HemisphereIntegrator:
             (2, rows, columns azimuths, 3); 0 where nothing is seen.
         """
         above, below = rows.start // HEMISPHERE.rows, rows.stop // HEMISPHERE.rows
-        columns = self._grid[1]
+        columns, width = self._grid[1], self.size[1]
         first, last = np.searchsorted(self._pixels, [above * columns, below * columns])
-        points, pixels = slice(first, last), self._pixels[first:last] - above * columns
-
-        def tiles(values: NDArray[Any]) -> NDArray[Any]:
-            grid = np.zeros(((below - above) * columns, *values.shape[1:]), dtype=values.dtype)
-            grid[pixels] = values
-            return tiled(grid.reshape(below - above, columns, *values.shape[1:]))
-
-        found = self._incident(samples, seed, points)
-        finite: NDArray[np.bool_] = np.isfinite(found)
-        if not finite.all():
-            whole: NDArray[np.bool_] = np.all(finite, axis=(0, -1))
-            self.broken[rows] |= tiles(~whole[..., None])[..., 0]
+        row, column = np.divmod(self._pixels[first:last], columns)
+        corners = (row - above) * HEMISPHERE.rows * width + column * HEMISPHERE.columns
+        layout = Layout(corners, width, (rows.stop - rows.start) * width)
+        found = self._incident(samples, seed, slice(first, last), layout)
+        found = found.reshape(self.planes, -1, width, 3)
+        # No number in a sum tells of it wherever it is, for little time.
+        if not np.isfinite(found.sum()):
+            finite: NDArray[np.bool_] = np.isfinite(found)
+            self.broken[rows] |= ~np.all(finite, axis=(0, -1))
             found = np.where(finite, found, np.float32(0.0))
-        return np.stack([tiles(plane) for plane in found])
+        return found
 
 
 def coarse(camera: PinholeCamera, size: tuple[int, int], grid: tuple[int, int]) -> Array:

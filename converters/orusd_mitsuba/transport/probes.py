@@ -13,7 +13,8 @@ from openrooms_usd.geometry.hemisphere import PANORAMA, Cells
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.pictures import Array
-from orusd_mitsuba.transport.incident import IncidentRadiance, Points
+from orusd_mitsuba.transport.cells import Points
+from orusd_mitsuba.transport.incident import IncidentRadiance
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.sampling import ProgressiveSampler
 
@@ -71,7 +72,7 @@ class ProbeIntegrator:
 
     def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
         """Render one batch of all rows."""
-        pixels = self._incident(samples, seed)[1]
+        pixels = self._incident(samples, seed)[1].reshape(1, *self.size, 3)
         finite = np.isfinite(pixels)
         self.broken |= ~finite.all(axis=(0, 3))
         return np.where(finite, pixels, np.float32(0.0))
