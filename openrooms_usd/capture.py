@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, Literal, Protocol
+from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,6 +109,11 @@ class CapturedModel:
             the same in a whole turn, or always (``inf``).
         up: The CAD's vertical axis.
         front: Where its front looks once that axis is turned to Z.
+        shifts: (3,) each, metres in the world: how it was moved afterwards, one after the other, so
+            that it stands where it can.
+        radiance: Nits of each primary that its bulbs emit, scene-linear; None where nobody says.
+        looks: What its parts are made of where its file does not say it: looks of the description
+            by part.
     """
 
     id: str
@@ -120,6 +125,16 @@ class CapturedModel:
     symmetry: Literal["none", "2", "4", "inf"] = "none"
     up: Literal["Y", "Z"] = "Y"
     front: Literal["+X", "-X", "+Y", "-Y"] = "+Y"
+    shifts: tuple[NDArray[np.float64], ...] = ()
+    radiance: tuple[float, float, float] | None = None
+    looks: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @property
+    def stands(self) -> NDArray[np.float64]:
+        """(4, 4) the same after all shifts."""
+        moved = self.world_from_model.copy()
+        moved[:3, 3] += sum(self.shifts, np.zeros(3))
+        return moved
 
 
 @dataclass(frozen=True)
@@ -157,7 +172,10 @@ class Capture:
         boxes: Objects known by their boxes.
         models: CAD models that were aligned to the capture.
         frames: The photographs whose cameras are known, in the order they were taken.
+        fov: Horizontal field of view of pictures whose cameras are not known, degrees.
         cloud: The scanned points.
+        environment: The world outside, as the description says it; None where nobody knows.
+        shell: Looks of the description for ``floor``, ``walls`` and ``ceiling``.
         notes: What was dropped or guessed, one sentence each.
         remedy: What to do where the floor is missing.
         settled: Options that say what the importer found out by itself, so that it can be changed.
@@ -172,7 +190,10 @@ class Capture:
     boxes: tuple[CapturedBox, ...] = ()
     models: tuple[CapturedModel, ...] = ()
     frames: tuple[CapturedFrame, ...] = ()
+    fov: float | None = None
     cloud: Cloud | None = None
+    environment: Mapping[str, Any] | None = None
+    shell: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     remedy: str = "scan the room again, so that its walls close"
     settled: Mapping[str, str] = field(default_factory=dict)

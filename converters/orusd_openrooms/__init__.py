@@ -6,6 +6,8 @@
 ``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code with the
 writers, and opens pickles by the core's ``unpickling``.
 
+``scenes`` reads the release's scene files, as an importer.
+
 ``records`` reads what a manifest says of lights, ``resampling`` brings pictures to other sizes.
 """
 

@@ -96,15 +96,25 @@ Environment = Annotated[
 ]
 
 
-class Lamp(Model):
+class Lamp(CheckedModel):
     """What a lamp emits."""
 
     lumen: Number | None = Field(default=None, ge=0, le=1e6)
     """Luminous flux; by default as its category usually has."""
     kelvin: Number | None = Field(default=None, ge=1000, le=20_000)
     """Colour temperature; by default drawn by the seed between 4000 K and 8000 K."""
+    radiance: tuple[Radiance, Radiance, Radiance] | None = None
+    """Of its bulbs, nits of each primary, scene-linear Rec.709, in place of lumen and kelvin."""
     on: Switch = True
     """A lamp that is off keeps its geometry and is dark."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Two brightnesses at once."""
+        if peek(given, "radiance") is not None:
+            for key in ("lumen", "kelvin"):
+                if peek(given, key) is not None:
+                    yield Found((key,), f"radiance says it already; leave {key} away")
 
 
 class Lights(Model):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel
 from openrooms_usd.description.captured import CAPTURES
+from openrooms_usd.importing.told import light_lines, material_lines, tells_lights
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,19 +36,23 @@ layout:
 {openings}
 alignment:
 {source}
-  objects:
-    # The scan knows no lamps: one hangs in the middle of the room.
-    - {{name: ceiling_lamp, category: ceiling_lamp, at: [{x:.2f}, {y:.2f}]}}
-
+{further}
 lights:
-  # What shines in by the openings: lux on level ground under the open sky.
-  environment: {{from: constant, illuminance: 10000}}
-  lamps:
-    ceiling_lamp: {{lumen: 3000, kelvin: 4000}}
+{lights}
 
 cameras:
 {cameras}
 """
+_HANGING: Final = """\
+  objects:
+    # The scan knows no lamps: one hangs in the middle of the room.
+    - {{name: ceiling_lamp, category: ceiling_lamp, at: [{x:.2f}, {y:.2f}]}}
+"""
+_DAYLIGHT: Final = """\
+  # What shines in by the openings: lux on level ground under the open sky.
+  environment: {from: constant, illuminance: 10000}
+  lamps:
+    ceiling_lamp: {lumen: 3000, kelvin: 4000}"""
 _SCANNED: Final = """\
 # Made from {file} by: orusd import {kind}
 # Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
@@ -77,7 +82,7 @@ _SELECTED: Final = """\
   resolution: [640, 480]
   views:
     # The best of many views along the walls.
-    - {from: select, count: 3}
+    - {from: select, count: 3FOV}
 """
 _FRAMES: Final = """\
   # The cameras of the photographs: one in {every} of {count}.
@@ -103,7 +108,6 @@ def describe(
         options: What the importer is asked; paths are relative to the description.
     """
     assert capture.floor is not None
-    x, y = _middle(capture.floor)
     kinds = [opening.kind for opening in capture.openings]
     captured = ", ".join(f"{kinds.count(k)} {k}" for k in dict.fromkeys(kinds)) or "no openings"
     return _TEMPLATE.format(
@@ -112,10 +116,20 @@ def describe(
         file=_quoted(file),
         source=_section(kind, file, options),
         openings=_OPENINGS.format(captured=captured, last=len(capture.floor) - 1),
-        x=x,
-        y=y,
+        further=_further_of(capture),
+        lights=_indented(light_lines(capture)) if tells_lights(capture) else _DAYLIGHT,
         cameras=_cameras(capture),
     )
+
+
+def _further_of(capture: Capture) -> str:
+    """What follows the captured objects: a lamp where the capture knows of none, and materials."""
+    if not tells_lights(capture):
+        assert capture.floor is not None
+        x, y = _middle(capture.floor)
+        return _HANGING.format(x=x, y=y)
+    lines = list(material_lines(capture))
+    return f"\nmaterials:\n{_indented(lines)}\n" if lines else ""
 
 
 def describe_scan(
@@ -241,8 +255,11 @@ def _quoted(text: str) -> str:
 def _cameras(capture: Capture) -> str:
     count = len(capture.frames)
     if not count:
-        return _SELECTED.rstrip("\n")
-    return _FRAMES.format(count=count, every=max(1, count // _CAMERAS)).rstrip("\n")
+        fov = "" if capture.fov is None else f", fov: {capture.fov:g}"
+        return _SELECTED.replace("FOV", fov).rstrip("\n")
+    # Those of a finished scene were chosen already.
+    every = 1 if tells_lights(capture) else max(1, count // _CAMERAS)
+    return _FRAMES.format(count=count, every=every).rstrip("\n")
 
 
 def _middle(floor: "NDArray[np.float64]") -> tuple[float, float]:

@@ -25,12 +25,14 @@ class Piece:
         mesh: Its polygons.
         surface: The material that the file gives it.
         link: The moving part that it belongs to; empty for what does not move.
+        material: What the file calls its material; empty where it does not.
     """
 
     title: str
     mesh: Mesh
     surface: "PreviewSurface | None" = None
     link: str = ""
+    material: str = ""
 
 
 @dataclass(frozen=True, eq=False)

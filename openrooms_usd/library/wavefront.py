@@ -69,6 +69,7 @@ def read_obj(path: Path) -> Reading:
             f"{group}_{material}" if groups[group] > 1 and material else group or path.stem,
             _mesh(obj, corners),
             surfaces.get(material),
+            material=material,
         )
         for (group, material), corners in obj.faces.items()
     ]

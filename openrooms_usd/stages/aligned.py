@@ -1,6 +1,7 @@
 """CAD models that a capture aligned with nine degrees of freedom: as objects, and as boxes."""
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final, TypeAlias
 
@@ -13,7 +14,7 @@ from openrooms_usd.capture import Capture, CapturedBox, CapturedModel
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.geometry.rotations import nearest_rotation
 from openrooms_usd.geometry.rotations import pose as rigid
-from openrooms_usd.library.furniture import Size
+from openrooms_usd.library.furniture import Size, part_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captured import Captured
 from openrooms_usd.stages.catalogue import Catalogue
@@ -42,7 +43,7 @@ def with_boxes(capture: Capture) -> Capture:
 
 def _box(model: CapturedModel) -> CapturedBox:
     axes = _axes(model)
-    M = model.world_from_model
+    M = model.stands
     linear = M[:3, :3] @ axes
     size = 2.0 * np.linalg.norm(linear, axis=0) * (np.abs(axes.T) @ model.half)
     return CapturedBox(
@@ -86,7 +87,7 @@ def placed_model(
     )  # fmt: skip
     asset = catalogue.file(item)
     built = asset.build()
-    pose = model.world_from_model @ built.file_from_object
+    pose = model.stands @ built.file_from_object
     x, y, z = pose[:3, 3].tolist()
     scale = np.linalg.norm(pose[:3, :3], axis=0)
     width, depth, height = (scale * np.ptp(built.extent, axis=0)).tolist()
@@ -99,8 +100,10 @@ def placed_model(
         y,
         z,
         thing.yaw,
+        emits=any(part_of(part) == names.LIGHT_BULB for part in built.parts),
         source=Source(source, model.id, word=model.label),
         pose=pose,
+        shifts=model.shifts,
     )
 
 
@@ -132,6 +135,27 @@ def author_aligned(prim: Sdf.PrimSpec, pose: Array, placed: Array | None = None)
     if shift.any():
         _set(prim, _SHIFTED, _TYPES.Double3, Gf.Vec3d(*shift.tolist()))
         order.insert(0, _SHIFTED)
+    prim.attributes[UsdGeom.Tokens.xformOpOrder].default = Vt.TokenArray(order)
+
+
+def author_shifted(prim: Sdf.PrimSpec, pose: Array, shifts: Sequence[Array]) -> None:
+    """Place an object that was moved after it was measured, each shift on its own.
+
+    ``xformOp:translate:placed`` is the first, ``xformOp:translate:placed_1`` the next.
+
+    Args:
+        prim: The object.
+        pose: (4, 4) where it stands after all of them.
+        shifts: (3,) each, metres, in its parent's axes.
+    """
+    measured = pose.copy()
+    measured[:3, 3] -= sum(shifts, np.zeros(3))
+    author_aligned(prim, measured)
+    order = list(prim.attributes[UsdGeom.Tokens.xformOpOrder].default)
+    for number, shift in enumerate(shifts):
+        name = f"{_SHIFTED}_{number}" if number else _SHIFTED
+        _set(prim, name, _TYPES.Double3, Gf.Vec3d(*np.round(shift, _MATRIX_DIGITS).tolist()))
+        order.insert(0, name)
     prim.attributes[UsdGeom.Tokens.xformOpOrder].default = Vt.TokenArray(order)
 
 

@@ -31,6 +31,7 @@ from openrooms_usd.stages.aligned import (
     apply_schema,
     author_aligned,
     author_measured,
+    author_shifted,
     placed_model,
     with_boxes,
 )
@@ -209,7 +210,7 @@ def _author_furniture(
             if item.pose is None:
                 author_upright(prim, stand.x, stand.y, stand.z, stand.yaw)
             elif item.measured is None:
-                author_aligned(prim, item.pose)
+                author_shifted(prim, item.pose, item.shifts)
             else:
                 author_aligned(prim, item.measured.pose, item.pose)
                 author_measured(prim, item.measured)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -178,22 +178,28 @@ def _check_names(context: StageContext, lamps: Mapping[str, Found]) -> None:
 def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
     """Let the bulbs emit; the lamp's flux is shared by their areas."""
     root, place = lamp.root, lamp.root.GetPath()
-    kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
-    if kelvin > _MAX_KELVIN:
-        context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_MAX_KELVIN:g} K")
-    lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
     area = sum(world_area(bulb) for bulb in lamp.bulbs)
     if area <= 0.0:
         raise StageError("the lamp's bulb has no area", place=place)
     paths = [bulb.GetPath() for bulb in lamp.bulbs]
+    emission = _emission(context, root, wanted, area)
     _open_instance(context.stage, root)
     for path in paths:
-        define_mesh_light(
-            context.stage.OverridePrim(path),
-            nits=nits_from_lumen(lumen, area) if wanted.on else 0.0,
-            kelvin=kelvin,
-        )
+        define_mesh_light(context.stage.OverridePrim(path), **emission)
     context.notes.extend(author_glow(context.stage, place, paths))
+
+
+def _emission(context: StageContext, root: Usd.Prim, wanted: Lamp, area: float) -> dict[str, Any]:
+    """The luminance and the hue of a lamp's bulbs, as `define_mesh_light` takes them."""
+    if wanted.radiance is not None:
+        nits = float(luminance(np.array(wanted.radiance)))
+        color = tuple(value / nits for value in wanted.radiance) if nits > 0.0 else None
+        return {"nits": nits if wanted.on else 0.0, "color": color}
+    kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
+    if kelvin > _MAX_KELVIN:
+        context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_MAX_KELVIN:g} K")
+    lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
+    return {"nits": nits_from_lumen(lumen, area) if wanted.on else 0.0, "kelvin": kelvin}
 
 
 def _open_instance(stage: Usd.Stage, root: Usd.Prim) -> None:

@@ -86,6 +86,7 @@ class Placement:
         level: Height of its base above the floor where it hangs on a wall, metres.
         pose: (4, 4) from the asset's frame to the room where that is more than upright: with a
             tilt, and a scale along each axis of the asset.
+        shifts: (3,) each, metres: how the source moved it, after it had measured its pose.
         measured: How it was found in a scan; None where it was not found in one.
     """
 
@@ -102,6 +103,7 @@ class Placement:
     relative_to: str | None = None
     level: float = 0.0
     pose: Array | None = field(default=None, compare=False)
+    shifts: tuple[Array, ...] = field(default=(), compare=False)
     measured: Measured | None = field(default=None, compare=False)
 
     @property

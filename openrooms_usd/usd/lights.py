@@ -67,13 +67,20 @@ def define_dome(
     return dome
 
 
-def define_mesh_light(prim: Usd.Prim, *, nits: float, kelvin: float | None = None) -> None:
+def define_mesh_light(
+    prim: Usd.Prim,
+    *,
+    nits: float,
+    kelvin: float | None = None,
+    color: tuple[float, float, float] | None = None,
+) -> None:
     """Make a mesh emit the same luminance everywhere.
 
     Args:
         prim: The mesh, or an over where it shall be.
         nits: Its luminance.
         kelvin: Colour temperature, which changes the hue and not the luminance; white when None.
+        color: Its hue as a factor of each primary, in place of a temperature.
     """
     UsdLux.MeshLightAPI.Apply(prim)
     light = UsdLux.LightAPI(prim)
@@ -81,6 +88,8 @@ def define_mesh_light(prim: Usd.Prim, *, nits: float, kelvin: float | None = Non
     light.CreateNormalizeAttr(False)
     # The schema's own default multiplies by the glow of the material, which is black here.
     light.CreateMaterialSyncModeAttr(UsdLux.Tokens.noMaterialResponse)
+    if color is not None:
+        light.CreateColorAttr(Gf.Vec3f(*color))
     if kelvin is not None:
         light.CreateEnableColorTemperatureAttr(True)
         light.CreateColorTemperatureAttr(kelvin)

@@ -67,6 +67,8 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
     "categories",
+    # Importers of finished scenes read models, and know what stands for those that are missing.
+    "library",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
     "colorimetry", "errors", "names", "atomic", "claims", "imagefile", "isolation", "ledger",
     "progress", "unpickling", "untrusted",

@@ -1,0 +1,221 @@
+"""OpenRooms' scenes become captures: their layout, objects, materials, lights and cameras."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.capture import (
+    NO_OPTIONS,
+    Capture,
+    CapturedModel,
+    CapturedOpening,
+    Packed,
+)
+from openrooms_usd.geometry.rotations import inverse
+from orusd_openrooms.scenes.materials import (
+    constant,
+    pictures_of,
+    repeat_m,
+    stand_in,
+    tiled_pictures,
+)
+from orusd_openrooms.scenes.records import Bsdf
+from orusd_openrooms.scenes.scene import MARK, Placed, Scene, load_scene
+from orusd_openrooms.scenes.viewpoints import read_frames, read_transforms
+
+Array = NDArray[np.float64]
+
+_FOLDER: Final = "dataset"
+_LAYOUT: Final = "layout.obj"
+_CAMERAS: Final = "cam.txt"
+_TRANSFORMS: Final = "transform.dat"
+_ENVIRONMENT: Final = "environment"
+_MATERIALS: Final = "materials"
+_SHELL: Final = {"floor": "floor", "walls": "wall", "ceiling": "ceiling"}
+# Loaders take an environment below this factor as switched off; the files have 1e-8.
+_OFF: Final = 1e-3
+_MOST_NAMED: Final = 3
+
+
+class OpenRoomsXmlImporter:
+    """Reads ``main.xml`` of a scene of OpenRooms."""
+
+    options: Mapping[str, str] = {
+        "root": "The dataset's folder: uv_mapped, layoutMesh, BRDFOriginDataset and EnvDataset "
+        "in it (default: looked for above the scene).",
+        "models": "The folder of models, uv_mapped, where it is elsewhere.",
+        "layouts": "The folder of layouts, layoutMesh, where it is elsewhere.",
+        "materials": "The folder of materials, BRDFOriginDataset, where it is elsewhere.",
+        "environments": "The folder of panoramas, EnvDataset, where it is elsewhere.",
+        "layout": "The layout's mesh itself, in place of the one that the scene names.",
+        "cameras": "The file of cameras (default: cam.txt beside the scene, if there is one).",
+    }
+    paths = frozenset(options)
+
+    def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
+        """Read a scene and what it names.
+
+        Args:
+            source: ``main.xml``, or one of its variants.
+            options: See `options`.
+
+        Raises:
+            InputError: The scene or a file that it names is broken or hostile.
+        """
+        scene = load_scene(source, options)
+        frames = read_frames(_cameras(source, options), scene.file, scene.scene_from_world)
+        steps = scene.layout.steps if scene.layout else None
+        notes = [*scene.notes, *read_transforms(source.parent / _TRANSFORMS, steps)]
+        models = tuple(_model(scene, one) for one in scene.placed)
+        notes += _missing(scene)
+        shell, shell_notes = ({}, []) if scene.imported else _shell_looks(scene)
+        environment, sky_notes = ({}, []) if scene.imported else _environment(scene)
+        return Capture(
+            source=source.name,
+            source_from_world=scene.scene_from_world,
+            floor=scene.shell.floor,
+            height=scene.shell.height,
+            openings=tuple(_openings(scene)),
+            models=models,
+            frames=frames,
+            fov=None if frames else scene.file.fov,
+            environment=environment,
+            shell=shell,
+            notes=tuple(dict.fromkeys([*notes, *shell_notes, *sky_notes])),
+        )
+
+    def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
+        """The scene, its models with their materials, its layout, its cameras, its panorama."""
+        scene = load_scene(source, options)
+        contents: dict[str, bytes | Path] = {source.name: source}
+        asked = {"root": _FOLDER}
+        for model, cad in scene.cads.items():
+            for name, content in cad.files(scene.roots.find):
+                contents[f"{_FOLDER}/uv_mapped/{model}/{name}"] = content
+        contents[f"{_FOLDER}/{MARK}"] = _MARKED
+        if scene.layout_file is not None:
+            contents[_LAYOUT], asked["layout"] = scene.layout_file, _LAYOUT
+        cameras = _cameras(source, options)
+        if cameras is not None:
+            contents[_CAMERAS], asked["cameras"] = cameras, _CAMERAS
+        if (source.parent / _TRANSFORMS).is_file():
+            contents[_TRANSFORMS] = source.parent / _TRANSFORMS
+        panorama = scene.environment_file
+        if panorama is not None and scene.file.environment_scale >= _OFF:
+            contents[f"{_ENVIRONMENT}{panorama.suffix.lower()}"] = panorama
+        for part, bsdf in _shell_bsdfs(scene).items():
+            found = pictures_of(bsdf, scene.roots.find) or {}
+            for name, content in tiled_pictures(bsdf, found).items():
+                contents[f"{_MATERIALS}/{part}/{name}"] = content
+        return Packed(source.name, contents, asked)
+
+
+_MARKED: Final = (
+    b"Models of the dataset with the materials of one scene, as orusd import wrote them.\n"
+)
+
+
+def _cameras(source: Path, options: Mapping[str, str]) -> Path | None:
+    if "cameras" in options:
+        return Path(options["cameras"])
+    beside = source.parent / _CAMERAS
+    return beside if beside.is_file() else None
+
+
+def _model(scene: Scene, one: Placed) -> CapturedModel:
+    low, high = one.extent
+    lit = one.thing.radiance
+    return CapturedModel(
+        id=one.thing.id,
+        label=one.thing.label,
+        file=one.file,
+        world_from_model=one.pose.measured,
+        half=0.5 * (high - low),
+        center=0.5 * (low + high),
+        up=one.up,
+        front="+Y",
+        shifts=one.pose.fixes,
+        radiance=lit if lit is not None else ((0.0,) * 3 if one.thing.kind == "lamp" else None),
+        looks=one.looks,
+    )
+
+
+def _openings(scene: Scene) -> Iterator[CapturedOpening]:
+    for number, (hole, kind) in enumerate(scene.openings):
+        yield CapturedOpening(
+            f"hole{number}", kind, hole.center, hole.direction, hole.width, hole.height
+        )
+
+
+def _shell_bsdfs(scene: Scene) -> dict[str, Bsdf]:
+    refs = scene.layout.refs if scene.layout is not None else ()
+    found = {
+        part: next((ref for ref in refs if ref.endswith(f"_{suffix}")), None)
+        for part, suffix in _SHELL.items()
+    }
+    return {part: scene.file.bsdfs[ref] for part, ref in found.items() if ref is not None}
+
+
+def _shell_looks(scene: Scene) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    """What floor, walls and ceiling look like, and what stands for what is not there."""
+    looks: dict[str, dict[str, Any]] = {}
+    notes = []
+    for part, bsdf in _shell_bsdfs(scene).items():
+        if "albedo" not in bsdf.maps:
+            looks[part] = constant(bsdf)
+        elif pictures_of(bsdf, scene.roots.find) is not None:
+            size = repeat_m(bsdf, scene.shell.repeats)
+            looks[part] = {"file": f"{_MATERIALS}/{part}", "size": size}
+        else:
+            looks[part] = stand_in(bsdf)
+            notes.append(f"{part}: {_stood_for(bsdf, looks[part])}")
+    return looks, notes
+
+
+def _missing(scene: Scene) -> Iterator[str]:
+    """What stands for models and their materials that are not there."""
+    lacking = Counter("/".join(p.thing.model.parts) for p in scene.placed if p.file is None)
+    labels = {"/".join(p.thing.model.parts): p.thing.label for p in scene.placed}
+    for model, count in sorted(lacking.items()):
+        times = f", {count} times" if count > 1 else ""
+        yield f"the model {model} is not there{times}: the library's {labels[model]} stands for it"
+    for model, kind, count in scene.filled:
+        times = f", {count} times" if count > 1 else ""
+        yield f"the model {model} is not there{times}: a {kind} of ours fills its hole"
+    for model, cad in scene.cads.items():
+        looks = cad.looks(scene.roots.find)
+        for part, bsdf in cad.wears.items():
+            if bsdf is not None and part in looks:
+                yield f"{model}, {part}: {_stood_for(bsdf, looks[part])}"
+
+
+def _stood_for(bsdf: Bsdf, look: Mapping[str, Any]) -> str:
+    from orusd_openrooms.scenes.standins import material_name
+
+    name = material_name(bsdf.maps["albedo"])
+    return (
+        f"the material {name} is not there: {look['substance']} of the library stands for it, "
+        "without its factors of albedo and roughness"
+    )
+
+
+def _environment(scene: Scene) -> tuple[dict[str, Any], list[str]]:
+    """The world outside, as the description says it."""
+    scale, file = scene.file.environment_scale, scene.environment_file
+    if scene.file.environment is None or scale < _OFF:
+        return {"from": "constant", "illuminance": 0}, []
+    if file is None:
+        lux = round(float(np.pi) * scale, 3)
+        note = (
+            f"the panorama {scene.file.environment.rsplit('/', 1)[-1]} is not there: an even sky "
+            f"of {scale:g} nits stands for it"
+        )
+        return {"from": "constant", "illuminance": lux}, [note]
+    centre = inverse(scene.scene_from_world)[:3, :3] @ np.array([0.0, 0.0, 1.0])
+    turn = float(np.degrees(np.arctan2(centre[0], -centre[1])))
+    name = f"{_ENVIRONMENT}{file.suffix.lower()}"
+    return {"file": name, "scale": scale, "rotate": round(turn, 6) + 0.0}, []

@@ -1,0 +1,166 @@
+"""A model of the dataset as one USD file: its meshes by material, with the materials of the scene.
+
+What an OBJ file calls a material has no meaning without the scene, so an import writes each model
+once, with its maps beside it, in the axes and the unit of its file.
+"""
+
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import names, untrusted
+from openrooms_usd.errors import InputError
+from openrooms_usd.library.pieces import Piece, prim_names
+from openrooms_usd.library.wavefront import read_obj
+from orusd_openrooms.scenes.materials import Find, pictures_of, stand_in, surface_of
+from orusd_openrooms.scenes.records import Bsdf
+from orusd_openrooms.scenes.roots import Named
+from orusd_openrooms.scenes.things import Thing
+
+Array = NDArray[np.float64]
+
+FILE: Final = "model.usdc"
+_GREY: Final = Bsdf("", albedo=(0.5, 0.5, 0.5), roughness=1.0)
+_MOST_M: Final = 1e5
+
+
+class CadModel:
+    """A model whose files are there.
+
+    Attributes:
+        thing: An object that shows it.
+        pieces: Its meshes by the names of their prims.
+        wears: What each is made of; None for what emits.
+        notes: What was guessed.
+    """
+
+    def __init__(self, thing: Thing, files: list[Path], bsdfs: Mapping[str, Bsdf]) -> None:
+        """Read the meshes.
+
+        Args:
+            thing: An object that shows it.
+            files: Those of its meshes, in the order of ``thing.files``.
+            bsdfs: The materials of the scene.
+
+        Raises:
+            InputError: A mesh is broken.
+        """
+        self.thing = thing
+        self.notes: list[str] = []
+        titles, pieces, wears = [], [], []
+        for (_, radiance), file in zip(thing.files, files, strict=True):
+            is_light = radiance is not None or file.stem == "aligned_light"
+            for piece in read_obj(file).pieces:
+                _check(piece, file)
+                bsdf = None if is_light else self._worn(piece, bsdfs)
+                titles.append(names.LIGHT_BULB if bsdf is None else _part(bsdf, thing))
+                pieces.append(piece)
+                wears.append(bsdf)
+        prims = prim_names(titles)
+        self.pieces: dict[str, Piece] = dict(zip(prims, pieces, strict=True))
+        self.wears: dict[str, Bsdf | None] = dict(zip(prims, wears, strict=True))
+
+    def _worn(self, piece: Piece, bsdfs: Mapping[str, Bsdf]) -> Bsdf:
+        """The material of a piece; of several that its shape may name the one of that name."""
+        refs = self.thing.refs
+        if piece.material in refs:
+            return bsdfs[piece.material]
+        if len(refs) == 1:
+            return bsdfs[refs[0]]
+        self.notes.append(
+            f"{'/'.join(self.thing.model.parts)}: its shape has no material "
+            f"{piece.material[:80]!r}: grey stands for it"
+        )
+        return _GREY
+
+    @property
+    def extent(self) -> Array:
+        """(2, 3) least and greatest coordinates, in the file's axes."""
+        points = np.concatenate([piece.mesh.points for piece in self.pieces.values()])
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
+    def looks(self, find: Find) -> dict[str, dict[str, str]]:
+        """What stands for those materials whose maps are not there, by part."""
+        worn = ((part, bsdf) for part, bsdf in self.wears.items() if bsdf is not None)
+        return {part: stand_in(b) for part, b in worn if pictures_of(b, find) is None}
+
+    def files(self, find: Find) -> Iterator[tuple[str, bytes | Path]]:
+        """What an import writes of it: `FILE`, and its maps in a folder beside it.
+
+        Raises:
+            InputError: A mesh or a map cannot be read.
+        """
+        pictures: dict[str, Path] = {}
+        surfaces = {}
+        for part, bsdf in self.wears.items():
+            found = None if bsdf is None else pictures_of(bsdf, find)
+            if bsdf is None or found is None:
+                continue
+            own = {kind: f"textures/{path.parent.parent.name}_{path.name}"
+                   for kind, path in found.items()}  # fmt: skip
+            pictures |= {own[kind]: path for kind, path in found.items()}
+            surfaces[part] = surface_of(bsdf, {kind: f"./{file}" for kind, file in own.items()})
+        yield FILE, _written(self.pieces, surfaces)
+        yield from pictures.items()
+
+
+def file_of(model: Named) -> Named:
+    """Where an import writes a model, below the folder of the dataset that it makes."""
+    return Named("uv_mapped", f"{model.path}/{FILE}")
+
+
+def extent_of_file(path: Path) -> Array:
+    """(2, 3) least and greatest coordinates of what an import wrote.
+
+    Raises:
+        InputError: It is no such file.
+    """
+    from openrooms_usd.library.usdfile import read_usd
+
+    pieces = read_usd(path).pieces
+    if not pieces:
+        raise InputError("it holds no mesh", place=path, remedy="import the scene again")
+    points = np.concatenate([piece.mesh.points for piece in pieces])
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _part(bsdf: Bsdf, thing: Thing) -> str:
+    """What a material's name adds to its model's."""
+    prefix = f"{'_'.join(thing.model.parts)}_"
+    return bsdf.id.removeprefix(prefix) or "part"
+
+
+def _check(piece: Piece, file: Path) -> None:
+    points = piece.mesh.points
+    if not np.isfinite(points).all() or (np.abs(points) > _MOST_M).any():
+        raise InputError(
+            "the mesh has coordinates that are no lengths", place=file, remedy="export it again"
+        )
+
+
+def _written(pieces: Mapping[str, Piece], surfaces: Mapping[str, object]) -> bytes:
+    from pxr import Usd, UsdGeom, UsdShade
+
+    from openrooms_usd.usd.layers import export
+    from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
+    from openrooms_usd.usd.meshes import define_mesh
+
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    root = UsdGeom.Xform.Define(stage, "/Model").GetPrim()
+    stage.SetDefaultPrim(root)
+    for name, piece in pieces.items():
+        mesh = define_mesh(stage, f"/Model/{name}", piece.mesh).GetPrim()
+        surface = surfaces.get(name)
+        if isinstance(surface, PreviewSurface):
+            material = define_preview_surface(stage, f"/Model/Materials/{name}", surface)
+            UsdShade.MaterialBindingAPI.Apply(mesh).Bind(material)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / FILE
+        export(stage.GetRootLayer(), file)
+        return untrusted.read_bytes(file, "usd")
