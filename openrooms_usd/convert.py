@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 Outcome = Literal["translated", "approximated", "skipped"]
 
 # What a file is by its ending, where nobody says; all else is written as Mitsuba's.
-_BY_ENDING: Final = {".glb": "gltf"}
+_BY_ENDING: Final = {".glb": "gltf", ".usdz": "usdz"}
 _USUAL: Final = "mitsuba"
 
 

@@ -6,7 +6,7 @@ package keeps the layers too; it is the scene's folder in one archive.
 
 import os
 import zipfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -64,7 +64,13 @@ def _ordered(layer: Sdf.Layer) -> Sdf.Layer:
     return ordered
 
 
-def package(scene: Path, target: Path, *, include_outside: bool = False) -> None:
+def package(
+    scene: Path,
+    target: Path,
+    *,
+    include_outside: bool = False,
+    edit: Callable[[Sdf.Layer], None] | None = None,
+) -> None:
     """Write a scene and all files that it depends on into one USDZ archive.
 
     Files below the scene's folder keep their place. Files from elsewhere are refused, or, where
@@ -75,6 +81,7 @@ def package(scene: Path, target: Path, *, include_outside: bool = False) -> None
         scene: The scene's root layer.
         target: The ``.usdz`` to write.
         include_outside: Whether files outside the scene's folder go into the archive too.
+        edit: Changes the archive's copy of the root layer; None leaves it as it is.
 
     Raises:
         InputError: The scene, or a file that it needs, cannot be read.
@@ -89,7 +96,7 @@ def package(scene: Path, target: Path, *, include_outside: bool = False) -> None
         places = _places(_dependencies(stage))
     with atomic.replacing(target) as beside, reading(scene):
         try:
-            _write_archive(beside, places)
+            _write_archive(beside, places, edit)
         except zipfile.LargeZipFile as error:
             raise OutputError(
                 "a USDZ archive cannot be larger than 4 GiB",
@@ -150,13 +157,15 @@ def _places(files: Sequence[Path]) -> dict[Path, PurePosixPath]:
     return {file: place(file) for file in files}
 
 
-def _write_archive(target: Path, places: dict[Path, PurePosixPath]) -> None:
+def _write_archive(
+    target: Path, places: dict[Path, PurePosixPath], edit: Callable[[Sdf.Layer], None] | None
+) -> None:
     moved = {file.parent: place.parent for file, place in places.items()}
     with target.open("wb") as out, zipfile.ZipFile(out, "w", allowZip64=False) as archive:
         for file, place in places.items():
             data = untrusted.read_bytes(file, _kind(file))
             if file.suffix.lower() in LAYERS:
-                data = _relocated(file, data, moved)
+                data = _relocated(file, data, moved, None if archive.filelist else edit)
             archive.writestr(_entry(str(place), out.tell()), data)
 
 
@@ -166,8 +175,13 @@ def _kind(file: Path) -> untrusted.Kind:
     return "archive" if file.suffix.lower() == ".usdz" else "picture"
 
 
-def _relocated(file: Path, data: bytes, moved: dict[Path, PurePosixPath]) -> bytes:
-    """A layer's bytes with its asset paths as they are in the archive."""
+def _relocated(
+    file: Path,
+    data: bytes,
+    moved: dict[Path, PurePosixPath],
+    edit: Callable[[Sdf.Layer], None] | None,
+) -> bytes:
+    """A layer's bytes with its asset paths as they are in the archive, edited."""
     layer = Sdf.Layer.FindOrOpen(str(file))
     changed = False
 
@@ -186,7 +200,9 @@ def _relocated(file: Path, data: bytes, moved: dict[Path, PurePosixPath]) -> byt
     copy = Sdf.Layer.CreateAnonymous(file.suffix)
     copy.TransferContent(layer)
     UsdUtils.ModifyAssetPaths(copy, rewrite)
-    return _serialised(copy, file.suffix) if changed else data
+    if edit is not None:
+        edit(copy)
+    return _serialised(copy, file.suffix) if changed or edit is not None else data
 
 
 def _serialised(layer: Sdf.Layer, suffix: str) -> bytes:

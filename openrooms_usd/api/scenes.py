@@ -245,8 +245,8 @@ def convert(
     Args:
         scene: A composed room or any USD file.
         out: The file or folder to write.
-        to: ``mitsuba``, ``gltf``, ``urdf``, ``mjcf``, ``usdphysics``, or another installed
-            exporter; None for ``gltf`` where ``out`` ends in .glb, else ``mitsuba``.
+        to: ``mitsuba``, ``gltf``, ``usdz``, ``urdf``, ``mjcf``, ``usdphysics``, or another
+            installed exporter; None for what ``out`` ends in (.glb, .usdz), else ``mitsuba``.
         options: What is asked of the exporter.
         include_outside: Whether pictures outside the scene's folder may be copied.
 

@@ -22,6 +22,7 @@ _FLAGS: Final = {"true": True, "false": False}
     metavar="NAME=VALUE",
     help="What to ask of the exporter; may be repeated.",
 )
+@click.option("--profile", metavar="NAME", help="Of a USDZ file: default, exchange or arkit.")
 @click.option("--include-outside", is_flag=True, help="Copy pictures outside STAGE's folder too.")
 @json_option
 def convert(
@@ -29,23 +30,24 @@ def convert(
     out: Path,
     to: str | None,
     options: tuple[str, ...],
+    profile: str | None,
     include_outside: bool,
     as_json: bool,
 ) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
 
-    KIND is mitsuba, gltf, urdf, mjcf, usdphysics, or what another installed exporter is called;
-    without it .glb is gltf, and all else mitsuba. What could not be translated whole is listed with
-    the reason; nothing is lost in silence.
+    KIND is mitsuba, gltf, usdz, urdf, mjcf, usdphysics, or what another installed exporter is
+    called; without it .glb is gltf, .usdz usdz, and all else mitsuba. --profile is short for
+    --option profile=NAME. What could not be translated whole is listed with the reason; nothing is
+    lost in silence.
     """
     from openrooms_usd.convert import convert_stage, exporter_of
     from openrooms_usd.usd.diagnostics import quiet
 
     to = to or exporter_of(out)
+    asked = _given(options) | ({"profile": profile} if profile else {})
     with quiet():
-        report = convert_stage(
-            stage, out, to=to, options=_given(options), include_outside=include_outside
-        )
+        report = convert_stage(stage, out, to=to, options=asked, include_outside=include_outside)
     if as_json:
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return

@@ -71,7 +71,7 @@ FOR_CONVERTERS = {
     "library",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
     "colorimetry", "errors", "names", "atomic", "claims", "imagefile", "isolation", "ledger",
-    "progress", "unpickling", "untrusted",
+    "progress", "unpickling", "untrusted", "package",
 }  # fmt: skip
 HEAVY = {
     "pxr",

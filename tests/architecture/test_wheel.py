@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGES = {
     "openrooms_usd", "orusd_schemas", "orusd_gltf", "orusd_mitsuba", "orusd_openrooms",
-    "orusd_preview", "orusd_scans", "orusd_urdf",
+    "orusd_preview", "orusd_scans", "orusd_urdf", "orusd_usdz",
 }  # fmt: skip
 DATA = {
     "openrooms_usd/py.typed",
@@ -25,6 +25,7 @@ DATA = {
     "orusd_preview/py.typed",
     "orusd_scans/py.typed",
     "orusd_urdf/py.typed",
+    "orusd_usdz/py.typed",
     "orusd_schemas/py.typed",
     "orusd_schemas/generatedSchema.usda",
     "orusd_schemas/plugInfo.json",

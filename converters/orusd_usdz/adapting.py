@@ -1,0 +1,242 @@
+"""One plain layer of a stage: prims, properties and materials that simple readers know.
+
+Instances become copies, variants what is chosen, and lights, bodies and labels are left out.
+"""
+
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
+
+import numpy as np
+from pxr import Sdf, Usd, UsdGeom, UsdShade
+
+from openrooms_usd import names
+from openrooms_usd.convert import Report
+from openrooms_usd.package import package
+from openrooms_usd.usd import layers
+from openrooms_usd.usd.diagnostics import reading
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.materials import define_preview_surface, read_preview_surface
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
+from orusd_usdz.profiles import Profile
+from orusd_usdz.textures import Textures
+
+_SCHEMAS: Final = ("MaterialBindingAPI",)
+_PREFIXES: Final = ("xformOp", "primvars:", "material:binding")
+_UNSEEN: Final = (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy)
+_Y_UP: Final = "xformOp:rotateX:yUp"
+_GROUPS: Final = ("", "Scope", "Xform")
+_COLORS: Final = ("base_color", "emissive", "specular")
+
+
+def write_plain(stage: Usd.Stage, target: Path, profile: Profile) -> Report:
+    """Write a stage as a USDZ file of one layer and its textures.
+
+    Args:
+        stage: The composed stage.
+        target: The file.
+        profile: One with a list of types.
+
+    Returns:
+        What became of every prim.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    with TemporaryDirectory() as folder:
+        scene = Path(folder) / "scene.usdc"
+        work = _Adaptation(_flattened(stage), profile, Textures(scene.parent, profile.pictures))
+        # 1. What nobody would see, or know, goes.
+        work.remove_prims()
+        work.remove_properties()
+        # 2. Materials are written anew, with their textures beside them.
+        work.write_materials()
+        # 3. The frame.
+        work.turn()
+        layers.export(work.ordered(), scene)
+        with reading(scene):
+            package(scene, target)
+    return work.report
+
+
+def _flattened(stage: Usd.Stage) -> Usd.Stage:
+    """A stage of one layer, with copies in place of instances."""
+    session = Sdf.Layer.CreateAnonymous(".usda")
+    whole = Usd.Stage.Open(stage.GetRootLayer(), session)
+    whole.SetEditTarget(session)
+    # Instances inside of what was one come to light in turn.
+    while found := [prim for prim in whole.Traverse() if prim.IsInstance()]:
+        for prim in found:
+            prim.SetInstanceable(False)
+    return Usd.Stage.Open(whole.Flatten(addSourceFileComment=False))
+
+
+@dataclass
+class _Adaptation:
+    """A flat stage on its way to what a profile allows."""
+
+    stage: Usd.Stage
+    profile: Profile
+    textures: Textures
+    report: Report = field(default_factory=Report)
+
+    def remove_prims(self) -> None:
+        types = self.profile.types or frozenset()
+        gone: list[Sdf.Path] = []
+        for prim in self.stage.TraverseAll():
+            if any(prim.GetPath().HasPrefix(path) for path in gone):
+                continue
+            kind = prim.GetTypeName()
+            reason = _why_not(prim, types)
+            if reason:
+                gone.append(prim.GetPath())
+                self.report.add(prim.GetPath(), "skipped", reason)
+            elif kind not in types:
+                prim.SetTypeName("Xform")
+                self.report.add(prim.GetPath(), "approximated", f"{kind} is a group there")
+        for path in gone:
+            self.stage.RemovePrim(path)
+        while empty := [prim for prim in self.stage.TraverseAll() if _is_empty_group(prim)]:
+            for prim in empty:
+                self.stage.RemovePrim(prim.GetPath())
+
+    def remove_properties(self) -> None:
+        registry = Usd.SchemaRegistry()
+        for prim in self.stage.TraverseAll():
+            schemas = [name for name in prim.GetAppliedSchemas() if name in _SCHEMAS]
+            lost = [name for name in prim.GetAppliedSchemas() if name not in _SCHEMAS]
+            prim.ClearMetadata("apiSchemas")
+            for name in schemas:
+                prim.AddAppliedSchema(name)
+            definition = registry.FindConcretePrimDefinition(prim.GetTypeName())
+            own = set(definition.GetPropertyNames()) if definition else set()
+            for name in prim.GetAuthoredPropertyNames():
+                kept = name in own or name.startswith(_PREFIXES)
+                ours = name.startswith(f"primvars:{names.NAMESPACE}:")
+                if not _is_shading(prim) and (not kept or ours):
+                    prim.RemoveProperty(name)
+            for key in ("customData", "assetInfo", "variantSelection", "variantSetNames"):
+                prim.ClearMetadata(key)
+            if not _is_shading(prim) and prim.IsA(UsdGeom.Imageable):
+                self._tell(prim, lost)
+
+    def _tell(self, prim: Usd.Prim, lost: list[str]) -> None:
+        bodies = any("Physics" in name for name in lost)
+        lamp = any("Light" in name for name in lost)
+        reasons = [*["its body is left out"] * bodies, *["it glows, and lights nothing"] * lamp]
+        outcome: Any = "approximated" if reasons else "translated"
+        self.report.add(prim.GetPath(), outcome, "; ".join(reasons))
+
+    def write_materials(self) -> None:
+        found = [prim for prim in self.stage.TraverseAll() if prim.IsA(UsdShade.Material)]
+        read = [(prim.GetPath(), *read_preview_surface(UsdShade.Material(prim))) for prim in found]
+        for path, preview, losses in read:
+            self.stage.RemovePrim(path)
+            plain, lost = self._plain(preview)
+            define_preview_surface(self.stage, path, plain)
+            told = "; ".join(dict.fromkeys([*losses, *lost]))
+            self.report.add(path, "approximated" if told else "translated", told)
+        for prim in [prim for prim in self.stage.TraverseAll() if prim.IsA(UsdGeom.Gprim)]:
+            self._show_color(prim)
+
+    def _plain(self, preview: PreviewSurface) -> tuple[PreviewSurface, list[str]]:
+        """What a phone is told, and what is lost."""
+        lost = []
+        if preview.transmission > 0.0:
+            # As it is authored for all who do not know ours.
+            preview = replace(preview, opacity=1.0 - preview.transmission, transmission=0.0)
+            lost.append("it lets light through: shown as partly clear")
+        if preview.f0 is not None:
+            preview = replace(preview, ior=ior_of(preview.f0), f0=None)
+        emissive = preview.emissive
+        if not isinstance(emissive, Texture) and max(emissive) > 1.0:
+            red, green, blue = (value / max(emissive) for value in emissive)
+            preview = replace(preview, emissive=(red, green, blue))
+            lost.append("it glows as bright as white: nits mean nothing there")
+        if preview.specular is not None:
+            lost.append("RealityKit knows no specular colour")
+        preview = replace(preview, opacity_mode="transparent")
+        values: dict[str, Any] = {}
+        for item in fields(preview):
+            value = getattr(preview, item.name)
+            if isinstance(value, Texture):
+                values[item.name] = self.textures.placed(value, is_color=item.name in _COLORS)
+                lost += filter(None, [self.textures.losses.get(value.file, "")])
+        return replace(preview, **values), lost
+
+    def _show_color(self, prim: Usd.Prim) -> None:
+        """A material for what has none: its ``displayColor``, which phones pass over."""
+        if UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]:
+            return
+        values = UsdGeom.Gprim(prim).GetDisplayColorPrimvar().ComputeFlattened(TIME)
+        colors = np.asarray(values or [PreviewSurface.base_color], dtype=np.float64).reshape(-1, 3)
+        red, green, blue = np.clip(np.nan_to_num(colors.mean(axis=0)), 0.0, 1.0).tolist()
+        root = prim.GetPath().GetPrefixes()[0]
+        path = root.AppendChild(
+            f"Color_{int(red * 255):02x}{int(green * 255):02x}{int(blue * 255):02x}"
+        )
+        if not self.stage.GetPrimAtPath(path):
+            surface = PreviewSurface(base_color=(red, green, blue))
+            define_preview_surface(self.stage, path, surface)
+        material = UsdShade.Material(self.stage.GetPrimAtPath(path))
+        UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
+
+    def turn(self) -> None:
+        """Y up, by one more operation at the top."""
+        layer = self.stage.GetRootLayer()
+        layer.customLayerData = {"creator": names.CREATOR}
+        if self.profile.up is None or UsdGeom.GetStageUpAxis(self.stage) == self.profile.up:
+            return
+        UsdGeom.SetStageUpAxis(self.stage, self.profile.up)
+        for prim in self.stage.TraverseAll():
+            shown = UsdGeom.Xformable(prim)
+            if shown and (_is_top(prim) or shown.GetResetXformStack()):
+                order = shown.GetOrderedXformOps()
+                resets = shown.GetResetXformStack()
+                turn = shown.AddXformOp(UsdGeom.XformOp.TypeRotateX, opSuffix="yUp")
+                turn.Set(-90.0)
+                shown.SetXformOpOrder([turn, *order], resets)
+
+    def ordered(self) -> Sdf.Layer:
+        """The layer with its fields in the order of their names, for equal bytes."""
+        layer = Sdf.Layer.CreateAnonymous(".usda")
+        layer.ImportFromString(self.stage.GetRootLayer().ExportToString())
+        return layer
+
+
+def _why_not(prim: Usd.Prim, types: frozenset[str]) -> str:
+    """Why a prim is left out with all below it; empty where it stays."""
+    kind = str(prim.GetTypeName())
+    if prim.IsAbstract() or not prim.IsActive():
+        return "it is a class, or not active"
+    drawn = any(_is_drawn(below, types) for below in Usd.PrimRange(prim))
+    if kind not in types and (kind == "PointInstancer" or not drawn):
+        return f"phones know no {kind}"
+    shown = UsdGeom.Imageable(prim)
+    if shown and shown.ComputePurpose() in _UNSEEN:
+        return f"its purpose is {shown.ComputePurpose()}"
+    return ""
+
+
+def _is_drawn(prim: Usd.Prim, types: frozenset[str]) -> bool:
+    return bool(prim.IsA(UsdGeom.Gprim)) and prim.GetTypeName() in types
+
+
+def _is_empty_group(prim: Usd.Prim) -> bool:
+    return str(prim.GetTypeName()) in _GROUPS and not prim.GetAllChildren()
+
+
+def _is_shading(prim: Usd.Prim) -> bool:
+    # Materials are node graphs, too.
+    return bool(prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdShade.Shader))
+
+
+def _is_top(prim: Usd.Prim) -> bool:
+    """Whether nothing above a prim has a place of its own."""
+    parent = prim.GetParent()
+    while parent and not parent.IsPseudoRoot():
+        if UsdGeom.Xformable(parent):
+            return False
+        parent = parent.GetParent()
+    return True
