@@ -99,6 +99,9 @@ CHANNELS: Final[dict[str, Channel]] = {
                scope="light", kind="derived"),
         _light("mask_i", "1", "1 where the pixel's centre sees light i: a lamp's object, or the "
                "outside through an opening", scope="light", parts=_ONE, kind="geometry"),
+        _light("traced", "1", "the part of the luminance of indirect that full paths brought from "
+               "the lights, the rest was looked up in the light cache; 1 where there is no "
+               "indirect light, and everywhere with --method reference", parts=_ONE),
         _light("environment", "nit", "radiance that arrives at the first hit, the mean over each "
                "cell's solid angle; tiles of 16 elevations x 32 azimuths (docs/light.md)",
                scope="grid", frame="surface"),

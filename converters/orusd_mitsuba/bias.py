@@ -27,7 +27,7 @@ _LEAST_PIXELS: Final = 512
 _LEAST_HEMISPHERES: Final = 16
 _MOST_PIXELS: Final = 1 << 16
 # Of their own estimator, which needs no paths: ratios and clamped numbers are not compared.
-_WITHOUT_PATHS: Final = ("direct_i", "unoccluded_i", "visibility_i")
+_WITHOUT_PATHS: Final = ("direct_i", "unoccluded_i", "visibility_i", "traced")
 
 
 def measurable(channels: Sequence[str]) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.channels import CHANNELS, numbered
+from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.render import Image
 from openrooms_usd.render.estimates import ErrorEstimate
 from openrooms_usd.render.halves import HalvedPicture
@@ -58,7 +58,10 @@ class Pictures:
 
     def __init__(self, picks: Mapping[str, Pick], size: tuple[int, int]) -> None:
         self._picks = picks
-        self._kept = {name: HalvedPicture.blank(np.zeros((*size, 3), np.float32)) for name in picks}
+        self._kept = {
+            name: HalvedPicture.blank(np.zeros((*size, len(definition(name).components)), "f4"))
+            for name in picks
+        }
         self.changes: Changes = {}
 
     def finish(self, rows: slice, halves: Halves) -> None:

@@ -63,6 +63,7 @@ CONVENTIONS: Final = {
     "denoised": "of denoised versions of channels: bias is the mean of the denoised picture over "
     "that of the raw one, less 1; standard_error that of the raw mean, relative; blocks_beyond the "
     "part of blocks of 16x16 pixels whose mean lies more than two standard errors from the raw one",
+    "traced": "of a view: the mean over its pixels of the channel of that name",
     "method": "how light was computed: reference, every path is followed to its end, without bias; "
     "cache, what is smooth was computed once for the room and looked up",
 }
@@ -164,6 +165,7 @@ def view_entry(
             if view.denoised
             else {}
         ),
+        **({"traced": _mean(view.images["traced"])} if "traced" in view.images else {}),
         "channels": {
             channel: {
                 "samples": image.samples,
@@ -186,6 +188,10 @@ def nonfinite_pixels(channel: str, image: Image) -> int:
         with np.errstate(over="ignore", invalid="ignore"):
             stored = stored.astype(np.float16)
     return int((~np.isfinite(stored)).any(axis=-1).sum()) + image.replaced
+
+
+def _mean(image: Image) -> float | None:
+    return _number(float(image.pixels.mean(dtype=np.float64)))
 
 
 def _number(value: float | None) -> float | None:

@@ -201,6 +201,7 @@ class ViewEntry(_Part):
     files: dict[str, _File] | None = None
     channels: dict[str, ChannelEntry] = {}
     denoised: dict[str, DenoisedEntry] = {}
+    traced: _Factor | None = None
     fits: FitsEntry | None = None
 
     def paths(self) -> list[str]:

@@ -129,7 +129,7 @@ def test_every_light_channel_of_a_session_tells_its_bias(mi: Any, half_hidden: A
     view = opened.render(request)
     without = [name for name, image in view.images.items() if image.bias is None]
     assert {name.rpartition("_")[0] for name in without} <= {
-        "direct", "unoccluded", "visibility", "radiance", "irradiance",
+        "direct", "unoccluded", "visibility", "radiance", "irradiance", "",  # "traced"
     }  # fmt: skip
     for name in ("radiance", "irradiance", "indirect", "environment", "radiance_0"):
         image = view.images[name]

@@ -34,6 +34,8 @@ _PATHS_A_SURFEL: Final = 128
 _POINTS_OF_MATTER: Final = 8
 _PATHS_IN_FLIGHT: Final = 1 << 20
 _MOST_SUMS: Final = 1 << 26
+# Of the step that keeps rays from meeting the surface that they begin at: far above rounding.
+_PART_OF_STEP: Final = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +132,10 @@ def _points(
     if around.known.passing:
         matter = around.materials(si, around.tabulated(si.shape, far))
         sheet = far & (matter.transmission > 0.0)
-        onto = si.spawn_ray(ray.d)
-        back = mi.Ray3f(si.p + 2.0 * (onto.o - si.p), -ray.d)
+        # Paths that pass begin with that step away from the sheet; what is nearer to it than
+        # that, another sheet, they do not meet. So rays onto its back must begin still nearer.
+        step = si.spawn_ray(ray.d).o - si.p
+        back = mi.Ray3f(si.p + _PART_OF_STEP * step, -ray.d)
         parts.append((back, sheet, index.hashes(si, -ray.d, sheet, through=True)))
     kept: list[tuple[Rays, NDArray[np.uint32]]] = []
     for onto, which, words in parts:

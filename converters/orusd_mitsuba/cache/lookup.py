@@ -1,6 +1,6 @@
 """The light cache as it is looked up, by light or in total."""
 
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import drjit as dr
 import mitsuba as mi
@@ -10,6 +10,15 @@ from openrooms_usd.render.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import CacheData
 from orusd_mitsuba.cache.surfels import NEAREST_PER_SIZE, SurfelIndex
 from orusd_mitsuba.plugins.memory import aligned
+
+
+@runtime_checkable
+class Noting(Protocol):
+    """Sums that have a place for what the cache had."""
+
+    def looked_up(self, value: Any, active: Any) -> None:
+        """Add a colour, over all lights; ``add`` has it too."""
+        ...
 
 
 class Nothing:
@@ -91,14 +100,17 @@ class LightCache:
         # The second surface of a path from the camera is the first one here.
         limit = dr.clip(mi.Int32(scatterings) - self._first, 0, self._limits - 1)
         row = (surfel * self._limits + mi.UInt32(limit)) * self._lights
-        light = mi.UInt32(0)
+        light, total = mi.UInt32(0), mi.Color3f(0.0)
         while light < self._lights:
             value = dr.gather(mi.Vector4f, self._values, row + light, active)
             color = weight * mi.Color3f(value.x, value.y, value.z)
             # The last one is elsewhere: what has come in through no opening.
             source = dr.select(light + 1 == self._lights, crossed, light) if self._split else light
             sums.add(color, source, scatterings, active)
+            total += color
             light += 1
+        if dr.hint(isinstance(sums, Noting), mode="scalar"):
+            sums.looked_up(total, active)
 
 
 def passing(scene: Scene) -> bool:

@@ -48,6 +48,9 @@ OF_LIGHT: Final[dict[str, tuple[str, ...]]] = {
 }
 """Pictures that there are for every light, and what is summed for them."""
 
+ONCE: Final = (*KINDS, "looked_up")
+"""Pictures that there are once: `KINDS`, and the part of ``indirect`` that a cache had."""
+
 
 class WholeAccumulator:
     """Sums by strand: zero at first. Each strand has places of its own, for any number of samples.
@@ -60,7 +63,7 @@ class WholeAccumulator:
         guided: Whether `GUIDES` are summed as well.
 
     Attributes:
-        entries: (`rows_of` * 3 * strands).
+        entries: (`rows_of` * 3 * strands) `SUMS` by light, what a cache had, and the guides.
     """
 
     def __init__(self, strands: int, lights: int | None, *, guided: bool = False) -> None:
@@ -99,6 +102,10 @@ class WholeAccumulator:
         """Add straight irradiance as if nothing stood in its way."""
         self._add("unoccluded", light, lux, active)
 
+    def looked_up(self, value: Any, active: Any) -> None:
+        """Add radiance that is sent to the camera, which a cache had."""
+        self._add_to(len(SUMS) * self._lights, value, active)
+
     def guide(self, at: FirstSurface, meets: Any, distance: Any) -> None:
         """Add what first surfaces are like, if that is wanted.
 
@@ -113,7 +120,7 @@ class WholeAccumulator:
         nearness = dr.select(meets, dr.rcp(dr.maximum(distance, _NEAREST_M)), 0.0)
         values = at.albedo, at.normal, at.si.p, mi.Vector3f(nearness, 1.0, 0.0)
         for number, value in enumerate(values):
-            self._add_to(len(SUMS) * self._lights + number, value, at.active)
+            self._add_to(len(SUMS) * self._lights + 1 + number, value, at.active)
 
     def _add(self, name: str, light: Any, value: Any, active: Any) -> None:
         self._add_to(
@@ -132,12 +139,12 @@ class WholeAccumulator:
 
 def rows_of(lights: int | None, guided: bool = False) -> int:
     """How many sums there are."""
-    return len(SUMS) * (lights or 1) + guided * len(GUIDES)
+    return len(SUMS) * (lights or 1) + 1 + guided * len(GUIDES)
 
 
 def pictures_of(lights: int | None, guided: bool = False) -> int:
-    """How many pictures are made of them: `KINDS`, each of `OF_LIGHT` for all lights, `GUIDES`."""
-    return len(KINDS) + len(OF_LIGHT) * (lights or 0) + guided * len(GUIDES)
+    """How many pictures are made of them: `ONCE`, each of `OF_LIGHT` for all lights, `GUIDES`."""
+    return len(ONCE) + len(OF_LIGHT) * (lights or 0) + guided * len(GUIDES)
 
 
 def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float32]:
@@ -147,7 +154,7 @@ def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float3
         sums: (`rows_of`, ...) the means over samples.
         lights: How many lights; None where they were all added as of the first.
     """
-    sums, guides = np.split(sums, [len(SUMS) * (lights or 1)])
+    sums, known, guides = np.split(sums, np.cumsum([len(SUMS) * (lights or 1), 1]))
     by_light = sums.reshape(len(SUMS), lights or 1, *sums.shape[1:])
     whole = by_light.sum(axis=1, dtype=np.float64)
     once = [_sum_of(whole, names) for names in KINDS.values()]
@@ -155,7 +162,7 @@ def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float3
     for name in ("direct", "indirect"):
         np.maximum(once[[*KINDS].index(name)], 0.0, out=once[[*KINDS].index(name)])
     each = [] if lights is None else [_sum_of(by_light, names) for names in OF_LIGHT.values()]
-    lit = [np.stack(once), *(np.maximum(values, 0.0) for values in each)]
+    lit = [np.stack(once), known, *(np.maximum(values, 0.0) for values in each)]
     found = np.concatenate([*lit, guides])
     return np.asarray(found, dtype=np.float32)
 
@@ -181,6 +188,12 @@ class Received:
         """Add radiance that arrives, divided by its density over that of the cosine."""
         self._sums.received(dr.pi * value, self._at, self._kind, light, active)
 
+    def looked_up(self, value: Any, active: Any) -> None:
+        """Add what a cache had of that; where the surface is undivided the rest has it."""
+        if self._at.undivided is not None:
+            active = active & ~self._at.undivided
+        self._sums.looked_up(self._at.albedo * value, active)
+
 
 class Reflected:
     """Receives the light that a direction of the rest brings: `path_tracing.Accumulator`.
@@ -196,6 +209,10 @@ class Reflected:
     def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
         """Add radiance that is sent to the camera."""
         self._sums.reflected(value, self._kind, light, active)
+
+    def looked_up(self, value: Any, active: Any) -> None:
+        """Add what a cache had of that."""
+        self._sums.looked_up(value, active)
 
 
 class EitherOf:
@@ -214,3 +231,8 @@ class EitherOf:
         """Add radiance to one of them."""
         self._rest.add(value, light, scatterings, active & self._which)
         self._cosine.add(value, light, scatterings, active & ~self._which)
+
+    def looked_up(self, value: Any, active: Any) -> None:
+        """Add what a cache had of that."""
+        self._rest.looked_up(value, active & self._which)
+        self._cosine.looked_up(value, active & ~self._which)

@@ -5,18 +5,19 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render.scene.pictures import Array
-from orusd_mitsuba.complete.accumulator import KINDS, OF_LIGHT
+from orusd_mitsuba.complete.accumulator import OF_LIGHT, ONCE
 
 
 def _sum_of(*kinds: str) -> Callable[[Array, int], Array]:
-    rows = [[*KINDS].index(kind) for kind in kinds]
+    rows = [ONCE.index(kind) for kind in kinds]
     return lambda planes, light: np.asarray(planes[rows].sum(axis=0))
 
 
 def _sum_of_light(*names: str) -> Callable[[Array, int], Array]:
     def pick(planes: Array, light: int) -> Array:
-        by_name = planes[len(KINDS) :].reshape(len(OF_LIGHT), -1, *planes.shape[1:])
+        by_name = planes[len(ONCE) :].reshape(len(OF_LIGHT), -1, *planes.shape[1:])
         return np.asarray(by_name[[[*OF_LIGHT].index(name) for name in names], light].sum(axis=0))
 
     return pick
@@ -29,6 +30,15 @@ def _visibility(planes: Array, light: int) -> Array:
     )
     ratio = np.divide(seen, whole, out=np.zeros_like(whole), where=whole > 0.0)
     return np.clip(ratio, 0.0, 1.0)
+
+
+def _traced(planes: Array, light: int) -> Array:
+    """What of the indirect light no cache had; 1 where there is none."""
+    whole, known = (
+        luminance(_sum_of(name)(planes, light))[..., None] for name in ("indirect", "looked_up")
+    )
+    share = np.divide(known, whole, out=np.zeros_like(whole), where=whole > 0.0)
+    return np.clip(1.0 - share, 0.0, 1.0)
 
 
 PICKS: Final[dict[str, Callable[[Array, int], Array]]] = {
@@ -46,6 +56,7 @@ PICKS: Final[dict[str, Callable[[Array, int], Array]]] = {
     "direct_i": _sum_of_light("irradiance_direct"),
     "unoccluded_i": _sum_of_light("unoccluded"),
     "visibility_i": _visibility,
+    "traced": _traced,
 }
 """By channel, what makes its picture of the sums; of a channel of every light, given its number."""
 

@@ -71,7 +71,7 @@ class Wanted:
 
 
 class CompleteIntegrator(BandedIntegrator):
-    """Renders batches of a camera: `accumulator.KINDS`, `accumulator.OF_LIGHT`, and `GUIDES`.
+    """Renders batches of a camera: `accumulator.ONCE`, `accumulator.OF_LIGHT`, and `GUIDES`.
 
     Args:
         scene: What it sees.

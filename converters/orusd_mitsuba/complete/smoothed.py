@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import numbered
-from orusd_mitsuba.complete.accumulator import GUIDES, KINDS, OF_LIGHT
+from orusd_mitsuba.complete.accumulator import GUIDES, OF_LIGHT, ONCE
 from orusd_mitsuba.complete.smoothing import smoothed
 from orusd_mitsuba.pictures import BLOCK_PIXELS, Pick, Pictures
 from orusd_mitsuba.transport.sampling import Halves
@@ -95,8 +95,8 @@ class SmoothedPictures(Pictures):
     def _irradiance(self, planes: NDArray[np.floating]) -> NDArray[np.floating]:
         """(lights, rows, width, 3) what arrives indirectly."""
         if self._lights is None:
-            return planes[[[*KINDS].index("irradiance_indirect")]]
-        start = len(KINDS) + [*OF_LIGHT].index("irradiance_indirect") * self._lights
+            return planes[[ONCE.index("irradiance_indirect")]]
+        start = len(ONCE) + [*OF_LIGHT].index("irradiance_indirect") * self._lights
         return planes[start : start + self._lights]
 
 
