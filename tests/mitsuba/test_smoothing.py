@@ -17,7 +17,7 @@ HEIGHT, WIDTH, SPACING_M = 36, 160, 0.02
 
 def flat(nearness: float = 0.5) -> Array:
     """The guides of a plane that is seen square on, everything ``1 / nearness`` metres away."""
-    guides = np.zeros((4, HEIGHT, WIDTH, 3), dtype=np.float32)
+    guides = np.zeros((6, HEIGHT, WIDTH, 3), dtype=np.float32)
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
     guides[0] = 0.5
     guides[1, ..., 2] = 1.0
@@ -26,17 +26,19 @@ def flat(nearness: float = 0.5) -> Array:
     return guides
 
 
-def smooth(plane: Array, guides: Array) -> Array:
-    from orusd_mitsuba.complete.smoothing import smoothed
+def smooth(plane: Array, guides: Array, light: str = "irradiance") -> Array:
+    from orusd_mitsuba.complete.smoothing import Slowness, smoothed
 
-    return smoothed([np.asarray(plane, np.float32)], guides)[0]
+    how = {"irradiance": Slowness.of_irradiance, "lobes": Slowness.of_lobes}[light](guides)
+    return smoothed([np.asarray(plane, np.float32)], guides, how)[0]
 
 
 def noise(seed: int = 0) -> Array:
     return np.random.default_rng(seed).exponential(size=(HEIGHT, WIDTH, 3)).astype(np.float32)
 
 
-def test_the_average_is_that_of_plain_loops(mi: Any) -> None:
+@pytest.mark.parametrize("light", ["irradiance", "lobes"])
+def test_the_average_is_that_of_plain_loops(mi: Any, light: str) -> None:
     """The same once more, pixel by pixel, of a scene with an edge, a step and sky."""
     from orusd_mitsuba.complete import smoothing
 
@@ -46,15 +48,29 @@ def test_the_average_is_that_of_plain_loops(mi: Any) -> None:
     guides[1, :, 10:] = (0.6, 0.0, 0.8)
     guides[2, 6:, :, 2] += 0.05
     guides[3, ..., 0] = rng.uniform(0.3, 4.0, size=guides.shape[1:3])
+    guides[5] = rng.uniform(0.4, 0.9, size=guides.shape[1:])
+    guides[5, ..., 2] = 1.0
     guides[:, 2:4, 3:5] = 0.0
     planes = noise()[:12, :20]
-    expected = _by_loops(planes.astype(np.float64), guides.astype(np.float64), smoothing)
-    np.testing.assert_allclose(smooth(planes, guides), expected, rtol=2e-4, atol=1e-5)
+    given = planes.astype(np.float64), guides.astype(np.float64)
+    found = smooth(planes, guides, light)
+    np.testing.assert_allclose(found, _by_loops(*given, smoothing, light), rtol=5e-4, atol=1e-5)
+    assert np.abs(found - planes).mean() > 0.2
 
 
-def _by_loops(plane: Array, guides: Array, how: Any) -> Array:
+def _by_loops(plane: Array, guides: Array, how: Any, light: str) -> Array:
     height, width = plane.shape[:2]
-    normal, point, near = guides[1], guides[2], guides[3, ..., 0]
+    normal, point = guides[1], guides[2]
+    if light == "irradiance":
+        near, turns = (
+            guides[3, ..., 0] / how._RADIUS_PER_DISTANCE,
+            0 * guides[3, ..., 0] + how._TURN,
+        )
+        least = 2.0
+    else:
+        sigma = np.maximum(guides[5, ..., 0], 1e-4)
+        near, turns = guides[5, ..., 1] / (how._RADIUS_PER_FOOTPRINT * sigma), sigma**2
+        turns, least = how._TURN_OF_LOBE * turns, 1e-9
     inverse = np.zeros((height, width))
     for y, x in np.ndindex(height, width):
         total, spacing = [near[y, x]], np.inf
@@ -66,7 +82,7 @@ def _by_loops(plane: Array, guides: Array, how: Any) -> Array:
                 total.append(near[v, u])
             if abs(v - y) + abs(u - x) == 1:
                 spacing = min(spacing, distance)
-        inverse[y, x] = min(np.mean(total) / how._RADIUS_PER_DISTANCE, 1 / (2 * spacing))
+        inverse[y, x] = min(np.mean(total), 1 / (least * spacing))
     for level in range(int(np.clip(np.log2(width / how._PIXELS_A_LEVEL), 1, 8))):
         before, plane = plane, plane.copy()
         for y, x in np.ndindex(height, width):
@@ -77,7 +93,7 @@ def _by_loops(plane: Array, guides: Array, how: Any) -> Array:
                 off = offset @ normal[y, x] / (how._HEIGHT_PER_RADIUS * radius)
                 turn = 1 - normal[v, u] @ normal[y, x]
                 apart = (offset @ offset) / radius**2 + off**2
-                w *= np.exp(-0.5 * apart - turn / how._TURN)
+                w *= np.exp(-0.5 * apart - turn / min(turns[y, x], turns[v, u]))
                 value, weight = value + w * before[v, u], weight + w
             plane[y, x] = value / weight
     return plane
@@ -129,6 +145,21 @@ def test_nothing_passes_from_one_surface_to_another(mi: Any, apart: str) -> None
         np.testing.assert_array_equal(found[other], plane[other])
 
 
+def test_what_a_mirror_shows_stays_sharp_and_a_wide_lobe_is_smooth(mi: Any) -> None:
+    raw, guides = noise(), flat()
+    guides[4], guides[5, ..., 1], guides[5, ..., 2] = 0.04, 1.0, 1.0
+    guides[5, ..., 0] = 0.001
+    np.testing.assert_allclose(smooth(raw, guides, "lobes"), raw, rtol=1e-5)
+    guides[5, ..., 0] = 0.5
+    assert smooth(raw, guides, "lobes").var() < 0.05 * raw.var()
+    # Turned by a tenth of a radian each column, it shows something else.
+    angle = 0.1 * np.arange(WIDTH)
+    guides[1] = np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1)
+    guides[5, ..., 0] = 0.1
+    raw[:] = raw[0]
+    np.testing.assert_allclose(smooth(raw, guides, "lobes"), raw, rtol=0.01, atol=1e-3)
+
+
 @pytest.mark.slow
 def test_pictures_of_a_room_are_smoother_and_add_up(small: None, half_hidden: Any) -> None:
     from openrooms_usd.render import RenderRequest
@@ -163,7 +194,7 @@ def test_pictures_of_a_room_are_smoother_and_add_up(small: None, half_hidden: An
         total = sum(pixels[part] for part in parts)
         off = np.abs(total - pixels[whole]) > 1e-4 * pixels[whole].mean() + 1e-4 * pixels[whole]
         assert off.mean() < 0.002, (whole, parts)
-    for name in ("irradiance_indirect", "indirect"):
+    for name in ("irradiance_indirect", "indirect", "diffuse"):
         before, after = (robust_error(i[name].pixels, truth[name].pixels) for i in (exact, found))
         assert after < 0.3 * before
         # The halves are smoothed as well: they know how little noise is left.

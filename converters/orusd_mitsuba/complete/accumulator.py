@@ -21,10 +21,11 @@ SUMS: Final = (
 )
 """What is summed of every light."""
 
-GUIDES: Final = ("albedo", "normal", "position", "nearness")
+GUIDES: Final = ("albedo", "normal", "position", "nearness", "lobe_albedo", "lobe")
 """What is summed of first surfaces, if that is wanted: Lambert's albedo, unit normal, position in
-metres; of the last the first component is the inverse distance to what a direction by the cosine
-meets, per metre, the second 1."""
+metres; the inverse distance to what a direction by the cosine meets, per metre, and 1; what the
+lobe reflects of even light; of the lobe its width in radian, by how much what it meets changes with
+position, per metre, and 1."""
 
 KINDS: Final[dict[str, tuple[str, ...]]] = {
     "emission": ("emission",),
@@ -34,6 +35,8 @@ KINDS: Final[dict[str, tuple[str, ...]]] = {
     "specular": ("rest_direct", "rest_indirect"),
     "irradiance_direct": ("irradiance_direct",),
     "irradiance_indirect": ("irradiance_indirect",),
+    "diffuse_indirect": ("diffuse_indirect",),
+    "rest_indirect": ("rest_indirect",),
 }
 """Pictures that there are once, and what is summed over all lights for them."""
 
@@ -45,6 +48,8 @@ OF_LIGHT: Final[dict[str, tuple[str, ...]]] = {
     "irradiance_direct": ("irradiance_direct",),
     "irradiance_indirect": ("irradiance_indirect",),
     "unoccluded": ("unoccluded",),
+    "diffuse_indirect": ("diffuse_indirect",),
+    "rest_indirect": ("rest_indirect",),
 }
 """Pictures that there are for every light, and what is summed for them."""
 
@@ -114,13 +119,28 @@ class WholeAccumulator:
             meets: Where a direction by the cosine meets anything.
             distance: How far away, metres.
         """
-        if not self._guided:
-            return
-        # A ray that begins in a crease would count for all others.
-        nearness = dr.select(meets, dr.rcp(dr.maximum(distance, _NEAREST_M)), 0.0)
-        values = at.albedo, at.normal, at.si.p, mi.Vector3f(nearness, 1.0, 0.0)
-        for number, value in enumerate(values):
-            self._add_to(len(SUMS) * self._lights + 1 + number, value, at.active)
+        if self._guided:
+            near = mi.Vector3f(_inverse(meets, distance), 1.0, 0.0)
+            for name, value in zip(GUIDES, (at.albedo, at.normal, at.si.p, near), strict=False):
+                self._add_guide(name, value, at.active)
+
+    def guide_lobe(self, at: FirstSurface, meets: Any, distance: Any) -> None:
+        """Add what their lobes are like, if that is wanted.
+
+        Args:
+            at: The surfaces.
+            meets: Where a direction of the rest meets anything.
+            distance: How far away, metres.
+        """
+        if self._guided:
+            alone, albedo, width = at.lobe()
+            # A mirrored ray turns with the place and with where it is seen from.
+            change = _inverse(meets, distance) + dr.rcp(dr.maximum(at.si.t, _NEAREST_M))
+            self._add_guide("lobe_albedo", albedo, alone)
+            self._add_guide("lobe", mi.Vector3f(width, change, 1.0), alone)
+
+    def _add_guide(self, name: str, value: Any, active: Any) -> None:
+        self._add_to(len(SUMS) * self._lights + 1 + GUIDES.index(name), value, active)
 
     def _add(self, name: str, light: Any, value: Any, active: Any) -> None:
         self._add_to(
@@ -135,6 +155,11 @@ class WholeAccumulator:
                 dr.ReduceOp.Add, self.entries, value[channel], place, active,
                 mode=dr.ReduceMode.NoConflicts,
             )  # fmt: skip
+
+
+def _inverse(meets: Any, distance: Any) -> Any:
+    """Per metre; a ray that begins in a crease would count for all others."""
+    return dr.select(meets, dr.rcp(dr.maximum(distance, _NEAREST_M)), 0.0)
 
 
 def rows_of(lights: int | None, guided: bool = False) -> int:

@@ -5,16 +5,19 @@ normal that the ground truth shows, and the rest. Of OpenRooms' model the rest i
 is transmitted, evaluated by themselves. Any other model is left whole.
 """
 
-from typing import Any
+from typing import Any, Final
 
 import drjit as dr
 import mitsuba as mi
 
 from orusd_mitsuba.complete.matter import SceneMatter, looked_up
+from orusd_mitsuba.plugins import microfacet
 from orusd_mitsuba.plugins.openrooms_bsdf import Reflection, view_of
 
 # Told by the tables of the scene, once for all surfaces.
 _NOTHING: Any = None
+# Luminance of what a lobe reflects of even light, for there to be one.
+_LEAST_LOBE: Final = 1e-4
 
 
 class FirstSurface:
@@ -50,6 +53,21 @@ class FirstSurface:
         if matter.others is not None:
             self._bsdf, self.undivided = si.bsdf(), looked_up(matter.others, si, active)
             self._opacity = 1.0 - self._bsdf.eval_null_transmission(si, active)
+
+    def lobe(self) -> tuple[Any, Any, Any]:
+        """Where the rest is one specular lobe, what that reflects of even light, and its width.
+
+        Returns:
+            The mask, a colour, and about the standard deviation of its directions, radian.
+        """
+        matter = self._model.matter
+        albedo = microfacet.lobe_albedo(self._view.wi.z, matter.roughness, matter.specular)
+        albedo *= matter.gloss
+        alone = self.active & (matter.transmission <= 0.0) & (mi.luminance(albedo) > _LEAST_LOBE)
+        for other in (self._matte, self.undivided):
+            if other is not None:
+                alone &= ~other
+        return alone, albedo, microfacet.lobe_width(matter.roughness)
 
     def cosine(self, direction: Any) -> Any:
         """What counts of light from a direction; 0 from below."""

@@ -222,7 +222,9 @@ class CompleteIntegrator(BandedIntegrator):
         active = at.active & (density > 0.0) & dr.any(value != 0.0)
         weight = dr.select(active, value / dr.select(active, density, 1.0), 0.0)
         straight = Reflected(sums, "direct")
-        return self._follow(at, direction, density, weight, active, sampler, straight)
+        found = self._follow(at, direction, density, weight, active, sampler, straight)
+        sums.guide_lobe(at, found.active, dr.norm(found.si.p - at.si.p))
+        return found
 
     def _follow(
         self, at: FirstSurface, direction: Any, density: Any, weight: Any, active: Any,

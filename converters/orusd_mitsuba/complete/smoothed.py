@@ -1,12 +1,13 @@
-"""Pictures whose indirect light, as far as first surfaces scatter it by Lambert's law, is smooth.
+"""Pictures whose indirect light is averaged where it varies slowly.
 
-What smoothing changes of a light's indirect irradiance changes all pictures that it is part of by
-the same, so that they go on adding up: what is received as it is, what is reflected by the albedo.
-Both halves of the samples are smoothed by the same weights, so they go on telling the noise. What
-they cannot tell, because it is no noise, is kept as means over blocks: see `pictures.Changes`.
+Averaged is what arrives of a light indirectly; and what is reflected of it, by Lambert's law and by
+lobes, each over what it is of even light. What that changes of a part changes all pictures that it
+is a part of by the same, so that they go on adding up. Both halves of the samples are averaged by
+the same weights, so they go on telling the noise. What they cannot tell, because it is no noise, is
+kept as means over blocks: see `pictures.Changes`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
@@ -14,15 +15,23 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import numbered
 from orusd_mitsuba.complete.accumulator import GUIDES, OF_LIGHT, ONCE
-from orusd_mitsuba.complete.smoothing import smoothed
+from orusd_mitsuba.complete.smoothing import Slowness, smoothed
 from orusd_mitsuba.pictures import BLOCK_PIXELS, Pick, Pictures
 from orusd_mitsuba.transport.sampling import Halves
 
 Floats = NDArray[np.float32]
 
+# The channel of a part of what is reflected, its sum, the same of even light, and how slowly the
+# one over the other varies.
+_REFLECTED: Final = (
+    ("diffuse", "diffuse_indirect", "albedo", Slowness.of_irradiance),
+    ("specular", "rest_indirect", "lobe_albedo", Slowness.of_lobes),
+)
+_AVERAGED: Final = ("irradiance_indirect", *(row[1] for row in _REFLECTED))
+
 SMOOTHED: Final = (
     "irradiance", "irradiance_indirect", "irradiance_i", "radiance", "indirect", "diffuse",
-    "radiance_i",
+    "radiance_i", "specular",
 )  # fmt: skip
 """Channels that are changed."""
 
@@ -42,14 +51,16 @@ class SmoothedPictures(Pictures):
         super().__init__(picks, size)
         self._lights = lights
         self._guides = np.zeros((len(GUIDES), *size, 3), dtype=np.float32)
-        self._halves = np.zeros((2, lights or 1, *size, 3), dtype=np.float32)
+        shape = 2, lights or 1, *size, 3
+        self._halves = {name: np.zeros(shape, np.float32) for name in _AVERAGED}
 
     def finish(self, rows: slice, halves: Halves) -> None:
         """See `Pictures`."""
         lit, guides = np.split(halves.sums, [-len(GUIDES)], axis=1)
         self._guides[:, rows] = guides.sum(axis=0, dtype=np.float64) / halves.total
         for half, (sums, samples) in enumerate(zip(lit, halves.samples, strict=True)):
-            self._halves[half, :, rows] = self._irradiance(sums) / max(1, samples)
+            for name, kept in self._halves.items():
+                kept[half, :, rows] = self._by_light(name, sums) / max(1, samples)
         super().finish(rows, Halves(lit, halves.samples, halves.judged))
 
     def smooth(self, samples: tuple[int, int]) -> None:
@@ -58,49 +69,52 @@ class SmoothedPictures(Pictures):
         Args:
             samples: Of a pixel, in each half.
         """
-        both = min(samples) > 0
-        raw = self._halves if both else self._halves[:1]
-        planes = raw.reshape(-1, *raw.shape[2:])
-        changes = np.stack(smoothed(planes, self._guides)).reshape(raw.shape) - raw
+        received = self._changes("irradiance_indirect", samples, 1.0, Slowness.of_irradiance)
         for name in ("irradiance", "irradiance_indirect"):
-            self._add(name, changes.sum(axis=1), samples)
-        self._add_by_light("irradiance_i", changes, samples)
-        reflected = changes * (self._guides[GUIDES.index("albedo")] / np.float32(np.pi))
-        whole = reflected.sum(axis=1) + self._add_by_light("radiance_i", reflected, samples)
-        for name in ("radiance", "indirect", "diffuse"):
-            self._add(name, whole, samples)
+            self._add(name, received.sum(axis=1), samples)
+        self._add_by_light("irradiance_i", received, samples)
+        del received
+        for channel, name, factor, slowness in _REFLECTED:
+            over = self._guides[GUIDES.index(factor)]
+            halves = self._changes(name, samples, over, slowness)
+            self._add_by_light("radiance_i", halves, samples)
+            for image in ("radiance", "indirect", channel):
+                self._add(image, halves.sum(axis=1), samples)
 
-    def _add_by_light(
-        self, channel: str, halves: Floats, samples: tuple[int, int]
-    ) -> Floats | float:
-        """Add to a channel of every light, and give what this has added beyond that.
+    def _changes(
+        self, name: str, samples: tuple[int, int], factor: Floats | float,
+        slowness: Callable[[Floats], Slowness],
+    ) -> Floats:  # fmt: skip
+        """(halves, lights, height, width, 3) what averaging changes of something over a factor."""
+        raw = self._halves.pop(name)[: 2 if min(samples) else 1]
+        np.divide(raw, factor, out=raw, where=np.asarray(factor) > 0.0)
+        planes = raw.reshape(-1, *raw.shape[2:])
+        means = np.stack(smoothed(planes, self._guides, slowness(self._guides)))
+        means -= planes
+        found = means.reshape(raw.shape)
+        found *= factor
+        return found
 
-        Where a pixel sees several surfaces, its light may be less than what would be taken away.
-        """
-        beyond: Floats | float = 0.0
+    def _add_by_light(self, channel: str, halves: Floats, samples: tuple[int, int]) -> None:
         for light in range(self._lights or 0):
-            beyond = beyond + self._add(numbered(channel, light), halves[:, light], samples)
-        return beyond
+            self._add(numbered(channel, light), halves[:, light], samples)
 
-    def _add(self, name: str, halves: Floats, samples: tuple[int, int]) -> Floats | float:
+    def _add(self, name: str, halves: Floats, samples: tuple[int, int]) -> None:
         if name not in self._kept:
-            return 0.0
-        mean = np.average(halves, axis=0, weights=samples[: len(halves)]).astype(np.float32)
-        before = self._kept[name].pixels.copy()
+            return
+        mean = np.average(halves, axis=0, weights=samples[: len(halves)])
         self._kept[name].add(mean, *halves)
-        change = self._kept[name].pixels - before
-        self.changes[name] = _by_blocks(change)
-        return change - mean
+        self.changes[name] = self.changes.get(name, np.float32(0.0)) + _by_blocks(mean)
 
-    def _irradiance(self, planes: NDArray[np.floating]) -> NDArray[np.floating]:
-        """(lights, rows, width, 3) what arrives indirectly."""
+    def _by_light(self, name: str, planes: NDArray[np.floating]) -> NDArray[np.floating]:
+        """(lights, rows, width, 3) of the planes of some rows."""
         if self._lights is None:
-            return planes[[ONCE.index("irradiance_indirect")]]
-        start = len(ONCE) + [*OF_LIGHT].index("irradiance_indirect") * self._lights
+            return planes[[ONCE.index(name)]]
+        start = len(ONCE) + [*OF_LIGHT].index(name) * self._lights
         return planes[start : start + self._lights]
 
 
-def _by_blocks(plane: Floats) -> Floats:
+def _by_blocks(plane: NDArray[np.floating]) -> Floats:
     """Means over blocks; those at the right and at the bottom may be smaller."""
     starts = [np.arange(0, side, BLOCK_PIXELS) for side in plane.shape[:2]]
     down, across = (np.diff(np.append(*cut)) for cut in zip(starts, plane.shape[:2], strict=True))

@@ -1,13 +1,15 @@
-"""Irradiance that varies slowly over surfaces, taken from the samples of neighbouring pixels too.
+"""Light that varies slowly over surfaces, taken from the samples of neighbouring pixels too.
 
 What arrives indirectly changes from point to point no faster than what it comes from is far away.
 So it is averaged over neighbours on the same surface, within a part of the harmonic mean of the
-distances that the samples have met (the split-sphere model: Ward, Rubinstein, Clear 1988). All
-lights share the weights, which know nothing of light: the average is linear. Wide averages are made
-of few taps, level by level at doubled steps (a trous: Dammertz et al. 2010).
+distances that the samples have met (the split-sphere model: Ward, Rubinstein, Clear 1988). What a
+lobe mirrors is the same over what is small beside the lobe's footprint. All lights share the
+weights, which know nothing of light: the average is linear. Wide averages are made of few taps,
+level by level at doubled steps (a trous: Dammertz et al. 2010).
 """
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any, Final
 
 import drjit as dr
@@ -15,14 +17,20 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from orusd_mitsuba.complete.accumulator import GUIDES
+
 Floats = NDArray[np.float32]
 
 # The standard deviation of the average, in parts of the harmonic mean distance.
 _RADIUS_PER_DISTANCE: Final = 0.12
+# Of lobes, in parts of what their footprint is there.
+_RADIUS_PER_FOOTPRINT: Final = 0.2
 # How far neighbours may be off the plane, in parts of that.
 _HEIGHT_PER_RADIUS: Final = 0.5
-# 1 - cos of the angle between normals at which neighbours count 1 / e.
+# 1 - cos of the angle between normals at which neighbours count 1 / e; of a lobe of one radian,
+# with the square of the width.
 _TURN: Final = 0.0625
+_TURN_OF_LOBE: Final = 0.02
 # Where surfaces meet, distances go to 0: at least so many pixels.
 _LEAST_RADIUS_PIXELS: Final = 2.0
 # What is one flat surface: 1 - cos between normals, height over distance.
@@ -40,15 +48,52 @@ _PIXELS_A_LEVEL: Final = 10
 _MOST_LEVELS: Final = 8
 
 
-def smoothed(planes: Iterable[Floats], guides: Floats) -> list[Floats]:
-    """Pictures of indirect irradiance, each averaged over neighbours by the same weights.
+@dataclass(frozen=True, eq=False)
+class Slowness:
+    """How slowly some light varies at the pixels of a picture.
+
+    Attributes:
+        coverage: (height, width) the part of a pixel that has such light.
+        change: (height, width) per metre, one over the radius that averages may have.
+        turn: (height, width) 1 - cos between normals at which neighbours count 1 / e.
+        least_pixels: The least radius.
+    """
+
+    coverage: Floats
+    change: Floats
+    turn: Floats
+    least_pixels: float
+
+    @staticmethod
+    def of_irradiance(guides: Floats) -> "Slowness":
+        """Of what arrives indirectly."""
+        nearness = guides[GUIDES.index("nearness")]
+        coverage = nearness[..., 1]
+        change = nearness[..., 0] / np.maximum(coverage, 1e-6) / _RADIUS_PER_DISTANCE
+        turn = np.full_like(coverage, _TURN)
+        return Slowness(coverage, change, turn, _LEAST_RADIUS_PIXELS)
+
+    @staticmethod
+    def of_lobes(guides: Floats) -> "Slowness":
+        """Of what specular lobes mirror indirectly."""
+        lobe = guides[GUIDES.index("lobe")]
+        coverage = lobe[..., 2]
+        width, change = (lobe[..., row] / np.maximum(coverage, 1e-6) for row in range(2))
+        width = np.maximum(width, 1e-4)
+        change = change / (_RADIUS_PER_FOOTPRINT * width)
+        return Slowness(coverage, change, _TURN_OF_LOBE * width**2, 0.0)
+
+
+def smoothed(planes: Iterable[Floats], guides: Floats, how: Slowness) -> list[Floats]:
+    """Pictures of light, each averaged over neighbours by the same weights.
 
     Args:
         planes: (height, width, 3) each.
-        guides: (4, height, width, 3) means over the same samples, `accumulator.GUIDES`.
+        guides: (6, height, width, 3) means over the same samples, `GUIDES`.
+        how: What the weights are.
     """
     found = [np.ascontiguousarray(plane, dtype=np.float32) for plane in planes]
-    surfaces = _Surfaces(guides)
+    surfaces = _Surfaces(guides, how)
     levels = int(np.clip(np.log2(guides.shape[2] / _PIXELS_A_LEVEL), 1, _MOST_LEVELS))
     for level in range(levels):
         taps = surfaces.taps(1 << level)
@@ -61,19 +106,21 @@ class _Surfaces:
 
     Args:
         guides: See `smoothed`.
+        how: See `smoothed`.
     """
 
-    def __init__(self, guides: Floats) -> None:
+    def __init__(self, guides: Floats, how: Slowness) -> None:
         _, self._height, self._width, _ = guides.shape
-        covered = np.maximum(guides[3, ..., 1], 1e-6)
-        length = np.maximum(np.linalg.norm(guides[1], axis=-1), 1e-9)
-        self._normal = mi.Vector3f(*_columns(guides[1] / length[..., None]))
-        self._point = mi.Point3f(*_columns(guides[2] / covered[..., None]))
-        self._is_surface = mi.Float(_flat(guides[3, ..., 1] > _LEAST_COVERAGE))
+        normal, point, near = (guides[GUIDES.index(n)] for n in ("normal", "position", "nearness"))
+        length = np.maximum(np.linalg.norm(normal, axis=-1), 1e-9)
+        self._normal = mi.Vector3f(*_columns(normal / length[..., None]))
+        self._point = mi.Point3f(*_columns(point / np.maximum(near[..., 1:2], 1e-6)))
+        self._is_surface = mi.Float(_flat(how.coverage > _LEAST_COVERAGE))
+        self._turn = mi.Float(_flat(1.0 / how.turn))
         self._pixel = dr.arange(mi.Int32, self._height * self._width)
         self._columns = dr.opaque(mi.Int32, self._width)
         self._rows = dr.opaque(mi.Int32, self._height)
-        self._inverse = self._inverse_radius(mi.Float(_flat(guides[3, ..., 0] / covered)))
+        self._inverse = self._inverse_radius(mi.Float(_flat(how.change)), how.least_pixels)
 
     def taps(self, step: int) -> "_Taps":
         """The weights of neighbours so many pixels apart."""
@@ -104,7 +151,8 @@ class _Surfaces:
         inverse = 0.5 * (self._inverse + dr.gather(mi.Float, self._inverse, place, inside))
         height = dr.dot(offset, self._normal) * inverse / _HEIGHT_PER_RADIUS
         apart = dr.squared_norm(offset) * dr.square(inverse) + dr.square(height)
-        return dr.select(there, dr.exp(-0.5 * apart - turn / _TURN), 0.0)
+        stricter = dr.maximum(self._turn, dr.gather(mi.Float, self._turn, place, inside))
+        return dr.select(there, dr.exp(-0.5 * apart - turn * stricter), 0.0)
 
     def _between(self, place: Any, inside: Any) -> tuple[Any, Any, Any]:
         """The way to other pixels' points, 1 - cos between normals, and where both are surfaces."""
@@ -114,21 +162,21 @@ class _Surfaces:
         normal = dr.gather(mi.Vector3f, self._normal, place, there)
         return offset, dr.maximum(0.0, 1.0 - dr.dot(normal, self._normal)), there
 
-    def _inverse_radius(self, nearness: Any) -> Any:
-        """Per metre, of the averages: of few samples themselves, so of the mean of neighbours."""
-        total, count, spacing = mi.Float(nearness), mi.Float(1.0), mi.Float(dr.inf)
+    def _inverse_radius(self, change: Any, least_pixels: float) -> Any:
+        """Per metre, of the averages: told by few samples itself, so by those of neighbours too."""
+        total, count, spacing = mi.Float(change), mi.Float(1.0), mi.Float(dr.inf)
         for x, y, _ in _TAPS:
             place, inside = self._neighbour(x, y, 1)
             offset, turn, there = self._between(place, inside)
             distance = dr.norm(offset)
             same = there & (turn < _FLAT_TURN)
             same &= dr.abs(dr.dot(offset, self._normal)) <= _FLAT_SLOPE * distance
-            total += dr.select(same, dr.gather(mi.Float, nearness, place, same), 0.0)
+            total += dr.select(same, dr.gather(mi.Float, change, place, same), 0.0)
             count += dr.select(same, 1.0, 0.0)
             if abs(x) + abs(y) == 1:
                 spacing = dr.select(there, dr.minimum(spacing, distance), spacing)
-        least = _LEAST_RADIUS_PIXELS * dr.maximum(spacing, 1e-6)
-        found = dr.minimum(total / count / _RADIUS_PER_DISTANCE, dr.rcp(least))
+        least = dr.opaque(mi.Float, least_pixels) * dr.maximum(spacing, 1e-6)
+        found = dr.minimum(total / count, dr.rcp(dr.maximum(least, 1e-9)))
         dr.eval(found)
         return found
 

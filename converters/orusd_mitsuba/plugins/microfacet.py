@@ -92,6 +92,11 @@ def lobe_narrowness(roughness: Any) -> Any:
     return 1.0 - 0.8 * _alpha(roughness) ** 2
 
 
+def lobe_width(roughness: Any) -> Any:
+    """About the standard deviation of mirrored directions, radian: twice that of the slopes."""
+    return dr.minimum(2.0 * _alpha(roughness), 1.0)
+
+
 def lobe_albedo(n_v: Any, roughness: Any, f0: Any) -> Any:
     """About what the lobe reflects of even light, to choose between it and the diffuse part.
 
