@@ -161,8 +161,8 @@ def test_sums_take_no_more_room_for_more_samples(build: Any, lit: Any) -> None:
     real = complete.WholeAccumulator
 
     class Counted(real):  # type: ignore[valid-type,misc]
-        def __init__(self, strands: int, lights: int | None) -> None:
-            super().__init__(strands, lights)
+        def __init__(self, strands: int, lights: int | None, *, guided: bool) -> None:
+            super().__init__(strands, lights, guided=guided)
             sizes.append(strands)
 
     with pytest.MonkeyPatch.context() as patch:
