@@ -11,8 +11,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = {
-    "openrooms_usd", "orusd_schemas", "orusd_gltf", "orusd_mitsuba", "orusd_openrooms",
-    "orusd_preview", "orusd_scans", "orusd_urdf", "orusd_usdz",
+    "openrooms_usd", "orusd_schemas", "orusd_gltf", "orusd_mitsuba", "orusd_nerf",
+    "orusd_openrooms", "orusd_preview", "orusd_scans", "orusd_urdf", "orusd_usdz",
 }  # fmt: skip
 DATA = {
     "openrooms_usd/py.typed",
@@ -21,6 +21,7 @@ DATA = {
     "openrooms_usd/library/hosek_wilkie.LICENSE.txt",
     "orusd_gltf/py.typed",
     "orusd_mitsuba/py.typed",
+    "orusd_nerf/py.typed",
     "orusd_openrooms/py.typed",
     "orusd_preview/py.typed",
     "orusd_scans/py.typed",

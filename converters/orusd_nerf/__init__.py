@@ -1,0 +1,10 @@
+"""Finished renders for radiance fields and photogrammetry: cameras, pictures, depth, points.
+
+``dataset`` is the story. ``cameras`` says where a camera stands in the words of each tool, and
+writes ``cameras.json`` and ``cameras.npz``; ``pictures`` makes the images and depth maps,
+``points`` finds surface points and who sees them; ``colmap`` and ``transforms`` are the two forms.
+"""
+
+from orusd_nerf.dataset import NerfDataset
+
+__all__ = ["NerfDataset"]
