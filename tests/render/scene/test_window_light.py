@@ -134,7 +134,84 @@ def test_two_lobes_are_found_again() -> None:
         np.testing.assert_allclose(found.amplitude, wanted.amplitude, rtol=0.03)
 
 
+@pytest.mark.parametrize("outwards", [(0.0, -1.0, 0.0), (1.0, 0.0, 0.0)])
+@pytest.mark.parametrize("row", [3, 20, 28])
+def test_light_from_one_place_is_fitted_without_a_number_that_is_none(
+    row: int, outwards: tuple[float, float, float]
+) -> None:
+    from openrooms_usd.render.scene.window_fit import fit
+
+    pixels = np.zeros((32, 64, 3))
+    pixels[row, 24:44, 1] = 5.0
+    lobes, error = fit(around(pixels), portal(outwards))
+    assert np.isfinite([error, *np.concatenate([lobe.amplitude for lobe in lobes])]).all()
+    assert error <= 1.0
+
+
 def test_a_black_sky_has_no_lobes() -> None:
     from openrooms_usd.render.scene.window_fit import fit
 
     assert fit(around(np.zeros((1, 1, 3))), portal()) == ((), 0.0)
+
+
+def test_no_lobe_is_much_more_colourful_than_the_light_that_it_lies_on() -> None:
+    """Least squares alone makes the sky blue without red, the ground red without blue."""
+    from openrooms_usd.render.scene.window_lobes import _colors
+
+    heights = np.linspace(-1.0, 1.0, 50)
+    shapes = np.exp(0.5 * (np.stack([heights, -heights], axis=1) - 1.0))
+    light = np.where(heights[:, None] > 0.0, [1.0, 2.0, 8.0], [4.0, 2.0, 1.0])
+    free = np.linalg.lstsq(shapes, light, rcond=None)[0]
+    assert free[0, 0] < 0.0
+    assert free[1, 2] < 0.0
+    found, lying = _colors(shapes, light), shapes.T @ light
+    share = (found / lying) / (found / lying).max(axis=1, keepdims=True)
+    # By two in the one direction for one colour, in the other for another.
+    assert share.min() > 0.25 - 1e-6
+
+
+def test_colours_within_bounds_are_the_best_there() -> None:
+    from scipy.optimize import lsq_linear
+
+    from openrooms_usd.render.scene.window_lobes import _within
+
+    rng = np.random.default_rng(4)
+    for _ in range(20):
+        shapes, light = rng.random((9, 2)), rng.normal(size=(9, 3))
+        low = rng.uniform(-1.0, 0.0, (2, 3))
+        high = low + rng.uniform(0.1, 1.0, (2, 3))
+        found = _within(shapes.T @ shapes, shapes.T @ light, low, high)
+        wanted = [
+            lsq_linear(shapes, light[:, c], (low[:, c], high[:, c]), tol=1e-12).x for c in range(3)
+        ]
+        np.testing.assert_allclose(found, np.stack(wanted, axis=1), atol=1e-6)
+
+
+def test_slopes_are_those_of_the_error_with_the_colours_that_follow() -> None:
+    from openrooms_usd.render.scene import window_lobes
+
+    rng = np.random.default_rng(9)
+    ways = rng.normal(size=(200, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    axes = np.array([[0.6, 0.0, 0.8], [0.0, -0.8, -0.6]])
+    logs, colors = np.array([0.4, 1.1]), np.zeros((2, 3))
+    light = np.exp(2.0 * (ways @ [[0.0], [0.6], [0.8]] - 1.0)) * [1.0, 2.0, 3.0] + 0.1
+
+    def best(change: Array) -> tuple[Any, Array]:
+        pair = window_lobes.Pair(axes, logs, colors, 0.0)
+        moved = window_lobes._moved(pair, change)
+        shapes = np.exp(np.exp(moved[1]) * (ways @ moved[0].T - 1.0))
+        found = np.linalg.lstsq(shapes, light, rcond=None)[0]
+        return window_lobes.Pair(*moved, found, 0.0), shapes
+
+    def cost(change: Array) -> float:
+        pair, shapes = best(change)
+        return float(0.5 * np.square(light - shapes @ pair.colors).sum())
+
+    pair, shapes = best(np.zeros(6))
+    slopes = window_lobes._slopes(ways, pair, shapes)
+    found = -slopes.T @ (light - shapes @ pair.colors).ravel()
+    np.testing.assert_allclose(shapes.T @ slopes.reshape(200, -1), 0.0, atol=1e-6)
+    steps = 1e-5 * np.eye(6)
+    wanted = [(cost(step) - cost(-step)) / 2e-5 for step in steps]
+    np.testing.assert_allclose(found, wanted, rtol=1e-5, atol=1e-7)
