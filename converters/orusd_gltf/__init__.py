@@ -7,6 +7,8 @@ Importing this package imports neither USD nor a codec. In the order of the work
 - ``hierarchy`` places prims as nodes, ``geometry`` makes vertices of triangles;
 - ``materials`` turns surfaces into metallic-roughness, ``pictures`` packs their textures;
 - ``lamps`` and ``cameras`` do what their names say;
+- ``baked`` multiplies colours and lightmaps, ``unlit`` shows them without any lamp;
+- ``draco`` packs vertices, ``instancing`` joins nodes of one mesh, where that is asked for;
 - ``document`` gathers the JSON objects and the binary buffer, and writes the file.
 """
 

@@ -7,7 +7,7 @@ import hashlib
 import json
 import struct
 from dataclasses import dataclass, field
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from openrooms_usd.errors import OutputError
 
 Object = dict[str, Any]
-Kind = Literal["SCALAR", "VEC2", "VEC3", "VEC4"]
 
 # Numbers of OpenGL.
 _COMPONENTS: Final = {"float32": 5126, "uint32": 5125, "uint16": 5123}
@@ -74,9 +73,8 @@ class Document:
             values: (N,) or (N, 2 to 4), float32, uint32 or uint16.
             target: `VERTICES` or `INDICES`, where it is one of these.
         """
-        kind: Kind = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"  # type: ignore[assignment]
-        item = described(values, kind)
-        return self.shared("accessors", {"bufferView": self.view(values.tobytes(), target)} | item)
+        view = {"bufferView": self.view(values.tobytes(), target)}
+        return self.shared("accessors", view | described(values))
 
     def texture(self, data: bytes, mime: str, sampler: Object) -> int:
         """The number of the texture that shows an encoded picture."""
@@ -121,8 +119,9 @@ class Document:
         return struct.pack("<4sII", _MAGIC, _VERSION, len(body) + 12) + body
 
 
-def described(values: NDArray[Any], kind: Kind) -> Object:
+def described(values: NDArray[Any]) -> Object:
     """What an accessor says of an array; positions and the like with their bounds."""
+    kind = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
     item: Object = {
         "componentType": _COMPONENTS[str(values.dtype)],
         "count": len(values),

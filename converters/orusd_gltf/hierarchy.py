@@ -74,7 +74,7 @@ class Hierarchy:
         self, parent: int | None, above: Array, name: str, world: Array, said: Object
     ) -> tuple[int, Array]:
         local = np.asarray(np.linalg.inv(above) @ world, dtype=np.float64)
-        *outer, inner = _steps(local)
+        *outer, inner = steps_of(local)
         for step in outer:
             parent = self._append(parent, {"name": f"{name}_shear", **step})
         return self._append(parent, {"name": name, **inner, **said}), world
@@ -88,7 +88,7 @@ class Hierarchy:
         return number
 
 
-def _steps(local: Array) -> list[Object]:
+def steps_of(local: Array) -> list[Object]:
     """A matrix as translation, rotation and scale; one that shears as two of them, in turn."""
     linear, moved = local[:3, :3], local[:3, 3]
     lengths = np.linalg.norm(linear, axis=0)
@@ -104,6 +104,23 @@ def _steps(local: Array) -> list[Object]:
     right[0] *= np.sign(turns[1])
     stretch[0] *= np.sign(turns[0] * turns[1])
     return [_step(moved, left, stretch), _step(np.zeros(3), right, np.ones(3))]
+
+
+def transform_of(node: Object) -> Array:
+    """(4, 4) what a node's translation, rotation and scale make together."""
+    said = _IDENTITY | node
+    x, y, z, w = said["rotation"]
+    turn = np.eye(3) + 2.0 * np.array(
+        [
+            [-y * y - z * z, x * y - z * w, x * z + y * w],
+            [x * y + z * w, -x * x - z * z, y * z - x * w],
+            [x * z - y * w, y * z + x * w, -x * x - y * y],
+        ]
+    )
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn * said["scale"]
+    matrix[:3, 3] = said["translation"]
+    return matrix
 
 
 def _step(moved: Array, rotation: Array, scale: Array) -> Object:

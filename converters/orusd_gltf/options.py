@@ -8,6 +8,9 @@ from openrooms_usd.errors import InputError
 
 _CHOICES: Final[dict[str, tuple[str, ...]]] = {
     "pictures": ("png", "jpeg", "webp"),
+    "light": ("lamps", "baked"),
+    "compression": ("none", "draco"),
+    "instances": ("nodes", "gpu"),
 }
 
 
@@ -18,9 +21,17 @@ class Options:
     Attributes:
         pictures: How textures are stored: ``png`` keeps PNG and JPEG files as they are, ``jpeg``
             and ``webp`` make them smaller; readers must know the extension for WebP.
+        light: ``lamps`` for lights of the viewer, or ``baked`` for what the stage's lightmaps say
+            (`orusd bake`): surfaces show their light themselves.
+        compression: Of vertices: ``none``, or ``draco``, whose extension readers must know.
+        instances: ``nodes`` for a node each, or ``gpu`` for one node of all that show the same
+            mesh, whose extension readers must know.
     """
 
     pictures: Literal["png", "jpeg", "webp"] = "png"
+    light: Literal["lamps", "baked"] = "lamps"
+    compression: Literal["none", "draco"] = "none"
+    instances: Literal["nodes", "gpu"] = "nodes"
 
 
 def parsed(given: Mapping[str, Any]) -> Options:

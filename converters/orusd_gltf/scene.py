@@ -18,13 +18,17 @@ from openrooms_usd.usd.materials import bound_material, bound_subsets, read_prev
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import read_portals
 from openrooms_usd.usd.surfaces import PreviewSurface
+from orusd_gltf.baked import BakedLight
 from orusd_gltf.document import INDICES, VERTICES, Document, Object
-from orusd_gltf.geometry import vertices
+from orusd_gltf.draco import packed_primitive
+from orusd_gltf.geometry import Vertices, vertices
 from orusd_gltf.hierarchy import Hierarchy
+from orusd_gltf.instancing import gather_instances
 from orusd_gltf.lamps import EXTENSION, Lamp, add_glow, add_light
 from orusd_gltf.materials import Material, add_material
 from orusd_gltf.options import Options
 from orusd_gltf.pictures import Pictures
+from orusd_gltf.unlit import UnlitSurfaces
 
 _Radiance = tuple[float, ...] | None
 _TRIANGLES: Final = 4
@@ -48,6 +52,8 @@ def translate(stage: Usd.Stage, options: Options) -> tuple[bytes, Report]:
     # 3. Cameras, and the names of all that is left.
     work.add_cameras()
     work.name_the_rest()
+    if options.instances == "gpu":
+        gather_instances(work.document)
     return work.document.glb(), work.report
 
 
@@ -68,6 +74,10 @@ class _Translation:
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[tuple[str, bool, _Radiance], Material] = {}
         self._meshes: dict[Any, tuple[int, tuple[str, ...]]] = {}
+        self._unlit: UnlitSurfaces | None = None
+        if self.options.light == "baked":
+            light = BakedLight(self.stage)
+            self._unlit = UnlitSurfaces(self.document, light, self.options.pictures)
 
     # Light.
 
@@ -77,6 +87,9 @@ class _Translation:
                 self._emitting[light.path] = light.radiance
                 self._glowing[light.path] = light.losses
                 continue
+            if self._unlit is not None:
+                self._say(light.path, list(light.losses))
+                continue
             name = light.path.rpartition("/")[2]
             lamp = add_light(self.document, light, name)
             if isinstance(lamp, str):
@@ -85,7 +98,8 @@ class _Translation:
             self._shine(self._nodes.child(_parent(light.path), name, lamp.world), lamp)
             self._say(light.path, [*light.losses, *lamp.losses])
         for portal in read_portals(self.stage):
-            self.report.add(portal.path, "skipped", "it emits nothing: the sky comes in here")
+            reason = "" if self._unlit else "it emits nothing: the sky comes in here"
+            self.report.add(portal.path, "skipped" if reason else "translated", reason)
 
     def _shine(self, node: int, lamp: Lamp) -> None:
         self.document.objects["nodes"][node]["extensions"] = {EXTENSION: {"light": lamp.number}}
@@ -97,8 +111,12 @@ class _Translation:
         for path, outcome, reason in reading.losses:
             self.report.add(path, outcome, reason)
         lossy = {path for path, _, _ in reading.losses}
+        if self._unlit is not None:
+            for mesh in reading:
+                self._unlit.paint(mesh, self._previewed(mesh))
+            self._unlit.finish()
         for mesh in reading:
-            losses = self._add_mesh(mesh)
+            losses = self._add_unlit(mesh) if self._unlit else self._add_mesh(mesh)
             if losses or mesh.path not in lossy:
                 self._say(mesh.path, losses)
 
@@ -120,6 +138,41 @@ class _Translation:
             losses += [*self._glowing[str(mesh.prim.GetPath())], *lamp.losses]
         return [*losses, *lost]
 
+    def _add_unlit(self, mesh: PlacedMesh) -> list[str]:
+        assert self._unlit is not None
+        emitted = self._emitting.get(str(mesh.prim.GetPath()))
+        radiance = None if emitted is None else tuple(map(float, emitted))
+        drawn, lost = self._unlit.primitives(mesh, self._previewed(mesh), radiance)
+        primitives = [self._primitive(found, material) for found, material in drawn]
+        said = {"name": mesh.prim.GetName(), "primitives": primitives}
+        node = self._nodes.place(mesh.path, mesh.world_from_local)
+        # Repeats that lie in the same place of a lightmap are one.
+        self.document.objects["nodes"][node]["mesh"] = self.document.shared("meshes", said)
+        return [lost] if lost else []
+
+    def _previewed(self, mesh: PlacedMesh) -> list[tuple[NDArray[np.intp], PreviewSurface]]:
+        return [(rows, self._preview(mesh, material)) for rows, material in _parts(mesh)]
+
+    def _preview(self, mesh: PlacedMesh, material: UsdShade.Material | None) -> PreviewSurface:
+        if material is None:
+            return PreviewSurface(base_color=_display_color(mesh.prim)[0])
+        key = _key(material)
+        if key not in self._previews:
+            self._previews[key] = read_preview_surface(material)
+        return self._previews[key][0]
+
+    def _primitive(self, found: Vertices, material: int) -> Object:
+        if self.options.compression == "draco":
+            drawn = packed_primitive(self.document, found)
+        else:
+            attributes = {
+                name: self.document.accessor(values, VERTICES)
+                for name, values in found.attributes.items()
+            }
+            indices = self.document.accessor(found.indices, INDICES)
+            drawn = {"attributes": attributes, "indices": indices}
+        return drawn | {"material": material, "mode": _TRIANGLES}
+
     def _mesh(
         self, mesh: PlacedMesh, parts: list[tuple[NDArray[np.intp], Material]]
     ) -> tuple[int, tuple[str, ...]]:
@@ -132,17 +185,7 @@ class _Translation:
             for rows, material in parts:
                 found = vertices(mesh.mesh, rows, material.sets, material.normal_set)
                 losses += found.losses
-                attributes = {
-                    name: self.document.accessor(values, VERTICES)
-                    for name, values in found.attributes.items()
-                }
-                primitive: Object = {
-                    "attributes": attributes,
-                    "indices": self.document.accessor(found.indices, INDICES),
-                    "material": material.number,
-                    "mode": _TRIANGLES,
-                }
-                primitives.append(primitive)
+                primitives.append(self._primitive(found, material.number))
             said = {"name": mesh.prim.GetName(), "primitives": primitives}
             self._meshes[key] = self.document.add("meshes", said), tuple(losses)
         return self._meshes[key]
@@ -160,9 +203,7 @@ class _Translation:
             key, name, preview = f"{color}", "no_material", PreviewSurface(base_color=color)
         else:
             key, name = _key(material), material.GetPrim().GetName()
-            if key not in self._previews:
-                self._previews[key] = read_preview_surface(material)
-            preview = self._previews[key][0]
+            preview = self._preview(mesh, material)
         shown = key, mesh.double_sided, radiance
         if shown not in self._materials:
             first = not any(known == key for known, _, _ in self._materials)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import OpenImageIO
 import pytest
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
@@ -26,6 +26,7 @@ from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.cameras import FLIP, read_camera
 from openrooms_usd.usd.lights import MeshLight, define_dome, read_lights
 from openrooms_usd.validate import validate_stage
+from orusd_usdz import UsdzExporter
 
 pytestmark = pytest.mark.slow
 
@@ -86,6 +87,16 @@ def test_a_room_arrives_lit_and_seen_as_it_is(blender: Blender, example: Path) -
         assert camera["fov"] == pytest.approx(
             np.degrees(2 * np.arctan(320 / ours.K[0, 0])), rel=1e-5
         )
+
+
+def test_an_exchange_brings_no_stray_lamps(blender: Blender, example: Path, tmp_path: Path) -> None:
+    stage = Usd.Stage.Open(str(example / "scene.usda"))
+    portals = sum(prim.IsA(UsdLux.PortalLight) for prim in stage.Traverse())
+    lamps = {}
+    for profile in ("default", "exchange"):
+        UsdzExporter().convert(stage, tmp_path / f"{profile}.usdz", {"profile": profile})
+        lamps[profile] = blender("seen", tmp_path / f"{profile}.usdz")["kinds"].get("LIGHT", 0)
+    assert lamps == {"default": portals, "exchange": 0} and portals > 0
 
 
 def test_cycles_shows_the_light_that_we_show(

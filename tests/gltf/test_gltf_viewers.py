@@ -96,12 +96,21 @@ def shown(node: Node, glb: Path, camera: str, folder: Path, *kinds: str) -> dict
     return json.loads((folder / "report.json").read_text())  # type: ignore[no-any-return]
 
 
-@pytest.mark.parametrize("name", ROOMS)
+SMALLER = {"compression": "draco", "pictures": "webp"}
+
+
+@pytest.mark.parametrize(
+    ("name", "options"), [*((name, {}) for name in ROOMS), ("example", SMALLER)], ids=str
+)
 def test_three_js_shows_the_same_room(
-    name: str, scene: Callable[[str], Path], node: Node, tmp_path: Path
+    name: str,
+    options: dict[str, str],
+    scene: Callable[[str], Path],
+    node: Node,
+    tmp_path: Path,
 ) -> None:
-    """Each pixel the same prim, and its colour to within what mipmaps blur."""
-    glb = written(scene(name), tmp_path / "room.glb")
+    """Each pixel the same prim, and its colour."""
+    glb = written(scene(name), tmp_path / "room.glb", **options)
     stage = Usd.Stage.Open(str(scene(name)))
     camera = list_cameras(stage)[0].GetName()
     report = shown(node, glb, camera, tmp_path, "base_color", "ids")
