@@ -6,7 +6,7 @@
 ``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code with the
 writers, and opens pickles by the core's ``unpickling``.
 
-``scenes`` reads the release's scene files, as an importer.
+``scenes`` reads the release's scene files as an importer, and writes them as an exporter.
 
 ``records`` reads what a manifest says of lights, ``resampling`` brings pictures to other sizes.
 """

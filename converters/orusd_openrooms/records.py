@@ -63,10 +63,11 @@ class Light:
 
 def lights_of(scene: RenderedScene) -> list[Light]:
     """The lights of a render that have a place, in the order of their numbers."""
-    return [_light(record) for record in scene.lights if record.kind != ELSEWHERE]
+    return [light_of(record) for record in scene.lights if record.kind != ELSEWHERE]
 
 
-def _light(record: LightRecord) -> Light:
+def light_of(record: LightRecord) -> Light:
+    """A light with a place."""
     axes = record.world_from_box[:3, :3]
     lobes = {gaussian.name: _lobe(gaussian) for gaussian in record.gaussians}
     # An opening without a fit lets its mean radiance in, alike from everywhere.

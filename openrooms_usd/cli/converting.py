@@ -36,10 +36,10 @@ def convert(
 ) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
 
-    KIND is mitsuba, gltf, usdz, urdf, mjcf, usdphysics, or what another installed exporter is
-    called; without it .glb is gltf, .usdz usdz, and all else mitsuba. --profile is short for
-    --option profile=NAME. What could not be translated whole is listed with the reason; nothing is
-    lost in silence.
+    KIND is mitsuba, gltf, usdz, urdf, mjcf, usdphysics, openrooms-xml, or what another installed
+    exporter is called; without it .glb is gltf, .usdz usdz, and all else mitsuba. --profile is
+    short for --option profile=NAME. What could not be translated whole is listed with the reason;
+    nothing is lost in silence.
     """
     from openrooms_usd.convert import convert_stage, exporter_of
     from openrooms_usd.usd.diagnostics import quiet

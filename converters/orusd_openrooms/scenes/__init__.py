@@ -1,7 +1,12 @@
-"""OpenRooms' own scene files.
+"""OpenRooms' own scene files, in and out; ``records`` says what such a file holds.
 
-In: ``importer`` is the story. ``records`` (what a file says) and ``reading`` (of a file that may be
-hostile); ``roots`` (where the dataset's files are), ``things`` (what shapes are), ``poses`` and
-``viewpoints`` (where everything stands), ``shell`` (the room's plan), ``models`` and ``materials``
-(what shows it), ``standins`` (what stands for what is not there), ``scene`` (all of it together).
+In: ``importer`` is the story. ``reading`` (of a file that may be hostile), ``roots`` (where the
+dataset's files are), ``things`` (what shapes are), ``poses`` and ``viewpoints`` (where everything
+stands), ``shell`` (the room's plan), ``models`` and ``materials`` (what shows it), ``standins``
+(what stands for what is not there), ``scene`` (all of it together).
+
+Out: ``exporter`` is what is registered, ``export`` the story. ``objects`` (what of a stage becomes
+a shape), ``thinshell`` (the layout's meshes), ``microfacet`` (materials and their maps),
+``lightboxes`` (the panorama, and what loaders read of lights), ``objtext`` and ``writing`` (the
+files' text).
 """

@@ -28,9 +28,9 @@ Find = Callable[[Named], Path | None]
 
 PICTURES: Final = ("albedo", "normal", "roughness", "metallic")
 # Names by which folders of maps are read.
-_TILED: Final = {
-    "albedo": "diffuse_tiled.png", "normal": "normal_tiled.png", "roughness": "rough_tiled.png",
-    "metallic": "metallic.png",
+_NAMES: Final = {
+    "albedo": "Color.png", "normal": "NormalGL.png", "roughness": "Roughness.png",
+    "metallic": "Metalness.png",
 }  # fmt: skip
 # Texture coordinates of the released layouts have this many units in a metre.
 USUAL_REPEATS: Final = 8.952
@@ -95,7 +95,7 @@ def tiled_pictures(bsdf: Bsdf, pictures: dict[str, Path]) -> dict[str, bytes]:
     Raises:
         InputError: One of them is no picture.
     """
-    return {_TILED[kind]: _tiled(bsdf, kind, path) for kind, path in pictures.items()}
+    return {_NAMES[kind]: _tiled(bsdf, kind, path) for kind, path in pictures.items()}
 
 
 def _tiled(bsdf: Bsdf, kind: str, path: Path) -> bytes:
@@ -104,7 +104,7 @@ def _tiled(bsdf: Bsdf, kind: str, path: Path) -> bytes:
     if kind in ("normal", "metallic"):
         return untrusted.read_bytes(path, "picture")
     with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / _TILED[kind]
+        target = Path(folder) / _NAMES[kind]
         write_png(target, _scaled(bsdf, kind, path), is_color=kind == "albedo")
         return untrusted.read_bytes(target, "picture")
 

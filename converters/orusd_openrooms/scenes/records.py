@@ -19,15 +19,17 @@ class Step:
     Attributes:
         kind: What it does.
         matrix: (4, 4) for columns.
+        values: Factors, a shift, or an angle in degrees and its axis.
     """
 
     kind: Literal["scale", "rotate", "translate"]
     matrix: Array
+    values: tuple[float, ...] = ()
 
     @staticmethod
     def scale(x: float, y: float, z: float) -> "Step":
         """Factors along the axes."""
-        return Step("scale", np.diag([x, y, z, 1.0]))
+        return Step("scale", np.diag([x, y, z, 1.0]), (x, y, z))
 
     @staticmethod
     def rotate(degrees: float, axis: Array) -> "Step":
@@ -35,12 +37,13 @@ class Step:
         x, y, z = axis / np.linalg.norm(axis)
         K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         angle = np.radians(degrees)
-        return Step("rotate", pose(np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K))
+        turn = np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+        return Step("rotate", pose(turn), (degrees, float(x), float(y), float(z)))
 
     @staticmethod
     def translate(x: float, y: float, z: float) -> "Step":
         """A shift."""
-        return Step("translate", pose(np.eye(3), (x, y, z)))
+        return Step("translate", pose(np.eye(3), (x, y, z)), (x, y, z))
 
 
 def whole(steps: tuple[Step, ...]) -> Array:

@@ -54,8 +54,7 @@ class Thing:
     @property
     def label(self) -> str:
         """What it is, in a word of the library where there is one."""
-        word = self.model.parts[0]
-        return word if word in _BUILT_IN else _synsets().get(word, word)
+        return label_of(self.model.parts[0])
 
     @property
     def radiance(self) -> Color | None:
@@ -76,6 +75,11 @@ class Contents:
     layout: Shape | None
     container: bool
     things: tuple[Thing, ...]
+
+
+def label_of(folder: str) -> str:
+    """What models of a folder are, in a word of the library where there is one."""
+    return folder if folder in _BUILT_IN else _synsets().get(folder, folder)
 
 
 def contents(shapes: Sequence[Shape]) -> Contents:
