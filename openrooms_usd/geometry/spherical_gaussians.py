@@ -77,12 +77,19 @@ def evaluate(lobes: NDArray[Any]) -> Floats:
     return light.reshape(*lobes.shape[:-2], HEMISPHERE.rows, HEMISPHERE.columns, 3)
 
 
-def error(radiance: NDArray[Any], lobes: NDArray[Any]) -> Floats:
+def error(radiance: NDArray[Any], lobes: NDArray[Any]) -> NDArray[np.float64]:
     """(...) the root of the mean squared difference over that of the mean square."""
-    off = ((evaluate(lobes) - radiance) ** 2).sum(axis=-1) * HEMISPHERE.solid_angles[:, None]
-    all_of_it = (radiance**2).sum(axis=-1) * HEMISPHERE.solid_angles[:, None]
-    whole = np.maximum(all_of_it.sum(axis=(-1, -2)), 1e-30)
-    return np.asarray(np.sqrt(off.sum(axis=(-1, -2)) / whole))
+    light = radiance.reshape(-1, *radiance.shape[-3:])
+    flat = lobes.reshape(-1, *lobes.shape[-2:])
+    found = np.empty(len(flat))
+    for start in range(0, len(flat), _POINTS_AT_A_TIME):
+        some = slice(start, start + _POINTS_AT_A_TIME)
+        off, whole = (
+            np.einsum("prac,prac,r->p", part, part, HEMISPHERE.solid_angles, optimize=False)
+            for part in (evaluate(flat[some]) - light[some], light[some])
+        )
+        found[some] = np.sqrt(off / np.maximum(whole, 1e-30))
+    return found.reshape(lobes.shape[:-2])
 
 
 def _fit(light: Floats, count: int, room: Floats) -> Floats:
