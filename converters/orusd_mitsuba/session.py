@@ -261,7 +261,7 @@ class MitsubaSession:
                 by_light=by_light,
                 rest=not RECEIVED.issuperset(channels),
                 unoccluded=not {"unoccluded_i", "visibility_i"}.isdisjoint(channels),
-                guides=light is not None and not set(SMOOTHED).isdisjoint(channels),
+                guides=light is not None and not SMOOTHED.isdisjoint(channels),
             )
             return CompleteIntegrator(self._complete, scattered, camera, *size, depth, wanted)
         return PathIntegrator(

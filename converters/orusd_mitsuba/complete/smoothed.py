@@ -8,7 +8,8 @@ kept as means over blocks: see `pictures.Changes`.
 """
 
 from collections.abc import Callable, Mapping
-from typing import Final
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,18 +22,44 @@ from orusd_mitsuba.transport.sampling import Halves
 
 Floats = NDArray[np.float32]
 
-# The channel of a part of what is reflected, its sum, the same of even light, and how slowly the
-# one over the other varies.
-_REFLECTED: Final = (
-    ("diffuse", "diffuse_indirect", "albedo", Slowness.of_irradiance),
-    ("specular", "rest_indirect", "lobe_albedo", Slowness.of_lobes),
-)
-_AVERAGED: Final = ("irradiance_indirect", *(row[1] for row in _REFLECTED))
+# More at once would take more memory.
+_LIGHTS_AT_ONCE: Final = 8
 
-SMOOTHED: Final = (
-    "irradiance", "irradiance_indirect", "irradiance_i", "radiance", "indirect", "diffuse",
-    "radiance_i", "specular",
+
+@dataclass(frozen=True)
+class _Part:
+    """Something that is averaged.
+
+    Attributes:
+        name: Of what is summed.
+        over: The guide that it is divided by; None: it is averaged as it is.
+        slowness: How slowly that varies.
+        of_light: The channel of every light that it is a part of.
+        whole: The other channels.
+    """
+
+    name: str
+    over: str | None
+    slowness: Callable[[Floats], Slowness]
+    of_light: str
+    whole: tuple[str, ...]
+
+
+_PARTS: Final = (
+    _Part(
+        "irradiance_indirect", None, Slowness.of_irradiance, "irradiance_i",
+        ("irradiance", "irradiance_indirect"),
+    ),
+    _Part(
+        "diffuse_indirect", "albedo", Slowness.of_irradiance, "radiance_i",
+        ("radiance", "indirect", "diffuse"),
+    ),
+    _Part(
+        "rest_indirect", "lobe_albedo", Slowness.of_lobes, "radiance_i",
+        ("radiance", "indirect", "specular"),
+    ),
 )  # fmt: skip
+SMOOTHED: Final = frozenset(name for part in _PARTS for name in (part.of_light, *part.whole))
 """Channels that are changed."""
 
 
@@ -52,7 +79,9 @@ class SmoothedPictures(Pictures):
         self._lights = lights
         self._guides = np.zeros((len(GUIDES), *size, 3), dtype=np.float32)
         shape = 2, lights or 1, *size, 3
-        self._halves = {name: np.zeros(shape, np.float32) for name in _AVERAGED}
+        self._halves = {
+            part.name: np.zeros(shape, np.uint16) for part in _PARTS if self._is_wanted(part)
+        }
 
     def finish(self, rows: slice, halves: Halves) -> None:
         """See `Pictures`."""
@@ -60,7 +89,7 @@ class SmoothedPictures(Pictures):
         self._guides[:, rows] = guides.sum(axis=0, dtype=np.float64) / halves.total
         for half, (sums, samples) in enumerate(zip(lit, halves.samples, strict=True)):
             for name, kept in self._halves.items():
-                kept[half, :, rows] = self._by_light(name, sums) / max(1, samples)
+                kept[half, :, rows] = _shortened(self._by_light(name, sums) / max(1, samples))
         super().finish(rows, Halves(lit, halves.samples, halves.judged))
 
     def smooth(self, samples: tuple[int, int]) -> None:
@@ -69,35 +98,32 @@ class SmoothedPictures(Pictures):
         Args:
             samples: Of a pixel, in each half.
         """
-        received = self._changes("irradiance_indirect", samples, 1.0, Slowness.of_irradiance)
-        for name in ("irradiance", "irradiance_indirect"):
-            self._add(name, received.sum(axis=1), samples)
-        self._add_by_light("irradiance_i", received, samples)
-        del received
-        for channel, name, factor, slowness in _REFLECTED:
-            over = self._guides[GUIDES.index(factor)]
-            halves = self._changes(name, samples, over, slowness)
-            self._add_by_light("radiance_i", halves, samples)
-            for image in ("radiance", "indirect", channel):
-                self._add(image, halves.sum(axis=1), samples)
+        for part in filter(self._is_wanted, _PARTS):
+            kept = self._halves.pop(part.name)[: 2 if min(samples) else 1]
+            whole: Any = 0.0
+            for first in range(0, kept.shape[1], _LIGHTS_AT_ONCE):
+                changes = self._changes(part, kept[:, first : first + _LIGHTS_AT_ONCE])
+                whole = whole + changes.sum(axis=1)
+                for number in range(changes.shape[1] if self._lights else 0):
+                    name = numbered(part.of_light, first + number)
+                    self._add(name, changes[:, number], samples)
+            for name in part.whole:
+                self._add(name, whole, samples)
 
-    def _changes(
-        self, name: str, samples: tuple[int, int], factor: Floats | float,
-        slowness: Callable[[Floats], Slowness],
-    ) -> Floats:  # fmt: skip
-        """(halves, lights, height, width, 3) what averaging changes of something over a factor."""
-        raw = self._halves.pop(name)[: 2 if min(samples) else 1]
-        np.divide(raw, factor, out=raw, where=np.asarray(factor) > 0.0)
+    def _is_wanted(self, part: _Part) -> bool:
+        return not {*part.whole, numbered(part.of_light, 0)}.isdisjoint(self._picks)
+
+    def _changes(self, part: _Part, kept: NDArray[np.uint16]) -> Floats:
+        """(halves, lights, height, width, 3) what averaging changes."""
+        raw = _lengthened(kept)
+        even = np.float32(1.0) if part.over is None else self._guides[GUIDES.index(part.over)]
+        np.divide(raw, even, out=raw, where=np.asarray(even) > 0.0)
         planes = raw.reshape(-1, *raw.shape[2:])
-        means = np.stack(smoothed(planes, self._guides, slowness(self._guides)))
+        means = np.stack(smoothed(planes, self._guides, part.slowness(self._guides)))
         means -= planes
         found = means.reshape(raw.shape)
-        found *= factor
+        found *= even
         return found
-
-    def _add_by_light(self, channel: str, halves: Floats, samples: tuple[int, int]) -> None:
-        for light in range(self._lights or 0):
-            self._add(numbered(channel, light), halves[:, light], samples)
 
     def _add(self, name: str, halves: Floats, samples: tuple[int, int]) -> None:
         if name not in self._kept:
@@ -120,3 +146,17 @@ def _by_blocks(plane: NDArray[np.floating]) -> Floats:
     down, across = (np.diff(np.append(*cut)) for cut in zip(starts, plane.shape[:2], strict=True))
     sums = np.add.reduceat(np.add.reduceat(plane, starts[0], axis=0), starts[1], axis=1)
     return np.asarray(sums / np.outer(down, across)[..., None], dtype=np.float32)
+
+
+def _shortened(values: NDArray[np.floating]) -> NDArray[np.uint16]:
+    """Numbers in two bytes: all of single precision's range, to two digits.
+
+    Many lights take much memory, and what is lost is lost of raw pictures and of their means alike.
+    """
+    bits = np.ascontiguousarray(values, dtype=np.float32).view(np.uint32)
+    return np.asarray((bits + 0x8000) >> 16, dtype=np.uint16)
+
+
+def _lengthened(values: NDArray[np.uint16]) -> Floats:
+    """The same in four bytes again."""
+    return (values.astype(np.uint32) << 16).view(np.float32)
