@@ -2,9 +2,12 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from openrooms_usd.capture import Capture
+
+if TYPE_CHECKING:
+    from openrooms_usd.stages.captured import Captured
 
 
 def tells_lights(capture: Capture) -> bool:
@@ -16,35 +19,45 @@ def light_lines(capture: Capture) -> Iterator[str]:
     """The section ``lights``: what shines in, and what each lamp emits."""
     assert capture.environment is not None
     yield f"environment: {_flow(capture.environment)}"
-    names = object_names(capture)
-    lamps = [model for model in capture.models if model.radiance is not None]
+    found = _objects(capture)
+    # What stands for a lamp may be none: a box has no bulb.
+    lamps = [
+        model
+        for model in capture.models
+        if model.radiance is not None and (model.file or _emits(found[model.id].category))
+    ]
     if lamps:
         yield "# Nits of each primary."
         yield "lamps:"
     for model in lamps:
-        yield f"  {names[model.id]}: {_flow({'radiance': list(model.radiance or ())})}"
+        yield f"  {found[model.id].name}: {_flow({'radiance': list(model.radiance or ())})}"
 
 
 def material_lines(capture: Capture) -> Iterator[str]:
     """The section ``materials``: the shell, and parts whose file does not say what they are."""
     for part, look in capture.shell.items():
         yield f"{part}: {_flow(look)}"
-    names = object_names(capture)
+    found = _objects(capture)
     dressed = [model for model in capture.models if model.looks]
     if dressed:
         yield "overrides:"
     for model in dressed:
-        yield f"  {names[model.id]}: {_flow(model.looks)}"
+        yield f"  {found[model.id].name}: {_flow(model.looks)}"
 
 
-def object_names(capture: Capture) -> dict[str, str]:
-    """What the objects of a capture will be called, by their identifiers in it."""
+def _objects(capture: Capture) -> "dict[str, Captured]":
+    """The objects of a capture as they will be placed, by their identifiers in it."""
     # What places objects needs USD, which takes a moment to import.
     from openrooms_usd.stages.aligned import with_boxes
     from openrooms_usd.stages.captured import captured_objects
 
-    objects = captured_objects(with_boxes(capture), 0.0, (), [])
-    return {thing.box.id: thing.name for thing in objects}
+    return {one.box.id: one for one in captured_objects(with_boxes(capture), 0.0, (), [])}
+
+
+def _emits(name: str) -> bool:
+    from openrooms_usd.library.furniture import category
+
+    return category(name).emits
 
 
 def _flow(value: Mapping[str, Any]) -> str:

@@ -98,6 +98,42 @@ def test_without_the_dataset_the_room_is_rebuilt_around_its_things(tmp_path: Pat
         assert (low < model.stands[:2, 3]).all() and (model.stands[:2, 3] < high).all()
 
 
+LAMP = """<shape id="03636649_x_object" type="obj">
+<string name="filename" value="uv_mapped/03636649/x/{file}.obj"/>{emitter}
+<transform name="toWorld"><scale value="{scale}"/><translate x="0" y="-0.5" z="0"/></transform>
+</shape>"""
+LIT = '<emitter type="area"><rgb value="9 8 7"/></emitter>'
+
+
+@pytest.mark.parametrize("scale", ["0.3", "1.6", "40"])
+@pytest.mark.parametrize("emitter", ["", LIT])
+@pytest.mark.parametrize("there", [True, False])
+def test_lamps_off_and_lamps_that_are_not_there(
+    scale: str, emitter: str, there: bool, dataset: Path, tmp_path: Path
+) -> None:
+    """Whatever stands for a lamp, the description names no lamp that is none."""
+    text = scene()
+    more = LAMP.format(file="alignedNew", emitter=emitter, scale=scale)
+    (tmp_path / "main.xml").write_text(text.replace("<sensor", f"{more}<sensor"))
+    if there:
+        mesh = (dataset.parents[3] / "uv_mapped/03001627/abc/alignedNew.obj").read_text()
+        folder = tmp_path / "uv_mapped/03636649/x"
+        folder.mkdir(parents=True)
+        (folder / "alignedNew.obj").write_text(mesh)
+    imported = import_capture(KIND, tmp_path / "main.xml", tmp_path / "room")
+    (lamp,) = (one for one in imported.capture.models if "03636649" in one.id)
+    assert lamp.radiance == ((9.0, 8.0, 7.0) if emitter else None if there else (0.0, 0.0, 0.0))
+    named = [
+        one.radiance for name, one in imported.room.lights.lamps.items() if "ceiling" not in name
+    ]
+    if there and not emitter:
+        assert named == []
+    elif there or scale != "40":
+        assert named == [lamp.radiance]
+    else:
+        assert named == [], "a box of 40 m has no bulb"
+
+
 @pytest.fixture(scope="module")
 def composed(dataset: Path, tmp_path_factory: pytest.TempPathFactory) -> Usd.Stage:
     folder = tmp_path_factory.mktemp("room")

@@ -23,7 +23,7 @@ from orusd_openrooms.scenes.materials import (
     stand_in,
     tiled_pictures,
 )
-from orusd_openrooms.scenes.records import Bsdf
+from orusd_openrooms.scenes.records import Bsdf, Color
 from orusd_openrooms.scenes.scene import MARK, Placed, Scene, load_scene
 from orusd_openrooms.scenes.viewpoints import read_frames, read_transforms
 
@@ -128,7 +128,6 @@ def _cameras(source: Path, options: Mapping[str, str]) -> Path | None:
 
 def _model(scene: Scene, one: Placed) -> CapturedModel:
     low, high = one.extent
-    lit = one.thing.radiance
     return CapturedModel(
         id=one.thing.id,
         label=one.thing.label,
@@ -139,9 +138,15 @@ def _model(scene: Scene, one: Placed) -> CapturedModel:
         up=one.up,
         front="+Y",
         shifts=one.pose.fixes,
-        radiance=lit if lit is not None else ((0.0,) * 3 if one.thing.kind == "lamp" else None),
+        radiance=_emitted(one),
         looks=one.looks,
     )
+
+
+def _emitted(one: Placed) -> Color | None:
+    """What it emits; lamps of ours that stand for those that do not emit are off, too."""
+    stands_in = one.file is None and one.thing.kind == "lamp"
+    return (0.0, 0.0, 0.0) if stands_in and not one.thing.radiance else one.thing.radiance
 
 
 def _openings(scene: Scene) -> Iterator[CapturedOpening]:

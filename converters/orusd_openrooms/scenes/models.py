@@ -19,7 +19,7 @@ from openrooms_usd.library.wavefront import read_obj
 from orusd_openrooms.scenes.materials import Find, pictures_of, stand_in, surface_of
 from orusd_openrooms.scenes.records import Bsdf
 from orusd_openrooms.scenes.roots import Named
-from orusd_openrooms.scenes.things import Thing
+from orusd_openrooms.scenes.things import Thing, is_light
 
 Array = NDArray[np.float64]
 
@@ -52,11 +52,11 @@ class CadModel:
         self.thing = thing
         self.notes: list[str] = []
         titles, pieces, wears = [], [], []
-        for (_, radiance), file in zip(thing.files, files, strict=True):
-            is_light = radiance is not None or file.stem == "aligned_light"
+        for (name, radiance), file in zip(thing.files, files, strict=True):
+            lit = is_light(name, radiance)
             for piece in read_obj(file).pieces:
                 _check(piece, file)
-                bsdf = None if is_light else self._worn(piece, bsdfs)
+                bsdf = None if lit else self._worn(piece, bsdfs)
                 titles.append(names.LIGHT_BULB if bsdf is None else _part(bsdf, thing))
                 pieces.append(piece)
                 wears.append(bsdf)

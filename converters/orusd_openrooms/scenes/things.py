@@ -58,8 +58,13 @@ class Thing:
 
     @property
     def radiance(self) -> Color | None:
-        """What it emits, of each primary."""
-        return next((emitted for _, emitted in self.files if emitted is not None), None)
+        """What it emits, of each primary: nothing where it has a light that is off.
+
+        None where nothing of it could emit.
+        """
+        lit = next((emitted for _, emitted in self.files if emitted is not None), None)
+        has_light = any(is_light(file, emitted) for file, emitted in self.files)
+        return (0.0, 0.0, 0.0) if lit is None and has_light else lit
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +80,11 @@ class Contents:
     layout: Shape | None
     container: bool
     things: tuple[Thing, ...]
+
+
+def is_light(file: Named, emitted: Color | None) -> bool:
+    """Whether a mesh is what emits of its thing, if only when it is switched on."""
+    return emitted is not None or file.parts[-1] == _LIGHT
 
 
 def label_of(folder: str) -> str:
