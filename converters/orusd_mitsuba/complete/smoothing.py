@@ -92,13 +92,17 @@ def smoothed(planes: Iterable[Floats], guides: Floats, how: Slowness) -> list[Fl
         guides: (6, height, width, 3) means over the same samples, `GUIDES`.
         how: What the weights are.
     """
-    found = [np.ascontiguousarray(plane, dtype=np.float32) for plane in planes]
+    shape = guides.shape[1:]
+    found = [[mi.Float(column) for column in _columns(plane)] for plane in planes]
     surfaces = _Surfaces(guides, how)
-    levels = int(np.clip(np.log2(guides.shape[2] / _PIXELS_A_LEVEL), 1, _MOST_LEVELS))
+    levels = int(np.clip(np.log2(shape[1] / _PIXELS_A_LEVEL), 1, _MOST_LEVELS))
     for level in range(levels):
         taps = surfaces.taps(1 << level)
-        found = [taps.average(plane) for plane in found]
-    return found
+        found = [taps.average(colours) for colours in found]
+    return [
+        np.stack([np.asarray(colour.numpy()) for colour in colours], axis=-1).reshape(shape)
+        for colours in found
+    ]
 
 
 class _Surfaces:
@@ -193,16 +197,14 @@ class _Taps:
     def __init__(self, places: list[Any], weights: list[Any], centre: Any) -> None:
         self._places, self._weights, self._centre = places, weights, centre
 
-    def average(self, plane: Floats) -> Floats:
-        """(height, width, 3) a picture's weighted means."""
-        colours = [mi.Float(column) for column in _columns(plane)]
+    def average(self, colours: list[Any]) -> list[Any]:
+        """The weighted means of a picture's planes."""
         sums = [self._centre * colour for colour in colours]
         for place, weight in zip(self._places, self._weights, strict=True):
             for number, colour in enumerate(colours):
                 sums[number] += weight * dr.gather(mi.Float, colour, place, weight > 0.0)
         dr.eval(sums)
-        found = np.stack([np.asarray(colour.numpy()) for colour in sums], axis=-1)
-        return found.reshape(plane.shape)
+        return sums
 
 
 def _flat(plane: NDArray[Any]) -> Floats:
