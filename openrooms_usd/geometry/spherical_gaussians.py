@@ -5,7 +5,7 @@ Lobes are chosen from a fixed set (`lobe_pursuit`) and brought to their best pla
 
 What is made small is the squared difference, weighed by solid angle over luminance plus the mean
 luminance: between relative and absolute, so that neither the sun nor dim walls are all that counts.
-In the end the colours are scaled so that the irradiance is exactly that of the cells.
+In the end colours change by as little as gives exactly the irradiance of the cells.
 
 Points come in blocks of one size, and no matrix product is so large that BLAS would share it among
 threads, which costs more than these products do: so what is found at a point depends to the bit
@@ -23,13 +23,17 @@ from numpy.typing import NDArray
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
 from openrooms_usd.geometry.lobe_pursuit import CELLS, Floats, pursue, raised
-from openrooms_usd.geometry.lobe_refinement import refined
+from openrooms_usd.geometry.lobe_refinement import Lobes, refined
 
 LOBES: Final = 12
 _POINTS_AT_A_TIME: Final = 64
 _LUMINANCE: Final = LUMINANCE.astype(np.float32)
 
 _SIZES: Final = np.repeat(HEMISPHERE.solid_angles, HEMISPHERE.columns).astype(np.float32)
+# (cells,) what a cell's light is worth for the irradiance.
+_COSINES: Final = irradiance(np.eye(len(CELLS)).reshape(-1, 16, 32, 1))[:, 0].astype(np.float32)
+# Of the mean square of lobes, so that those alike can be told apart.
+_RIDGE: Final = np.float32(1e-3)
 
 
 def fit(radiance: NDArray[Any], lobes: int = LOBES) -> Floats:
@@ -103,8 +107,27 @@ def _fit(light: Floats, count: int, room: Floats) -> Floats:
     x, y, z = np.moveaxis(lobes.axes, -1, 0)
     theta, phi = np.arctan2(np.hypot(x, y), z), np.arctan2(y, x)
     shapes = np.stack([theta, phi, lobes.sharpness], axis=-1)
-    found = np.concatenate([shapes, lobes.colors], axis=-1).astype(np.float32)
-    shape = len(light), HEMISPHERE.rows, HEMISPHERE.columns, 3
-    wanted, given = irradiance(light.reshape(shape)), irradiance(evaluate(found))
-    found[..., 3:] *= (scale[..., 0] * wanted / np.maximum(given, 1e-20))[:, None]
-    return found
+    colors = scale * _carrying(lobes, np.einsum("pnc,n->pc", light, _COSINES))
+    return np.concatenate([shapes, colors], axis=-1).astype(np.float32)
+
+
+def _carrying(lobes: Lobes, wanted: Floats) -> Floats:
+    """(P, K, 3) the colours that give an irradiance with the least squares of what is left.
+
+    What would be negative is 0; a factor then makes up for it.
+
+    Args:
+        lobes: With the best colours, whatever irradiance they give.
+        wanted: (P, 3).
+    """
+    count = lobes.sharpness.shape[1]
+    shapes = raised(lobes.sharpness[..., None] * (lobes.axes @ CELLS.T - 1.0))
+    each = shapes @ _COSINES
+    gram = lobes.products[:, :count, :count]
+    ridge = _RIDGE * np.einsum("pkk->p", gram)[:, None, None] / np.float32(count)
+    way = np.linalg.solve(gram + ridge * np.eye(count, dtype=np.float32), each[..., None])
+    lacking = wanted - (each[:, None] @ lobes.colors)[:, 0]
+    colors = lobes.colors + way * (lacking / (each[:, None] @ way)[:, 0])[:, None]
+    colors = np.maximum(colors, 0.0)
+    given = (each[:, None] @ colors)[:, 0]
+    return np.asarray(colors * (wanted / np.maximum(given, 1e-20))[:, None])

@@ -9,7 +9,8 @@ import pytest
 
 from openrooms_usd.geometry import lobe_refinement
 from openrooms_usd.geometry import spherical_gaussians as sg
-from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance
+from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
+from openrooms_usd.geometry.lobe_pursuit import CELLS
 
 
 def mixtures(points: int, lobes: int, seed: int = 0) -> np.ndarray:
@@ -62,6 +63,30 @@ def test_fits_keep_irradiance_and_their_bounds() -> None:
     assert (found[..., 2:] >= 0.0).all()
     assert not found[1, 1, :, 3:].any()
     np.testing.assert_allclose(irradiance(sg.evaluate(found)), irradiance(light), rtol=1e-4)
+
+
+def test_irradiance_is_brought_at_the_least_cost() -> None:
+    """As by Lagrange's multiplier."""
+    rng = np.random.default_rng(3)
+    made = mixtures(8, 4, seed=2)
+    axes = spherical(made[..., 0], made[..., 1]).astype(np.float32)
+    shapes = np.exp(made[..., 2:3] * (axes @ CELLS.T - 1.0)).astype(float)
+    light = np.swapaxes(shapes, 1, 2) @ made[..., 3:] / 100.0 + rng.random((8, 512, 3))
+    root, room = np.full((8, 512), 0.1, np.float32), np.empty((8, 16, 512), np.float32)
+    target = (0.1 * light).astype(np.float32)
+    found = lobe_refinement._colored(
+        axes, made[..., 2], np.zeros_like(axes), target, root, room, 400
+    )  # fmt: skip
+    each = irradiance(np.moveaxis(shapes.reshape(8, 4, 16, 32), 1, -1))
+    wanted = irradiance(light.reshape(8, 16, 32, 3))
+    colors = sg._carrying(found, wanted.astype(np.float32))
+    for point in range(8):
+        gram = shapes[point] @ shapes[point].T
+        system = np.block([[gram, each[point, :, None]], [each[point, None], np.zeros((1, 1))]])
+        right = np.concatenate([shapes[point] @ light[point], wanted[point, None]])
+        best = np.linalg.solve(system, right)[:4]
+        assert best.min() > 0.0
+        np.testing.assert_allclose(colors[point], best, rtol=0.01)
 
 
 def test_more_lobes_leave_less() -> None:
