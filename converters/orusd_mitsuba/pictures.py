@@ -66,7 +66,7 @@ class Pictures:
 
     def finish(self, rows: slice, halves: Halves) -> None:
         """Fill in a strip."""
-        mean, each = halves.mean.astype(np.float64), halves.each
+        mean, each = halves.mean.astype(halves.sums.dtype, copy=False), halves.each
         for name, pick in self._picks.items():
             self._kept[name].pixels[rows] = pick(mean)
             if each:

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from openrooms_usd.render.estimates import ErrorEstimate, Halves
 
 _MOST_OF_HALF_PRECISION: Final = 65504.0
+# Of larger pictures bands of rows are judged: whole tiles of hemispheres.
+_MOST_JUDGED_PIXELS: Final = 1 << 19
+_BAND_ROWS: Final = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +39,13 @@ class HalvedPicture:
 
     def fill(self, rows: slice, a: NDArray[Any], b: NDArray[Any]) -> None:
         """Fill in the halves of some rows."""
-        pixels = self.pixels[rows].astype(np.float64)
+        pixels = self.pixels[rows]
+        bright = pixels != 0.0
         for kept, half in ((self.a, a), (self.b, b)):
-            part = np.divide(half - pixels, pixels, out=np.zeros_like(pixels), where=pixels != 0.0)
-            kept[rows] = np.clip(part, -_MOST_OF_HALF_PRECISION, _MOST_OF_HALF_PRECISION)
+            part = np.subtract(half, pixels, dtype=np.float32)
+            np.divide(part, pixels, out=part, where=bright)
+            np.clip(part, -_MOST_OF_HALF_PRECISION, _MOST_OF_HALF_PRECISION, out=part)
+            kept[rows] = np.where(bright, part, np.float32(0.0))
 
     def add(self, mean: NDArray[Any], a: NDArray[Any], b: NDArray[Any] | None = None) -> None:
         """Add to the picture and its halves; what would be negative becomes 0.
@@ -99,8 +105,18 @@ class KeptHalves:
 
     @property
     def estimate(self) -> ErrorEstimate:
-        """The estimated errors of the picture."""
-        return self.halves.estimate
+        """The estimated errors of the picture; of a large one from bands of rows all over it."""
+        height, width = self.pixels.shape[:2]
+        bands = height // _BAND_ROWS
+        step = height * width // _MOST_JUDGED_PIXELS
+        if step < 2 or bands < 2 * step:
+            return self.halves.estimate
+        first = step // 2
+        rows = np.concatenate(
+            [np.arange(_BAND_ROWS) + band * _BAND_ROWS for band in range(first, bands, step)]
+        )
+        kept = KeptHalves(self.pixels[rows], self.a[rows], self.b[rows], self.samples)
+        return kept.halves.estimate
 
 
 @dataclass(frozen=True, eq=False)

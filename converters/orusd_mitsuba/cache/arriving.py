@@ -25,8 +25,8 @@ from orusd_mitsuba.transport.path_tracing import Prefix, power_heuristic
 # broad is found by the directions.
 _LIGHT_SAMPLES: Final = 64
 # Rays shorter than this many edges of a surfel do not look it up: the first one, and the next.
-_NEAREST_PER_SIZE: Final = 1.0
-_NEAREST_SECOND_PER_SIZE: Final = 0.5
+_NEAREST_PER_SIZE: Final = 0.75
+_NEAREST_SECOND_PER_SIZE: Final = 0.25
 # What lobes that reflect less than this of even light send is taken as even.
 _LEAST_LOBE_ALBEDO: Final = 0.1
 # Set random numbers apart.
@@ -68,12 +68,12 @@ class LookedUpArrival:
         draw: Any = mi.sample_tea_float32
         salt = dr.opaque(mi.UInt32, (seed ^ _CHANCE_SALT) & 0xFFFFFFFF)
         left = start.active & (~known | (draw(number, salt, TEA_ROUNDS) < chance))
-        dr.eval(color, left)
+        dr.eval(color, left, hit)
         rest: Any = dr.compress(left)
         straight = mi.Color3f(*(dr.zeros(mi.Float, rays) for _ in range(3)))
         if dr.width(rest):
-            sums = RaySums(straight, color, rest)
-            self._once(begin(rest), sums, seed)
+            met = dr.gather(type(hit), hit, rest)
+            self._once(begin(rest), met, RaySums(straight, color, rest), seed)
         return straight, color
 
     def _looked_up(self, start: Start, hit: Any) -> tuple[Any, Any, Any]:
@@ -84,11 +84,10 @@ class LookedUpArrival:
         sent = dr.gather(mi.Vector4f, self._first, met.surfel, known)
         return mi.Color3f(sent.x, sent.y, sent.z), sent.w, known
 
-    def _once(self, start: Start, sums: "RaySums", seed: int) -> None:
+    def _once(self, start: Start, hit: Any, sums: "RaySums", seed: int) -> None:
         """Rays that are followed: what they meet is scattered once, and then looked up."""
         around, built, ray = self._around, self._built, start.ray
         sampler = _sampler(seed ^ _ONCE_SALT, dr.width(ray))
-        hit = built.ray_intersect_preliminary(ray, active=start.active)
         _, chance, counted = self._looked_up(start, hit)
         si = hit.compute_surface_interaction(ray, mi.RayFlags.All, start.active)
         sums.straight(self._emitted(si, start.at, start.density, start.active), start.active)

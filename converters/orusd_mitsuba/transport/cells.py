@@ -152,7 +152,7 @@ class CellPictures:
 
     def __init__(self, layout: Layout, cells: Cells, count: int) -> None:
         self._layout, self._cells = layout, cells
-        self._planes = [dr.zeros(mi.Float, 3 * layout.size) for _ in range(count)]
+        self._pixels = dr.zeros(mi.Float, count * 3 * layout.size)
 
     def put(self, points: slice, colors: tuple[Any, ...]) -> None:
         """Put in the cells of some points.
@@ -167,14 +167,15 @@ class CellPictures:
         row, column = cell // self._cells.columns, cell % self._cells.columns
         pixel = dr.gather(mi.UInt32, first, point) + column
         pixel += row * dr.opaque(mi.UInt32, self._layout.stride)
-        for plane, color in zip(self._planes, colors, strict=True):
+        for number, color in enumerate(colors):
+            corner = 3 * (pixel + dr.opaque(mi.UInt32, number * self._layout.size))
             for channel in range(3):
-                dr.scatter(plane, color[channel], 3 * pixel + channel)
-        dr.eval(self._planes)
+                dr.scatter(self._pixels, color[channel], corner + channel)
+        dr.eval(self._pixels)
 
     def pixels(self) -> NDArray[np.float32]:
         """(N, size, 3) what was put in, 0 elsewhere."""
-        return np.stack([np.asarray(plane.numpy()).reshape(-1, 3) for plane in self._planes])
+        return np.asarray(self._pixels.numpy()).reshape(-1, self._layout.size, 3)
 
 
 def lattice_point(number: Any, count: int, key: Any, seed: int) -> Any:

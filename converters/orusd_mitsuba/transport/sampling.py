@@ -38,7 +38,7 @@ class Halves:
     """Sums of the even and of the odd batches.
 
     Attributes:
-        sums: Two (..., height, width, 3) sums over samples.
+        sums: Two (..., height, width, 3) sums over samples; one where the other has none.
         samples: How many each has.
         judged: Picks from (..., height, width, 3) the picture whose error counts; linear.
     """
@@ -55,16 +55,18 @@ class Halves:
     @property
     def mean(self) -> NDArray[np.float32]:
         """(..., height, width, 3) of all samples."""
-        total = self.sums.sum(axis=0, dtype=np.float64)
-        return np.asarray(total / self.total, dtype=np.float32)
+        total = self.sums[0] if self.samples[1] == 0 else self.sums[0] + self.sums[1]
+        if self.total > 1:
+            total = total / self.sums.dtype.type(self.total)
+        return np.asarray(total, dtype=np.float32)
 
     @property
-    def each(self) -> tuple[Array, Array] | None:
+    def each(self) -> tuple[NDArray[Any], NDArray[Any]] | None:
         """(..., height, width, 3) of the samples of each half; None while one is empty."""
         if min(self.samples) == 0:
             return None
         a, b = (
-            np.asarray(total, np.float64) / count
+            total / self.sums.dtype.type(count)
             for total, count in zip(self.sums, self.samples, strict=True)
         )
         return a, b
@@ -171,11 +173,19 @@ class ProgressiveSampler:
         for rows in self._integrator.strips(self.samples[0]):
             count = rows.stop - rows.start
             shape = 2, self._integrator.planes, count, width, 3
-            halves = Halves(np.zeros(shape), [0, 0], self._judged)
+            shares = list(self._shares(wanted, rows))
+            # What is one batch is as exact as that.
+            precision = np.float32 if len(shares) <= 2 else np.float64
+            halves = Halves(np.zeros(shape, precision), [0, 0], self._judged)
             self._batches = 0
-            for half, samples in self._shares(wanted, rows):
+            for half, samples in shares:
                 pixels = self._render(rows, samples)
-                halves.sums[half] += np.float64(samples) * pixels
+                if wanted == 1:
+                    halves.sums = pixels[None]
+                elif halves.samples[half]:
+                    halves.sums[half] += precision(samples) * pixels
+                else:
+                    np.multiply(pixels, precision(samples), out=halves.sums[half])
                 halves.samples[half] += samples
                 self._batches += 1
                 progress((rows.start + count * halves.total / wanted) / height)
