@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pxr import Gf, UsdGeom, UsdLux, UsdShade
 
+from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
 from openrooms_usd.render import RenderRequest, light_store
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.materials import define_preview_surface
@@ -168,6 +169,67 @@ def test_environment_maps_look_it_up(build: Any, lit: Any) -> None:
     error = np.sqrt((reference.var(axis=0, ddof=1) + cached.var(axis=0, ddof=1)) / 12)
     bias = cached.mean(axis=0) - reference.mean(axis=0)
     assert (np.abs(bias) <= 4.0 * error + 0.02 * reference.mean(axis=0)).all()
+
+
+def test_hemispheres_in_a_box_that_emits_all_over(small: None, build: Any, lit: Any) -> None:
+    """L straight, and L (1 + a + a^2 + ...) in all, in every cell: light samples and directions
+    share the straight light, and nothing is counted twice."""
+    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
+
+    room = lit(furnace(build, 0.6), "openrooms")
+    integrator = hemispheres_of(room, grid=(8, 6), arrival=room.cache(bounces=5).arriving())
+    straight, every = np.stack([integrator(2, seed) for seed in range(3)]).mean(axis=(0, 4))
+    assert straight.mean() == pytest.approx(3.0, rel=0.01)
+    expected = 3.0 * sum(0.6**n for n in range(5))
+    assert every.mean() == pytest.approx(expected, rel=0.015)
+    # Everywhere, not only in the mean.
+    blocks = every.reshape(6, 16, 8, 32).mean(axis=(1, 3))
+    np.testing.assert_allclose(blocks, expected, rtol=0.1)
+
+
+@pytest.mark.slow
+def test_hemispheres_that_look_it_up_have_the_irradiance_of_paths(build: Any, lit: Any) -> None:
+    """Cells times cosines against the irradiance that paths bring to the same point."""
+    from orusd_mitsuba.transport.path_integrator import PathIntegrator
+    from tests.mitsuba.test_hemispheres import convex_room
+    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
+
+    made = convex_room(build)
+    made.camera((-0.5, -0.6, 0.1), (0.3, 0.2, -1.0), fov=0.05, aspect=1.0)
+    room = lit(made.stage, "openrooms")
+    integrator = hemispheres_of(room, (1, 1), arrival=room.cache().arriving())
+    ours = np.array([[irradiance(untiled(p))[0, 0] for p in integrator(8, s)] for s in range(8)])
+    bound = irradiance_bound(untiled(integrator(8, 20)[1]))[0, 0]
+    white = PathIntegrator(
+        room.built, room.index, room.camera(4, 4), 4, 4, room.scene.origin, 8, by_light=False,
+        first=room.first,
+    )  # fmt: skip
+    theirs = np.pi * np.array([white(128, 90 + s).mean(axis=(1, 2)) for s in range(8)])
+    theirs = np.stack([theirs[:, 1], theirs[:, 1] + theirs[:, 2]], axis=1)
+    spread = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / 8)
+    off = np.abs(ours.mean(axis=0) - theirs.mean(axis=0))
+    assert (off <= bound + 4.0 * spread + 0.01 * theirs.mean(axis=0)).all()
+    assert (bound < 0.2 * ours.mean(axis=0)).all()
+
+
+@pytest.mark.slow
+def test_hemispheres_that_look_it_up_have_equal_bits(small: None, build: Any, lit: Any) -> None:
+    """For one thread and for several."""
+    import drjit as dr
+
+    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
+
+    room = lit(_curtained(build), "openrooms")
+    integrator = hemispheres_of(room, grid=(8, 6), arrival=room.cache().arriving())
+    found = []
+    before = dr.thread_count()
+    try:
+        for threads in (1, 2, 4):
+            dr.set_thread_count(threads)
+            found.append(integrator(2, 5).tobytes())
+    finally:
+        dr.set_thread_count(before)
+    assert found[0] == found[1] == found[2]
 
 
 def test_the_file_holds_it(
