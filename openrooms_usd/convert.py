@@ -72,7 +72,10 @@ class Report:
 
 
 class Exporter(Protocol):
-    """Writes a stage in a foreign form; an entry point ``openrooms_usd.exporters``."""
+    """Writes a stage in a foreign form; an entry point ``openrooms_usd.exporters``.
+
+    One that copies layers as they are has an attribute ``keeps_layers``, which is true.
+    """
 
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` to ``destination``.
@@ -98,7 +101,8 @@ def convert_stage(
         destination: The file or folder to write.
         to: The exporter's name; None for what the destination's ending says (`exporter_of`).
         options: What the exporter understands.
-        include_outside: Whether pictures outside the file's folder may be copied.
+        include_outside: Whether pictures outside the file's folder may be copied, and layers
+            where these are copied, too.
 
     Returns:
         What became of every prim.
@@ -115,7 +119,9 @@ def convert_stage(
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to or exporter_of(destination))
     stage = open_stage(path)
     if not include_outside:
-        refuse_outside(stage, str(destination), is_picture)
+        keeps_layers = getattr(exporter, "keeps_layers", False)
+        concerns = (lambda _: True) if keeps_layers else is_picture
+        refuse_outside(stage, str(destination), concerns)
     with reading(path):
         report = exporter.convert(stage, destination, options or {})
         add_missing(report, stage)

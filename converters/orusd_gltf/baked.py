@@ -16,7 +16,6 @@ from openrooms_usd.errors import StageError
 from openrooms_usd.render.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
 from openrooms_usd.render.scene.pictures import evaluate
 from openrooms_usd.render.scene.surfaces import Surface
-from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.textures import read_texture
@@ -129,11 +128,15 @@ def _enlarged(pixels: Floats, scale: int, axis: int) -> Floats:
 class BakedLight:
     """The lightmaps of a stage.
 
+    Args:
+        stage: The stage.
+        exposure: What nits are multiplied by; None for what shows the mean as middle grey.
+
     Raises:
         StageError: It has none.
     """
 
-    def __init__(self, stage: Usd.Stage) -> None:
+    def __init__(self, stage: Usd.Stage, exposure: float | None) -> None:
         self.atlases = {
             str(prim.GetPath()): _read_atlas(prim)
             for prim in stage.Traverse()
@@ -145,7 +148,7 @@ class BakedLight:
                 place=stage.GetRootLayer().realPath,
                 remedy="bake them (orusd bake SCENE -o LIT), and convert LIT/baked.usda",
             )
-        self._exposure = _authored_exposure(stage)
+        self._exposure = exposure
 
     def places(self, mesh: PlacedMesh) -> tuple[str, Array] | None:
         """The atlas of a mesh and (M, 3, 2) where its triangles are in it; None without one."""
@@ -193,12 +196,3 @@ def _atlas_of(prim: Usd.Prim) -> str:
             return str(targets[0])
         prim = prim.GetParent()
     return ""
-
-
-def _authored_exposure(stage: Usd.Stage) -> float | None:
-    """What the first camera that says so multiplies nits by."""
-    for prim in list_cameras(stage):
-        stops = UsdGeom.Camera(prim).GetExposureAttr()
-        if stops.HasAuthoredValue():
-            return float(2.0 ** stops.Get(TIME))
-    return None

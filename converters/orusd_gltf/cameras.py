@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.errors import StageError
 from openrooms_usd.render.scene.cameras import stage_resolution
-from openrooms_usd.usd.cameras import FLIP, read_camera
+from openrooms_usd.usd.cameras import FLIP, list_cameras, read_camera
 from openrooms_usd.usd.frames import TIME
 from orusd_gltf.document import Document, Object, number
 
@@ -17,6 +17,15 @@ Array = NDArray[np.float64]
 
 # Pixels by which an optical axis may miss the middle before it is told.
 _CENTRED_PX: Final = 1e-3
+
+
+def authored_stops(stage: Usd.Stage) -> float | None:
+    """The exposure of the first camera that has one, stops."""
+    for prim in list_cameras(stage):
+        stops = UsdGeom.Camera(prim).GetExposureAttr()
+        if stops.HasAuthoredValue():
+            return float(stops.Get(TIME))
+    return None
 
 
 def add_camera(document: Document, prim: Usd.Prim) -> tuple[int, Array, Object, str] | str:

@@ -53,8 +53,14 @@ class Lamp:
     losses: tuple[str, ...] = ()
 
 
-def add_light(document: Document, light: Light, name: str) -> Lamp | str:
+def add_light(document: Document, light: Light, name: str, brighter: float = 1.0) -> Lamp | str:
     """Add a light of a stage.
+
+    Args:
+        document: Receives it.
+        light: The light.
+        name: Its name there.
+        brighter: What its candela or lux are multiplied by.
 
     Returns:
         The lamp, or why there is none.
@@ -68,7 +74,7 @@ def add_light(document: Document, light: Light, name: str) -> Lamp | str:
     x, y, z = np.linalg.norm(M[:3, :3], axis=0).tolist()
     if isinstance(light, DistantLight):
         lost: tuple[str, ...] = (_SHARP,) if light.angle > 0 else ()
-        return _added(document, name, "directional", light.irradiance, world, lost)
+        return _added(document, name, "directional", light.irradiance * brighter, world, lost)
     if isinstance(light, RectLight | DiskLight):
         area = (
             light.width * light.height
@@ -78,7 +84,7 @@ def add_light(document: Document, light: Light, name: str) -> Lamp | str:
         flat = float(np.linalg.norm(np.cross(M[:3, 0], M[:3, 1])))
         textured = isinstance(light, RectLight) and light.texture is not None
         lost = (_NO_SIZE, _COSINE, *(["its picture is left out"] if textured else []))
-        return _added(document, name, "spot", light.radiance * area * flat, world, lost)
+        return _added(document, name, "spot", light.radiance * area * flat * brighter, world, lost)
     if isinstance(light, SphereLight):
         area = ellipsoid_area(*(light.radius * np.array([x, y, z])))
     elif isinstance(light, CylinderLight):
@@ -86,7 +92,9 @@ def add_light(document: Document, light: Light, name: str) -> Lamp | str:
     else:
         return "; ".join(light.losses)
     # What shines outwards from a convex surface shows a quarter of its area in the mean.
-    return _added(document, name, "point", light.radiance * area / 4.0, world, (_NO_SIZE,))
+    return _added(
+        document, name, "point", light.radiance * area / 4.0 * brighter, world, (_NO_SIZE,)
+    )
 
 
 def add_glow(document: Document, mesh: PlacedMesh, radiance: Array, name: str) -> Lamp:

@@ -70,6 +70,7 @@ def add_material(
     name: str,
     double_sided: bool = False,
     radiance: tuple[float, ...] | None = None,
+    brighter: float = 1.0,
 ) -> Material:
     """Add a material to a document.
 
@@ -80,11 +81,12 @@ def add_material(
         name: Its name.
         double_sided: Whether the back of what shows it is seen.
         radiance: Nits that it emits in place of what its surface says; None for that.
+        brighter: What its emission is multiplied by.
     """
     draft = _Draft(document, {"name": name})
     _add_base(draft, pictures, preview)
     _add_normal(draft, pictures, preview)
-    _add_emission(draft, pictures, preview.emissive if radiance is None else radiance)
+    _add_emission(draft, pictures, preview.emissive if radiance is None else radiance, brighter)
     _add_layers(draft, preview)
     if double_sided:
         draft.said["doubleSided"] = True
@@ -172,13 +174,16 @@ def _add_normal(draft: _Draft, pictures: Pictures, preview: PreviewSurface) -> N
     draft.said["normalTexture"] = draft.info(placed.number, preview.normal, **scale)
 
 
-def _add_emission(draft: _Draft, pictures: Pictures, emissive: tuple[float, ...] | Texture) -> None:
+def _add_emission(
+    draft: _Draft, pictures: Pictures, emissive: tuple[float, ...] | Texture, brighter: float
+) -> None:
     """Nits: a factor of at most one, and the strength that it is a part of."""
     if isinstance(emissive, Texture):
         placed = pictures.emission(emissive)
         draft.losses += placed.losses
         draft.said["emissiveTexture"] = draft.info(placed.number, emissive)
         emissive = placed.factor
+    emissive = tuple(value * brighter for value in emissive)
     strength = max(emissive)
     if strength <= 0.0:
         draft.said.pop("emissiveTexture", None)

@@ -19,6 +19,7 @@ from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import read_portals
 from openrooms_usd.usd.surfaces import PreviewSurface
 from orusd_gltf.baked import BakedLight
+from orusd_gltf.cameras import add_camera, authored_stops
 from orusd_gltf.document import INDICES, VERTICES, Document, Object
 from orusd_gltf.draco import packed_primitive
 from orusd_gltf.geometry import Vertices, vertices
@@ -74,10 +75,18 @@ class _Translation:
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[tuple[str, bool, _Radiance], Material] = {}
         self._meshes: dict[Any, tuple[int, tuple[str, ...]]] = {}
+        stops = self._stops()
+        self._factor = float(2.0 ** (stops or 0.0))
         self._unlit: UnlitSurfaces | None = None
         if self.options.light == "baked":
-            light = BakedLight(self.stage)
+            light = BakedLight(self.stage, None if stops is None else float(2.0**stops))
             self._unlit = UnlitSurfaces(self.document, light, self.options.pictures)
+
+    def _stops(self) -> float | None:
+        """By how much light is made brighter; None where nobody says."""
+        asked = self.options.exposure
+        wants = asked == "camera" or (asked is None and self.options.light == "baked")
+        return authored_stops(self.stage) if wants else asked  # type: ignore[return-value]
 
     # Light.
 
@@ -91,7 +100,7 @@ class _Translation:
                 self._say(light.path, list(light.losses))
                 continue
             name = light.path.rpartition("/")[2]
-            lamp = add_light(self.document, light, name)
+            lamp = add_light(self.document, light, name, self._factor)
             if isinstance(lamp, str):
                 self.report.add(light.path, "skipped", lamp)
                 continue
@@ -133,7 +142,7 @@ class _Translation:
         self.document.objects["nodes"][node]["mesh"] = number
         if emitted is not None and emitted.max() > 0.0:
             name = f"{mesh.path.rpartition('/')[2]}_light"
-            lamp = add_glow(self.document, mesh, emitted, name)
+            lamp = add_glow(self.document, mesh, emitted * self._factor, name)
             self._shine(self._nodes.child(mesh.path, name, lamp.world), lamp)
             losses += [*self._glowing[str(mesh.prim.GetPath())], *lamp.losses]
         return [*losses, *lost]
@@ -209,7 +218,7 @@ class _Translation:
             first = not any(known == key for known, _, _ in self._materials)
             self._materials[shown] = made = add_material(
                 self.document, self._pictures, preview, name=name,
-                double_sided=mesh.double_sided, radiance=radiance,
+                double_sided=mesh.double_sided, radiance=radiance, brighter=self._factor,
             )  # fmt: skip
             if material is not None and first:
                 self._say(str(material.GetPath()), [*self._previews[key][1], *made.losses])
@@ -218,8 +227,6 @@ class _Translation:
     # The rest.
 
     def add_cameras(self) -> None:
-        from orusd_gltf.cameras import add_camera
-
         for prim in list_cameras(self.stage):
             path = str(prim.GetPath())
             found = add_camera(self.document, prim)

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 class UsdzExporter:
     """Writes a stage as one USDZ file."""
 
+    keeps_layers = True
+
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` to the file ``destination``.
 

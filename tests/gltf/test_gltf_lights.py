@@ -160,3 +160,32 @@ def test_what_is_not_drawn_is_told(composed_bodies: Path, tmp_path: Path) -> Non
     assert joints and rows >= set(joints)
     reasons = {reason for _, outcome, reason in report.rows if outcome == "skipped"}
     assert any("purpose is guide" in reason for reason in reasons)
+
+
+def test_viewers_that_cannot_expose_get_light_that_is_exposed(export: Export) -> None:
+    made = Build()
+    ball = UsdLux.SphereLight.Define(made.stage, "/Ball")
+    ball.CreateIntensityAttr(1000.0)
+    define_mesh_light(made.box("/Bulb", 0.1).GetPrim(), nits=5000.0)
+    glow = made.material("/Glow", emissive=(300.0, 200.0, 100.0))
+    made.box("/Sign", 0.1, material=glow)
+    made.camera((0, -4, 1), (0, 0, 1))
+    UsdGeom.Camera(made.stage.GetPrimAtPath("/Camera")).CreateExposureAttr(-8.0)
+
+    def light(**options: str) -> list[float]:
+        glb, _ = export(made.stage, options)
+        strong = "KHR_materials_emissive_strength"
+        lamps_there = [item["intensity"] for item, _ in lamps(glb).values()]
+        glows = [
+            max(item.get("emissiveFactor", [0.0]))
+            * item.get("extensions", {}).get(strong, {"emissiveStrength": 1.0})["emissiveStrength"]
+            for item in glb.json["materials"]
+        ]
+        return [*sorted(lamps_there), *sorted(glows)]
+
+    plain = np.array(light())
+    assert np.allclose(light(exposure="camera"), plain * 2.0**-8, rtol=1e-6)
+    assert np.allclose(light(exposure="-3.5"), plain * 2.0**-3.5, rtol=1e-6)
+    for wrong in ("bright", "nan", "99"):
+        with pytest.raises(InputError, match="exposure"):
+            light(exposure=wrong)

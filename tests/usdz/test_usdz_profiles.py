@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
 
+from openrooms_usd.convert import convert_stage
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.materials import bound_material, read_preview_surface
@@ -193,6 +194,26 @@ def test_mistakes_are_told(composed_demo: Path, tmp_path: Path) -> None:
     with pytest.raises(StageError, match="no file"):
         UsdzExporter().convert(Usd.Stage.CreateInMemory(), tmp_path / "a.usdz", {})
     assert not list(tmp_path.iterdir())
+
+
+def test_layers_from_elsewhere_stay_where_they_are(tmp_path: Path) -> None:
+    inside, outside = tmp_path / "room", tmp_path / "elsewhere"
+    for folder in (inside, outside):
+        folder.mkdir()
+    guest = Build(path=outside / "guest.usda")
+    guest.box("/Guest", 1.0)
+    guest.stage.SetDefaultPrim(guest.stage.GetPrimAtPath("/Guest"))
+    guest.stage.Save()
+    made = Build(path=inside / "scene.usda")
+    made.stage.DefinePrim("/Guest").GetReferences().AddReference("../elsewhere/guest.usda")
+    made.stage.Save()
+    for profile in PROFILES:
+        file, asked = tmp_path / f"{profile}.usdz", {"to": "usdz", "options": {"profile": profile}}
+        with pytest.raises(StageError, match="outside"):
+            convert_stage(inside / "scene.usda", file, **asked)
+        assert not file.exists()
+        convert_stage(inside / "scene.usda", file, include_outside=True, **asked)
+        assert len(triangles(Usd.Stage.Open(str(file)))) == 1
 
 
 @pytest.fixture(scope="session")
