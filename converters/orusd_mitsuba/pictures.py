@@ -87,7 +87,10 @@ class Pictures:
         for name in self._picks:
             kept = self._kept.pop(name)
             halves = kept.of(samples) if min(samples) else None
-            told = halves.estimate if halves else ErrorEstimate(None, None)
+            is_ratio = definition(name).unit == "1"
+            told = ErrorEstimate(None, None)
+            if halves:
+                told = halves.estimate_of_ratio if is_ratio else halves.estimate
             images[name] = Image(
                 kept.pixels, sum(samples), seconds, told.relative_mse, replaced,
                 halves if keep else None, robust_error=told.robust,

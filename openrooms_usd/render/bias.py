@@ -131,43 +131,6 @@ def measure(
     return Bias(*total, tenth[0], tenth[1], len(pixels.numbers))
 
 
-def factors(found: NDArray[Any], reference: NDArray[Any], pixels: SparsePixels) -> Array:
-    """What each picture is multiplied by to have the sum of the reference, and how sure that is.
-
-    Such as of the indirect part of each light: then the sum of the picture has no bias, while its
-    noise is as it was. A factor that is no surer than its distance from 1 adds noise common to all
-    pixels: `shrunk` leaves that away.
-
-    Args:
-        found: (L, N, C) pictures, at the pixels.
-        reference: (L, N, C) unbiased samples of the same, independent of these.
-        pixels: Which they are.
-
-    Returns:
-        (L, 2) factors and their standard errors; 1 and 0 where there is nothing to multiply.
-    """
-    rows = []
-    for a, b in zip(found, reference, strict=True):
-        light = np.asarray(a, np.float64).sum(axis=1)
-        ratio = _ratio(np.asarray(b, np.float64).sum(axis=1) - light, light, pixels.weights)
-        rows.append((1.0 + ratio[0], ratio[1]) if ratio else (1.0, 0.0))
-    return np.array(rows).reshape(-1, 2)
-
-
-def shrunk(factors: Array) -> Array:
-    """(L,) factors that correct as much as is known: 1 where the distance from 1 may be noise.
-
-    Of a factor f with the standard error s, 1 + (f - 1) (1 - s^2 / (f - 1)^2), and 1 where that is
-    on the other side of it (after James and Stein 1961).
-
-    Args:
-        factors: (L, 2) what `factors` gave.
-    """
-    off, error = factors[:, 0] - 1.0, factors[:, 1]
-    noise = np.divide(error**2, off**2, out=np.ones_like(off), where=off != 0.0)
-    return np.asarray(1.0 + off * np.maximum(0.0, 1.0 - noise))
-
-
 def _worst_tenth(
     found: Array, reference: Array, weights: Array, groups: NDArray[np.int64]
 ) -> tuple[float, float] | None:

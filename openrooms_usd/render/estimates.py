@@ -12,7 +12,7 @@ missing (`openrooms_usd.render.rare_light`). Last comes how much the estimate it
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,9 @@ from numpy.typing import NDArray
 from openrooms_usd.render import rare_light
 
 Array = NDArray[np.float64]
+
+# Of pixels unlike a neighbour, so many are at an edge that their samples may have missed.
+_EDGES_SHARE: Final = 0.02
 
 
 @dataclass(frozen=True)
@@ -116,8 +119,43 @@ def variance(a: NDArray[Any], b: NDArray[Any], samples_a: int = 1, samples_b: in
     return np.asarray((a - b) ** 2 * (samples_a * samples_b / total**2))
 
 
+def estimate_of_ratio(
+    picture: NDArray[Any], a: NDArray[Any], b: NDArray[Any], samples_a: int, samples_b: int
+) -> ErrorEstimate:
+    """The same of a ratio of two means, which is no mean of the halves' ratios.
+
+    Both halves may be wrong alike. What the ratio of all samples differs from the mean of the
+    halves' is about its bias (the jackknife, Quenouille 1949). And a pixel that n samples say is
+    all lit, all dark or faces no light may be at an edge, with a chance of 1 / (n + 2) (Laplace's
+    rule of succession); it then is like the neighbour that differs most. How many of the pixels
+    beside an edge are candidates is measured (`benchmarks.light.honesty`).
+
+    Args:
+        picture: (height, width, components) of all samples.
+        a: One half.
+        b: The other.
+        samples_a: Samples a pixel in ``a``.
+        samples_b: Samples a pixel in ``b``.
+    """
+    whole = np.asarray(picture, dtype=np.float64)
+    samples = samples_a + samples_b
+    pooled = np.square(whole - (a * samples_a + b * samples_b) / samples)
+    unlike = np.zeros_like(whole)
+    height, width = whole.shape[:2]
+    padded = np.pad(whole, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    for y, x in np.ndindex(3, 3):
+        beside = padded[y : y + height, x : x + width]
+        np.maximum(unlike, np.square(beside - whole), out=unlike)
+    beyond = pooled + _EDGES_SHARE / (samples + 2) * unlike
+    return estimate(a, b, samples_a, samples_b, beyond)
+
+
 def estimate(
-    a: NDArray[Any], b: NDArray[Any], samples_a: int = 1, samples_b: int = 1
+    a: NDArray[Any],
+    b: NDArray[Any],
+    samples_a: int = 1,
+    samples_b: int = 1,
+    beyond: NDArray[Any] | float = 0.0,
 ) -> ErrorEstimate:
     """The estimated errors of the mean of two independent halves.
 
@@ -133,6 +171,7 @@ def estimate(
         b: The other.
         samples_a: Samples a pixel in ``a``.
         samples_b: Samples a pixel in ``b``.
+        beyond: (height, width, components) squares that the halves cannot tell, part of v.
 
     Returns:
         Both errors. None where nothing was met at all, and where one pixel alone has met anything.
@@ -142,7 +181,7 @@ def estimate(
         return ErrorEstimate(None, None)
     # In single precision squares of small numbers would vanish.
     a, b = (np.asarray(half / largest, dtype=np.float32) for half in (a, b))
-    found = variance(a, b, samples_a, samples_b)
+    found = variance(a, b, samples_a, samples_b) + np.asarray(beyond / largest**2, np.float32)
     mean = np.abs(a * samples_a + b * samples_b) / np.float32(samples_a + samples_b)
     a, b = np.abs(a), np.abs(b)
     supported = rare_light.supported(a, b, mean)

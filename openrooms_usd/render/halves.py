@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.estimates import ErrorEstimate, Halves
+from openrooms_usd.render.estimates import ErrorEstimate, Halves, estimate_of_ratio
 
 _MOST_OF_HALF_PRECISION: Final = 65504.0
 # Of larger pictures bands of rows are judged: whole tiles of hemispheres.
@@ -117,6 +117,12 @@ class KeptHalves:
         )
         kept = KeptHalves(self.pixels[rows], self.a[rows], self.b[rows], self.samples)
         return kept.halves.estimate
+
+    @property
+    def estimate_of_ratio(self) -> ErrorEstimate:
+        """The same where the picture is a ratio of two means."""
+        halves = self.halves
+        return estimate_of_ratio(self.pixels, halves.a, halves.b, *self.samples)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from openrooms_usd.render.bias import Bias, SparsePixels, factors, measure, shrunk
+from openrooms_usd.render.bias import Bias, SparsePixels, measure
 
 SIZE = (160, 120)
 Array = np.ndarray
@@ -108,34 +108,3 @@ def test_what_cannot_be_said_is_not_said() -> None:
     for paths, has in ((1, False), (500, True)):
         told = measure(*some, few, level[: len(few.numbers)], paths)
         assert told and (told.worst_tenth is not None) is has
-
-
-def test_factors_take_the_bias_out_of_the_sum() -> None:
-    """Two lights of known bias, one that is off, and one that no path of the picture has met."""
-    wanted = np.array([0.8, 1.25])
-    off = []
-    for seed in range(80):
-        rng = np.random.default_rng(seed)
-        pixels = SparsePixels.draw(*SIZE, 500, rng)
-        rows, columns = np.divmod(pixels.numbers, SIZE[0])
-        truth = light(columns / SIZE[0], rows / SIZE[1])[None, :, None] * np.ones((4, 1, 3))
-        truth[2] = 0.0
-        noise = np.exp(rng.standard_normal(truth.shape) - 0.5)
-        found = truth * (1 + 0.1 * rng.standard_normal(truth.shape))
-        found[:2] /= wanted[:, None, None]
-        found[3] = 0.0
-        factor = factors(found, truth * noise, pixels)
-        assert (factor[2:] == [[1.0, 0.0], [1.0, 0.0]]).all()
-        off.append((factor[:2, 0] - wanted) / factor[:2, 1])
-    assert (np.abs(np.mean(off, axis=0)) < 4 / 80**0.5).all()
-    assert ((np.std(off, axis=0) > 0.7) & (np.std(off, axis=0) < 1.3)).all()
-
-
-def test_a_correction_that_is_not_sure_is_left_away() -> None:
-    known = np.array([[1.2, 0.01], [0.5, 0.0], [1.0, 0.0], [1.05, 0.1], [0.9, 0.05]])
-    assert shrunk(known) == pytest.approx([1.2 - 0.01**2 / 0.2, 0.5, 1.0, 1.0, 0.9 + 0.025])
-    # Where there is no bias it adds a part of the noise alone; where there is much, it takes it.
-    rng = np.random.default_rng(0)
-    for bias, most in ((0.0, 0.45), (5.0, 1.2)):
-        told = np.stack([1 + bias + rng.standard_normal(4000), np.ones(4000)], axis=1)
-        assert np.mean((shrunk(told) - 1 - bias) ** 2) < most

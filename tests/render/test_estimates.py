@@ -7,6 +7,7 @@ from openrooms_usd.render import rare_light
 from openrooms_usd.render.estimates import (
     ErrorEstimate,
     estimate,
+    estimate_of_ratio,
     relative_mse,
     robust_error,
 )
@@ -177,3 +178,46 @@ def test_what_neighbours_or_both_halves_have_is_supported():
     windows = np.lib.stride_tricks.sliding_window_view(padded, (3, 3), axis=(0, 1))
     median = np.median(windows, axis=(-2, -1))
     assert np.array_equal(found, np.minimum(mean, np.maximum(np.minimum(a, b), median)))
+
+
+def _lit(samples: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Visible and all samples of a lamp in each half, and what part of a pixel it lights.
+
+    A disc is in shadow; of its rim a part of each pixel is lit, or faces the lamp at all.
+    """
+    y, x = np.mgrid[:24, :32]
+    rim = 10.0 - np.hypot(x - 15.3, y - 11.7)
+    share = np.clip(0.5 - 0.7 * rim, 0.0, 1.0)[..., None]
+    facing = np.where(share == 0.0, 0.0, np.clip(share + 0.3, 0.0, 1.0))
+    whole = rng.binomial(samples, facing, (2, *facing.shape)).astype(float)
+    lit = rng.binomial(whole.astype(int), np.where(facing > 0.0, share, 0.0)).astype(float)
+    return lit, whole, np.where(facing > 0.0, share, 0.0)
+
+
+def _ratio(lit: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    return np.divide(lit, whole, out=np.zeros_like(lit), where=whole > 0.0)
+
+
+@pytest.mark.parametrize("samples", [2, 8])
+def test_of_a_ratio_more_is_unsure_than_halves_can_tell(samples: int) -> None:
+    """Where no sample of an edge faces the lamp both halves say 0, and are wrong alike."""
+    rng = np.random.default_rng(3)
+    plain, ours = [], []
+    for _ in range(60):
+        lit, whole, truth = _lit(samples, rng)
+        picture = _ratio(lit.sum(axis=0), whole.sum(axis=0))
+        halves = _ratio(lit, whole)
+        made = relative_mse(picture, truth)
+        told = estimate_of_ratio(picture, *halves, samples, samples).relative_mse
+        plain.append((estimate(*halves, samples, samples).relative_mse or 0.0) / made)
+        ours.append((told or 0.0) / made)
+    assert np.mean(np.array(ours) < 0.5) <= 0.05
+    assert np.median(ours) < 4.0 and np.median(ours) > np.median(plain)
+
+
+def test_of_a_mean_the_estimate_of_a_ratio_is_the_same_but_at_edges() -> None:
+    rng = np.random.default_rng(4)
+    a, b = 1.0 + 0.2 * rng.standard_normal((2, 24, 32, 3))
+    told, same = estimate_of_ratio((a + b) / 2, a, b, 8, 8), estimate(a, b, 8, 8)
+    assert told.relative_mse and same.relative_mse
+    assert same.relative_mse < told.relative_mse < 1.05 * same.relative_mse
