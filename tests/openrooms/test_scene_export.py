@@ -234,7 +234,7 @@ def test_options_and_stages_that_cannot_be(composed_demo: Path, tmp_path: Path) 
     bare = Usd.Stage.CreateNew(str(tmp_path / "bare.usda"))
     UsdGeom.Cube.Define(bare, "/Cube")
     bare.Save()
-    with pytest.raises(StageError, match="no room whose floor is known"):
+    with pytest.raises(StageError, match="no room whose floor and height are known"):
         convert_stage(tmp_path / "bare.usda", tmp_path / "a", to=KIND)
     assert not (tmp_path / "a").exists()
 

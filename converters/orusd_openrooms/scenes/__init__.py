@@ -6,7 +6,7 @@ stands), ``shell`` (the room's plan), ``models`` and ``materials`` (what shows i
 (what stands for what is not there), ``scene`` (all of it together).
 
 Out: ``exporter`` is what is registered, ``export`` the story. ``objects`` (what of a stage becomes
-a shape), ``thinshell`` (the layout's meshes), ``microfacet`` (materials and their maps),
-``lightboxes`` (the panorama, and what loaders read of lights), ``objtext`` and ``writing`` (the
-files' text).
+a shape), ``layoutfiles`` with ``thinshell`` (the shell's meshes), ``modelfiles`` (the others' and
+their steps), ``microfacet`` (materials and their maps), ``lightboxes`` (the panorama, and what
+loaders read of lights), ``objtext`` and ``writing`` (the files' text).
 """

@@ -44,13 +44,17 @@ class Materials:
         Args:
             identifier: What ``usemtl`` will call it.
             surface: What it does to light.
-            name: What people call it.
+            name: The prim that gives it, or what people call it.
 
         Raises:
             OutputError: A map cannot be written.
         """
         pictures = dict(_pictures(surface))
-        folder = self._folder(surface, name, pictures) if pictures else PurePosixPath()
+        folder = (
+            self._folder(surface, name.rpartition("/")[2], pictures)
+            if pictures
+            else PurePosixPath()
+        )
         maps = {kind: f"{self.up}{folder}/{_FILES[kind]}" for kind in pictures}
         return Bsdf(
             identifier,
