@@ -17,13 +17,15 @@ Array = NDArray[np.float64]
 
 # Pixels by which an optical axis may miss the middle before it is told.
 _CENTRED_PX: Final = 1e-3
+# What is nearer is not seen, where the stage says nothing that can be.
+_NEAREST_M: Final = 0.01
 
 
 def authored_stops(stage: Usd.Stage) -> float | None:
     """The exposure of the first camera that has one, stops."""
     for prim in list_cameras(stage):
         stops = UsdGeom.Camera(prim).GetExposureAttr()
-        if stops.HasAuthoredValue():
+        if stops.HasAuthoredValue() and math.isfinite(stops.Get(TIME)):
             return float(stops.Get(TIME))
     return None
 
@@ -45,9 +47,11 @@ def add_camera(document: Document, prim: Usd.Prim) -> tuple[int, Array, Object, 
     perspective = {
         "aspectRatio": number(width / height * K[1, 1] / K[0, 0]),
         "yfov": number(2.0 * math.atan(height / (2.0 * K[1, 1]))),
-        "znear": number(near),
-        "zfar": number(far),
+        "znear": number(near if 0.0 < near < math.inf else _NEAREST_M),
     }
+    if perspective["znear"] < far < math.inf:
+        # Without it nothing is too far.
+        perspective["zfar"] = number(far)
     name = prim.GetName()
     found = document.add(
         "cameras", {"name": name, "type": "perspective", "perspective": perspective}
@@ -55,5 +59,6 @@ def add_camera(document: Document, prim: Usd.Prim) -> tuple[int, Array, Object, 
     off = np.abs(K[:2, 2] - [width / 2.0, height / 2.0]).max()
     lost = "its picture is off the optical axis; glTF centres it" if off > _CENTRED_PX else ""
     stops = UsdGeom.Camera(prim).GetExposureAttr()
-    known: Object = {"exposure": number(stops.Get(TIME))} if stops.HasAuthoredValue() else {}
+    said = stops.Get(TIME) if stops.HasAuthoredValue() else math.nan
+    known: Object = {"exposure": number(said)} if math.isfinite(said) else {}
     return found, camera.world_from_camera @ FLIP, known, lost

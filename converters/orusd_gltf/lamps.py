@@ -27,8 +27,12 @@ from orusd_gltf.document import Document, Object, number, numbers
 Array = NDArray[np.float64]
 
 EXTENSION: Final = "KHR_lights_punctual"
+# Candela or lux: all that single precision holds.
+_BRIGHTEST: Final = 3e38
 # Part of a mesh's area that faces one way where the mesh counts as a panel.
 _PANEL_SHARE: Final = 0.98
+# Of its frame: smaller ones have no direction.
+_LEAST_VOLUME: Final = 1e-18
 _HALF_TURN: Final = math.pi / 2
 
 _NO_SIZE: Final = "its light comes from a point; its own shape is not seen"
@@ -68,7 +72,7 @@ def add_light(document: Document, light: Light, name: str, brighter: float = 1.0
     M = light.world_from_light
     if isinstance(light, DomeLight):
         return _SKY
-    if abs(np.linalg.det(M[:3, :3])) < 1e-18:
+    if not abs(np.linalg.det(M[:3, :3])) >= _LEAST_VOLUME or not np.isfinite(M).all():
         return "its transform is singular"
     world = pose(_turned(M[:3, :3]), M[:3, 3])
     x, y, z = np.linalg.norm(M[:3, :3], axis=0).tolist()
@@ -116,6 +120,7 @@ def _added(
     document: Document, name: str, kind: str, values: Array, world: Array, losses: tuple[str, ...]
 ) -> Lamp:
     """Candela or lux of each primary, as a colour of at most one and a factor."""
+    values = np.clip(np.nan_to_num(values), 0.0, _BRIGHTEST)
     most = float(values.max())
     light: Object = {"name": name, "type": kind, "intensity": number(most)}
     if most > 0.0 and values.min() < most:

@@ -14,6 +14,8 @@ from orusd_gltf.pictures import Pictures
 _GLASS_ALPHA: Final = 0.3
 # What glTF takes without being told.
 _IOR: Final = 1.5
+# All that single precision holds.
+_BRIGHTEST_NITS: Final = 3e38
 # Sets of texture coordinates that every reader has.
 _MOST_SETS: Final = 2
 
@@ -113,7 +115,7 @@ def _base_color(
     """The factors of colour and alpha; the texture goes into ``base``."""
     color, opacity = preview.base_color, preview.opacity
     textured = opacity if isinstance(opacity, Texture) else None
-    alpha = 1.0 if isinstance(opacity, Texture) else float(opacity)
+    (alpha,) = (1.0,) if isinstance(opacity, Texture) else _unit((opacity,))
     if preview.opacity_threshold > 0.0:
         cutoff = number(min(preview.opacity_threshold, 1.0))
         draft.said |= {"alphaMode": "MASK", "alphaCutoff": cutoff}
@@ -123,7 +125,7 @@ def _base_color(
         draft.extend("KHR_materials_transmission", {"transmissionFactor": number(1.0 - alpha)})
         alpha = max(alpha, _GLASS_ALPHA)
     if not isinstance(color, Texture) and textured is None:
-        return color, alpha
+        return _unit(color), alpha
     placed = pictures.base_color(color, textured)
     draft.losses += placed.losses
     shown = color if isinstance(color, Texture) else textured
@@ -132,6 +134,11 @@ def _base_color(
         draft.losses.append("opacity takes the texture coordinates of the colour")
     base["baseColorTexture"] = draft.info(placed.number, shown)
     return placed.factor, alpha
+
+
+def _unit(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Numbers as glTF allows them: within 0 and 1."""
+    return tuple(min(max(float(value), 0.0), 1.0) for value in values)
 
 
 def _is_glass(preview: PreviewSurface) -> bool:
@@ -149,8 +156,7 @@ def _add_response(draft: _Draft, pictures: Pictures, preview: PreviewSurface, ba
     occlusion = preview.occlusion if isinstance(preview.occlusion, Texture) else None
     textures = [x for x in (roughness, metallic, occlusion) if isinstance(x, Texture)]
     if not textures:
-        base["metallicFactor"] = number(float(metallic))  # type: ignore[arg-type]
-        base["roughnessFactor"] = number(float(roughness))  # type: ignore[arg-type]
+        base["metallicFactor"], base["roughnessFactor"] = numbers(_unit((metallic, roughness)))  # type: ignore[arg-type]
         return
     if len({coordinates(texture) for texture in textures}) > 1:
         draft.losses.append("roughness, metallic and occlusion share one set of coordinates")
@@ -183,7 +189,7 @@ def _add_emission(
         draft.losses += placed.losses
         draft.said["emissiveTexture"] = draft.info(placed.number, emissive)
         emissive = placed.factor
-    emissive = tuple(value * brighter for value in emissive)
+    emissive = tuple(min(max(value * brighter, 0.0), _BRIGHTEST_NITS) for value in emissive)
     strength = max(emissive)
     if strength <= 0.0:
         draft.said.pop("emissiveTexture", None)
@@ -202,13 +208,14 @@ def _add_layers(draft: _Draft, preview: PreviewSurface) -> None:
         draft.extend("KHR_materials_ior", {"ior": ior})
     if preview.specular is not None and not isinstance(preview.specular, Texture):
         # The colour is the reflectance at normal incidence; an ior of 0 leaves it as it is.
-        color = {"specularColorFactor": numbers(preview.specular)}
+        color = {"specularColorFactor": numbers(_unit(preview.specular))}
         draft.extend("KHR_materials_ior", {"ior": 0.0})
         draft.extend("KHR_materials_specular", color)
     if not isinstance(preview.clearcoat, Texture) and preview.clearcoat > 0.0:
         rough = preview.clearcoat_roughness
         coat: Object = {"clearcoatFactor": number(min(preview.clearcoat, 1.0))}
-        coat["clearcoatRoughnessFactor"] = 0.01 if isinstance(rough, Texture) else number(rough)
+        rough = 0.01 if isinstance(rough, Texture) else rough
+        (coat["clearcoatRoughnessFactor"],) = numbers(_unit((rough,)))
         draft.extend("KHR_materials_clearcoat", coat)
 
 

@@ -112,7 +112,8 @@ class Pictures:
     ) -> Placed:
         textures = [t for t in (roughness, metallic, occlusion) if isinstance(t, Texture)]
         if self._is_packed(metallic, roughness, occlusion):
-            factors = (1.0, *(1.0 if isinstance(x, Texture) else x for x in (roughness, metallic)))
+            # Metallic is 0 where it has no texture.
+            factors = (1.0, 1.0, 1.0 if isinstance(metallic, Texture) else 0.0)
             return self._kept(textures[0], factors)
         pictures = [
             _picture(1.0 if source is None else source, 1)
@@ -243,7 +244,8 @@ def _is_alpha(opacity: Texture, color: Texture) -> bool:
 def _picture(source: Texture | float | tuple[float, ...], channels: int) -> Picture:
     if isinstance(source, Texture):
         return load(source, channels, _UNIT, np.eye(3))
-    return Picture(np.broadcast_to(np.array(source, np.float32), (1, 1, channels)))
+    values = np.clip(np.array(source, np.float32), 0.0, 1.0)
+    return Picture(np.broadcast_to(values, (1, 1, channels)))
 
 
 def _at_one_size(pictures: Sequence[Picture]) -> list[Floats]:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd.convert import Report
-from openrooms_usd.render.scene.cameras import clipping_loss
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.frames import TIME
@@ -33,6 +32,9 @@ from orusd_gltf.unlit import UnlitSurfaces
 
 _Radiance = tuple[float, ...] | None
 _TRIANGLES: Final = 4
+# What reaches farther is no room, and overflows single precision in readers.
+_FARTHEST_M: Final = 1e9
+_FARTHEST_LOCAL: Final = 1e18
 
 
 def translate(stage: Usd.Stage, options: Options) -> tuple[bytes, Report]:
@@ -125,6 +127,9 @@ class _Translation:
                 self._unlit.paint(mesh, self._previewed(mesh))
             self._unlit.finish()
         for mesh in reading:
+            if _is_too_far(mesh):
+                self.report.add(mesh.path, "skipped", f"it reaches farther than {_FARTHEST_M:g} m")
+                continue
             losses = self._add_unlit(mesh) if self._unlit else self._add_mesh(mesh)
             if losses or mesh.path not in lossy:
                 self._say(mesh.path, losses)
@@ -237,7 +242,7 @@ class _Translation:
             node = self._nodes.place(path, world)
             self.document.objects["nodes"][node]["camera"] = number
             self.document.objects["nodes"][node]["extras"] |= known
-            self._say(path, list(filter(None, [lost, clipping_loss(prim)])))
+            self._say(path, [lost] if lost else [])
 
     def name_the_rest(self) -> None:
         report_unseen(self.stage, self.report)
@@ -248,6 +253,15 @@ class _Translation:
     def _say(self, path: str, losses: list[str]) -> None:
         told = "; ".join(dict.fromkeys(losses))
         self.report.add(path, "approximated" if told else "translated", told)
+
+
+def _is_too_far(mesh: PlacedMesh) -> bool:
+    """Whether a mesh is larger than single precision can tell."""
+    local = float(np.abs(mesh.mesh.points).max(initial=0.0))
+    if not local <= _FARTHEST_LOCAL:
+        return True
+    with np.errstate(over="ignore", invalid="ignore"):
+        return not float(np.abs(mesh.world_points()).max(initial=0.0)) <= _FARTHEST_M
 
 
 def _parent(path: str) -> str:
