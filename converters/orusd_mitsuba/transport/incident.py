@@ -116,7 +116,7 @@ class IncidentRadiance:
 
         found = self._arrival.arriving(begin, points.count * count * samples, seed)
         straight, scattered = (
-            mi.Color3f(*(dr.block_sum(plane, samples) for plane in color)) / samples
+            mi.Color3f(*(_summed(plane, samples) for plane in color)) / mi.Float(each)
             for color in found
         )
         return straight, scattered
@@ -129,7 +129,7 @@ class IncidentRadiance:
         sums = dr.zeros(mi.Float, 3 * cells * split[0])
         _, rival = _opaque(samples, split)
         _sample_lights(self._built, self._cells, points, split, rival, seed, sums)
-        planes = dr.block_sum(sums, split[0])
+        planes = _summed(sums, split[0])
         task = dr.arange(mi.UInt32, cells)
         stride = dr.opaque(mi.UInt32, cells)
         return mi.Color3f(*(dr.gather(mi.Float, planes, k * stride + task) for k in range(3)))
@@ -141,6 +141,11 @@ def _opaque(samples: int, split: tuple[int, int]) -> tuple[Any, Any]:
     As variables, not as parts of the compiled code.
     """
     return dr.opaque(mi.UInt32, samples), dr.opaque(mi.Float, samples / (split[0] * split[1]))
+
+
+def _summed(values: Any, count: int) -> Any:
+    """The sums of so many values side by side each."""
+    return values if count == 1 else dr.block_sum(values, count)
 
 
 @dr.syntax
