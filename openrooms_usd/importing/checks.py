@@ -14,7 +14,7 @@ _READERS: Final = {
         (".ply", ".pcd", ".obj", ".glb", ".stl", ".off", ".las", ".laz", ".e57", ".xyz", ".pts"),
         "scan",
     ),
-    ".usdz": "roomplan", ".pkl": "sunrgbd", ".sens": "scannet",
+    ".usdz": "roomplan", ".pkl": "sunrgbd", ".sens": "scannet", ".xml": "openrooms-xml",
 }  # fmt: skip
 # What folders hold that an importer reads whole.
 _FOLDERS: Final = (

@@ -204,6 +204,13 @@ def test_light_boxes_agree_with_the_shapes(loaded: Loaded) -> None:
             assert max(abs(x - y) for x, y in zip(xml, light["intensity"], strict=True)) < 1e-3
 
 
+def assert_lights_match(loaded: Loaded) -> None:
+    """Loaders take one pair of files for each window and each lamp, and refuse any other number."""
+    windows, lamps = loaded.emitters()
+    kinds = [one["isWindow"] for one in loaded.lights()]
+    assert (kinds.count(True), kinds.count(False)) == (len(windows), len(lamps))
+
+
 def test_cameras_pass_the_loaders_check(loaded: Loaded, composed_demo: Path) -> None:
     stage = Usd.Stage.Open(str(composed_demo))
     cameras = [read_camera(prim, 640, 480) for prim in list_cameras(stage)]
@@ -303,6 +310,8 @@ def assert_there_and_back(scene: Path, folder: Path) -> None:
     views = [[read_camera(prim, 640, 480) for prim in list_cameras(stage)] for stage in stages]
     for one, other in zip(*views, strict=True):
         assert other.world_from_camera == pytest.approx(one.world_from_camera, abs=5e-6)
+    convert_stage(again, folder / "once more", to=KIND)
+    assert_lights_match(Loaded(folder / "once more"))
 
 
 @pytest.mark.slow

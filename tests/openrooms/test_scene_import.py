@@ -1,5 +1,6 @@
 """A scene of OpenRooms becomes a room: what it names, and what stands for what is not there."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.lights import MeshLight, read_lights
 from openrooms_usd.usd.materials import Texture, bound_material, read_preview_surface
 from openrooms_usd.usd.meshes import read_meshes
+from orusd_openrooms.pickles import write_pickled
 from orusd_openrooms.scenes.poses import scene_frame
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import whole
@@ -96,6 +98,30 @@ def test_without_the_dataset_the_room_is_rebuilt_around_its_things(tmp_path: Pat
     low, high = found.floor.min(axis=0), found.floor.max(axis=0)
     for model in found.models:
         assert (low < model.stands[:2, 3]).all() and (model.stands[:2, 3] < high).all()
+
+
+def test_a_layout_that_was_moved_otherwise_is_told(dataset: Path, tmp_path: Path) -> None:
+    (tmp_path / "main.xml").write_text(scene())
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    moved = np.array([-2.0, -1.3, 1.75])
+    steps = [("s", np.ones(3)), ("rot", turn), ("t", moved)]
+    write_pickled(tmp_path / "transform.dat", [steps])
+    found = read_capture(KIND, tmp_path / "main.xml", {"root": str(dataset.parents[3])})
+    assert any("moves the layout by 0.25 m otherwise than the scene" in n for n in found.notes)
+
+
+def test_a_released_scene(real: Callable[[str], Path], tmp_path: Path) -> None:
+    """The scene that mengsong16/openvrooms publishes, alone: everything has a stand-in."""
+    path = real("openrooms/scene0420_01/main.xml")
+    read = read_scene(path)
+    assert (len(read.bsdfs), len(read.shapes), read.notes) == (29, 30, ())
+    assert (read.fov, read.environment_scale) == (58.2327, 1e-8)
+    imported = import_capture(KIND, path, tmp_path / "room")
+    chairs = [model for model in imported.capture.models if "9231ef" in model.id]
+    # Five copies of one model stand at heights that agree in its height, to the last digit.
+    heights = [model.half[1] for model in chairs]
+    assert len(chairs) == 5 and np.ptp(heights) < 1e-6
+    assert sum("is not there" in note for note in imported.notes) > 10
 
 
 LAMP = """<shape id="03636649_x_object" type="obj">

@@ -1,5 +1,6 @@
 """How a room becomes a scene: its shell, its models, its lights, its cameras, and the file."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -35,6 +36,8 @@ _OFF: Final = 1e-8
 _SAME_FOV_DEG: Final = 0.01
 _USUAL_FOV_DEG: Final = 60.0
 _MIDDLE_PX: Final = 0.5
+# How far a window's middle may be from that of its opening.
+_NEAR_M: Final = 0.5
 
 
 def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
@@ -134,8 +137,13 @@ class _Export:
         """The boxes of windows and lamps, counted in the order of their shapes."""
         records = light_records(self.stage, self.scene, sources_of(self.scene))
         known = {one.path: light_of(one) for one in records if one.kind != ELSEWHERE}
-        found = [known.get(_light_path(thing, scale > _OFF)) for thing in self.objects.things]
-        lights: list[Light] = [light for light in found if light is not None]
+        openings = [light for light in known.values() if light.is_window]
+        lights: list[Light] = []
+        for thing in self.objects.things:
+            if thing.category == "window" and scale > _OFF:
+                lights.append(_window(thing, openings))
+            elif thing.radiance is not None:
+                lights.append(known[thing.path])
         folder = self.root / "main_xml" / self.name
         # Loaders sort the files by their names.
         digits = len(str(max(len(lights) - 1, 0)))
@@ -160,8 +168,13 @@ class _Export:
                 self.report.add(prim.GetPath(), "skipped", "nothing moves in a scene")
 
 
-def _light_path(thing: Object, is_bright: bool) -> str:
-    """The prim of an object's light: its own, or a window's portal where something shines in."""
-    if thing.category == "window" and is_bright:
-        return f"{names.LIGHTS}/Portals/{thing.name}"
-    return thing.path
+def _window(thing: Object, openings: Sequence[Light]) -> Light:
+    """The opening that a window fills; a dark one where nothing shines in by it."""
+    low, high = thing.bounds
+    center = 0.5 * (low + high)
+    nearest = min(
+        openings, key=lambda one: float(np.linalg.norm(one.center - center)), default=None
+    )
+    if nearest is not None and np.linalg.norm(nearest.center - center) < _NEAR_M:
+        return nearest
+    return Light(0, True, False, center, np.eye(3), high - low, np.zeros(3), {})

@@ -72,6 +72,13 @@ class Object:
         return self.path.rpartition("/")[2].replace("[", "_").replace("]", "")
 
     @property
+    def bounds(self) -> Array:
+        """(2, 3) least and greatest coordinates in the world."""
+        corners = [own.corners for part in self.parts.values() for own in part.triangles]
+        points = np.concatenate(corners).reshape(-1, 3)
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
+    @property
     def radiance(self) -> Color | None:
         """The mean of what its parts emit, by area; None where none does."""
         lit = [part for part in self.parts.values() if part.patch.radiance is not None]
