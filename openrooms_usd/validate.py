@@ -17,6 +17,7 @@ from openrooms_usd.usd.diagnostics import quiet, reading
 from openrooms_usd.validation import layer_rules, physics_rules, prim_rules
 from openrooms_usd.validation.core import core_findings
 from openrooms_usd.validation.model import Finding, Rule, Severity, Subject
+from openrooms_usd.validation.physx_rules import PHYSX_RULES
 from openrooms_usd.validation.room_rules import ROOM_RULES
 
 RULES: Final = (
@@ -78,6 +79,7 @@ RULES: Final = (
         physics_rules.articulations,
         "apply PhysicsArticulationRootAPI to the body that carries the others",
     ),
+    *PHYSX_RULES,
     *(Rule(rule.code, rule.check, rule.remedy, advice=True) for rule in ROOM_RULES),
     Rule("contract", prim_rules.contract, "keep to the names in openrooms_usd/names.py"),
 )

@@ -10,11 +10,15 @@ from pxr import Sdf, Usd, UsdPhysics
 # them, which differs between runs.
 _PROTOTYPE: Final = re.compile(r"\bFlattened_Prototype_\d+\b")
 
+# What cannot stay inside an instance.
+_OPEN: Final = (UsdPhysics.RigidBodyAPI, UsdPhysics.CollisionAPI)
+
 
 def flattened(stage: Usd.Stage) -> Sdf.Layer:
-    """One layer with everything; instances stay, but those in which bodies move.
+    """One layer with everything; instances stay, but those in which something moves or collides.
 
-    Engines write poses where bodies are, and cannot write inside an instance.
+    Engines write poses where bodies are, and cannot write inside an instance; PhysX finds no
+    friction in one (ovphysx 0.7: bindings are not published at the paths of instances' content).
 
     Args:
         stage: Any stage; it is not changed.
@@ -23,7 +27,7 @@ def flattened(stage: Usd.Stage) -> Sdf.Layer:
     session.TransferContent(stage.GetSessionLayer())
     copy = Usd.Stage.Open(stage.GetRootLayer(), session, stage.GetPathResolverContext())
     copy.SetEditTarget(session)
-    while instances := {_outermost(prim) for prim in _hidden_bodies(copy)}:
+    while instances := {_outermost(prim) for prim in _hidden(copy)}:
         for path in sorted(instances):
             copy.GetPrimAtPath(path).SetInstanceable(False)
     return ordered(copy.Flatten(addSourceFileComment=False))
@@ -72,9 +76,9 @@ def _uses(prim: Sdf.PrimSpec) -> Iterator[str]:
         yield from _uses(child)
 
 
-def _hidden_bodies(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+def _hidden(stage: Usd.Stage) -> Iterator[Usd.Prim]:
     for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
-        if prim.IsInstanceProxy() and prim.HasAPI(UsdPhysics.RigidBodyAPI):
+        if prim.IsInstanceProxy() and any(map(prim.HasAPI, _OPEN)):
             yield prim
 
 

@@ -3,7 +3,7 @@
 Isaac Sim (PhysX) and Newton find everything with ``UsdPhysics.LoadUsdPhysicsFromRange``. PhysX
 averages coefficients unless told otherwise; here both surfaces ask to be multiplied, and have the
 root of what they are, so that a pair has the geometric mean. Links of one body are told not to
-collide.
+collide. Dry friction of joints is said in Newton's word, which PhysX reads too, in articulations.
 """
 
 from collections.abc import Iterator
@@ -27,6 +27,8 @@ SCENE: Final = "scene.usdc"
 # PhysX has hulls of at most so many points, and makes them smaller.
 _MOST_POINTS: Final = 64
 _PHYSX_API: Final = "PhysxMaterialAPI"
+_NEWTON_API: Final = "NewtonJointAPI"
+_NEWTON_FRICTION: Final = "newton:friction"
 _MODES: Final = ("physxMaterial:frictionCombineMode", "physxMaterial:restitutionCombineMode")
 
 
@@ -35,7 +37,7 @@ def write_usdphysics(
 ) -> list[Loss]:
     """Write a stage as ``scene.usdc`` with all files that it needs, all or nothing.
 
-    Instances stay instances. The same stage gives the same bytes.
+    Instances in which nothing collides stay. The same stage gives the same bytes.
 
     Args:
         stage: The composed stage, with rigid bodies; it is not changed.
@@ -54,6 +56,7 @@ def write_usdphysics(
     flat = flattened(stage)
     losses = [*_limits(world), *_units(stage)]
     keep_siblings_apart(flat, world)
+    _say_friction_of_joints(flat)
     if roots:
         _take_roots(flat)
     with atomic.filling(folder) as beside:
@@ -82,6 +85,16 @@ def _take_roots(flat: Sdf.Layer) -> None:
             prim.CreateAttribute(name, kind, False, variability).Set("multiply")
 
 
+def _say_friction_of_joints(flat: Sdf.Layer) -> None:
+    stage = Usd.Stage.Open(flat)
+    for prim in Usd.PrimRange.Stage(stage, Usd.PrimAllPrimsPredicate):
+        friction = prim.GetAttribute(names.JOINT_FRICTION)
+        if friction and friction.Get() and prim.IsA(UsdPhysics.Joint):
+            prim.AddAppliedSchema(_NEWTON_API)
+            kind = Sdf.ValueTypeNames.Float
+            prim.CreateAttribute(_NEWTON_FRICTION, kind, False).Set(friction.Get())
+
+
 def _limits(world: World) -> Iterator[Loss]:
     """What PhysX does otherwise."""
     for body in world.bodies:
@@ -92,8 +105,8 @@ def _limits(world: World) -> Iterator[Loss]:
                     reason = f"PhysX keeps {_MOST_POINTS} of the {points} points of its hull"
                     yield f"{link.path}/{shape.name}", "approximated", reason
         for joint in body.joints:
-            if joint.friction > 0.0:
-                reason = f"UsdPhysics has no dry friction for joint {joint.name}"
+            if joint.friction > 0.0 and body.fixed:
+                reason = f"PhysX has no dry friction for {joint.name}, which holds on to the world"
                 yield body.path, "approximated", reason
 
 

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 PURPOSE: Final = "physics"
 # Normals of shapes: what is finer is noise, and makes equal arrays differ.
 _DIGITS: Final = 6
+# Beyond this angle from its zero PhysX stops a hinge that holds on to the world.
+_HALF_TURN_DEG: Final = 180.0
 _AXES: Final = (UsdPhysics.Tokens.x, UsdPhysics.Tokens.y, UsdPhysics.Tokens.z)
 
 
@@ -159,6 +161,9 @@ def define_joint(
 ) -> Usd.Prim:
     """Define a RevoluteJoint or a PrismaticJoint; the two bodies do not collide.
 
+    Its zero is how it is built; in the middle of its way where a knob turns farther than PhysX
+    would let it.
+
     Args:
         stage: Where; its edit target receives everything.
         path: The joint's path.
@@ -172,16 +177,18 @@ def define_joint(
     axis, stretch = _in_body(motion, np.asarray(scale, dtype=np.float64))
     number = int(np.abs(axis).argmax())
     align = Gf.Quatf(Gf.Rotation(Gf.Vec3d(*np.eye(3)[number]), Gf.Vec3d(*axis)).GetQuat())
-    built = motion.parent_from_child
+    built, limits = motion.parent_from_child, motion.limits
+    middle = sum(limits) / 2.0 if hinge and max(map(abs, limits)) > _HALF_TURN_DEG else 0.0
+    turned = Gf.Quatf(Gf.Rotation(Gf.Vec3d(*axis), middle).GetQuat())
     joint.CreateBody0Rel().SetTargets([bodies[0]])
     joint.CreateBody1Rel().SetTargets([bodies[1]])
     joint.CreateAxisAttr(_AXES[number])
     joint.CreateLocalPos0Attr(_vector(built[:3, 3]))
-    joint.CreateLocalRot0Attr(_quaternion(built[:3, :3]) * align)
+    joint.CreateLocalRot0Attr(_quaternion(built[:3, :3]) * turned * align)
     joint.CreateLocalPos1Attr(Gf.Vec3f(0.0))
     joint.CreateLocalRot1Attr(align)
-    joint.CreateLowerLimitAttr(motion.limits[0] * stretch)
-    joint.CreateUpperLimitAttr(motion.limits[1] * stretch)
+    joint.CreateLowerLimitAttr(limits[0] * stretch - middle)
+    joint.CreateUpperLimitAttr(limits[1] * stretch - middle)
     joint.CreateCollisionEnabledAttr(False)
     drive = UsdPhysics.DriveAPI.Apply(joint.GetPrim(), "angular" if hinge else "linear")
     drive.CreateTypeAttr(UsdPhysics.Tokens.force)

@@ -10,7 +10,7 @@ from openrooms_usd.validation.model import Complaint, Subject
 def nested_bodies(subject: Subject) -> Iterator[Complaint]:
     """No body that moves lies below another one, unless it leaves its parent's transform."""
     for prim in subject.prims:
-        if _moves(prim) and (outer := _outer(prim)):
+        if moves(prim) and (outer := _outer(prim)):
             yield str(prim.GetPath()), f"a rigid body below the rigid body {outer.GetPath()}"
 
 
@@ -18,7 +18,7 @@ def _outer(body: Usd.Prim) -> Usd.Prim | None:
     prim = body
     while prim and not UsdGeom.Xformable(prim).GetResetXformStack():
         prim = prim.GetParent()
-        if prim and _moves(prim):
+        if prim and moves(prim):
             return prim
     return None
 
@@ -57,14 +57,15 @@ def _joined(prim: Usd.Prim) -> list[Sdf.Path]:
     for relation in (joint.GetBody0Rel(), joint.GetBody1Rel()):
         for target in relation.GetTargets()[:1]:
             body = prim.GetStage().GetPrimAtPath(target)
-            while body and not _moves(body):
+            while body and not moves(body):
                 body = body.GetParent()
             if body:
                 found[body.GetPath()] = None
     return list(found)
 
 
-def _moves(prim: Usd.Prim) -> bool:
+def moves(prim: Usd.Prim) -> bool:
+    """Whether a prim is a body that forces move: enabled and not kinematic."""
     body = UsdPhysics.RigidBodyAPI(prim) if prim.HasAPI(UsdPhysics.RigidBodyAPI) else None
     if body is None or not body.GetRigidBodyEnabledAttr().Get():
         return False

@@ -115,6 +115,28 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], 
     return scene
 
 
+@pytest.fixture(scope="session")
+def with_physics(demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The ``scene.usda`` of the example, or of a room such as ``kitchen-16``, with bodies."""
+    folder = tmp_path_factory.mktemp("bodies")
+
+    def scene(name: str) -> Path:
+        out = folder / name
+        if name == "demo":
+            return demo
+        if not (out / "scene.usda").is_file():
+            kind, seed = name.split("-")
+            call = ["generate", "--type", kind, "--seed", seed, "-o", str(out / "source")]
+            done = CliRunner().invoke(orusd, call, catch_exceptions=False)
+            assert done.exit_code == 0, done.output
+            with (out / "source/room.yaml").open("a", encoding="utf-8") as description:
+                description.write("physics: {}\n")
+            compose_room(out / "source/room.yaml", out, workers=1)
+        return out / "scene.usda"
+
+    return scene
+
+
 def marked(room: tuple[str] | tuple[str, int]) -> Any:
     """A room with its worker; the smallest alone is quick."""
     name = "-".join(map(str, room))

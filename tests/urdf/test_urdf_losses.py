@@ -106,8 +106,8 @@ def test_what_physx_cannot_do_is_said(
     lost = write_usdphysics(empty, world, tmp_path)
     assert [(path, reason) for path, _, reason in lost] == [
         ("/World/B/hull", "PhysX keeps 64 of the 80 points of its hull"),
-        ("/World/C", "UsdPhysics has no dry friction for joint door"),
-        ("/World/C", "UsdPhysics has no dry friction for joint drawer"),
+        ("/World/C", "PhysX has no dry friction for door, which holds on to the world"),
+        ("/World/C", "PhysX has no dry friction for drawer, which holds on to the world"),
     ]
 
 

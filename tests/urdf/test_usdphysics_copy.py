@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils
 
+from openrooms_usd import names
 from openrooms_usd.convert import Report
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
@@ -81,6 +82,19 @@ def test_both_surfaces_ask_to_be_multiplied(copied: tuple[Path, Report]) -> None
         assert prim.GetAttribute("physxMaterial:restitutionCombineMode").Get() == "multiply"
 
 
+def test_dry_friction_of_joints_is_in_the_word_of_newton_and_physx(
+    copied: tuple[Path, Report],
+) -> None:
+    stage = Usd.Stage.Open(str(copied[0] / "scene.usdc"))
+    joints = [prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
+    said = [prim for prim in joints if prim.GetAttribute(names.JOINT_FRICTION).Get()]
+    assert said
+    for prim in said:
+        assert "NewtonJointAPI" in prim.GetMetadata("apiSchemas").GetAddedOrExplicitItems()
+        friction = prim.GetAttribute("newton:friction").Get()
+        assert friction == prim.GetAttribute(names.JOINT_FRICTION).Get() > 0.0
+
+
 def test_one_file_in_metres_that_needs_nothing_from_elsewhere(
     composed_bodies: Path, copied: tuple[Path, Report]
 ) -> None:
@@ -96,12 +110,15 @@ def test_one_file_in_metres_that_needs_nothing_from_elsewhere(
     assert str(composed_bodies.parent) not in text and str(folder) not in text
 
 
-def test_instances_stay_and_no_body_moves_inside_one(copied: tuple[Path, Report]) -> None:
+def test_nothing_moves_or_collides_inside_an_instance(
+    composed_bodies: Path, copied: tuple[Path, Report]
+) -> None:
     stage = Usd.Stage.Open(str(copied[0] / "scene.usdc"))
+    composed = open_stage(composed_bodies)
+    assert any(prim.IsInstance() for prim in composed.Traverse())
     prims = list(stage.Traverse(Usd.TraverseInstanceProxies()))
-    assert any(prim.IsInstance() for prim in prims)
-    inside = [p for p in prims if p.IsInstanceProxy() and p.HasAPI(UsdPhysics.RigidBodyAPI)]
-    assert inside == []
+    apis = (UsdPhysics.RigidBodyAPI, UsdPhysics.CollisionAPI)
+    assert [p for p in prims if p.IsInstanceProxy() and any(map(p.HasAPI, apis))] == []
     colliders = [prim for prim in prims if prim.HasAPI(UsdPhysics.CollisionAPI)]
     assert colliders
     for prim in colliders:

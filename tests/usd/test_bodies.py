@@ -16,6 +16,9 @@ from openrooms_usd.usd.bodies import (
     define_joint,
     frame_and_scale,
 )
+from openrooms_usd.usd.rigid.reading import read_world
+from openrooms_usd.validation.model import Subject
+from openrooms_usd.validation.physx_rules import joint_frames
 
 Kind = UsdPhysics.ObjectType
 SCALES = [(1.0, 1.0, 1.0), (2.0, 0.5, 3.0), (-1.0, 1.0, 1.0), (-2.0, 3.0, -1.5)]
@@ -106,6 +109,30 @@ def test_joints_move_scaled_and_mirrored_parts_as_a_turned_prim_would(
     parts["part"].Set(Gf.Vec3d(*(np.array([0.3, 0.4, 0.5]) + 0.2 * np.array(axis))))
     np.testing.assert_allclose(middle() - before, gone, atol=1e-6)
     assert not desc.collisionEnabled
+
+
+@pytest.mark.parametrize(
+    ("limits", "zero"), [((0.0, 270.0), 135.0), ((-90.0, 200.0), 55.0), ((0.0, 180.0), 0.0)]
+)
+def test_a_knob_has_its_zero_where_no_engine_stops_it(
+    limits: tuple[float, float], zero: float
+) -> None:
+    stage, _ = placed((1.0, 1.0, 1.0))
+    for name in ("body", "knob"):
+        part = UsdGeom.Xform.Define(stage, f"/Thing/{name}")
+        author_body(part.GetPrim())
+        define_collider(stage, part.GetPath().AppendChild("shape"), shape((0.1, 0.1, 0.1)))
+    motion = Motion("hinge", np.array([0.0, -1.0, 0.0]), limits, np.eye(4))
+    ends = (Sdf.Path("/Thing/body"), Sdf.Path("/Thing/knob"))
+    joint = UsdPhysics.RevoluteJoint(
+        define_joint(stage, Sdf.Path("/Thing/joint"), motion, ends, np.ones(3))
+    )
+    written = (joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get())
+    assert written == (limits[0] - zero, limits[1] - zero)
+    # As it is built, it has the same way to go.
+    (body,) = read_world(stage).bodies
+    np.testing.assert_allclose(np.degrees(body.joints[0].limits), limits, atol=1e-3)
+    assert not list(joint_frames(Subject(stage)))
 
 
 def test_colliders_are_guides_and_bound_prims_are_valid() -> None:
