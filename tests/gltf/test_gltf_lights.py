@@ -156,6 +156,11 @@ def test_what_is_not_drawn_is_told(composed_bodies: Path, tmp_path: Path) -> Non
     stage = Usd.Stage.Open(str(composed_bodies))
     report = GltfExporter().convert(stage, tmp_path / "room.glb", {})
     rows = {prim for prim, _, _ in report.rows}
+    shown = (UsdGeom.Gprim, UsdGeom.Camera)
+    for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()):
+        seen = UsdGeom.Imageable(prim).ComputePurpose() != "guide" if prim.IsA(shown[0]) else True
+        if (any(map(prim.IsA, shown)) and seen) or prim.HasAPI(UsdLux.LightAPI):
+            assert str(prim.GetPath()) in rows
     joints = [str(p.GetPath()) for p in stage.Traverse() if "Joint" in p.GetTypeName()]
     assert joints and rows >= set(joints)
     reasons = {reason for _, outcome, reason in report.rows if outcome == "skipped"}

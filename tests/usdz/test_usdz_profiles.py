@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
 
+import openrooms_usd as ou
 from openrooms_usd.convert import convert_stage
+from openrooms_usd.demo import copy_example
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.materials import bound_material, read_preview_surface
@@ -253,3 +255,14 @@ def test_usds_own_validators_accept_every_profile(composed_bodies: Path, tmp_pat
             UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
         ).Validate(stage)
         assert [error.GetMessage() for error in errors] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["example", "kitchen", "bedroom"])
+def test_apples_rules_accept_whole_rooms(name: str, apple: Check, tmp_path: Path) -> None:
+    room = copy_example(tmp_path / "source") if name == "example" else ou.generate(name, seed=5)
+    scene = ou.compose(room, tmp_path / "out").path
+    for profile in PROFILES:
+        stage, _ = written(scene, tmp_path / f"{profile}.usdz", profile)
+        assert triangles(stage).keys() == triangles(Usd.Stage.Open(str(scene))).keys()
+    assert apple(tmp_path / "arkit.usdz") == []
