@@ -85,7 +85,7 @@ def placed_model(
         **{"from": "file"}, category=thing.label, at=(0.0, 0.0), file=file,
         up=model.up, front=model.front, unit=1.0,
     )  # fmt: skip
-    asset = catalogue.file(item)
+    asset = catalogue.file(item, scaled=True)
     built = asset.build()
     pose = model.stands @ built.file_from_object
     x, y, z = pose[:3, 3].tolist()

@@ -64,8 +64,12 @@ class Catalogue:
         draw = self.context.rng("alignment", "style", name, repr(size))
         return self._drawn.setdefault((name, size), choices[int(draw.integers(len(choices)))])
 
-    def file(self, item: FileObject) -> Asset:
+    def file(self, item: FileObject, *, scaled: bool = False) -> Asset:
         """The user's own mesh.
+
+        Args:
+            item: The file, and how it stands.
+            scaled: Whether it is placed with a scale, so that its own size says nothing.
 
         Raises:
             InputError: The file is missing, unreadable or not a mesh.
@@ -81,7 +85,7 @@ class Catalogue:
             up=item.up,
             front=item.front,
             unit=item.unit,
-            usual=_usual(item.category),
+            usual=None if scaled else _usual(item.category),
         )
         self.context.notes.extend(f"{item.file}: {note}" for note in model.notes)
         key = (file_digest(path), *how[1:], _model_digest(model))

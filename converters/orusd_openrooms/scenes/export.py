@@ -90,7 +90,7 @@ class _Export:
         models = ModelFiles(self.root, _UP, materials, bsdfs)
         for thing in self.objects.things:
             shapes.extend(models.shapes(thing, len(shapes)))
-            lost = ["its matrix shears or mirrors: it is in its mesh"] if thing.baked else []
+            lost = [f"{thing.baked}: its place is in its mesh"] if thing.baked else []
             if (label := models.label(thing)) != thing.category:
                 lost.append(f"as a light it is filed as {label}")
             if lost:

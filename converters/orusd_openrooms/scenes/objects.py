@@ -55,7 +55,7 @@ class Object:
         shifts: (3,) each, metres: those that the prim keeps apart, which come last.
         prototype: What others are copies of; its own path where it is none.
         parts: By name and surface.
-        baked: Whether its matrix went into its mesh.
+        baked: Why its matrix went into its mesh; empty where it did not.
     """
 
     path: str
@@ -64,7 +64,7 @@ class Object:
     shifts: tuple[Array, ...]
     prototype: str
     parts: dict[tuple[str, int], Part] = field(default_factory=dict)
-    baked: bool = False
+    baked: str = ""
 
     @property
     def name(self) -> str:
@@ -158,13 +158,13 @@ def _object(stage: Usd.Stage, path: str) -> Object:
     # What a point instancer scatters has no prim of its own.
     prim = stage.GetPrimAtPath(path) if "[" not in path else None
     if not prim:
-        return Object(path, "object", np.eye(4), (), path, baked=True)
+        return Object(path, "object", np.eye(4), (), path, baked="it is scattered")
     category = read_label(prim, names.CATEGORY) or "object"
     matrix = world_from_prim(prim)
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     prototype = str(prim.GetPrototype().GetPath()) if prim.IsInstance() else path
     if not is_rotation(matrix[:3, :3] / np.maximum(scale, 1e-12), _SQUARE):
-        return Object(path, category, np.eye(4), (), path, baked=True)
+        return Object(path, category, np.eye(4), (), path, baked="it is sheared or mirrored")
     return Object(path, category, matrix, _shifts(prim), prototype)
 
 
