@@ -36,6 +36,10 @@ _PATHS_IN_FLIGHT: Final = 1 << 20
 _MOST_SUMS: Final = 1 << 26
 # Of the step that keeps rays from meeting the surface that they begin at: far above rounding.
 _PART_OF_STEP: Final = 0.1
+# How far above a surface its points look for each other, as a part of a surfel, and which part of
+# them need not.
+_ABOVE_PART: Final = 0.02
+_BLOCKED_SHARE: Final = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,10 +153,41 @@ def _points(
         return None
     every = Rays.joined([there for there, _ in kept])
     hashes = np.concatenate([found for _, found in kept])
+    whole = ~_divided(around, index, every, tabulate(hashes, size_m)[1], size_m)
+    every, hashes = every.rows(np.flatnonzero(whole)), hashes[whole]
+    if not len(hashes):
+        return None
     table, numbers = tabulate(hashes, size_m)
     order = np.argsort(numbers, kind="stable")
     starts = np.concatenate([[0], np.cumsum(np.bincount(numbers))])
     return Points(every.rows(order), starts), table
+
+
+def _divided(
+    around: Surroundings, index: SurfelIndex, rays: Rays, surfels: NDArray[np.int64], size_m: float
+) -> NDArray[np.bool_]:
+    """Whether something stands between the points of a ray's surfel: two rooms may meet there.
+
+    Args:
+        around: The scene.
+        index: Tells pieces; what is of the same piece does not divide it.
+        rays: Onto the points.
+        surfels: Of each.
+        size_m: Edge of a cube, metres.
+    """
+    si = around.built.ray_intersect(mi.Ray3f(rays.o, rays.d))
+    side = dr.select(dr.dot(si.n, rays.d) <= 0.0, 1.0, -1.0)
+    above = mi.Point3f(si.p + mi.Vector3f(si.n) * (side * (_ABOVE_PART * size_m)))
+    # From each point to the first one of its surfel.
+    _, firsts = np.unique(surfels, return_index=True)
+    across = dr.gather(mi.Point3f, above, mi.UInt32(firsts[surfels].astype(np.uint32))) - above
+    length = dr.norm(across)
+    between = around.built.ray_intersect(
+        mi.Ray3f(above, across / dr.maximum(length, 1e-12), length, 0.0, []), length > 0.0
+    )
+    blocked = between.is_valid() & (index.piece(between) != index.piece(si))
+    counts = np.bincount(surfels, np.asarray(blocked.numpy()))
+    return np.asarray(counts[surfels] > _BLOCKED_SHARE * np.bincount(surfels)[surfels])
 
 
 def _gathered(

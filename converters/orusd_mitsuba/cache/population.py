@@ -20,6 +20,8 @@ _WALKERS: Final = 1 << 16
 # Where walkers begin is bright; after some steps they are anywhere that light reaches.
 _FORGOTTEN_STEPS: Final = 6
 _STEPS: Final = 12
+# Edge of a place, as a part of the scene's radius.
+_PLACE_PART: Final = 1 / 16
 # How far above a surface a ray begins that shall meet it, as a part of the scene's radius.
 _ABOVE_PART: Final = 1e-4
 
@@ -71,8 +73,14 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays | None:
         return None
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(seed + 1, _WALKERS)
+    first = _walk(built, sampler, lit)
+    return None if first is None else _walk(built, sampler, _one_a_place(scene, first))
+
+
+def _walk(built: Any, sampler: Any, starts: Rays) -> Rays | None:
+    """What walkers who begin at some points meet after a while; None where it is nothing."""
     walker = dr.arange(mi.UInt32, _WALKERS)
-    ray = lit.at(walker % len(lit))
+    ray = starts.at(walker % len(starts))
     found = []
     for step in range(_FORGOTTEN_STEPS + _STEPS):
         ray, d, onwards = _step(built, sampler, ray)
@@ -83,6 +91,13 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays | None:
             continue
         found.append(Rays(dr.gather(mi.Point3f, ray.o, kept), dr.gather(mi.Vector3f, d, kept)))
     return Rays.joined(found) if found else None
+
+
+def _one_a_place(scene: Scene, rays: Rays) -> Rays:
+    """One of the rays of each place, by the cubes of a grid that they begin in."""
+    cubes = np.floor(np.asarray(rays.o.numpy()) / (_PLACE_PART * scene.radius)).astype(np.int64)
+    _, which = np.unique(cubes, axis=1, return_index=True)
+    return rays.rows(np.sort(which))
 
 
 def _lit(scene: Scene, built: Any, seed: int) -> Rays | None:

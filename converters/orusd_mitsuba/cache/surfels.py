@@ -116,9 +116,13 @@ class SurfelIndex:
             through: Whether the surfel is meant that has what arrives at its other side.
         """
         normal = mi.Vector3f(si.n) * dr.select(dr.dot(si.n, towards) >= 0.0, 1.0, -1.0)
-        row = self.triangle(si.shape, si.prim_index, active)
-        piece = dr.gather(mi.UInt32, self._pieces, row, active)
+        piece = self.piece(si, active)
         return self._hashes(si.p, normal, dr.select(through, piece | _THROUGH, piece))
+
+    def piece(self, si: Any, active: Any = True) -> Any:
+        """The piece of surface of interactions."""
+        row = self.triangle(si.shape, si.prim_index, active & si.is_valid())
+        return dr.gather(mi.UInt32, self._pieces, row, active & si.is_valid())
 
     def triangle(self, shape: Any, prim_index: Any, active: Any = True) -> Any:
         """Rows of the scene's triangles."""
