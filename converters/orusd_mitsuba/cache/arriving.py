@@ -69,11 +69,11 @@ class LookedUpArrival:
         salt = dr.opaque(mi.UInt32, (seed ^ _CHANCE_SALT) & 0xFFFFFFFF)
         left = start.active & (~known | (draw(number, salt, TEA_ROUNDS) < chance))
         dr.eval(color, left, hit)
-        rest: Any = dr.compress(left)
         straight = mi.Color3f(*(dr.zeros(mi.Float, rays) for _ in range(3)))
-        if dr.width(rest):
-            met = dr.gather(type(hit), hit, rest)
-            self._once(begin(rest), met, RaySums(straight, color, rest), seed)
+        rest, active = _gathered(left)
+        met, onto = dr.gather(type(hit), hit, rest), begin(rest)
+        onto.active &= active
+        self._once(onto, met, RaySums(straight, color, rest), seed)
         return straight, color
 
     def _looked_up(self, start: Start, hit: Any) -> tuple[Any, Any, Any]:
@@ -122,17 +122,18 @@ class LookedUpArrival:
         # 3. What is still not known is followed as any path is.
         left = meets & ~known
         dr.eval(left, ray.o, ray.d, weight)
-        rest: Any = dr.compress(left)
-        if dr.width(rest):
-            self._onwards(ray, weight, rest, sums.part(rest), seed)
+        rest, active = _gathered(left)
+        self._onwards(ray, weight, rest, active, sums.part(rest), seed)
 
-    def _onwards(self, ray: Any, weight: Any, rest: Any, sums: "RaySums", seed: int) -> None:
+    def _onwards(
+        self, ray: Any, weight: Any, rest: Any, active: Any, sums: "RaySums", seed: int
+    ) -> None:
         """Some of the rays that have been scattered once, which carry a weight."""
         sampler = _sampler(seed ^ _ONWARDS_SALT, dr.width(rest))
         onto = mi.Ray3f(dr.gather(mi.Point3f, ray.o, rest), dr.gather(mi.Vector3f, ray.d, rest))
         elsewhere = dr.opaque(mi.UInt32, self._around.index.elsewhere)
         before = Prefix(dr.gather(mi.Color3f, weight, rest), mi.UInt32(1), elsewhere)
-        follow(self._around, sampler, onto, sums, prefix=before)
+        follow(self._around, sampler, onto, sums, active=active, prefix=before)
 
     def _emitted(self, si: Any, before: Any, density: Any, active: Any) -> Any:
         """What lamps or the sky send straight, weighted against samples of them."""
@@ -179,6 +180,16 @@ class RaySums:
                 dr.ReduceOp.Add, color[channel], value[channel], self._rays, active,
                 mode=dr.ReduceMode.NoConflicts,
             )  # fmt: skip
+
+
+def _gathered(left: Any) -> tuple[Any, Any]:
+    """The numbers of those that are left, and which of these are: two are always there.
+
+    For one thread, or for none, other code would be compiled.
+    """
+    some = dr.arange(mi.UInt32, dr.width(left)) < 2
+    found: Any = dr.compress(left | some)
+    return found, dr.gather(mi.Bool, left, found)
 
 
 def _sampler(seed: int, count: int) -> Any:
