@@ -1,22 +1,18 @@
 """From a composed USD stage to a GLB file: surfaces, lamps, cameras and a report."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
+from pxr import Usd, UsdPhysics
 
 from openrooms_usd.convert import Report
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.cameras import list_cameras
-from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lights import MeshLight, read_lights
-from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import read_portals
-from openrooms_usd.usd.surfaces import PreviewSurface
 from orusd_gltf.baked import BakedLight
 from orusd_gltf.cameras import add_camera, authored_stops
 from orusd_gltf.document import INDICES, VERTICES, Document, Object
@@ -25,10 +21,11 @@ from orusd_gltf.geometry import Vertices, vertices
 from orusd_gltf.hierarchy import Hierarchy
 from orusd_gltf.instancing import gather_instances
 from orusd_gltf.lamps import EXTENSION, Lamp, add_glow, add_light
+from orusd_gltf.looks import Look, Looks
 from orusd_gltf.materials import Material, add_material
 from orusd_gltf.options import Options
 from orusd_gltf.pictures import Pictures
-from orusd_gltf.unlit import UnlitSurfaces
+from orusd_gltf.unlit import NO_GLOSS, UNSEEN, UnlitSurfaces
 
 _Radiance = tuple[float, ...] | None
 _TRIANGLES: Final = 4
@@ -74,7 +71,8 @@ class _Translation:
         self._pictures = Pictures(self.document, self.options.pictures)
         self._emitting: dict[str, NDArray[np.float64]] = {}
         self._glowing: dict[str, tuple[str, ...]] = {}
-        self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
+        self._looks = Looks()
+        self._told: set[str] = set()
         self._materials: dict[tuple[str, bool, _Radiance], Material] = {}
         self._meshes: dict[Any, tuple[int, tuple[str, ...]]] = {}
         stops = self._stops()
@@ -99,7 +97,7 @@ class _Translation:
                 self._glowing[light.path] = light.losses
                 continue
             if self._unlit is not None:
-                self._say(light.path, list(light.losses))
+                self._say(light.path, [*light.losses, UNSEEN])
                 continue
             name = light.path.rpartition("/")[2]
             lamp = add_light(self.document, light, name, self._factor)
@@ -124,7 +122,7 @@ class _Translation:
         lossy = {path for path, _, _ in reading.losses}
         if self._unlit is not None:
             for mesh in reading:
-                self._unlit.paint(mesh, self._previewed(mesh))
+                self._unlit.paint(mesh, self._looks.parts(mesh))
             self._unlit.finish()
         for mesh in reading:
             if _is_too_far(mesh):
@@ -139,8 +137,8 @@ class _Translation:
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
         radiance = None if emitted is None else tuple(map(float, emitted))
         parts = [
-            (rows, self._material(mesh, material, radiance, losses))
-            for rows, material in _parts(mesh)
+            (rows, self._material(mesh, look, radiance, losses))
+            for rows, look in self._looks.parts(mesh)
         ]
         number, lost = self._mesh(mesh, parts)
         node = self._nodes.place(mesh.path, mesh.world_from_local)
@@ -156,24 +154,16 @@ class _Translation:
         assert self._unlit is not None
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
         radiance = None if emitted is None else tuple(map(float, emitted))
-        drawn, lost = self._unlit.primitives(mesh, self._previewed(mesh), radiance)
+        looks = self._looks.parts(mesh)
+        for _, look in looks:
+            self._tell(look, (NO_GLOSS,))
+        drawn, lost = self._unlit.primitives(mesh, looks, radiance)
         primitives = [self._primitive(found, material) for found, material in drawn]
         said = {"name": mesh.prim.GetName(), "primitives": primitives}
         node = self._nodes.place(mesh.path, mesh.world_from_local)
         # Repeats that lie in the same place of a lightmap are one.
         self.document.objects["nodes"][node]["mesh"] = self.document.shared("meshes", said)
         return [lost] if lost else []
-
-    def _previewed(self, mesh: PlacedMesh) -> list[tuple[NDArray[np.intp], PreviewSurface]]:
-        return [(rows, self._preview(mesh, material)) for rows, material in _parts(mesh)]
-
-    def _preview(self, mesh: PlacedMesh, material: UsdShade.Material | None) -> PreviewSurface:
-        if material is None:
-            return PreviewSurface(base_color=_display_color(mesh.prim)[0])
-        key = _key(material)
-        if key not in self._previews:
-            self._previews[key] = read_preview_surface(material)
-        return self._previews[key][0]
 
     def _primitive(self, found: Vertices, material: int) -> Object:
         if self.options.compression == "draco":
@@ -205,29 +195,24 @@ class _Translation:
         return self._meshes[key]
 
     def _material(
-        self,
-        mesh: PlacedMesh,
-        material: UsdShade.Material | None,
-        radiance: _Radiance,
-        losses: list[str],
+        self, mesh: PlacedMesh, look: Look, radiance: _Radiance, losses: list[str]
     ) -> Material:
-        if material is None:
-            color, reason = _display_color(mesh.prim)
-            losses.append(reason)
-            key, name, preview = f"{color}", "no_material", PreviewSurface(base_color=color)
-        else:
-            key, name = _key(material), material.GetPrim().GetName()
-            preview = self._preview(mesh, material)
-        shown = key, mesh.double_sided, radiance
+        if not look.path:
+            losses += look.losses
+        shown = look.key, mesh.double_sided, radiance
         if shown not in self._materials:
-            first = not any(known == key for known, _, _ in self._materials)
             self._materials[shown] = made = add_material(
-                self.document, self._pictures, preview, name=name,
+                self.document, self._pictures, look.preview, name=look.name,
                 double_sided=mesh.double_sided, radiance=radiance, brighter=self._factor,
             )  # fmt: skip
-            if material is not None and first:
-                self._say(str(material.GetPath()), [*self._previews[key][1], *made.losses])
+            self._tell(look, made.losses)
         return self._materials[shown]
+
+    def _tell(self, look: Look, losses: tuple[str, ...]) -> None:
+        """Say once what became of a material."""
+        if look.path and look.path not in self._told:
+            self._told.add(look.path)
+            self._say(look.path, [*look.losses, *losses])
 
     # The rest.
 
@@ -266,32 +251,3 @@ def _is_too_far(mesh: PlacedMesh) -> bool:
 
 def _parent(path: str) -> str:
     return path.rpartition("/")[0]
-
-
-def _key(material: UsdShade.Material) -> str:
-    """The same for all instances of one prototype, which show it under many paths."""
-    prim = material.GetPrim()
-    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-    return str(source.GetPath())
-
-
-def _parts(mesh: PlacedMesh) -> Iterator[tuple[NDArray[np.intp], UsdShade.Material | None]]:
-    """(rows of triangles, their material) for each part of a mesh with a material of its own."""
-    faces = mesh.mesh.faces
-    rest = np.ones(len(faces), dtype=bool)
-    for indices, material in bound_subsets(mesh.prim):
-        rows = np.flatnonzero(rest & np.isin(faces, indices))
-        if len(rows):
-            rest[rows] = False
-            yield rows, material
-    if rest.any():
-        yield np.flatnonzero(rest), bound_material(mesh.prim)
-
-
-def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
-    primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
-    values = np.asarray(primvar.ComputeFlattened(TIME) or [], dtype=np.float64).reshape(-1, 3)
-    if not len(values) or not np.isfinite(values).all():
-        return (0.18, 0.18, 0.18), "it has no material: taken as grey"
-    red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()
-    return (red, green, blue), "it has no material: taken as its displayColor"

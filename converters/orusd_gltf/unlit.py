@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.render.scene.surfaces import SurfaceReader, mean_luminance
@@ -14,11 +13,13 @@ from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 from orusd_gltf.baked import BakedLight
 from orusd_gltf.document import Document, Object, numbers
 from orusd_gltf.geometry import Coordinates, Vertices, vertices
+from orusd_gltf.looks import Look, Rows
 from orusd_gltf.pictures import encoded
 
 EXTENSION: Final = "KHR_materials_unlit"
 
-NO_GLOSS: Final = "its light is in its picture: gloss is left out, relief as far as the light knows"
+NO_GLOSS: Final = "its gloss is left out, and its relief where the light does not know it"
+UNSEEN: Final = "its light is in the surfaces; it is not seen itself"
 NO_MAP: Final = "it has no lightmap: shown in its mean colour"
 
 # The name of the texture coordinates of lightmaps among those of a mesh.
@@ -27,7 +28,7 @@ _PLACES: Final = Coordinates("lightmap")
 _GLASS_ALPHA: Final = 0.1
 _CLAMP: Final = {"magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071}
 
-_Part = tuple[NDArray[np.intp], PreviewSurface]
+_Part = tuple[Rows, Look]
 
 
 @dataclass
@@ -52,8 +53,8 @@ class UnlitSurfaces:
         if placed is None:
             return
         name, places = placed
-        for rows, preview in parts:
-            surface = self._reader.read(preview)
+        for rows, look in parts:
+            surface = self._reader.read(look.preview)
             st = mesh.mesh.uvs.get(surface.primvar, mesh.mesh.st)
             assert st is not None
             turned = st[rows] @ surface.uv[:2, :2].T + surface.uv[:2, 2]
@@ -74,10 +75,10 @@ class UnlitSurfaces:
             name, places = placed
             lit = replace(mesh.mesh, uvs={_PLACES.primvar: places.astype(np.float32)})
             number = self._material(mesh, {"baseColorTexture": {"index": self._textures[name]}})
-            return [(vertices(lit, np.arange(len(places)), [_PLACES]), number)], NO_GLOSS
+            return [(vertices(lit, np.arange(len(places)), [_PLACES]), number)], ""
         drawn = []
-        for rows, preview in parts:
-            base, alpha = self._plain(preview, radiance)
+        for rows, look in parts:
+            base, alpha = self._plain(look.preview, radiance)
             drawn.append((vertices(mesh.mesh, rows, []), self._material(mesh, base, alpha)))
         return drawn, "" if radiance is not None else NO_MAP
 
