@@ -182,9 +182,9 @@ def _divided(
     _, firsts = np.unique(surfels, return_index=True)
     across = dr.gather(mi.Point3f, above, mi.UInt32(firsts[surfels].astype(np.uint32))) - above
     length = dr.norm(across)
-    between = around.built.ray_intersect(
-        mi.Ray3f(above, across / dr.maximum(length, 1e-12), length, 0.0, []), length > 0.0
-    )
+    onto = mi.Ray3f(above, mi.Vector3f(across) / dr.maximum(length, 1e-12))
+    onto.maxt = length
+    between = around.built.ray_intersect(onto, length > 0.0)
     blocked = between.is_valid() & (index.piece(between) != index.piece(si))
     counts = np.bincount(surfels, np.asarray(blocked.numpy()))
     return np.asarray(counts[surfels] > _BLOCKED_SHARE * np.bincount(surfels)[surfels])
