@@ -12,7 +12,11 @@ from openrooms_usd import names
 from openrooms_usd.convert import Report
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
+from openrooms_usd.validation.model import Rule, Subject
+from openrooms_usd.validation.physics_rules import articulations, nested_bodies
+from openrooms_usd.validation.physx_rules import PHYSX_RULES
 from orusd_urdf import UsdPhysicsExporter
+from tests.validators import nvidia_issues
 
 EXPORT = """
 import sys
@@ -93,6 +97,13 @@ def test_dry_friction_of_joints_is_in_the_word_of_newton_and_physx(
         assert "NewtonJointAPI" in prim.GetMetadata("apiSchemas").GetAddedOrExplicitItems()
         friction = prim.GetAttribute("newton:friction").Get()
         assert friction == prim.GetAttribute(names.JOINT_FRICTION).Get() > 0.0
+
+
+def test_no_validator_and_no_rule_of_physx_finds_anything(copied: tuple[Path, Report]) -> None:
+    assert nvidia_issues(copied[0] / "scene.usdc") == []
+    subject = Subject(open_stage(copied[0] / "scene.usdc"))
+    rules = (*PHYSX_RULES, Rule("", nested_bodies, ""), Rule("", articulations, ""))
+    assert [complaint for rule in rules for complaint in rule.check(subject)] == []
 
 
 def test_one_file_in_metres_that_needs_nothing_from_elsewhere(
