@@ -204,6 +204,23 @@ def test_files_of_the_dataset_may_be_hostile_too(tmp_path: Path) -> None:
     assert not (tmp_path / "room").exists()
 
 
+def test_files_of_the_dataset_have_limits(tmp_path: Path) -> None:
+    path = write_dataset(tmp_path / "data")
+    command = ["import", "openrooms-xml", str(path), "-o", str(tmp_path / "room")]
+    (path.parent / "cam.txt").write_text("10001\n" + "0 0 0\n0 0 1\n0 1 0\n" * 10_001)
+    assert "10,001 cameras" in str(CliRunner().invoke(orusd, command).exception)
+    (path.parent / "cam.txt").unlink()
+    mesh = tmp_path / "data/layoutMesh/scene0000_00/uv_mapped.obj"
+    for text, reason in (
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 100_001, "100,001 triangles"),
+        ("v 0 0 0\nv 1e30 0 0\nv 0 1 0\nf 1 2 3\n", "no lengths"),
+        ("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n", "no level face"),
+    ):
+        mesh.write_text(text)
+        assert reason in str(CliRunner().invoke(orusd, command).exception)
+    assert not (tmp_path / "room").exists()
+
+
 def test_a_link_out_of_the_dataset_is_refused(tmp_path: Path) -> None:
     path = write_dataset(tmp_path / "data")
     secret = tmp_path / "secret.obj"

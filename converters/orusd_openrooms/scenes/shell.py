@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 # Every room of the release has this height.
 USUAL_HEIGHT_M: Final = 3.0
 _FARTHEST_M: Final = 1e5
+_MOST_TRIANGLES: Final = 100_000
 # Rounding of the files, and how far faces of one floor or wall may lie apart.
 _FLAT_M: Final = 0.02
 _STRAIGHT_M: Final = 0.005
@@ -83,6 +84,8 @@ def shell_of(triangles: Array, st: Array | None, place: str) -> Shell:
     """
     import shapely
 
+    if len(triangles) > _MOST_TRIANGLES:
+        raise _no_floor(place, f"it has {len(triangles):,} triangles, where layouts have hundreds")
     if not np.isfinite(triangles).all() or (np.abs(triangles) > _FARTHEST_M).any():
         raise _no_floor(place, "it has coordinates that are no lengths")
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])

@@ -16,6 +16,8 @@ from orusd_openrooms.scenes.records import SceneFile, Step, whole
 
 Array = NDArray[np.float64]
 
+# A scene of the release has about twenty.
+_MOST_CAMERAS: Final = 10_000
 _USUAL_FOV: Final = 57.95
 # Three decimals in the files; beyond this something else is wrong.
 _CROOKED: Final = 0.02
@@ -43,6 +45,11 @@ def read_frames(
     focal = 0.5 * width / np.tan(np.radians(file.fov or _USUAL_FOV) / 2.0)
     K = np.array([[focal, 0.0, 0.5 * width], [0.0, focal, 0.5 * height], [0.0, 0.0, 1.0]])
     world_from_scene = inverse(scene_from_world)
+    cameras = read_cameras(path)
+    if len(cameras) > _MOST_CAMERAS:
+        raise InputError(
+            f"{len(cameras):,} cameras; at most {_MOST_CAMERAS:,} are read", place=path
+        )
     return tuple(
         CapturedFrame(
             f"{number}",
@@ -51,7 +58,7 @@ def read_frames(
             file.resolution,
             f"im_{number}.hdr",
         )
-        for number, rows in enumerate(read_cameras(path), 1)
+        for number, rows in enumerate(cameras, 1)
     )
 
 
