@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, Final
 
+import drjit as dr
 import mitsuba as mi
 
 from openrooms_usd.channels import CHANNELS
@@ -116,6 +117,8 @@ class MitsubaSession:
             _ = self._white
         if any(one is COMPLETE for one, _ in needed):
             _ = self._complete
+        # What filling took is kept for reuse.
+        dr.flush_malloc_cache()
         seconds = None if request.seconds is None else request.seconds / len(needed)
         part = replace(request, seconds=seconds)
         images: dict[str, Image] = {}

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
@@ -98,6 +99,8 @@ class SmoothedPictures(Pictures):
         Args:
             samples: Of a pixel, in each half.
         """
+        # What strips took is kept for reuse.
+        dr.flush_malloc_cache()
         for part in filter(self._is_wanted, _PARTS):
             kept = self._halves.pop(part.name)[: 2 if min(samples) else 1]
             whole: Any = 0.0

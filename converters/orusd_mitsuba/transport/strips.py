@@ -3,7 +3,7 @@
 from typing import Final
 
 # Pictures of one strip, as two sums in double precision, bytes.
-_MOST_SUMS_BYTES: Final = 1 << 28
+_MOST_SUMS_BYTES: Final = 1 << 27
 # Samples of a pixel that are worth having in one batch, because they are spread evenly.
 _SAMPLES_TOGETHER: Final = 64
 
