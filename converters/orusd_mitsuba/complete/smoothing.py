@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orusd_mitsuba.complete.accumulator import GUIDES
+from orusd_mitsuba.plugins.memory import aligned
 
 Floats = NDArray[np.float32]
 
@@ -208,7 +209,7 @@ class _Taps:
 
 
 def _flat(plane: NDArray[Any]) -> Floats:
-    return np.ascontiguousarray(plane, dtype=np.float32).reshape(-1)
+    return aligned(np.asarray(plane, dtype=np.float32))
 
 
 def _columns(plane: NDArray[Any]) -> list[Floats]:
