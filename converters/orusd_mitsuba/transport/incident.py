@@ -115,9 +115,9 @@ class IncidentRadiance:
             return Start(at, at.spawn_ray(d), density, dr.dot(at.n, d) >= 0.0)
 
         found = self._arrival.arriving(begin, points.count * count * samples, seed)
+        part = dr.rcp(mi.Float(each))
         straight, scattered = (
-            mi.Color3f(*(_summed(plane, samples) for plane in color)) / mi.Float(each)
-            for color in found
+            mi.Color3f(*(_summed(plane, samples) * part for plane in color)) for color in found
         )
         return straight, scattered
 
