@@ -3,12 +3,7 @@
 Runs where `.ci/install-blender` has been, or where ORUSD_BLENDER_PYTHON names a Python with bpy.
 """
 
-import json
-import os
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import OpenImageIO
@@ -27,42 +22,9 @@ from openrooms_usd.usd.cameras import FLIP, read_camera
 from openrooms_usd.usd.lights import MeshLight, define_dome, read_lights
 from openrooms_usd.validate import validate_stage
 from orusd_usdz import UsdzExporter
+from tests.blender.conftest import Blender
 
 pytestmark = pytest.mark.slow
-
-ROOT = Path(__file__).parents[2]
-Blender = Callable[..., Any]
-
-
-@pytest.fixture(scope="session")
-def blender(tmp_path_factory: pytest.TempPathFactory) -> Blender:
-    """Runs a job of `work.py` in Blender and gives what it has seen."""
-    python = os.environ.get("ORUSD_BLENDER_PYTHON", str(ROOT / ".venv-blender/bin/python"))
-    if not Path(python).is_file():
-        pytest.skip(f"no Blender: {python} is missing (.ci/install-blender, ORUSD_BLENDER_PYTHON)")
-    folder = tmp_path_factory.mktemp("blender")
-
-    def run(job: str, scene: Path, **what: Any) -> Any:
-        report = folder / "report.json"
-        report.unlink(missing_ok=True)
-        told = {"job": job, "scene": str(scene), "report": str(report), **what}
-        (folder / "job.json").write_text(json.dumps(told))
-        command = [python, "-P", str(Path(__file__).parent / "work.py"), str(folder / "job.json")]
-        environment = {key: x for key, x in os.environ.items() if not key.startswith("PYTHON")}
-        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=300)
-        assert done.returncode == 0 and report.is_file(), done.stdout + done.stderr
-        return json.loads(report.read_text())
-
-    return run
-
-
-@pytest.fixture(scope="session")
-def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The bundled example's description, composed into ``out`` beside it."""
-    folder = tmp_path_factory.mktemp("example")
-    described = write_starter(folder)[0]
-    compose_room(described, folder / "out", workers=2)
-    return folder / "out"
 
 
 def test_a_room_arrives_lit_and_seen_as_it_is(blender: Blender, example: Path) -> None:

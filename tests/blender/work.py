@@ -12,6 +12,9 @@ from typing import Any
 
 import bpy
 
+# What the sky is called among the lights that are asked for.
+SKY = "sky"
+
 
 def imported(scene: str) -> None:
     """The scene in an empty Blender that has a World, without which no sky arrives."""
@@ -54,6 +57,70 @@ def seen(_: dict[str, Any]) -> dict[str, Any]:
     return {"kinds": kinds, "glow": glow, "cameras": cameras, "exposure": exposure}
 
 
+def arrived(_: dict[str, Any]) -> dict[str, Any]:
+    """Every mesh as it is drawn, every object, material and lamp.
+
+    A mesh is told by the names of the objects above it, those that carry its instance too.
+    """
+    drawn = [
+        _mesh(instance) for instance in bpy.context.evaluated_depsgraph_get().object_instances
+        if instance.object.type == "MESH"
+    ]  # fmt: skip
+    places = {found.name: _rows(found.matrix_world) for found in bpy.data.objects}
+    materials = [_look(material) for material in bpy.data.materials if material.users]
+    lamps = {found.name: _lamp(found) for found in bpy.data.objects if found.type == "LIGHT"}
+    return {"drawn": drawn, "places": places, "materials": materials, "lamps": lamps}
+
+
+def _rows(matrix: Any) -> list[list[float]]:
+    return [list(row) for row in matrix]
+
+
+def _mesh(instance: Any) -> dict[str, Any]:
+    """A mesh that is drawn: the box around it in the world, metres."""
+    found = instance.object
+    places = [tuple(instance.matrix_world @ vertex.co) for vertex in found.data.vertices]
+    above = [*_above(instance.parent)] if instance.is_instance else []
+    return {
+        "path": [*above, *_above(found)],
+        "vertices": len(places),
+        "low": [min(axis) for axis in zip(*places, strict=True)],
+        "high": [max(axis) for axis in zip(*places, strict=True)],
+        "materials": [slot.name for slot in found.data.materials if slot],
+    }
+
+
+def _above(found: Any) -> list[str]:
+    return [*(_above(found.parent) if found.parent else []), found.name]
+
+
+def _look(material: Any) -> dict[str, Any]:
+    """What a material's inputs are: numbers, or the picture that is linked to them."""
+    node = shader(material)
+    inputs = ("Base Color", "Roughness", "Metallic") if node else ()
+    return {"name": material.name} | {name: _input(node.inputs[name]) for name in inputs}
+
+
+def _input(socket: Any) -> Any:
+    """The name of the picture that reaches an input, else its numbers."""
+    ends = [link.from_node for link in socket.links]
+    while ends:
+        node = ends.pop()
+        if node.type == "TEX_IMAGE":
+            return Path(node.image.filepath.replace("[", "/").rstrip("]")).name
+        ends.extend(link.from_node for one in node.inputs for link in one.links)
+    value = socket.default_value
+    return value if isinstance(value, float) else list(value)[:3]
+
+
+def _lamp(found: Any) -> dict[str, Any]:
+    lamp = found.data
+    told = ("type", "energy", "exposure", "normalize", "use_temperature", "temperature")
+    sizes = ("shape", "size", "size_y", "shadow_soft_size", "angle")
+    given = {name: getattr(lamp, name) for name in (*told, *sizes) if hasattr(lamp, name)}
+    return given | {"color": list(lamp.color), "kelvin": list(lamp.temperature_color)}
+
+
 def rearranged(job: dict[str, Any]) -> None:
     """Moves, removes, adds, recolours; then exports in every form."""
     objects, kinds = bpy.data.objects, bpy.data
@@ -73,6 +140,28 @@ def rearranged(job: dict[str, Any]) -> None:
     [bulb] = [x for x in tree(objects["floor_lamp_0"]) if x.name.startswith("light_bulb")]
     shader(bulb.data.materials[0]).inputs["Emission Strength"].default_value = 0.5
     export(job)
+
+
+def visited(job: dict[str, Any]) -> None:
+    """Moves and turns a chair, recolours a pole, dims a lamp, removes another, adds a stool."""
+    objects = bpy.data.objects
+    objects["chair_0"].location.x += 0.4
+    objects["chair_0"].rotation_euler.z += 0.35
+    shader(_part("floor_lamp_0", job["recoloured"])).inputs["Base Color"].default_value = (
+        *job["color"], 1.0)  # fmt: skip
+    bulb = shader(_part("ceiling_lamp_0", "light_bulb"))
+    bulb.inputs["Emission Strength"].default_value *= 0.5
+    for found in tree(objects["table_lamp_0"]):
+        objects.remove(found)
+    bpy.ops.mesh.primitive_cylinder_add(radius=0.2, depth=0.45, location=(3.0, 3.2, 0.225))
+    bpy.context.object.name = "Stool"
+    bpy.ops.wm.usd_export(filepath=job["file"])
+
+
+def _part(name: str, part: str) -> Any:
+    """The material that a part of an object wears."""
+    [found] = [x for x in tree(bpy.data.objects[name]) if x.name.split(".")[0] == part]
+    return found.data.materials[0]
 
 
 def export(job: dict[str, Any]) -> None:
@@ -102,6 +191,47 @@ def picture(job: dict[str, Any]) -> None:
     photograph(job, bpy.data.objects[job["camera"]], samples=job["samples"])
 
 
+def alone(job: dict[str, Any]) -> None:
+    """A picture for each light, all others off: lamps, materials that glow, and the World."""
+    sky = next((x for x in bpy.context.scene.world.node_tree.nodes if x.type == "BACKGROUND"), None)
+    strength = sky.inputs["Strength"].default_value if sky else 0.0
+    comparable(job["bounces"])
+    glows = {}
+    for material in bpy.data.materials:
+        if (node := shader(material)) is not None:
+            glows[material.name] = node.inputs["Emission Strength"].default_value
+    for name, picture in job["lights"].items():
+        if sky:
+            sky.inputs["Strength"].default_value = strength if name == SKY else 0.0
+        lit = _worn(name)
+        for material, glow in glows.items():
+            emission = shader(bpy.data.materials[material]).inputs["Emission Strength"]
+            emission.default_value = glow if material in lit else 0.0
+        for found in bpy.data.objects:
+            if found.type == "LIGHT":
+                found.hide_render = found.name != name
+        told = job | {"picture": picture}
+        photograph(told, bpy.data.objects[job["camera"]], samples=job["samples"])
+
+
+def comparable(bounces: int) -> None:
+    """Cycles with all light that we have too, over as many bounces of every kind."""
+    cycles = bpy.context.scene.cycles
+    for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
+        setattr(cycles, f"{kind}_bounces", bounces)
+    cycles.blur_glossy = 0.0
+    # A pixel is the mean over its square, as ours: wider filters spread what a window shows.
+    cycles.pixel_filter_type = "BOX"
+
+
+def _worn(name: str) -> set[str]:
+    """The materials of an object and of all below it."""
+    if name not in bpy.data.objects:
+        return set()
+    meshes = [found.data for found in tree(bpy.data.objects[name]) if found.type == "MESH"]
+    return {slot.name for mesh in meshes for slot in mesh.materials if slot}
+
+
 def photograph(job: dict[str, Any], eye: Any, *, samples: int, sharp: bool = False) -> None:
     scene = bpy.context.scene
     scene.camera = eye
@@ -122,7 +252,7 @@ def photograph(job: dict[str, Any], eye: Any, *, samples: int, sharp: bool = Fal
 
 JOBS = {
     "seen": seen, "rearranged": rearranged, "export": export, "panorama": panorama,
-    "picture": picture,
+    "picture": picture, "arrived": arrived, "alone": alone, "visited": visited,
 }  # fmt: skip
 
 
