@@ -117,8 +117,7 @@ class MitsubaSession:
             _ = self._white
         if any(one is COMPLETE for one, _ in needed):
             _ = self._complete
-        # What filling took is kept for reuse.
-        dr.flush_malloc_cache()
+        _give_back()
         seconds = None if request.seconds is None else request.seconds / len(needed)
         part = replace(request, seconds=seconds)
         images: dict[str, Image] = {}
@@ -132,6 +131,7 @@ class MitsubaSession:
                 given, changes, render_pass, integrator, camera, request, found
             )
             self._note(request, render_pass.name, sampler, int(integrator.broken.sum()))
+            _give_back()
         return images
 
     def move(self, scene: Scene) -> None:
@@ -309,6 +309,11 @@ class MitsubaSession:
         if replaced:
             reason = f"{what} was no number in {replaced} pixels, taken as 0"
             self._scene.report.add(where, "approximated", reason)
+
+
+def _give_back() -> None:
+    """Give memory back that Dr.Jit keeps for reuse: each step takes pieces of other sizes."""
+    dr.flush_malloc_cache()
 
 
 def _share(progress: ViewProgress, number: int, count: int, done: float) -> None:
