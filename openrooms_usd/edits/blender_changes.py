@@ -72,10 +72,13 @@ class BlenderDifferences(Differences):
         """What an attribute of a prim of ours shall be."""
         self._set(attribute.GetPrim(), attribute.GetName(), attribute.GetTypeName(), value)
 
-    def _set(self, prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, value: Any) -> None:
+    def _set(
+        self, prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, value: Any
+    ) -> Sdf.AttributeSpec:
         spec = self._over(prim.GetPath())
         found = spec.attributes.get(name) or Sdf.AttributeSpec(spec, name, kind)
         found.default = value
+        return found
 
     def _compare_place(self, pair: Pair) -> None:
         if not UsdGeom.Xformable(pair.ours) or not UsdGeom.Xformable(pair.theirs):
@@ -118,9 +121,14 @@ class BlenderDifferences(Differences):
 
     def _compare_color(self, shader: UsdShade.Shader, seen: UsdShade.Shader, name: str) -> None:
         color = _changed(shader, seen, name)
-        if color is not None:
-            kind = Sdf.ValueTypeNames.Color3f
-            self._set(shader.GetPrim(), f"inputs:{name}", kind, Gf.Vec3f(*color.tolist()))
+        if color is None:
+            return
+        kind = Sdf.ValueTypeNames.Color3f
+        spec = self._set(shader.GetPrim(), f"inputs:{name}", kind, Gf.Vec3f(*color.tolist()))
+        found = shader.GetInput(name)
+        if found and found.HasConnectedSource():
+            # Explicitly none: a list that is left out would leave the picture connected.
+            spec.connectionPathList.ClearEditsAndMakeExplicit()
 
     def _relight(self, bulb: Usd.Prim, glow: Array) -> None:
         """Let a lamp shine as its material glows in Blender."""
@@ -176,12 +184,19 @@ def _seen(prim: Usd.Prim, kind: type) -> Iterator[Usd.Prim]:
 
 
 def _changed(ours: UsdShade.Shader, theirs: UsdShade.Shader, name: str) -> Array | None:
-    """Blender's color where it is another than ours; None also where a picture gives either."""
-    inputs = [shader.GetInput(name) for shader in (ours, theirs)]
-    if any(found and found.HasConnectedSource() for found in inputs):
+    """Blender's color where it is another than ours; None where a picture gives it.
+
+    A plain color in place of our picture is another one whatever it is; not so of a glow, whose
+    pictures Blender may leave out.
+    """
+    before, now = (shader.GetInput(name) for shader in (ours, theirs))
+    if now and now.HasConnectedSource():
         return None
-    before, now = (_color(found, name) for found in inputs)
-    return None if _is_same_color(now, before) else now
+    if before and before.HasConnectedSource():
+        is_plain = name == _DIFFUSE and now and now.Get(TIME) is not None
+        return _color(now, name) if is_plain else None
+    color = _color(now, name)
+    return None if _is_same_color(color, _color(before, name)) else color
 
 
 def _is_same_color(now: Array, before: Array) -> bool:

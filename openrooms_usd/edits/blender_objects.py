@@ -16,6 +16,10 @@ LOOKS: Final = f"{names.WORLD}/Looks"
 # Points cannot be hit by rays: a lamp without size gets this radius and keeps its power, metres.
 _POINT_RADIUS: Final = 0.01
 
+_KELVIN: Final = "inputs:colorTemperature"
+# What Blender divides its suns by when it writes them: watts per square metre, and the angle.
+_SUN: Final = {"inputs:intensity": 4.0, "inputs:angle": 2.0}
+
 
 def adopt_object(
     base: Usd.Stage, opinions: Sdf.Layer, parent: Usd.Prim, added: Usd.Prim
@@ -104,12 +108,24 @@ def _clean(spec: Sdf.PrimSpec) -> None:
             spec.RemoveProperty(found)
     if spec.HasInfo("active") and spec.active:
         spec.ClearInfo("active")
+    _clean_light(spec)
+
+
+def _clean_light(spec: Sdf.PrimSpec) -> None:
+    """Let a lamp be as bright and as white as Blender shows it."""
     radius = spec.attributes.get("inputs:radius")
     if spec.typeName == "SphereLight" and radius is not None and radius.default == 0.0:
         radius.default = _POINT_RADIUS
         extent = spec.attributes.get("extent")
         if extent is not None:
             extent.default = [Gf.Vec3f(-_POINT_RADIUS), Gf.Vec3f(_POINT_RADIUS)]
+    if "inputs:enableColorTemperature" in spec.attributes and _KELVIN not in spec.attributes:
+        # Blender says so of every lamp, and nothing else of those that have no temperature: they
+        # would get the tint of 6500 K.
+        spec.RemoveProperty(spec.attributes["inputs:enableColorTemperature"])
+    for name, factor in _SUN.items() if spec.typeName == "DistantLight" else ():
+        if name in spec.attributes:
+            spec.attributes[name].default *= factor
 
 
 def _bind(base: Usd.Stage, opinions: Sdf.Layer, prim: Usd.Prim, path: Sdf.Path) -> None:

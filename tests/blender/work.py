@@ -143,18 +143,23 @@ def rearranged(job: dict[str, Any]) -> None:
 
 
 def visited(job: dict[str, Any]) -> None:
-    """Moves and turns a chair, recolours a pole, dims a lamp, removes another, adds a stool."""
+    """A chair moved, a pole painted, a lamp dimmed, another one removed; a stool and a sun."""
     objects = bpy.data.objects
     objects["chair_0"].location.x += 0.4
     objects["chair_0"].rotation_euler.z += 0.35
-    shader(_part("floor_lamp_0", job["recoloured"])).inputs["Base Color"].default_value = (
-        *job["color"], 1.0)  # fmt: skip
-    bulb = shader(_part("ceiling_lamp_0", "light_bulb"))
-    bulb.inputs["Emission Strength"].default_value *= 0.5
+    pole = _part("floor_lamp_0", "lamp_pole")
+    paint = shader(pole).inputs["Base Color"]
+    for link in list(paint.links):
+        pole.node_tree.links.remove(link)
+    paint.default_value = (*job["paint"], 1.0)
+    shader(_part("ceiling_lamp_0", "light_bulb")).inputs["Emission Strength"].default_value *= 0.5
     for found in tree(objects["table_lamp_0"]):
         objects.remove(found)
     bpy.ops.mesh.primitive_cylinder_add(radius=0.2, depth=0.45, location=(3.0, 3.2, 0.225))
     bpy.context.object.name = "Stool"
+    sun = bpy.data.lights.new("Sun", "SUN")
+    sun.energy, sun.angle = job["lux"], math.radians(job["degrees"])
+    bpy.context.scene.collection.objects.link(objects.new("Sun", sun))
     bpy.ops.wm.usd_export(filepath=job["file"])
 
 

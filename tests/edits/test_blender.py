@@ -14,8 +14,8 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 from openrooms_usd import names
 from openrooms_usd.edits.adopting import Adoption, adopt
 from openrooms_usd.edits.blender_changes import SAME_AXIS, SAME_PLACE_METRES
-from openrooms_usd.usd.lights import read_lights
-from openrooms_usd.usd.materials import bound_material, preview_shader
+from openrooms_usd.usd.lights import DistantLight, read_lights
+from openrooms_usd.usd.materials import bound_material, preview_shader, read_preview_surface
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.validate import validate_stage
 
@@ -434,6 +434,50 @@ def test_a_plain_base_colour_is_taken_over(place: Any) -> None:
     shader = preview_shader(material) if material else None
     assert shader is not None
     np.testing.assert_allclose(shader.GetInput("diffuseColor").Get(), [0.1, 0.2, 0.3], atol=1e-6)
+
+
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("kelvin", [None, 3000.0])
+def test_lamps_of_blender_are_white_unless_they_have_a_temperature(
+    place: Any, kelvin: float | None
+) -> None:
+    def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
+        root = str(find("World").GetPath().GetParentPath()).rstrip("/")
+        sun = UsdLux.DistantLight.Define(stage, f"{root}/Sun")
+        tag(sun.GetPrim(), "object", "Sun")
+        tag(sun.GetPrim(), "data", "Sun")
+        # As Blender 5.0 writes 1000 W/m2 and an angle of 1 degree.
+        sun.CreateIntensityAttr(250.0)
+        sun.CreateAngleAttr(0.5)
+        sun.CreateNormalizeAttr(True)
+        sun.CreateEnableColorTemperatureAttr(True)
+        if kelvin is not None:
+            sun.CreateColorTemperatureAttr(kelvin)
+
+    adopt(place.scene, exported(place, change))
+    [sun] = [x for x in read_lights(place.stage()) if x.path.endswith("/Sun")]
+    assert isinstance(sun, DistantLight) and sun.angle == pytest.approx(1.0)
+    hue = np.ones(3) if kelvin is None else np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+    np.testing.assert_allclose(sun.irradiance, 1000.0 * hue, rtol=1e-5)
+
+
+@pytest.mark.slow
+def test_paint_over_a_picture_is_taken_over_and_the_picture_left(place: Any) -> None:
+    def change(stage: Usd.Stage, find: Callable[[str], Usd.Prim]) -> None:
+        for prim in stage.Traverse():
+            material = bound_material(prim) if prim.GetName() == "lamp_shade" else None
+            if material and (shader := preview_shader(material)):
+                shader.GetInput("diffuseColor").ClearSources()
+                shader.GetInput("diffuseColor").Set(Gf.Vec3f(0.1, 0.2, 0.3))
+
+    adopt(place.scene, exported(place, change))
+    place.compose()
+    stage = place.stage()
+    material = bound_material(stage.GetPrimAtPath(f"{FURNITURE}/lamp/Geometry/lamp_shade"))
+    assert material and read_preview_surface(material)[0].base_color == pytest.approx(
+        (0.1, 0.2, 0.3)
+    )
+    assert errors(place) == []
 
 
 def test_of_a_selection_nothing_is_switched_off(place: Any) -> None:
