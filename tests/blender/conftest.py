@@ -1,4 +1,4 @@
-"""Blender in a process of its own, and a room for it."""
+"""Blender in a process of its own, and rooms for it."""
 
 import json
 import os
@@ -11,6 +11,7 @@ import pytest
 
 from openrooms_usd.compose import compose_room
 from openrooms_usd.demo import write_starter
+from openrooms_usd.generate import generate, write
 
 ROOT = Path(__file__).parents[2]
 Blender = Callable[..., Any]
@@ -44,4 +45,13 @@ def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("example")
     described = write_starter(folder)[0]
     compose_room(described, folder / "out", workers=2)
+    return folder / "out"
+
+
+@pytest.fixture(scope="session")
+def bedroom(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A bedroom that nobody has drawn."""
+    folder = tmp_path_factory.mktemp("bedroom")
+    (folder / "room.yaml").write_text(write(generate("bedroom", 3)))
+    compose_room(folder / "room.yaml", folder / "out", workers=2)
     return folder / "out"

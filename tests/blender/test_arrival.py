@@ -14,8 +14,6 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.compose import compose_room
-from openrooms_usd.generate import generate, write
 from openrooms_usd.usd.cameras import FLIP, read_camera
 from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights
 from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
@@ -133,15 +131,6 @@ def is_same(ours: list[Any], theirs: list[Any]) -> bool:
     if any(isinstance(a, str) or isinstance(b, str) for a, b in pairs if a != b):
         return False
     return all(np.allclose(a, b, atol=NUMBER) for a, b in pairs if a != b)
-
-
-@pytest.fixture(scope="session")
-def bedroom(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A bedroom that nobody has drawn."""
-    folder = tmp_path_factory.mktemp("bedroom")
-    (folder / "room.yaml").write_text(write(generate("bedroom", 3)))
-    compose_room(folder / "room.yaml", folder / "out", workers=2)
-    return folder / "out"
 
 
 @pytest.fixture(scope="session", params=["example", "bedroom"])

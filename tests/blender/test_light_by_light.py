@@ -180,14 +180,14 @@ def diffuse_alone(scene: Path, target: Path) -> Path:
     return target
 
 
-def room_light_by_light(scene: Path) -> dict[str, Array]:
-    """`radiance_i` of the example by its lamps' objects, and of all openings together the sky."""
+def room_light_by_light(scene: Path, camera: str) -> dict[str, Array]:
+    """`radiance_i` of a room by its lamps' objects, and of all openings together the sky."""
     mitsuba = pytest.importorskip("orusd_mitsuba")
     width, height = SIZE
     stage = Usd.Stage.Open(str(scene))
     opened = open_with(mitsuba.MitsubaRenderer(), stage, {"bsdf": "preview"})
     request = RenderRequest(
-        f"{names.CAMERAS}/overview", ("radiance_i",), width=width, height=height,
+        f"{names.CAMERAS}/{camera}", ("radiance_i",), width=width, height=height,
         samples=SAMPLES, bounces=BOUNCES)  # fmt: skip
     images = opened.render(request).images
     found: dict[str, Array] = {SKY: np.zeros((height, width, 3))}
@@ -198,9 +198,13 @@ def room_light_by_light(scene: Path) -> dict[str, Array]:
 
 
 # Of the mean, and of the blocks: the sum of what they differ by over the sum of what they are. A
-# lamp in a shade sends most of its light by reflection, and so both pictures have noise.
+# lamp in a shade sends most of its light by reflection, and so both pictures have noise; curtains
+# scatter what they let through, and have an opacity in Blender.
 CLOSE: Final = {SKY: (0.015, 0.03), "ceiling_lamp_0": (0.015, 0.03)}
 SHADED: Final = (0.06, 0.12)
+# So of the lamps that the camera sees least of, nits: single seeds of ours differ by a tenth.
+FAINT: Final = (0.3, 0.5)
+FAINT_NITS: Final = 2.0
 
 
 def seen_alike(ours: Array, theirs: Array) -> tuple[Array, Array]:
@@ -209,15 +213,21 @@ def seen_alike(ours: Array, theirs: Array) -> tuple[Array, Array]:
     return blocks(ours * lit[..., None]), blocks(theirs * lit[..., None])
 
 
+@pytest.mark.parametrize(
+    ("room", "camera", "close"), [("example", "overview", CLOSE), ("bedroom", "view_0", {})]
+)
 def test_lamps_and_sky_of_a_room_light_it_alike(
-    blender: Blender, example: Path, tmp_path: Path
-) -> None:
-    scene = diffuse_alone(example / "scene.usda", tmp_path / "diffuse.usda")
-    ours = room_light_by_light(scene)
-    theirs = theirs_of(blender, scene, list(ours), camera="overview")
-    assert len(ours) == 4
+    blender: Blender, request: pytest.FixtureRequest, tmp_path: Path, room: str, camera: str,
+    close: dict[str, tuple[float, float]],
+) -> None:  # fmt: skip
+    out = request.getfixturevalue(room)
+    scene = diffuse_alone(out / "scene.usda", tmp_path / "diffuse.usda")
+    ours = room_light_by_light(scene, camera)
+    theirs = theirs_of(blender, scene, list(ours), camera=camera)
+    assert len(ours) >= 3
     for name, picture in ours.items():
-        in_mean, in_blocks = CLOSE.get(name, SHADED)
+        usual = SHADED if luminance(mean(picture)) > FAINT_NITS else FAINT
+        in_mean, in_blocks = close.get(name, usual)
         a, b = seen_alike(picture, theirs[name])
         np.testing.assert_allclose(mean(b), mean(a), rtol=in_mean, err_msg=name)
         assert np.abs(b - a).sum() < in_blocks * a.sum(), name
@@ -227,7 +237,7 @@ def test_what_shines_besides_reflecting_diffusely_takes_its_light_from_it_in_cyc
     blender: Blender, example: Path
 ) -> None:
     """The same with the room's own PreviewSurfaces: every light is a little darker there."""
-    ours = room_light_by_light(example / "scene.usda")
+    ours = room_light_by_light(example / "scene.usda", "overview")
     theirs = theirs_of(blender, example / "scene.usda", list(ours), camera="overview")
     for name, picture in ours.items():
         a, b = seen_alike(picture, theirs[name])
