@@ -182,6 +182,10 @@ def test_pictures_of_a_room_are_smoother_and_add_up(small: None, half_hidden: An
         return session.render(request).images
 
     truth, found, exact = render(1024, "reference"), render(16), render(16, "reference")
+    single = render(1)["irradiance_indirect"]
+    assert single.robust_error is None and single.pixels.mean() == pytest.approx(
+        truth["irradiance_indirect"].pixels.mean(), rel=0.05
+    )
     pixels = {name: image.pixels.astype(np.float64) for name, image in found.items()}
     lights = [name for name in pixels if name.startswith("radiance_")]
     for parts, whole in (

@@ -88,9 +88,10 @@ class SmoothedPictures(Pictures):
         """See `Pictures`."""
         lit, guides = np.split(halves.sums, [-len(GUIDES)], axis=1)
         self._guides[:, rows] = guides.sum(axis=0, dtype=np.float64) / halves.total
-        for half, (sums, samples) in enumerate(zip(lit, halves.samples, strict=True)):
+        for half, sums in enumerate(lit):
             for name, kept in self._halves.items():
-                kept[half, :, rows] = _shortened(self._by_light(name, sums) / max(1, samples))
+                means = self._by_light(name, sums) / max(1, halves.samples[half])
+                kept[half, :, rows] = _shortened(means)
         super().finish(rows, Halves(lit, halves.samples, halves.judged))
 
     def smooth(self, samples: tuple[int, int]) -> None:
