@@ -105,10 +105,10 @@ def loaded(exported: tuple[Loaded, Report]) -> Loaded:
     return exported[0]
 
 
-def things(path: Path) -> list[tuple[Object, np.ndarray]]:
+def members(path: Path) -> list[tuple[Object, np.ndarray]]:
     stage = Usd.Stage.Open(str(path))
     rows = []
-    for one in objects_of(stage, translate(stage)).things:
+    for one in objects_of(stage, translate(stage)).members:
         parts = one.parts.values()
         corners = [own.corners.reshape(-1, 3) for part in parts for own in part.triangles]
         rows.append((one, np.concatenate(corners)))
@@ -142,7 +142,7 @@ def test_every_material_of_a_mesh_is_one_of_its_shape(loaded: Loaded) -> None:
 
 
 def test_shapes_stand_where_objects_do(loaded: Loaded, composed_demo: Path) -> None:
-    bounds = [(p.min(axis=0), p.max(axis=0)) for _, p in things(composed_demo)]
+    bounds = [(p.min(axis=0), p.max(axis=0)) for _, p in members(composed_demo)]
     groups: dict[str, list[np.ndarray]] = {}
     for number, shape in enumerate(loaded.shapes[2:]):
         name = loaded.file(shape)
@@ -150,7 +150,7 @@ def test_shapes_stand_where_objects_do(loaded: Loaded, composed_demo: Path) -> N
         key = lamp if "aligned_" in name else f"{number}"
         groups.setdefault(key, []).append(loaded.placed(shape) @ OURS.T)
     boxes = [np.concatenate(points) for points in groups.values()]
-    assert len(boxes) == len(bounds) == 6  # four things, a door and a window
+    assert len(boxes) == len(bounds) == 6  # four members, a door and a window
     for low, high in bounds:
         off = [max(np.abs(p.min(0) - low).max(), np.abs(p.max(0) - high).max()) for p in boxes]
         assert min(off) < 5e-6
@@ -259,7 +259,7 @@ def test_matrices_that_are_no_steps_go_into_the_mesh(composed_demo: Path, tmp_pa
     loaded = Loaded(tmp_path / "data")
     (shape,) = (one for one in loaded.shapes if "/desk/" in loaded.file(one))
     points = loaded.placed(shape) @ OURS.T
-    (expected,) = (p for one, p in things(flat) if one.path.endswith("/desk"))
+    (expected,) = (p for one, p in members(flat) if one.path.endswith("/desk"))
     assert points.min(axis=0) == pytest.approx(expected.min(axis=0), abs=5e-6)
     assert points.max(axis=0) == pytest.approx(expected.max(axis=0), abs=5e-6)
 
@@ -283,7 +283,7 @@ def assert_there_and_back(scene: Path, folder: Path) -> None:
     imported = import_capture(KIND, folder / f"data/scenes/xml/{SCENE}/main.xml", folder / "room")
     assert [n for n in imported.notes if "container" not in n] == []
     again = compose_room(imported.file, folder / "out", workers=1).scene
-    before, after = things(scene), things(again)
+    before, after = members(scene), members(again)
     assert len(before) == len(after)
     for one, points in before:
         low, high = points.min(axis=0), points.max(axis=0)

@@ -12,8 +12,8 @@ from orusd_openrooms.scenes.poses import pose_of
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import whole
 from orusd_openrooms.scenes.roots import Named, named
+from orusd_openrooms.scenes.sceneobjects import contents
 from orusd_openrooms.scenes.standins import material_name, substance_of
-from orusd_openrooms.scenes.things import contents
 from tests.openrooms.scenefiles import (
     CHAIR_SCALE,
     FOV,
@@ -70,11 +70,9 @@ def test_steps_count_in_their_order_and_fixes_stay_apart(file: Path) -> None:
 def test_a_lamp_of_two_shapes_is_one_thing_wherever_they_stand(file: Path) -> None:
     found = contents(read_scene(file).shapes)
     assert found.layout is not None and found.container
-    lamps = [thing for thing in found.things if thing.kind == "lamp"]
-    assert [(thing.number, len(thing.files), thing.radiance) for thing in lamps] == [
-        (5, 2, RADIANCE)
-    ]
-    assert [thing.label for thing in found.things] == [
+    lamps = [item for item in found.members if item.kind == "lamp"]
+    assert [(item.number, len(item.files), item.radiance) for item in lamps] == [(5, 2, RADIANCE)]
+    assert [item.label for item in found.members] == [
         "chair", "chair", "table", "ceiling_lamp", "door", "window",
     ]  # fmt: skip
 

@@ -74,7 +74,7 @@ class _Export:
         fov = self._write_cameras(folder)
         environment, scale = self._write_environment()
         self._write_lights(scale, environment)
-        steps = [list(plain_steps(thing)) for thing in self.objects.things]
+        steps = [list(plain_steps(item)) for item in self.objects.members]
         write_pickled(folder / "transform.dat", [*layout_transforms(), *steps])
         resolution = stage_resolution(self.stage)
         file = SceneFile(bsdfs, tuple(shapes), fov, resolution, environment, scale)
@@ -88,13 +88,13 @@ class _Export:
             self.stage, self.scene, self.objects, self.root, self.name, materials, _UP
         )
         models = ModelFiles(self.root, _UP, materials, bsdfs)
-        for thing in self.objects.things:
-            shapes.extend(models.shapes(thing, len(shapes)))
-            lost = [f"{thing.baked}: its place is in its mesh"] if thing.baked else []
-            if (label := models.label(thing)) != thing.category:
+        for item in self.objects.members:
+            shapes.extend(models.shapes(item, len(shapes)))
+            lost = [f"{item.baked}: its place is in its mesh"] if item.baked else []
+            if (label := models.label(item)) != item.category:
                 lost.append(f"as a light it is filed as {label}")
             if lost:
-                self.report.add(thing.path, "approximated", "; ".join(lost))
+                self.report.add(item.path, "approximated", "; ".join(lost))
         return bsdfs, shapes
 
     def _write_cameras(self, folder: Path) -> float:
@@ -139,11 +139,11 @@ class _Export:
         known = {one.path: light_of(one) for one in records if one.kind != ELSEWHERE}
         openings = [light for light in known.values() if light.is_window]
         lights: list[Light] = []
-        for thing in self.objects.things:
-            if thing.category == "window" and scale > _OFF:
-                lights.append(_window(thing, openings))
-            elif thing.radiance is not None:
-                lights.append(known[thing.path])
+        for item in self.objects.members:
+            if item.category == "window" and scale > _OFF:
+                lights.append(_window(item, openings))
+            elif item.radiance is not None:
+                lights.append(known[item.path])
         folder = self.root / "main_xml" / self.name
         # Loaders sort the files by their names.
         digits = len(str(max(len(lights) - 1, 0)))
@@ -154,8 +154,8 @@ class _Export:
     def _report_losses(self) -> None:
         """What of surfaces such a file cannot say, and what moves."""
         lost = {path: reason for path, reason in layout_losses(self.objects) if reason}
-        for thing in self.objects.things:
-            for part in thing.parts.values():
+        for item in self.objects.members:
+            for part in item.parts.values():
                 shines = part.patch.radiance is not None
                 reason = "what shines has no material there" if shines else ""
                 for triangles in part.triangles:
@@ -168,9 +168,9 @@ class _Export:
                 self.report.add(prim.GetPath(), "skipped", "nothing moves in a scene")
 
 
-def _window(thing: Object, openings: Sequence[Light]) -> Light:
+def _window(item: Object, openings: Sequence[Light]) -> Light:
     """The opening that a window fills; a dark one where nothing shines in by it."""
-    low, high = thing.bounds
+    low, high = item.bounds
     center = 0.5 * (low + high)
     nearest = min(
         openings, key=lambda one: float(np.linalg.norm(one.center - center)), default=None

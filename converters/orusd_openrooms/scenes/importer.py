@@ -129,8 +129,8 @@ def _cameras(source: Path, options: Mapping[str, str]) -> Path | None:
 def _model(scene: Scene, one: Placed) -> CapturedModel:
     low, high = one.extent
     return CapturedModel(
-        id=one.thing.id,
-        label=one.thing.label,
+        id=one.item.id,
+        label=one.item.label,
         file=one.file,
         world_from_model=one.pose.measured,
         half=0.5 * (high - low),
@@ -145,8 +145,8 @@ def _model(scene: Scene, one: Placed) -> CapturedModel:
 
 def _emitted(one: Placed) -> Color | None:
     """What it emits; lamps of ours that stand for those that do not emit are off, too."""
-    stands_in = one.file is None and one.thing.kind == "lamp"
-    return (0.0, 0.0, 0.0) if stands_in and not one.thing.radiance else one.thing.radiance
+    stands_in = one.file is None and one.item.kind == "lamp"
+    return (0.0, 0.0, 0.0) if stands_in and not one.item.radiance else one.item.radiance
 
 
 def _openings(scene: Scene) -> Iterator[CapturedOpening]:
@@ -183,8 +183,8 @@ def _shell_looks(scene: Scene) -> tuple[dict[str, dict[str, Any]], list[str]]:
 
 def _missing(scene: Scene) -> Iterator[str]:
     """What stands for models and their materials that are not there."""
-    lacking = Counter("/".join(p.thing.model.parts) for p in scene.placed if p.file is None)
-    labels = {"/".join(p.thing.model.parts): p.thing.label for p in scene.placed}
+    lacking = Counter("/".join(p.item.model.parts) for p in scene.placed if p.file is None)
+    labels = {"/".join(p.item.model.parts): p.item.label for p in scene.placed}
     for model, count in sorted(lacking.items()):
         times = f", {count} times" if count > 1 else ""
         yield f"the model {model} is not there{times}: the library's {labels[model]} stands for it"

@@ -19,7 +19,7 @@ from orusd_openrooms.scenes.microfacet import Materials, mapping
 from orusd_openrooms.scenes.objects import Object
 from orusd_openrooms.scenes.objtext import Faces, obj_bytes
 from orusd_openrooms.scenes.records import Bsdf, Shape, Step
-from orusd_openrooms.scenes.things import label_of
+from orusd_openrooms.scenes.sceneobjects import label_of
 
 Array = NDArray[np.float64]
 
@@ -68,43 +68,43 @@ class ModelFiles:
     bsdfs: dict[str, Bsdf]
     _models: dict[str, _Model] = field(default_factory=dict)
 
-    def label(self, thing: Object) -> str:
+    def label(self, item: Object) -> str:
         """What readers take an object for; the object is written."""
-        return self._model(thing).label
+        return self._model(item).label
 
-    def shapes(self, thing: Object, first: int) -> Iterator[Shape]:
+    def shapes(self, item: Object, first: int) -> Iterator[Shape]:
         """The shapes of an object, counted from a number.
 
         Raises:
             OutputError: A file cannot be written.
         """
-        model, radiance = self._model(thing), thing.radiance
+        model, radiance = self._model(item), item.radiance
         for number, file in enumerate(model.files, first):
             emits = radiance is not None and file in (_LIT, _WHOLE)
             yield Shape(
                 number,
                 f"{model.folder.replace('/', '_')}_object",
                 f"{self.up}uv_mapped/{model.folder}/{file}",
-                tuple(steps_of(thing)),
+                tuple(steps_of(item)),
                 () if emits else model.refs,
                 radiance if emits else None,
             )
 
-    def _model(self, thing: Object) -> _Model:
-        if thing.prototype not in self._models:
-            self._models[thing.prototype] = self._written(thing)
-        return self._models[thing.prototype]
+    def _model(self, item: Object) -> _Model:
+        if item.prototype not in self._models:
+            self._models[item.prototype] = self._written(item)
+        return self._models[item.prototype]
 
-    def _written(self, thing: Object) -> _Model:
+    def _written(self, item: Object) -> _Model:
         taken = {model.folder for model in self._models.values()}
-        plain = re.sub(r"[^A-Za-z0-9_]+", "_", thing.name) or "object"
-        folder = _unique(f"{_category_folder(thing)}/{plain}", taken)
+        plain = re.sub(r"[^A-Za-z0-9_]+", "_", item.name) or "object"
+        folder = _unique(f"{_category_folder(item)}/{plain}", taken)
         dark: list[Faces] = []
         lit: list[Faces] = []
-        for part in thing.parts.values():
+        for part in item.parts.values():
             surface = part.patch.surface
             identifier = _unique(f"{folder.replace('/', '_')}_{part.name}", self.bsdfs)
-            faces = _faces(thing, part.triangles, identifier, mapping(surface))
+            faces = _faces(item, part.triangles, identifier, mapping(surface))
             if part.patch.radiance is not None:
                 lit.append(faces)
                 continue
@@ -120,9 +120,9 @@ class ModelFiles:
         return _Model(folder, shown, tuple(faces.material for faces in dark))
 
 
-def steps_of(thing: Object) -> Iterator[Step]:
+def steps_of(item: Object) -> Iterator[Step]:
     """Scale, rotation and translation of a model, then the shifts that come after them."""
-    matrix = thing.world_from_object
+    matrix = item.world_from_object
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
     turn = THEIRS_FROM_OURS @ (matrix[:3, :3] / scale) @ _MODEL_FROM_OBJECT.T
     x, y, z = (np.abs(_MODEL_FROM_OBJECT) @ scale).tolist()
@@ -131,39 +131,39 @@ def steps_of(thing: Object) -> Iterator[Step]:
     angle = float(np.linalg.norm(vector))
     if angle > _STILL_DEG:
         yield Step.rotate(angle, vector)
-    moved = matrix[:3, 3] - sum(thing.shifts, np.zeros(3))
-    for shift in (moved, *thing.shifts):
+    moved = matrix[:3, 3] - sum(item.shifts, np.zeros(3))
+    for shift in (moved, *item.shifts):
         u, v, w = (THEIRS_FROM_OURS @ shift).tolist()
         yield Step.translate(u, v, w)
 
 
-def plain_steps(thing: Object) -> Iterator[tuple[str, Array]]:
+def plain_steps(item: Object) -> Iterator[tuple[str, Array]]:
     """The same steps as ``transform.dat`` has them."""
-    for step in steps_of(thing):
+    for step in steps_of(item):
         if step.kind == "rotate":
             yield "rot", step.matrix[:3, :3]
         else:
             yield ("s" if step.kind == "scale" else "t"), np.array(step.values)
 
 
-def _category_folder(thing: Object) -> str:
+def _category_folder(item: Object) -> str:
     """The folder of a category: where lights are, loaders know them by it."""
-    if thing.radiance is not None:
-        return _CEILING_LAMPS if thing.category == _CEILING_LAMPS else _LAMPS
-    found = record(thing.category)
+    if item.radiance is not None:
+        return _CEILING_LAMPS if item.category == _CEILING_LAMPS else _LAMPS
+    found = record(item.category)
     synsets = given(found.synsets, ()) if found is not None else ()
     # Several of our categories have one synset; the reader takes the first of them.
-    return next((s for s in synsets if label_of(s) == thing.category), thing.category)
+    return next((s for s in synsets if label_of(s) == item.category), item.category)
 
 
-def _faces(thing: Object, triangles: Sequence[Triangles], material: str, uv: Array) -> Faces:
+def _faces(item: Object, triangles: Sequence[Triangles], material: str, uv: Array) -> Faces:
     corners = np.concatenate([one.corners for one in triangles])
     normals = np.concatenate([one.normals for one in triangles]).astype(np.float64)
     st = np.concatenate([one.st for one in triangles]).astype(np.float64)
-    object_from_world = np.linalg.inv(thing.world_from_object)
+    object_from_world = np.linalg.inv(item.world_from_object)
     local = corners @ object_from_world[:3, :3].T + object_from_world[:3, 3]
     # Normals go with the inverse transpose of the way of points.
-    turned = normals @ thing.world_from_object[:3, :3]
+    turned = normals @ item.world_from_object[:3, :3]
     turned = turned / np.maximum(np.linalg.norm(turned, axis=-1, keepdims=True), 1e-12)
     C = _MODEL_FROM_OBJECT
     return Faces(material, local @ C.T, turned @ C.T, st @ uv[:2, :2].T + uv[:2, 2])

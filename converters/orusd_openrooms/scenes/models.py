@@ -19,7 +19,7 @@ from openrooms_usd.library.wavefront import read_obj
 from orusd_openrooms.scenes.materials import Find, pictures_of, stand_in, surface_of
 from orusd_openrooms.scenes.records import Bsdf
 from orusd_openrooms.scenes.roots import Named
-from orusd_openrooms.scenes.things import Thing, is_light
+from orusd_openrooms.scenes.sceneobjects import SceneObject, is_light
 
 Array = NDArray[np.float64]
 
@@ -32,32 +32,32 @@ class CadModel:
     """A model whose files are there.
 
     Attributes:
-        thing: An object that shows it.
+        item: An object that shows it.
         pieces: Its meshes by the names of their prims.
         wears: What each is made of; None for what emits.
         notes: What was guessed.
     """
 
-    def __init__(self, thing: Thing, files: list[Path], bsdfs: Mapping[str, Bsdf]) -> None:
+    def __init__(self, item: SceneObject, files: list[Path], bsdfs: Mapping[str, Bsdf]) -> None:
         """Read the meshes.
 
         Args:
-            thing: An object that shows it.
-            files: Those of its meshes, in the order of ``thing.files``.
+            item: An object that shows it.
+            files: Those of its meshes, in the order of ``item.files``.
             bsdfs: The materials of the scene.
 
         Raises:
             InputError: A mesh is broken.
         """
-        self.thing = thing
+        self.item = item
         self.notes: list[str] = []
         titles, pieces, wears = [], [], []
-        for (name, radiance), file in zip(thing.files, files, strict=True):
+        for (name, radiance), file in zip(item.files, files, strict=True):
             lit = is_light(name, radiance)
             for piece in read_obj(file).pieces:
                 _check(piece, file)
                 bsdf = None if lit else self._worn(piece, bsdfs)
-                titles.append(names.LIGHT_BULB if bsdf is None else _part(bsdf, thing))
+                titles.append(names.LIGHT_BULB if bsdf is None else _part(bsdf, item))
                 pieces.append(piece)
                 wears.append(bsdf)
         prims = prim_names(titles)
@@ -66,13 +66,13 @@ class CadModel:
 
     def _worn(self, piece: Piece, bsdfs: Mapping[str, Bsdf]) -> Bsdf:
         """The material of a piece; of several that its shape may name the one of that name."""
-        refs = self.thing.refs
+        refs = self.item.refs
         if piece.material in refs:
             return bsdfs[piece.material]
         if len(refs) == 1:
             return bsdfs[refs[0]]
         self.notes.append(
-            f"{'/'.join(self.thing.model.parts)}: its shape has no material "
+            f"{'/'.join(self.item.model.parts)}: its shape has no material "
             f"{piece.material[:80]!r}: grey stands for it"
         )
         return _GREY
@@ -128,9 +128,9 @@ def extent_of_file(path: Path) -> Array:
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
-def _part(bsdf: Bsdf, thing: Thing) -> str:
+def _part(bsdf: Bsdf, item: SceneObject) -> str:
     """What a material's name adds to its model's."""
-    prefix = f"{'_'.join(thing.model.parts)}_"
+    prefix = f"{'_'.join(item.model.parts)}_"
     return bsdf.id.removeprefix(prefix) or "part"
 
 

@@ -95,19 +95,19 @@ class Objects:
     """All surfaces of a scene, sorted.
 
     Attributes:
-        things: In the order of the stage.
+        members: In the order of the stage.
         shell: A surface for ``floor``, ``ceiling`` and ``wall`` with the prim that gives it.
         shells: The prims of the shell, with what each wears.
     """
 
-    things: tuple[Object, ...]
+    members: tuple[Object, ...]
     shell: Mapping[str, tuple[str, Patch]]
     shells: Mapping[str, Patch]
 
 
 def objects_of(stage: Usd.Stage, scene: Scene) -> Objects:
     """Sort the surfaces of a scene by the objects that they belong to."""
-    things: dict[str, Object] = {}
+    members: dict[str, Object] = {}
     shell: dict[str, tuple[str, Patch]] = {}
     shells: dict[str, Patch] = {}
     for patch in scene.patches:
@@ -121,15 +121,15 @@ def objects_of(stage: Usd.Stage, scene: Scene) -> Objects:
                 shells[path] = patch
                 continue
             root = _root(path)
-            if root not in things:
-                things[root] = _object(stage, root)
-            thing = things[root]
+            if root not in members:
+                members[root] = _object(stage, root)
+            item = members[root]
             name = names.LIGHT_BULB if patch.radiance is not None else _name(path)
-            own = thing.parts.setdefault((name, id(patch)), Part(name, material, patch))
+            own = item.parts.setdefault((name, id(patch)), Part(name, material, patch))
             here = np.flatnonzero(patch.triangles.pieces == row)
             own.triangles.append(patch.triangles.rows(here))
-    order = sorted(things, key=lambda path: (not path.startswith(names.FURNITURE), path))
-    return Objects(tuple(things[path] for path in order), shell, shells)
+    order = sorted(members, key=lambda path: (not path.startswith(names.FURNITURE), path))
+    return Objects(tuple(members[path] for path in order), shell, shells)
 
 
 def _shell_part(stage: Usd.Stage, path: str) -> str | None:

@@ -19,9 +19,9 @@ from orusd_openrooms.scenes.poses import Pose, pose_of, scene_frame
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import SceneFile, Shape
 from orusd_openrooms.scenes.roots import Roots, named
-from orusd_openrooms.scenes.shell import USUAL_HEIGHT_M, Hole, Shell, shell_around, shell_of
+from orusd_openrooms.scenes.sceneobjects import SceneObject, contents
+from orusd_openrooms.scenes.shell import RELEASE_HEIGHT_M, Hole, Shell, shell_around, shell_of
 from orusd_openrooms.scenes.standins import extent_of
-from orusd_openrooms.scenes.things import Thing, contents
 
 Array = NDArray[np.float64]
 OpeningKind = Literal["window", "door", "opening"]
@@ -38,10 +38,10 @@ _FITTED: Final = ("door", "window", "curtain")
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A thing where it stands.
+    """An object where it stands.
 
     Attributes:
-        thing: What it is.
+        item: What it is.
         pose: Where, in our world.
         file: What shows it; None where nothing of it is there.
         extent: (2, 3) its box in its own axes.
@@ -49,7 +49,7 @@ class Placed:
         looks: What stands for those of its materials that are not there, by part.
     """
 
-    thing: Thing
+    item: SceneObject
     pose: Pose
     file: Path | None
     extent: Array
@@ -77,10 +77,10 @@ class Scene:
         layout_file: Its mesh, if that is there.
         shell: The room's plan in our world.
         openings: What its walls leave open, and what fills it.
-        placed: All things that are shown, or that the library stands for.
+        placed: All objects that are shown, or that the library stands for.
         cads: Models of the dataset by their paths there.
         environment_file: The panorama, if it is there.
-        filled: (model, kind, number) of things in holes that we fill.
+        filled: (model, kind, number) of objects in holes that we fill.
         imported: Whether an import has made the files: then they hold what stands for others.
         notes: What was left out or guessed.
     """
@@ -123,15 +123,15 @@ def load_scene(source: Path, options: Mapping[str, str]) -> Scene:
         scene_from_world = scene_from_world @ pose(np.eye(3), (0.0, 0.0, shell.level))
     # 3. Things with their models, or with boxes where these are not there.
     cads: dict[str, CadModel] = {}
-    height = shell.height if shell else USUAL_HEIGHT_M
+    height = shell.height if shell else RELEASE_HEIGHT_M
     world_from_scene = inverse(scene_from_world)
-    everything = [_placed(t, file, roots, world_from_scene, height, cads) for t in sorted_.things]
-    placed = [one for one in everything if one.file or one.thing.kind not in _FITTED]
-    lacking = [one.thing for one in everything if one not in placed]
+    everything = [_placed(t, file, roots, world_from_scene, height, cads) for t in sorted_.members]
+    placed = [one for one in everything if one.file or one.item.kind not in _FITTED]
+    lacking = [one.item for one in everything if one not in placed]
     # 4. The room around them, and what fills its holes.
     if shell is None:
         shell = _rebuilt(placed, notes)
-    missing: set[str] = {thing.kind for thing in lacking}
+    missing: set[str] = {item.kind for item in lacking}
     openings = tuple((hole, _filling(hole, missing)) for hole in shell.holes)
     found = {kind for _, kind in openings}
     filled = Counter(("/".join(t.model.parts), t.kind) for t in lacking if t.kind in found)
@@ -141,7 +141,7 @@ def load_scene(source: Path, options: Mapping[str, str]) -> Scene:
         for model in sorted(lost)
     ]
     notes += [
-        f"{one.thing.id}: its scale shears it by {one.pose.shear:.1%}: squared"
+        f"{one.item.id}: its scale shears it by {one.pose.shear:.1%}: squared"
         for one in placed
         if one.pose.shear
     ]
@@ -190,33 +190,33 @@ def _read_shell(file: Path) -> Shell:
 
 
 def _placed(
-    thing: Thing,
+    item: SceneObject,
     file: SceneFile,
     roots: Roots,
     world_from_scene: Array,
     height: float,
     cads: dict[str, CadModel],
 ) -> Placed:
-    """A thing with what shows it: what an import wrote, the dataset's meshes, or nothing."""
-    stands = pose_of(thing.steps, world_from_scene)
+    """An object with what shows it: what an import wrote, the dataset's meshes, or nothing."""
+    stands = pose_of(item.steps, world_from_scene)
     up: Literal["Y", "Z"] = "Z" if abs(stands.final[2, 2]) > abs(stands.final[2, 1]) else "Y"
-    model = thing.model.path
-    written = roots.find(file_of(thing.model))
+    model = item.model.path
+    written = roots.find(file_of(item.model))
     if written is not None:
-        return Placed(thing, stands, written, extent_of_file(written), up, {})
+        return Placed(item, stands, written, extent_of_file(written), up, {})
     if model not in cads:
-        files = [roots.find(name) for name, _ in thing.files]
+        files = [roots.find(name) for name, _ in item.files]
         there = [path for path in files if path is not None]
         if len(there) == len(files):
-            cads[model] = CadModel(thing, there, file.bsdfs)
+            cads[model] = CadModel(item, there, file.bsdfs)
     if model in cads:
-        found = roots.find(thing.files[0][0])
+        found = roots.find(item.files[0][0])
         cad = cads[model]
-        return Placed(thing, stands, found, cad.extent, up, cad.looks(roots.find))
+        return Placed(item, stands, found, cad.extent, up, cad.looks(roots.find))
     scale = np.linalg.norm(stands.final[:3, :3], axis=0)
-    ceiling = height if thing.kind == "lamp" and _hangs(thing.label) else None
-    extent = extent_of(thing.label, scale, float(stands.final[2, 3]), ceiling)
-    return Placed(thing, stands, None, extent, "Y", {})
+    ceiling = height if item.kind == "lamp" and _hangs(item.label) else None
+    extent = extent_of(item.label, scale, float(stands.final[2, 3]), ceiling)
+    return Placed(item, stands, None, extent, "Y", {})
 
 
 def _hangs(label: str) -> bool:
@@ -231,9 +231,9 @@ def _filling(hole: Hole, missing: set[str]) -> OpeningKind:
 
 
 def _rebuilt(placed: Sequence[Placed], notes: list[str]) -> Shell:
-    """The room around its things, where the layout is not there."""
-    holes = [_hole(one) for one in placed if one.thing.kind in ("door", "window") and one.file]
-    inside = [one.box for one in placed if one.thing.kind not in _FITTED]
+    """The room around its objects, where the layout is not there."""
+    holes = [_hole(one) for one in placed if one.item.kind in ("door", "window") and one.file]
+    inside = [one.box for one in placed if one.item.kind not in _FITTED]
     boxes = inside or [one.box for one in placed]
     if not boxes:
         raise InputError(
@@ -242,7 +242,7 @@ def _rebuilt(placed: Sequence[Placed], notes: list[str]) -> Shell:
         )
     notes.append(
         "the layout's mesh is not there: a rectangle around the objects, "
-        f"{USUAL_HEIGHT_M:g} m high as all rooms of the dataset, stands for the room"
+        f"{RELEASE_HEIGHT_M:g} m high as all rooms of the dataset, stands for the room"
     )
     return shell_around(np.concatenate(boxes), [hole.direction for hole in holes], holes)
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 # Every room of the release has this height.
-USUAL_HEIGHT_M: Final = 3.0
+RELEASE_HEIGHT_M: Final = 3.0
 _FARTHEST_M: Final = 1e5
 _MOST_TRIANGLES: Final = 100_000
 # Rounding of the files, and how far faces of one floor or wall may lie apart.
@@ -31,7 +31,7 @@ _UPRIGHT: Final = 0.1
 _LEAST_HOLE_M: Final = 0.2
 # Walls without faces over more than this part of their length were never drawn.
 _MOST_OPEN_SHARE: Final = 0.95
-# Around things where no layout is known.
+# Around objects where no layout is known.
 _MARGIN_M: Final = 0.3
 
 
@@ -139,7 +139,7 @@ def shell_around(points: Array, directions: Sequence[Array], holes: Sequence[Hol
         low[axis] = min((d for d in across if d < middle), default=low[axis])
         high[axis] = max((d for d in across if d >= middle), default=high[axis])
     corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
-    return Shell(np.array(corners) @ axes, 0.0, USUAL_HEIGHT_M, tuple(holes))
+    return Shell(np.array(corners) @ axes, 0.0, RELEASE_HEIGHT_M, tuple(holes))
 
 
 def _corners(outline: "shapely.Polygon") -> Array:

@@ -1,4 +1,4 @@
-"""What the shapes of a scene are: the layout, its container, and things with their lights."""
+"""What the shapes of a scene are: the layout, its container, and objects with their lights."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ _SAME_M: Final = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class SceneObject:
     """An object of a scene, of one shape or of a lamp's two.
 
     Attributes:
@@ -74,16 +74,16 @@ class Contents:
     Attributes:
         layout: The room's shell; None where the scene has none.
         container: Whether there is a second shell around it.
-        things: All else.
+        members: All else.
     """
 
     layout: Shape | None
     container: bool
-    things: tuple[Thing, ...]
+    members: tuple[SceneObject, ...]
 
 
 def is_light(file: Named, emitted: Color | None) -> bool:
-    """Whether a mesh is what emits of its thing, if only when it is switched on."""
+    """Whether a mesh is what emits of its object, if only when it is switched on."""
     return emitted is not None or file.parts[-1] == _LIGHT
 
 
@@ -106,7 +106,7 @@ def contents(shapes: Sequence[Shape]) -> Contents:
     return Contents(layout, container, tuple(_things(rest)))
 
 
-def _things(rest: Sequence[tuple[Shape, Named]]) -> Iterator[Thing]:
+def _things(rest: Sequence[tuple[Shape, Named]]) -> Iterator[SceneObject]:
     """Each shape, and a lamp's shade together with its light wherever that stands in the file."""
     taken: set[int] = set()
     for at, (shape, file) in enumerate(rest):
@@ -117,7 +117,7 @@ def _things(rest: Sequence[tuple[Shape, Named]]) -> Iterator[Thing]:
         taken |= {at} if pair is None else {at, pair}
         refs = tuple(dict.fromkeys(ref for one, _ in both for ref in one.refs))
         files = tuple((path, one.radiance) for one, path in both)
-        yield Thing(shape.number, _model(file), _kind(file), files, shape.steps, refs)
+        yield SceneObject(shape.number, _model(file), _kind(file), files, shape.steps, refs)
 
 
 def _partner(rest: Sequence[tuple[Shape, Named]], at: int, taken: set[int]) -> int | None:
