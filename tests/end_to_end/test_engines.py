@@ -62,7 +62,10 @@ class Engine:
         words = [self.python, str(script), str(scene), str(SECONDS)]
         done = subprocess.run(words, capture_output=True, text=True, timeout=900)
         assert done.returncode == 0, done.stderr[-3000:]
-        return dict(json.loads(done.stdout.splitlines()[-1]))
+        # Engines say things of their own, before it and when they close.
+        said = [line for line in done.stdout.splitlines() if line.startswith('{"bodies"')]
+        assert said, done.stdout[-3000:]
+        return dict(json.loads(said[-1]))
 
 
 ENGINES = (
