@@ -137,7 +137,7 @@ def run_pass(
 ) -> tuple[Images, Changes, ProgressiveSampler]:
     """Render one pass until the request is met.
 
-    With guides, indirect irradiance is smoothed.
+    With guides, indirect light is averaged over neighbours.
 
     Args:
         render_pass: What it is.

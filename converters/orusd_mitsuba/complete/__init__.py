@@ -5,6 +5,6 @@
 - ``light_samples`` samples every light, ``accumulator`` files what it finds.
 - ``meeting`` follows rays to the surfaces that stop them, and counts what emits on the way.
 - ``integrator`` combines these; what surfaces scatter on comes from `transport.scattered`.
-- ``smoothing`` averages indirect irradiance over neighbours, ``smoothed`` makes pictures of it.
+- ``smoothing`` averages indirect light over neighbours, ``smoothed`` makes pictures of it.
 - ``channels`` makes the channels of the sums.
 """
