@@ -15,8 +15,10 @@ from openrooms_usd.categories.record import Category, Without, given
 from openrooms_usd.categories.registry import BUILT, module_of, modules, record, records
 from openrooms_usd.categories.words import library_words
 from openrooms_usd.description.categories import LibraryCategory
+from openrooms_usd.description.room import RoomType
 from openrooms_usd.library.furniture import CATEGORIES, category
 from openrooms_usd.library.furniture.built import BuiltCategory
+from openrooms_usd.library.furniture.lying import Place, Pose
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, usual_support
 from openrooms_usd.usd.taxonomies import TAXONOMIES, classes
 
@@ -33,7 +35,7 @@ def test_every_record_is_complete(name: str) -> None:
         value = getattr(told, field.name)
         if isinstance(value, Without):
             assert len(value.reason.split()) >= 4, f"{name}: {field.name} is without a reason"
-        elif field.name not in ("also", "fixed", "round", "alike", "worktop"):
+        elif field.name not in ("also", "fixed", "round", "alike", "worktop", "lies", "carries"):
             assert value not in (None, "", (), {}), f"{name}: {field.name} is empty"
     assert told.description[0].islower() and not told.description.endswith(".")
     least, size, most = np.array([told.least, told.size, told.most])
@@ -47,7 +49,21 @@ def test_every_record_is_complete(name: str) -> None:
 def test_nothing_of_a_record_is_optional() -> None:
     for kind in (Category, BuiltCategory):
         for field in fields(kind):
-            assert field.default is MISSING and field.default_factory is MISSING, field.name
+            # Most things neither lie about nor carry what does.
+            if field.name not in ("lies", "carries"):
+                assert field.default is MISSING and field.default_factory is MISSING, field.name
+
+
+@pytest.mark.parametrize("name", BUILT)
+def test_where_things_lie_is_said_in_known_words(name: str) -> None:
+    told = CATEGORIES[name]
+    for lies in told.lies:
+        assert lies.on and set(lies.on) <= set(get_args(Place)), name
+        assert set(lies.rooms) <= set(get_args(RoomType)), name
+        assert set(lies.styles) <= set(told.styles), name
+        assert lies.pose in get_args(Pose) and 0.0 < lies.weight <= 10.0, name
+        assert 1 <= lies.count[0] <= lies.count[1] and 1 <= lies.clutter <= 3, name
+    assert set(told.carries) <= set(get_args(Place)), name
 
 
 def test_every_record_stands_in_the_module_of_its_name_and_has_its_name_in_the_list() -> None:

@@ -6,6 +6,7 @@ from typing import Final, TypeAlias
 
 from openrooms_usd.categories.record import Category, Support, Without
 from openrooms_usd.library.furniture.joinery import Size, Style
+from openrooms_usd.library.furniture.lying import Lies, Place
 
 Spread: TypeAlias = tuple[float, float, float]
 
@@ -34,6 +35,10 @@ class BuiltCategory(Category):
             cabinet of files is of sheet steel; an oven has 25 to 40 kg for each cavity; a slate bed
             alone is 200 kg; a pot is with soil.
         worktop: On how many of a kitchen's counters it stands, as a share.
+        lies: Where it lies about when people live in a room; by default nowhere: it stands where
+            groups of furniture have it.
+        carries: What people use its surfaces for: its top, its boards, its seat. By default
+            nothing lies on it.
     """
 
     description: str
@@ -49,6 +54,8 @@ class BuiltCategory(Category):
     lumen: float | Without
     weighs: Mapping[str, tuple[float, float]] | Without
     worktop: float | Without
+    lies: tuple[Lies, ...] = ()
+    carries: tuple[Place, ...] = ()
 
     @property
     def emits(self) -> bool:

@@ -1,0 +1,141 @@
+"""Where small things lie: the words by which records say it, for what lies and for what carries.
+
+A record says where its category lies (`Lies`) in terms of what people use a surface for, never of
+the furniture that offers it; furniture says which surfaces it has (`BuiltCategory.carries`). The
+two meet in `openrooms_usd.generate.clutter`, which looks for the surfaces on the real meshes.
+"""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+Place = Literal[
+    # Hard tops, by their use.
+    "worktop",
+    "sink_edge",
+    "hob",
+    "dining_table",
+    "coffee_table",
+    "side_table",
+    "desk",
+    "bedside",
+    "dresser_top",
+    "cabinet_top",
+    "media_top",
+    "appliance_top",
+    "shop_counter",
+    "window_sill",
+    "mantel",
+    "basin_edge",
+    "bath_rim",
+    "cistern",
+    # Within furniture.
+    "shelf",
+    "low_shelf",
+    "wardrobe_shelf",
+    "cupboard",
+    "drawer",
+    # What gives way.
+    "bed_head",
+    "bed_foot",
+    "sofa_seat",
+    "sofa_arm",
+    "armchair_seat",
+    "chair_seat",
+    # Over which things hang.
+    "chair_back",
+    "towel_rail",
+    "clothes_rail",
+    "hook",
+    # The floor and the walls.
+    "floor_corner",
+    "floor_by_door",
+    "floor_by_wall",
+    "floor_beside_bed",
+    "floor_beside_sofa",
+    "floor_under_desk",
+    "floor_before_basin",
+    "floor_open",
+    "wall",
+    "wall_over_basin",
+    # Within and on other small things.
+    "in_basket",
+    "in_bowl",
+    "in_mug",
+    "in_box",
+    "in_bin",
+    "on_tray",
+    "on_stack",
+    "beside_toilet",
+]
+"""What people use a place for.
+
+``worktop``: of a kitchen, away from sink and hob; ``sink_edge``: the worktop or rim within 40 cm of
+a kitchen's sink; ``hob``: the burners; ``dining_table``: also of kitchens; ``desk``: also tables
+that people work or meet at; ``bedside``: the table beside a bed; ``cabinet_top``: sideboards and
+low shelves; ``media_top``: what the television stands on; ``appliance_top``: of washing machines
+and refrigerators; ``mantel``: of a fireplace; ``basin_edge``: rim or top of a bathroom's basin;
+``cistern``: of a toilet.
+
+``shelf``: a board with clearance above that is open to the front; ``low_shelf``: one below 60 cm,
+also below tables; ``wardrobe_shelf``, ``cupboard``, ``drawer``: behind a front.
+
+``bed_head``: by the pillows; ``bed_foot``: the last third of a bed's length.
+
+``floor_by_wall``: with its back to a wall; ``floor_under_desk``: against the wall below a desk;
+``floor_before_basin``: before basin, bath or shower; ``floor_open``: anywhere that nobody has to
+walk, for toys; ``wall``: pictures, clocks, hooks; ``wall_over_basin``: mirrors and cabinets there.
+"""
+
+Pose = Literal["upright", "flat", "stacked", "row", "leaning", "on_back", "on_side", "draped",
+               "hung"]  # fmt: skip
+"""How a thing lies. All poses begin with the thing as it is built: its base at z = 0, its front
+towards -Y.
+
+``upright``: as built, its front within 20 degrees to those who use the place; ``flat``: as built,
+turned any way; ``stacked``: several alike on top of each other, as built, a little turned against
+each other; ``row``: several alike side by side, fronts forward; ``leaning``: as built, its lower
+front edge away from what is behind it and its upper back edge against that (a book, a tray, a
+board, a picture at a wall; a cushion at the back of a sofa); ``on_back``: laid on its +Y side;
+``on_side``: laid on its +X side; ``draped``: over an edge (below); ``hung``: as built, its +Y side
+flush to a wall or its top at a hook.
+
+A ``draped`` thing is built as an upside-down U: two flaps that hang down towards -Y and +Y from a
+ridge along X. The wanted depth is that of what it hangs over plus twice `DRAPED_WALL_M`, so that
+each flap is `DRAPED_WALL_M` thick, with all folds on its outside; the wanted height is from the
+longer flap's hem (z = 0) to the top of the ridge. The front flap (-Y) is the longer one.
+"""
+
+DRAPED_WALL_M: Final = 0.012
+"""Thickness of each flap of a draped thing, folds included, metres."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lies:
+    """Where a category lies, how often, how many at once and in what pose.
+
+    Attributes:
+        on: The places; any of them.
+        rooms: The room types where it does; all by default.
+        styles: The styles of the category that lie so; all by default. A hung and a folded towel
+            are two styles.
+        weight: How often it is drawn for such a place, beside all others that may lie there: 1 is
+            what one would expect there, 0.2 is rare.
+        count: Least and greatest number that lie together, of one make; how high a stack is, how
+            long a row.
+        pose: How.
+        cluster: What it is used with: things of one cluster lie close together on a surface
+            (bottles and soap at a sink: ``washing``; mugs and a pot: ``coffee``; papers and a
+            pen: ``writing``). Empty: with nothing.
+        clutter: The level from which on it lies about: 1 tidy, 2 lived in, 3 messy.
+        most: How many such groups a room has at most.
+    """
+
+    on: tuple[Place, ...]
+    rooms: tuple[str, ...] = ()
+    styles: tuple[str, ...] = ()
+    weight: float = 1.0
+    count: tuple[int, int] = (1, 1)
+    pose: Pose = "upright"
+    cluster: str = ""
+    clutter: int = 1
+    most: int = 2
