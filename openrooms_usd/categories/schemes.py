@@ -1,7 +1,7 @@
 """Which finish each part of a category usually has, and what several categories share."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from openrooms_usd.categories.makes import ANY
@@ -19,11 +19,14 @@ class Scheme:
         finishes: By part; `ANY` for all others that are not in `PARTS`.
         needs: A part that the object must have, by which its build is recognised.
         weight: How often it is chosen among those that fit.
+        suite: What it is bought with: all objects of a room in a suite draw alike, whatever their
+            categories, and a scheme of a suite goes before others.
     """
 
     finishes: Mapping[str, str] = field(default_factory=dict)
     needs: str | None = None
     weight: float = 1.0
+    suite: str = ""
 
 
 # Parts that several categories finish alike.
@@ -48,6 +51,16 @@ STORAGE: Final = (
     Scheme({ANY: "white", "leg": "wood", "base": "white"}),
     Scheme({ANY: "wood", "door": "lacquer", "drawer_front": "lacquer"}, needs="handle"),
 )
+_UNIT: Final = {"shelf": "white", "drawer_box": "white", "container": "plastic", "tray": "plastic",
+                "rack": "chrome"}  # fmt: skip
+KITCHEN: Final = (
+    Scheme({ANY: "white", **_UNIT}, weight=3.0, suite="kitchen"),
+    Scheme({ANY: "kitchen_lacquer", **_UNIT}, weight=3.0, suite="kitchen"),
+    Scheme({ANY: "wood", **_UNIT}, weight=2.0, suite="kitchen"),
+    Scheme({ANY: "white", **_UNIT, "kickboard": "black"}, suite="kitchen"),
+)
+# Of appliances behind the fronts of a kitchen.
+PANELLED: Final = tuple(replace(scheme, needs="kickboard") for scheme in KITCHEN)
 LAMPS: Final = (
     Scheme({ANY: METAL}, weight=2.0),
     Scheme({ANY: METAL, "base": "ceramic"}),

@@ -32,6 +32,11 @@ Size = Annotated[
 # A guess for each of ten thousand unknown names would take minutes, and nobody would read them.
 _MOST_HINTS: Final = 50
 
+Cutout = Annotated[
+    tuple[Length, Length, PositiveLength, PositiveLength],
+    Field(description="x and y of its middle in the object's frame, width and depth, metres"),
+]
+
 _CIRCLE: Final = "goes round in a circle; something must stand on the floor"
 
 
@@ -94,6 +99,10 @@ class LibraryObject(Placed):
     """Its box; by default as the category usually is."""
     style: str | None = None
     """One of the category's styles; by default drawn by the seed."""
+    fronts: Literal["slab", "shaker", "handleless"] | None = None
+    """How the doors and drawers of a kitchen unit look; by default drawn by the seed."""
+    cutouts: tuple[Cutout, ...] = ()
+    """Holes in a worktop for what is let into it."""
 
 
 class FileObject(Placed):

@@ -4,6 +4,7 @@ from typing import Literal
 
 LibraryCategory = Literal[
     "armchair",
+    "backsplash",
     "basket",
     "bathtub",
     "bed",
@@ -27,9 +28,12 @@ LibraryCategory = Literal[
     "file_cabinet",
     "fireplace",
     "floor_lamp",
+    "hob",
+    "hood",
     "jar",
     "keyboard",
     "kitchen_cabinet",
+    "kitchen_unit",
     "laptop",
     "microwave",
     "monitor",
@@ -61,5 +65,6 @@ LibraryCategory = Literal[
     "washing_machine",
     "whiteboard",
     "window",
+    "worktop",
 ]
 """What the parametric library can make."""

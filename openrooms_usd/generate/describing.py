@@ -66,6 +66,10 @@ def _row(name: str, item: Item, carrier: str, root: tuple[str, Item] | None) -> 
     if carrier != category(item.category).support:
         row["on"] = carrier
     row |= {"size": list(item.size), "style": item.style}
+    if item.order.fronts:
+        row["fronts"] = item.order.fronts
+    if item.order.cutouts:
+        row["cutouts"] = [[_tidy(value) for value in hole] for hole in item.order.cutouts]
     return row
 
 

@@ -7,7 +7,7 @@ from typing import Final, Literal
 import numpy as np
 
 from openrooms_usd.generate.boxes import NONE, Array, Pose, box
-from openrooms_usd.library.furniture import Size
+from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size
 
 # People walk and stand between these heights: a rug is no obstacle, nor is a high shelf; metres.
 STEP_M: Final = 0.06
@@ -31,6 +31,7 @@ class Item:
         yaw: Degrees.
         on: What carries it: ``floor``, ``ceiling``, ``wall`` or the key of another item.
         optional: Whether the group makes sense without it.
+        order: What is ordered with it.
     """
 
     key: str
@@ -43,6 +44,7 @@ class Item:
     yaw: float = 0.0
     on: str = "floor"
     optional: bool = False
+    order: Order = NOTHING_ORDERED
 
     @property
     def box(self) -> Array:

@@ -11,7 +11,7 @@ from openrooms_usd.generate.items import Group, Item, with_dependants
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.sizes import drawn_size
 from openrooms_usd.generate.standing import above_foot, level_top
-from openrooms_usd.library.furniture import Size, category, styles
+from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size, category, styles
 from openrooms_usd.names import ROOM_HEIGHT
 
 # An object rests on a top that is level to this, metres.
@@ -113,6 +113,7 @@ class Kit:
         z: float = 0.0,
         on: str = "floor",
         optional: bool = False,
+        order: Order = NOTHING_ORDERED,
     ) -> Item:
         """An item with a key of its own; size and style are drawn where they are not given."""
         if size is None:
@@ -122,13 +123,14 @@ class Kit:
         number = self._count.get(name, 0)
         self._count[name] = number + 1
         style = style or self.style(name, size)
-        return Item(f"{name}_{number}", name, size, style, x, y, z, yaw, on, optional)
+        return Item(f"{name}_{number}", name, size, style, x, y, z, yaw, on, optional, order)
 
     def like(self, other: Item, x: float, y: float, yaw: float = 0.0) -> Item:
         """Another item of the same make."""
         return self.item(
             other.category, x, y, yaw,
             size=other.size, style=other.style, z=other.z, on=other.on, optional=other.optional,
+            order=other.order,
         )  # fmt: skip
 
     def placed_on(
@@ -214,7 +216,7 @@ class Kit:
         return boxes
 
     def _shape(self, item: Item) -> Shape:
-        return self.shapes.of(item.category, item.size, item.style)
+        return self.shapes.of(item.category, item.size, item.style, item.order)
 
     def clash(self, a: Item, b: Item, gap: float = APART_M) -> bool:
         """Whether two items come too near to each other, by their real parts."""

@@ -10,7 +10,7 @@ import numpy as np
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.boxes import Array
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.furniture import Size, make
+from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size, make
 
 Foot: TypeAlias = tuple[float, float, float, float]
 """Least x and y and greatest x and y, metres."""
@@ -134,13 +134,13 @@ class Shapes:
     """
 
     seed: int
-    _known: dict[tuple[str, Size, str], Shape] = field(default_factory=dict)
+    _known: dict[tuple[str, Size, str, Order], Shape] = field(default_factory=dict)
 
-    def of(self, category: str, size: Size, style: str) -> Shape:
+    def of(self, category: str, size: Size, style: str, order: Order = NOTHING_ORDERED) -> Shape:
         """The form of an object."""
-        key = (category, size, style)
+        key = (category, size, style, order)
         if key not in self._known:
             # The key of the alignment stage: the same draws give the same details.
             rng = generator(self.seed, "alignment", "details", category, repr(size), style)
-            self._known[key] = Shape(tuple(make(category, size, style, rng).parts.values()))
+            self._known[key] = Shape(tuple(make(category, size, style, rng, order).parts.values()))
         return self._known[key]

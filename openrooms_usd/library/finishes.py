@@ -65,6 +65,20 @@ FINISHES: Final[dict[str, Finish]] = {
                 (0.13, 0.22, 0.31), (0.58, 0.50, 0.39)),
         choices=3,
     ),
+    "kitchen_lacquer": Finish(
+        "paint", {"sprayed_satin": 3, "high_gloss_lacquer": 1},
+        colors=((0.62, 0.6, 0.55), (0.3, 0.34, 0.29), (0.1, 0.15, 0.2), (0.045, 0.047, 0.05),
+                (0.36, 0.42, 0.4), (0.45, 0.42, 0.38)),
+    ),
+    "wall_tiles": Finish(
+        "specular_stone",
+        {"subway_tiles": 4, "zellige": 1, "porcelain_tiles": 1, "hexagon_mosaic": 0.7,
+         "fish_scale_tiles": 0.5},
+    ),
+    "back_painted_glass": Finish(
+        "specular_stone", colors=((0.7, 0.71, 0.7), (0.35, 0.4, 0.38), (0.05, 0.052, 0.055)),
+        roughness=(0.03, 0.06),
+    ),
     "white": Finish(
         "paint", {"sprayed_satin": 1}, colors=((0.79, 0.785, 0.77),), roughness=(0.34, 0.42),
     ),
@@ -325,12 +339,20 @@ def finishes_of(category: str, parts: Iterable[str], rng: np.random.Generator) -
     known = record(category)
     schemes = given(known.schemes, ()) if known else ()
     fitting = [scheme for scheme in schemes if scheme.needs is None or scheme.needs in names]
+    fitting = [scheme for scheme in fitting if scheme.suite] or fitting
     weights = np.cumsum([scheme.weight for scheme in fitting] or [1.0])
     drawn = int(np.searchsorted(weights, rng.uniform(0.0, weights[-1]), side="right"))
     chosen = fitting[drawn].finishes if fitting else {}
     metal = METALS[int(rng.integers(len(METALS)))]
     picked = {part: _finish(part, chosen) for part in names}
     return {part: metal if finish == METAL else finish for part, finish in picked.items()}
+
+
+def suite_of(category: str, parts: Iterable[str]) -> str:
+    """The suite that an object is of, by the kinds of its parts; empty for none."""
+    known, names = record(category), set(parts)
+    schemes = given(known.schemes, ()) if known else ()
+    return next((s.suite for s in schemes if s.suite and (s.needs or "") in {"", *names}), "")
 
 
 def _finish(part: str, scheme: Mapping[str, str]) -> str:

@@ -25,7 +25,7 @@ from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, publish
-from openrooms_usd.library.furniture import CATEGORIES, Size, category, part_of
+from openrooms_usd.library.furniture import CATEGORIES, Order, Size, category, part_of
 from openrooms_usd.library.meshfile import dependencies
 from openrooms_usd.stages.aligned import (
     apply_schema,
@@ -160,7 +160,8 @@ def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -
         spec = category(item.category)
         style = spec.styles.get(item.style or "")
         size = item.size or (style and style.size) or spec.size
-        asset = catalogue.furniture(item.category, size, item.style)
+        order = Order(item.fronts, item.cutouts)
+        asset = catalogue.furniture(item.category, size, item.style, order=order)
         emits = spec.emits
     x, y, *z = item.at
     on = item.on or (spec.support if spec else FLOOR)

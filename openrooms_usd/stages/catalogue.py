@@ -11,7 +11,16 @@ import numpy as np
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, Model, model_of, read_asset
-from openrooms_usd.library.furniture import CATEGORIES, Size, category, make, module_of, styles
+from openrooms_usd.library.furniture import (
+    CATEGORIES,
+    NOTHING_ORDERED,
+    Order,
+    Size,
+    category,
+    make,
+    module_of,
+    styles,
+)
 from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.library.posture import Usual
 from openrooms_usd.stages.base import StageContext, file_digest
@@ -33,7 +42,12 @@ class Catalogue:
     _drawn: dict[tuple[str, Size], str] = field(default_factory=dict)
 
     def furniture(
-        self, name: str, size: Size, style: str | None = None, label: str | None = None
+        self,
+        name: str,
+        size: Size,
+        style: str | None = None,
+        label: str | None = None,
+        order: Order = NOTHING_ORDERED,
     ) -> Asset:
         """Furniture of the library. Pieces of one category, size and style are the same asset.
 
@@ -42,9 +56,10 @@ class Catalogue:
             size: Its box, metres.
             style: One of the category's styles; drawn once for its size when None.
             label: What it shall be called; by default its category.
+            order: What is ordered with it.
 
         Raises:
-            InputError: The library has no such category or style.
+            InputError: The library has no such category or style, or it cannot be ordered so.
         """
         if style is None:
             style = self._drawn.get((name, size)) or self._draw(name, size)
@@ -54,9 +69,10 @@ class Catalogue:
         draws = ("alignment", "details", name, repr(size), style)
         rng = partial(self.context.rng, *draws)
         key = (name, *size, style, self.context.room.seed, *draws)
+        key = key if order == NOTHING_ORDERED else (*key, repr(order))
         code = (*_MAKERS, module_of(name))
         return self._asset(
-            label or name, key, lambda: model_of(make(name, size, style, rng())), code
+            label or name, key, lambda: model_of(make(name, size, style, rng(), order)), code
         )
 
     def _draw(self, name: str, size: Size) -> str:

@@ -18,6 +18,7 @@ from openrooms_usd.library.finishes import (
     GENERIC,
     finishes_of,
     furniture_families,
+    suite_of,
 )
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.choosing import Chooser
@@ -90,12 +91,14 @@ class _Outfit:
     def worn(self, chooser: Chooser, parts: list[Part], free: list[Part]) -> dict[str, Swatch]:
         """The material of each part in one look, by its path; what keeps its own is left out."""
         kinds = sorted({part.kind for part in free})
-        finishes = finishes_of(self.category, kinds, chooser.rng("scheme", self.category, *kinds))
+        suite = suite_of(self.category, kinds)
+        drawn = chooser.rng("scheme", *((suite,) if suite else (self.category, *kinds)))
+        finishes = finishes_of(self.category, kinds, drawn)
         worn: dict[str, Swatch] = {}
         for part in parts:
             swatch = self._overridden(chooser, part) or self._annotated(chooser, part)
             if swatch is None and not part.bound:
-                swatch = self._usual(chooser, part, finishes[part.kind])
+                swatch = self._usual(chooser, part, finishes[part.kind], suite)
             if swatch is not None:
                 worn[part.path] = swatch.turned if part.kind in ACROSS else swatch
         return worn
@@ -119,9 +122,9 @@ class _Outfit:
         substance: Substance = noted[int(rng.integers(len(noted)))]
         return chooser.finish(GENERIC[substance], self.category)
 
-    def _usual(self, chooser: Chooser, part: Part, finish: str) -> Swatch:
+    def _usual(self, chooser: Chooser, part: Part, finish: str, suite: str) -> Swatch:
         own = part.handles[:1] if FINISHES[finish].each else ()
-        return chooser.finish(finish, self.category, *own)
+        return chooser.finish(finish, suite or self.category, *own)
 
 
 def read_annotations(context: StageContext) -> dict[str, Annotation]:

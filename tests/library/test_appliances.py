@@ -93,7 +93,7 @@ def _lowest_inside(mesh: Mesh) -> np.ndarray:
     return origins[lowest] + [0, 0, -distance[lowest]]
 
 
-@pytest.mark.parametrize("style", [s for s in CATEGORIES["sink"].styles if s != "kitchen"])
+@pytest.mark.parametrize("style", sorted(set(CATEGORIES["sink"].styles) - {"kitchen", "inset"}))
 def test_water_would_fall_into_the_basin(style: str) -> None:
     for seed in range(3):
         furniture = _made("sink", style, seed)

@@ -10,8 +10,10 @@ from openrooms_usd.categories.registry import BUILT, module_of, record
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.furniture.built import BuiltCategory
 from openrooms_usd.library.furniture.joinery import (
+    NOTHING_ORDERED,
     Furniture,
     Joint,
+    Order,
     Parts,
     Size,
     fitted,
@@ -22,9 +24,11 @@ __all__ = [
     "CATEGORIES",
     "MAX_SIDE",
     "MIN_SIDE",
+    "NOTHING_ORDERED",
     "BuiltCategory",
     "Furniture",
     "Joint",
+    "Order",
     "Parts",
     "Size",
     "category",
@@ -80,7 +84,13 @@ def styles(name: str, size: Size | None = None) -> tuple[str, ...]:
     return suited or tuple(spec.styles)
 
 
-def make(name: str, size: Size, style: str, rng: np.random.Generator) -> Furniture:
+def make(
+    name: str,
+    size: Size,
+    style: str,
+    rng: np.random.Generator,
+    order: Order = NOTHING_ORDERED,
+) -> Furniture:
     """Build an object.
 
     Args:
@@ -88,13 +98,14 @@ def make(name: str, size: Size, style: str, rng: np.random.Generator) -> Furnitu
         size: Width, depth and height of its bounding box, metres; the result has exactly these.
         style: One of the category's styles.
         rng: Draws the details.
+        order: What is ordered with it.
 
     Returns:
         Closed meshes by part, and the joints of those that move. Metres, Z up, origin in the middle
         of the base, front towards -Y.
 
     Raises:
-        InputError: The category, the style or the size is none that can be built.
+        InputError: The category, the style, the size or the order is none that can be built.
     """
     spec = category(name)
     if style not in spec.styles:
@@ -104,8 +115,14 @@ def make(name: str, size: Size, style: str, rng: np.random.Generator) -> Furnitu
             f"a {name} of {size[0]:g} x {size[1]:g} x {size[2]:g} m cannot be built",
             remedy=f"give sides between {MIN_SIDE:g} m and {MAX_SIDE:g} m",
         )
+    for key in ("fronts", "cutouts"):
+        if getattr(order, key) and key not in spec.styles[style].takes:
+            raise InputError(
+                f"a {name} of the style {style} has no {key} to choose", remedy=f"leave {key} out"
+            )
     width, depth, height = np.clip(size, spec.least, spec.most).tolist()
-    return fitted(spec.styles[style].build((width, depth, height), rng), size)
+    ordered = (order,) if spec.styles[style].takes else ()
+    return fitted(spec.styles[style].build((width, depth, height), rng, *ordered), size)
 
 
 def _unknown(what: str, name: str, known: tuple[str, ...]) -> InputError:

@@ -106,7 +106,7 @@ def _spots(width: float, depth: float, count: int) -> list[tuple[float, float, f
     ]
 
 
-def _gas_hob(made: Assembly, width: float, middle: float, depth: float, top: float) -> None:
+def gas_hob(made: Assembly, width: float, middle: float, depth: float, top: float) -> None:
     """Burners in two rows under grates; ``top`` is where the pots stand."""
     level = top - 0.036
     pairs = max(2, round(width / 0.32))
@@ -119,7 +119,7 @@ def _gas_hob(made: Assembly, width: float, middle: float, depth: float, top: flo
         made.add("grate", _grate(wide, depth - 0.06, places).moved((x, middle, level)))
 
 
-def _glass_hob(made: Assembly, width: float, middle: float, depth: float, top: float) -> None:
+def glass_hob(made: Assembly, width: float, middle: float, depth: float, top: float) -> None:
     """A sheet of black glass with printed rings."""
     x, y = 0.5 * width - 0.008, 0.5 * depth - 0.008
     made.add("glass", board((-x, middle - y, top - 0.006), (x, middle + y, top - 0.0006), 0.002))
@@ -143,9 +143,9 @@ def _range(size: Size, gas: bool, ovens: int, guard: float = 0.0) -> Furniture:
                               0.006))  # fmt: skip
     middle, deep = 0.5 * (face - DOOR + back), back - face + DOOR
     if gas:
-        _gas_hob(made, width, middle, deep, top)
+        gas_hob(made, width, middle, deep, top)
     else:
-        _glass_hob(made, width, middle, deep, top)
+        glass_hob(made, width, middle, deep, top)
     tray, oven, strip = rows((-x, x, low, deck), [0.16, deck - low - 0.16 - PANEL, PANEL])
     _controls(made, strip, face, 5 + 2 * (ovens - 1), True)
     drawer(made, tray, face, back - 0.06, Look("rod"), margin=SHEET_MARGIN, thickness=DOOR)

@@ -43,8 +43,7 @@ CATEGORY: Final = BuiltCategory(
     weighs=NEVER_WEIGHED,
     worktop=NO_APPLIANCE,
     fixed=True,
-    words="kitchen_counter countertop kitchen_island bar_counter bar counter_top island "
-    "kitchen_worktop worktop",
+    words="kitchen_counter countertop kitchen_island bar_counter bar counter_top island",
     classes=Classes("counter", "counter"),
     synsets=NO_SYNSET,
     schemes=(

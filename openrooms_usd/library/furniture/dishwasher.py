@@ -5,7 +5,7 @@ from typing import Final
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import RIGID, Classes, Losses
-from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.categories.schemes import PANELLED, Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
     NO_APPLIANCE,
@@ -23,7 +23,7 @@ CATEGORY: Final = BuiltCategory(
     most=(0.9, 0.8, 1.1),
     styles={
         "console": Style(console),
-        "integrated": Style(integrated),
+        "integrated": Style(integrated, takes=("fronts",)),
         "drawers": Style(two_drawers),
     },
     spread=STANDARD,
@@ -42,6 +42,7 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         Scheme({ANY: "enamel", "container": "steel", "handle": "steel"}),
         Scheme({ANY: "steel", "frame": "grey", "base": "black"}, weight=2.0),
+        *PANELLED,
     ),
     makes=(
         makes.row("base", makes.filled(400), "weight"),

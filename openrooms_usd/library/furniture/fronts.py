@@ -14,7 +14,7 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import extrude, tube
 from openrooms_usd.library.furniture.assembly import Assembly, Side
-from openrooms_usd.library.furniture.joinery import FRONT, board
+from openrooms_usd.library.furniture.joinery import FRONT, Fronts, Order, board
 
 BOARD: Final = 0.018
 GAP: Final = 0.003
@@ -88,7 +88,7 @@ class Look:
     """How all fronts of one object look.
 
     Attributes:
-        handle: One of `HANDLES`.
+        handle: One of `HANDLES`; empty for fronts without any.
         frame: Width of the frame around a recessed panel, metres; 0 for a plain board.
         glass: Whether doors hold a pane in place of the panel.
     """
@@ -103,6 +103,23 @@ def drawn_look(rng: np.random.Generator, frames: float = 0.4) -> Look:
     handle = sorted(HANDLES)[int(rng.integers(len(HANDLES)))]
     framed = rng.uniform() < frames
     return Look(handle, float(rng.uniform(0.045, 0.07)) if framed else 0.0)
+
+
+# Equal on all units of a kitchen, as they are bought together.
+_ORDERED: Final[dict[Fronts, Look]] = {
+    "slab": Look("bar"), "shaker": Look("knob", 0.06), "handleless": Look(""),
+}  # fmt: skip
+
+
+def ordered_look(order: Order, rng: np.random.Generator) -> Look:
+    """The look that was ordered; any of them where none was."""
+    drawn = sorted(_ORDERED)[int(rng.integers(len(_ORDERED)))]
+    return _ORDERED[order.fronts or drawn]
+
+
+def reach(look: Look) -> float:
+    """How far handles stand out before the fronts, metres."""
+    return HANDLE if look.handle else 0.0
 
 
 def leaf(
@@ -158,7 +175,7 @@ def hang_door(
     else:
         names = made.add("door", leaf(width, height, thickness, frame=look.frame).moved(at))
     front = y - thickness
-    if handle is not None:
+    if handle is not None and look.handle:
         mesh = HANDLES[look.handle](length)
         upright = mesh.transformed(_UPRIGHT) if side in ("left", "right") else mesh
         names += made.add("handle", upright.moved((handle[0], front, handle[1])))
@@ -223,7 +240,7 @@ def drawer(
             wall_edge=0.001,
         ))  # fmt: skip
     spread = 0.27 * wide if look.handle == "knob" and wide > 0.55 else 0.0
-    for offset in (-spread, spread) if spread else (0.0,):
+    for offset in (-spread, spread) if spread else (0.0,) if look.handle else ():
         mesh = HANDLES[look.handle](min(0.2, 0.4 * wide))
         names += made.add(
             "handle", mesh.moved((middle + offset, y - thickness, 0.5 * (low + high)))

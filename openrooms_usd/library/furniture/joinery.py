@@ -57,7 +57,29 @@ class Furniture:
     joints: tuple[Joint, ...] = ()
 
 
-Build: TypeAlias = Callable[[Size, np.random.Generator], Parts | Furniture]
+Fronts: TypeAlias = Literal["slab", "shaker", "handleless"]
+"""How the doors and drawers of fitted furniture look."""
+Cutout: TypeAlias = tuple[float, float, float, float]
+"""A hole from above: x and y of its middle in the object frame, its width and depth; metres."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is ordered with a piece that is made to fit others.
+
+    Attributes:
+        fronts: How its doors and drawers look; None: as the seed draws it.
+        cutouts: Holes for what is let into it.
+    """
+
+    fronts: Fronts | None = None
+    cutouts: tuple[Cutout, ...] = ()
+
+
+NOTHING_ORDERED: Final = Order()
+
+# Takes a size, a generator and, where the style is made to order, an order.
+Build: TypeAlias = Callable[..., Parts | Furniture]
 
 
 @dataclass(frozen=True)
@@ -65,14 +87,16 @@ class Style:
     """One way to build a category.
 
     Attributes:
-        build: Makes the parts for a size, metres.
+        build: Makes the parts for a size, metres, with a generator and perhaps an order.
         suits: Whether a size, metres, is natural for it; any size can be built.
         size: Its usual width, depth and height, metres, where they differ from its category's.
+        takes: What may be ordered with it.
     """
 
     build: Build
     suits: Callable[[Size], bool] = lambda size: True
     size: Size | None = None
+    takes: tuple[Literal["fronts", "cutouts"], ...] = ()
 
 
 # Drawn in (a, b) and extruded along c: where these axes point in the object frame.

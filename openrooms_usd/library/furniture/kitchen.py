@@ -1,5 +1,6 @@
 """Kitchen units: counters with a worktop, and cabinets on the wall."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -18,9 +19,11 @@ from openrooms_usd.library.furniture.fronts import (
     drawn_look,
     hang_door,
     leaf,
+    ordered_look,
+    reach,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import Furniture, Size, board
+from openrooms_usd.library.furniture.joinery import NOTHING_ORDERED, Furniture, Order, Size, board
 
 TOE: Final = 0.1
 WORKTOP: Final = 0.038
@@ -117,19 +120,20 @@ def island(size: Size, rng: np.random.Generator) -> Furniture:
     return unit.made.furniture()
 
 
-def _wall_unit(size: Size, fronts: bool = True) -> Carcass:
+def _wall_unit(size: Size, look: Look | None = None) -> Carcass:
     width, depth, height = size
-    room = HANDLE + BOARD + SEAT if fronts else 0.0
+    room = reach(look) + BOARD + SEAT if look else 0.0
     return Carcass(width, -0.5 * depth + room, 0.5 * depth, 0.0, height).boards()
 
 
-def wall_doors(size: Size, rng: np.random.Generator, glass: bool = False) -> Furniture:
+def wall_doors(
+    size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED, *, glass: bool = False
+) -> Furniture:
     """Doors in pairs before shelves, their handles at the lower edge."""
-    unit = _wall_unit(size)
-    drawn = drawn_look(rng, 0.5)
-    look = Look(drawn.handle, drawn.frame, glass)
+    look = replace(ordered_look(order, rng), glass=glass)
+    unit = _wall_unit(size, look)
     count = max(1, round(size[0] / 0.9))
-    leaves = columns(unit.overlay, max(1, round(size[0] / 0.45)))
+    leaves = columns(unit.overlay, max(1, round(size[0] / 0.5)))
     for i, cell in enumerate(leaves):
         right = i % 2 == 1
         x = cell[0] + 0.035 if right else cell[1] - 0.035
@@ -140,15 +144,15 @@ def wall_doors(size: Size, rng: np.random.Generator, glass: bool = False) -> Fur
     return unit.made.furniture()
 
 
-def wall_glass(size: Size, rng: np.random.Generator) -> Furniture:
+def wall_glass(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
     """Framed doors with panes."""
-    return wall_doors(size, rng, glass=True)
+    return wall_doors(size, rng, order, glass=True)
 
 
-def wall_flaps(size: Size, rng: np.random.Generator) -> Furniture:
+def wall_flaps(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
     """Wide flaps that open upwards, one above the other where it is high."""
-    unit = _wall_unit(size)
-    look = drawn_look(rng, 0.3)
+    look = ordered_look(order, rng)
+    unit = _wall_unit(size, look)
     left, right, low, high = unit.overlay
     tiers = rows((left, right, low, high), [1.0] * max(1, round((high - low) / 0.4)))
     for i, cell in enumerate(tiers):
@@ -162,7 +166,7 @@ def wall_flaps(size: Size, rng: np.random.Generator) -> Furniture:
 
 def wall_open(size: Size, rng: np.random.Generator) -> Furniture:
     """Open shelves, with a rail of hooks' height below the lowest one."""
-    unit = _wall_unit(size, fronts=False)
+    unit = _wall_unit(size)
     for bay in unit.bays(max(1, round(size[0] / 0.8))):
         unit.shelves(bay, float(rng.uniform(0.26, 0.34)))
     return unit.made.furniture()

@@ -20,23 +20,29 @@ from openrooms_usd.library.furniture.appliance import (
 )
 from openrooms_usd.library.furniture.assembly import Assembly
 from openrooms_usd.library.furniture.fronts import (
+    BOARD,
     HANDLE,
     SEAT,
     Cell,
     Look,
     drawer,
     hang_door,
+    ordered_look,
+    reach,
     rows,
 )
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
+    NOTHING_ORDERED,
     Furniture,
+    Order,
     Size,
     board,
 )
+from openrooms_usd.library.furniture.kitchen import TOE
+from openrooms_usd.library.furniture.kitchen_unit import kickboard
 
 DOOR: Final = 0.04
-TOE: Final = 0.1
 
 
 def _machine(size: Size, reach: float, low: float) -> tuple[Assembly, Cell, float]:
@@ -75,14 +81,18 @@ def console(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-def integrated(size: Size, rng: np.random.Generator) -> Furniture:
-    """A dishwasher whose door covers all of its front; the controls are in its upper edge."""
-    made, cell, face = _machine(size, HANDLE, TOE)
-    left, right, low, high = cell
-    _tub(made, (left + SHEET, right - SHEET, low + SHEET, high - SHEET), face, 0.5 * size[1])
-    frame = 0.06 if rng.uniform() < 0.4 else 0.0
-    hang_door(made, cell, face, "bottom", Look("rod", frame), thickness=DOOR,
-              handle=(0.0, high - 0.06), length=0.8 * size[0], upper=90.0)  # fmt: skip
+def integrated(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
+    """A dishwasher behind a front of the kitchen; the controls are in its door's upper edge."""
+    look = ordered_look(order, rng)
+    width, depth, height = size
+    made, x, back = Assembly(), 0.5 * width, 0.5 * depth
+    face = -back + reach(look) + BOARD + SEAT
+    high = height if look.handle else height - 0.022
+    body(made, (-x, face, TOE), (x, back, height))
+    kickboard(made, width, face - BOARD, back)
+    _tub(made, (SHEET - x, x - SHEET, TOE + SHEET, height - SHEET), face, back)
+    hang_door(made, (-x, x, TOE, high), face, "bottom", look, handle=(0.0, high - 0.05),
+              length=0.2, upper=90.0)  # fmt: skip
     return made.furniture()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, RIGID, UNLABELED, Classes, Losses
-from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.categories.schemes import PANELLED, Scheme
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.library.furniture.appliance import SHEET, body, display, liner
 from openrooms_usd.library.furniture.assembly import Assembly, Side
@@ -19,6 +19,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.fronts import (
+    BOARD,
     HANDLE,
     SEAT,
     Cell,
@@ -26,12 +27,26 @@ from openrooms_usd.library.furniture.fronts import (
     columns,
     drawer,
     hang_door,
+    ordered_look,
+    reach,
     rows,
 )
-from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, board
+from openrooms_usd.library.furniture.joinery import (
+    NOTHING_ORDERED,
+    Furniture,
+    Order,
+    Size,
+    Style,
+    board,
+)
+from openrooms_usd.library.furniture.kitchen import TOE
+from openrooms_usd.library.furniture.kitchen_unit import kickboard
 
 WALL: Final = 0.035
 FOOT: Final = 0.03
+# Of those behind the fronts of a kitchen: how tall they are, and from which height of the whole on
+# a cupboard is above them, metres.
+_COLD_M, _CUPBOARD_FROM_M = 1.7, 2.05
 
 
 def _door_depth(size: Size) -> float:
@@ -87,7 +102,7 @@ def _bins(made: Assembly, inside: Cell, face: float) -> tuple[str, ...]:
 
 def _cold(
     made: Assembly, cell: Cell, face: float, size: Size, look: Look, side: Side, boxes: int,
-    *, low_handle: bool = False,
+    *, low_handle: bool = False, thickness: float | None = None,
 ) -> None:  # fmt: skip
     """A compartment and the door before it."""
     inside = _compartment(made, cell, face, size, boxes)
@@ -96,8 +111,8 @@ def _cold(
     length = min(0.5, 0.6 * tall)
     x = cell[1] - 0.045 if side == "left" else cell[0] + 0.045
     z = cell[2] + 0.06 + 0.5 * length if low_handle else cell[3] - 0.06 - 0.5 * length
-    hang_door(made, cell, face, side, look, thickness=_door_depth(size), handle=(x, z),
-              length=length, riders=riders)  # fmt: skip
+    hang_door(made, cell, face, side, look, thickness=thickness or _door_depth(size),
+              handle=(x, z), length=length, riders=riders)  # fmt: skip
 
 
 def single(size: Size, rng: np.random.Generator) -> Furniture:
@@ -162,6 +177,27 @@ def french(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
+def built_in(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
+    """A tall unit of a kitchen: freezer and refrigerator behind its fronts, a cupboard above."""
+    look = ordered_look(order, rng)
+    width, depth, height = size
+    made, x, back = Assembly(), 0.5 * width, 0.5 * depth
+    face = -back + reach(look) + BOARD + SEAT
+    body(made, (-x, face + 0.004, TOE), (x, back, height))
+    kickboard(made, width, face - BOARD, back)
+    side: Side = "left" if rng.integers(2) else "right"
+    top = height if height < _CUPBOARD_FROM_M else TOE + _COLD_M
+    lower, upper = rows((-x, x, TOE, top), [0.4, 0.6])
+    _cold(made, lower, face, size, look, side, 2, thickness=BOARD)
+    _cold(made, upper, face, size, look, side, 1, low_handle=True, thickness=BOARD)
+    if top < height:
+        made.add("frame", board((SHEET - x, face + 0.004, top), (x - SHEET, back - SHEET,
+                                                                 top + SHEET)))  # fmt: skip
+        hand = x - 0.045 if side == "left" else 0.045 - x
+        hang_door(made, (-x, x, top, height), face, side, look, handle=(hand, top + 0.14))
+    return made.furniture()
+
+
 _COLD: Final = {"container": "plastic", "shelf": "plastic", "drawer_box": "plastic",
                 "tray": "plastic", "base": "black"}  # fmt: skip
 
@@ -175,6 +211,12 @@ CATEGORY: Final = BuiltCategory(
         "single": Style(single, lambda size: size[0] < 0.8 or size[2] <= 1.2, (0.56, 0.58, 0.86)),
         "side_by_side": Style(
             side_by_side, lambda size: size[0] > 0.78 and size[2] > 1.4, (0.91, 0.74, 1.78)
+        ),
+        "built_in": Style(
+            built_in,
+            lambda size: size[2] > 1.9 and size[0] < 0.78,
+            (0.6, 0.608, 2.1),
+            takes=("fronts",),
         ),
         "french": Style(french, lambda size: size[0] > 0.68 and size[2] > 1.4, (0.91, 0.76, 1.78)),
     },
@@ -194,6 +236,7 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         Scheme({ANY: "enamel", **_COLD, "handle": "steel"}),
         Scheme({ANY: "steel", **_COLD, "frame": "grey", "handle": "steel"}),
+        *PANELLED,
     ),
     makes=(
         makes.row("frame", makes.walls(0.3, makes.STEEL), "sheet"),

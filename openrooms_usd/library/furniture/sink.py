@@ -43,6 +43,9 @@ from openrooms_usd.library.furniture.joinery import (
     corners,
 )
 
+# Thickness of the rim that lies on a worktop, metres.
+RIM: Final = 0.002
+
 
 def _rim(height: float, least: float, most: float) -> float:
     """Where the rim is: a faucet of ``least`` to ``most`` metres stands on it."""
@@ -172,6 +175,28 @@ def alone(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
+def inset_rim(height: float) -> float:
+    """Height of the rim of a sink that is let into a worktop, where it is so high with its tap."""
+    return 0.39 * height
+
+
+def inset(size: Size, rng: np.random.Generator) -> Furniture:
+    """One or two steel bowls with a flat rim, to be let into a worktop, and their faucet."""
+    width, depth, height = size
+    made, rim = Assembly(), inset_rim(height)
+    count = 2 if width > 0.75 and rng.uniform() < 0.7 else 1
+    each, wall = width / count, 0.003
+    for i in range(count):
+        x = (i - 0.5 * (count - 1)) * each
+        steel = sunk(each, depth, RIM, (each - 0.07, depth - 0.13), rim - wall, power=7.0,
+                     center=(0.0, -0.025), wall=wall)  # fmt: skip
+        made.add("bowl", steel.moved((x, 0.0, rim)))
+        made.add("drain", drain(0.04).moved((x, -0.025, wall)))
+    _faucet(made, str(rng.choice(["arc", "arc", "bridge"])), height - rim + 0.001, 0.19,
+            0.5 * depth - 0.012, rim)  # fmt: skip
+    return made.furniture()
+
+
 CATEGORY: Final = BuiltCategory(
     description="a washbasin or a kitchen sink with its faucet",
     size=(0.6, 0.48, 1.0),
@@ -186,6 +211,7 @@ CATEGORY: Final = BuiltCategory(
             lambda size: size[0] > 0.55 and size[1] > 0.52 and size[2] > 0.7,
             (1.0, 0.64, 1.2),
         ),
+        "inset": Style(inset, lambda size: size[0] > 0.4 and 0.4 < size[2] < 0.6, (0.8, 0.5, 0.47)),
         "alone": Style(alone, lambda size: size[2] <= 0.6, (0.55, 0.45, 0.28)),
     },
     spread=STANDARD,

@@ -1,0 +1,101 @@
+"""Hobs that are let into a worktop: a sheet of glass, or gas burners on steel."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
+from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.library.furniture.appliance import dial
+from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    STANDARD,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.cooker import gas_hob, glass_hob
+from openrooms_usd.library.furniture.joinery import FRONT, Furniture, Size, Style, board
+
+SUNK_M: Final = 0.044
+"""What hangs below the worktop, metres."""
+BESIDE_M: Final = 0.016
+"""How far its plate reaches over the worktop on each side of the hole, metres."""
+# Thickness of the plate, and how deep a glass hob's rings are set into it, metres.
+_PLATE_M: Final = 0.006
+# The strip before gas burners where the knobs are, metres.
+_KNOBS_M: Final = 0.075
+
+
+def _body(made: Assembly, size: Size) -> None:
+    x, y = 0.5 * size[0] - BESIDE_M - 0.004, 0.5 * size[1] - BESIDE_M - 0.004
+    made.add("frame", board((-x, -y, 0.0), (x, y, SUNK_M)))
+
+
+def glass(size: Size, rng: np.random.Generator) -> Furniture:
+    """Black glass with printed rings."""
+    width, depth, _ = size
+    made, top = Assembly(), SUNK_M + _PLATE_M
+    _body(made, size)
+    x, y = 0.5 * width, 0.5 * depth
+    made.add("cooktop", board((-x, -y, SUNK_M), (x, y, top - 0.0012), 0.0015))
+    glass_hob(made, width + 0.016, 0.0, depth + 0.016, top)
+    return made.furniture()
+
+
+def gas(size: Size, rng: np.random.Generator) -> Furniture:
+    """Burners under cast grates, knobs before them."""
+    width, depth, height = size
+    made, level = Assembly(), SUNK_M + _PLATE_M
+    _body(made, size)
+    x, y = 0.5 * width, 0.5 * depth
+    made.add("cooktop", board((-x, -y, SUNK_M), (x, y, level), 0.002))
+    gas_hob(made, width, 0.5 * _KNOBS_M, depth - _KNOBS_M, height)
+    up = dial(0.019, 0.022).transformed(np.linalg.inv(FRONT))
+    count = 2 * max(2, round(width / 0.32))
+    for a in np.linspace(-0.3, 0.3, count) * width:
+        at = (float(a), -y + 0.5 * _KNOBS_M, level)
+        names = made.add("knob", up.moved(at))
+        made.turn("knob", names, at, (0.0, 0.0, 1.0), (0.0, 270.0))
+    return made.furniture()
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a hob let into a worktop",
+    size=(0.59, 0.52, SUNK_M + _PLATE_M),
+    least=(0.28, 0.4, 0.045),
+    most=(1.2, 0.6, 0.2),
+    styles={
+        "glass": Style(glass, lambda size: size[2] < 0.07),
+        "gas": Style(gas, lambda size: size[2] > 0.07, (0.6, 0.52, 0.086)),
+    },
+    spread=STANDARD,
+    round=False,
+    alike=False,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (6, 20)},
+    worktop=NO_APPLIANCE,
+    carries=("hob",),
+    fixed=True,
+    words="cooktop gas_hob induction_hob stovetop",
+    classes=Classes("stove", "otherstructure"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "steel", "frame": "black"}),
+        Scheme({ANY: "screen", "frame": "black", "knob": "steel"}),
+    ),
+    makes=(
+        makes.row("burner grate", makes.solid(7200), "common"),
+        makes.row("glass cooktop", makes.walls(1.0, makes.STEEL), "sheet"),
+        makes.row("knob mark", makes.filled(1000), "common"),
+        makes.row(ANY, makes.filled(650), "weight"),
+    ),
+    hinges=Losses(0.05, 0.05),
+    yields=RIGID,
+)
