@@ -32,7 +32,7 @@ from benchmarks.scenes import demo_stage
 from openrooms_usd import adapters
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest, View, render_stage
-from openrooms_usd.render.denoise import GUIDES, load_denoiser
+from openrooms_usd.render.denoise import load_denoiser
 from openrooms_usd.render.estimates import relative_mse, robust_error
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.layers import open_stage
@@ -226,10 +226,10 @@ class _Cleaner:
     """Denoises pictures of one camera, whose guides are rendered once."""
 
     def __init__(self, session: Any, camera: str | None, width: int, height: int) -> None:
-        self._denoiser = load_denoiser(tuple(GUIDES))
-        request = RenderRequest(camera, tuple(GUIDES), width, height, samples=1)
+        self._denoiser = load_denoiser()
+        request = RenderRequest(camera, (), width, height, samples=1, guides=True)
         view: View = session.render(request)
-        self._guides = {name: image.pixels for name, image in view.images.items()}
+        self._guides = view.guides
 
     def __call__(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
         return self._denoiser.denoise(radiance, self._guides)

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from benchmarks.light.bias import Pair, mse_of, robust_of
-from benchmarks.light.pictures import GUIDED, denoised, truth_of
+from benchmarks.light.pictures import denoised, truth_of
 from benchmarks.light.processes import run
 from benchmarks.light.references import Images
 from benchmarks.light.rooms import REFERENCE_SEED, Room
@@ -78,11 +78,11 @@ def _ours(room: Room, method: str, counts: Sequence[int], truth: Pair) -> list[d
     opened, rows = OpenedRoom(room, method), []
     for samples in counts:
         cost = opened.cost(("radiance",), samples)
-        shots = [opened.shot(GUIDED, samples, seed=seed) for seed in (11, 12)]
+        shots = [opened.shot(("radiance",), samples, seed=seed, guides=True) for seed in (11, 12)]
         taken: list[float] = []
         clean = [denoised(shot, taken) for shot in shots]
         # With what the guides cost: they are rendered for the denoiser alone.
-        guided = opened.cost(GUIDED, samples)
+        guided = opened.cost(("radiance",), samples, guides=True)
         raw = [shot.pixels["radiance"] for shot in shots]
         rows.append(_row(method, False, samples, cost, raw, truth))
         full = Cost(guided.room, guided.view + taken[-1])

@@ -11,12 +11,10 @@ from benchmarks.light.bias import Pair, bias_of, mse_of, robust_of
 from benchmarks.light.rooms import REFERENCE_SEED, ROOMS, Room, stopwatch
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import Cost, OpenedRoom, Shot, methods_of
-from openrooms_usd.render.denoise import GUIDES, is_usable, load_denoiser
+from openrooms_usd.render.denoise import is_usable, load_denoiser
 from openrooms_usd.render.estimates import robust_error
 
 _ASKED: Final = ("radiance",)
-GUIDED: Final = (*_ASKED, *GUIDES)
-"""What denoising needs."""
 _VIEWS: Final = 20
 _SAMPLES: Final = (4, 16, 64)
 
@@ -63,7 +61,7 @@ def truth_of(
 def _measured(room: Room, opened: OpenedRoom, samples: int, truth: Pair) -> list[dict[str, Any]]:
     """A row for the raw pictures, and one for them denoised."""
     method = opened.method
-    shots = [opened.shot(GUIDED, samples, seed=seed) for seed in (11, 12)]
+    shots = [opened.shot(_ASKED, samples, seed=seed, guides=True) for seed in (11, 12)]
     cost, rays = opened.cost(_ASKED, samples), casting.pixels(room, samples)
     raw = [shot.pixels["radiance"] for shot in shots]
     rows = [_row(method, samples, cost, rays, (raw[0], raw[1]), truth)]
@@ -77,9 +75,8 @@ def _measured(room: Room, opened: OpenedRoom, samples: int, truth: Pair) -> list
 
 def denoised(shot: Shot, seconds: list[float]) -> Any:
     """The radiance of a view, denoised; its seconds are added to a list."""
-    guides = {name: shot.pixels[name] for name in GUIDES}
     with stopwatch(seconds):
-        return load_denoiser(tuple(GUIDES)).denoise(shot.pixels["radiance"], guides)
+        return load_denoiser().denoise(shot.pixels["radiance"], shot.guides)
 
 
 def _row(

@@ -30,10 +30,12 @@ class Shot:
     Attributes:
         images: By channel.
         seconds: Of all cores.
+        guides: What a denoiser is guided by, where it was asked for.
     """
 
     images: Mapping[str, Image]
     seconds: float
+    guides: Images
 
     @property
     def pixels(self) -> Images:
@@ -96,8 +98,8 @@ class OpenedRoom:
         request = RenderRequest(**{**asked, **how})
         camera = turned(self._room.seen_at(request.width, request.height), view * _TURN_DEG)
         began = time.process_time()
-        images = self.opened.picture(camera, request).images
-        return Shot(images, time.process_time() - began)
+        found = self.opened.picture(camera, request)
+        return Shot(found.images, time.process_time() - began, found.guides)
 
     def cost(self, channels: tuple[str, ...], samples: int, views: int = 2, **how: Any) -> Cost:
         """What views cost when all is compiled; arguments as of `shot`."""

@@ -7,12 +7,14 @@ from typing import Any, Final
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
-from openrooms_usd.render.contract import CACHE, REFERENCE, Method, ViewProgress
+from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import MODELS, Model, with_model
@@ -22,6 +24,8 @@ from orusd_mitsuba.bias import measurable, with_bias
 from orusd_mitsuba.cache.room_light import LEAST_BOUNCES, RoomLight
 from orusd_mitsuba.cache.scattered import CachedLight
 from orusd_mitsuba.complete.channels import RECEIVED
+from orusd_mitsuba.complete.denoiser_guides import SAMPLES as GUIDE_SAMPLES
+from orusd_mitsuba.complete.denoiser_guides import GuideIntegrator
 from orusd_mitsuba.complete.integrator import CompleteIntegrator, Wanted
 from orusd_mitsuba.complete.meeting import CompleteScene
 from orusd_mitsuba.complete.smoothed import SMOOTHED
@@ -54,6 +58,9 @@ _CONVENTIONS: Final = {
     "bsdf": "how surfaces reflect: auto, as each material says; openrooms, all by the microfacet "
     "model of OpenRooms; preview, all as UsdPreviewSurface",
 }
+
+# Guides depend on no request: they hardly have noise.
+_GUIDE_SEED: Final = 0x6D6F6972
 
 
 class MitsubaSession:
@@ -115,7 +122,7 @@ class MitsubaSession:
         if request.method == CACHE or any(one is DIRECT for one, _ in needed):
             # Before the first pass: a new kind of surface changes the code of all kernels.
             _ = self._white
-        if any(one is COMPLETE for one, _ in needed):
+        if request.guides or any(one is COMPLETE for one, _ in needed):
             _ = self._complete
         _give_back()
         seconds = None if request.seconds is None else request.seconds / len(needed)
@@ -133,6 +140,23 @@ class MitsubaSession:
             self._note(request, render_pass.name, sampler, int(integrator.broken.sum()))
             _give_back()
         return images
+
+    def guides(
+        self, camera: PinholeCamera, request: RenderRequest
+    ) -> Mapping[str, NDArray[np.float32]]:
+        """What a denoiser is guided by; see the core's `GuidingSession`.
+
+        Args:
+            camera: What sees the scene.
+            request: Its size.
+        """
+        self._activate()
+        if self._variant.startswith("scalar"):
+            return {}
+        size = request.width, request.height
+        planes = GuideIntegrator(self._complete, camera, *size)(GUIDE_SAMPLES, _GUIDE_SEED)
+        _give_back()
+        return dict(zip(GUIDES, planes, strict=True))
 
     def move(self, scene: Scene) -> None:
         """Render from now on what stands elsewhere; see the core's `MovingSession`.

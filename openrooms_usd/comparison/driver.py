@@ -25,7 +25,6 @@ from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.progress import Progress, part, silent
 from openrooms_usd.render.contract import NO_OPTIONS, Renderer, RenderRequest, View
 from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
-from openrooms_usd.render.given import rendered
 from openrooms_usd.render.opened import OpenedStage, open_with
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import MOST_VIEWS, Tile, reduced, write_sheet
@@ -153,7 +152,7 @@ def compare_stage(
     with claims.claimed(out, _LEDGER) as kept:
         with reading(path):
             opened = open_with(adapter, stage, options)
-        painter = _Painter(opened, _denoiser(adapter), samples)
+        painter = _Painter(opened, _denoiser(), samples)
         scan = spacing(taken.points) if taken.points is not None and len(taken.points) else None
         done: list[ComparedFrame] = []
         rows: list[list[Tile]] = []
@@ -190,10 +189,10 @@ class _Painter:
 
     def paint(self, name: str, camera: PinholeCamera, size: tuple[int, int]) -> View:
         asked: tuple[str, ...] = (_COLOR, *_EXACT)
-        needed = self.denoiser.needs(asked) if self.denoiser else asked
-        request = RenderRequest(name, needed, *size, samples=self.samples)
+        guides = self.denoiser is not None
+        request = RenderRequest(name, asked, *size, samples=self.samples, guides=guides)
         view = self.opened.picture(camera, request)
-        return self.denoiser.complete(view, asked) if self.denoiser else view
+        return self.denoiser.complete(view) if self.denoiser else view
 
 
 def _compared(
@@ -256,10 +255,10 @@ def _photograph(path: Path, size: tuple[int, int]) -> Bytes:
     return np.asarray(np.clip(np.round(255.0 * values), 0, 255), dtype=np.uint8)
 
 
-def _denoiser(renderer: Renderer) -> Denoiser | None:
+def _denoiser() -> Denoiser | None:
     """The denoiser, if there is one: these pictures are for people."""
     try:
-        return load_denoiser(rendered(renderer.channels))
+        return load_denoiser()
     except MissingPackageError:
         return None
 

@@ -29,6 +29,9 @@ CACHE: Final = "cache"
 """What is smooth is computed once for the room, and looked up by every view."""
 METHODS: Final[tuple[Method, ...]] = (CACHE, REFERENCE)
 
+GUIDES: Final = ("base_color", "normal")
+"""What a denoiser is guided by, named as the channels that tell it of pixels' centres."""
+
 NO_OPTIONS: Final[Mapping[str, str]] = MappingProxyType({})
 
 ViewProgress = Callable[[float], None]
@@ -56,6 +59,7 @@ class RenderRequest:
         halves: Whether images shall have their two halves.
         method: How light is computed; one of those that the session has (`MethodicalSession`).
         measure_bias: Whether images shall have their bias where the method is not `REFERENCE`.
+        guides: Whether the view shall have what a denoiser is guided by (`GUIDES`).
     """
 
     camera: str | None
@@ -71,6 +75,7 @@ class RenderRequest:
     halves: bool = False
     method: Method = REFERENCE
     measure_bias: bool = True
+    guides: bool = False
 
 
 @dataclass(frozen=True)
@@ -127,6 +132,8 @@ class View:
         exposure: What previews multiply radiance by; None fits it to the picture.
         images: By channel name; a channel of every light once for each, such as ``direct_0``.
         denoised: Denoised versions of some of these.
+        guides: What a denoiser is guided by, where that was asked for: by the channels of `GUIDES`
+            (height, width, 3) means over all that a pixel and the lens see, not its centre alone.
     """
 
     camera: str | None
@@ -137,6 +144,7 @@ class View:
     exposure: float | None
     images: Mapping[str, Image]
     denoised: Mapping[str, DenoisedImage] = field(default_factory=dict)
+    guides: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
 
     def denoised_of(self, scope: str) -> dict[str, NDArray[np.float32]]:
         """The denoised pixels of the channels of a scope, by name."""
@@ -199,6 +207,26 @@ class MovingSession(Protocol):
 
         Args:
             scene: The scene that was opened, but for where triangles are (`Scene.placed`).
+        """
+        ...
+
+
+@runtime_checkable
+class GuidingSession(Protocol):
+    """A session that can say what surfaces look like over whole pixels; else the core does."""
+
+    def guides(
+        self, camera: "PinholeCamera", request: RenderRequest
+    ) -> Mapping[str, NDArray[np.float32]]:
+        """Base colour and shading normal, the means over what a pixel and the lens see.
+
+        Args:
+            camera: What sees the scene, for the request's size.
+            request: Its size.
+
+        Returns:
+            (height, width, 3) by the names of `GUIDES`; 0 counts where there is no surface. Empty
+            where its backend cannot.
         """
         ...
 

@@ -1,8 +1,9 @@
 """Denoised radiance: a picture for people beside the raw one, by Intel's Open Image Denoise.
 
 The network was trained on pictures and is biased: it is no measurement. It sees the radiance with
-base colour and shading normal as guides, and runs on the processor, where it gives the same bytes
-whatever the number of threads.
+base colour and shading normal as guides, both in the mean over whole pixels: where fine patterns
+alias at the pixels' centres, it would bring their moire into pictures that have none. It runs on
+the processor, where it gives the same bytes whatever the number of threads.
 """
 
 import importlib
@@ -17,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError, MissingPackageError, RenderError
+from openrooms_usd.render import contract
 from openrooms_usd.render.contract import Image, View
 
 DENOISED: Final = "denoised"
 SOURCE: Final = "radiance"
 # The filter's name of each guide.
-GUIDES: Final = {"base_color": "albedo", "normal": "normal"}
+_FILTER_NAMES: Final = dict(zip(contract.GUIDES, ("albedo", "normal"), strict=True))
 # Pixels that are added around: at its edges the network makes a pattern of its own.
 _BORDER_PIXELS: Final = 16
 
@@ -35,14 +37,14 @@ class Denoiser:
 
     Attributes:
         package: The Python package that brings it.
-        guides: Channels that it is given beside the radiance, as far as the renderer has them.
+        guides: What it is given beside the radiance.
     """
 
     package: ModuleType
-    guides: tuple[str, ...] = tuple(GUIDES)
+    guides: tuple[str, ...] = contract.GUIDES
 
-    def needs(self, channels: tuple[str, ...]) -> tuple[str, ...]:
-        """The channels to render: what was asked for, and the guides.
+    def check(self, channels: tuple[str, ...]) -> None:
+        """See that there will be something to denoise among channels that are asked for.
 
         Raises:
             InputError: The radiance is not asked for.
@@ -53,19 +55,14 @@ class Denoiser:
                 place="channels",
                 remedy=f"add {SOURCE}, or leave --denoise away",
             )
-        return (*channels, *(guide for guide in self.guides if guide not in channels))
 
-    def complete(self, view: View, channels: tuple[str, ...]) -> View:
-        """The view with its denoised radiance, and without the guides that nobody asked for."""
+    def complete(self, view: View) -> View:
+        """The view with its denoised radiance."""
         began = time.perf_counter()
-        pixels = self.denoise(
-            view.images[SOURCE].pixels, {name: view.images[name].pixels for name in self.guides}
-        )
+        pixels = self.denoise(view.images[SOURCE].pixels, view.guides)
         seconds = time.perf_counter() - began
-        source = view.images[SOURCE]
-        images = {name: view.images[name] for name in channels}
-        images[DENOISED] = Image(pixels, source.samples, seconds, None)
-        return replace(view, images=images)
+        denoised = Image(pixels, view.images[SOURCE].samples, seconds, None)
+        return replace(view, images={**view.images, DENOISED: denoised})
 
     def denoise(
         self, radiance: Pixels, guides: Mapping[str, Pixels], *, hdr: bool = True
@@ -74,7 +71,7 @@ class Denoiser:
 
         Args:
             radiance: (H, W, 3) scene-linear; what is no number counts as 0.
-            guides: (H, W, 3) by channel; noise-free, but not antialiased.
+            guides: (H, W, 3) by channel; with hardly any noise.
             hdr: Whether it may have any brightness; otherwise it lies between 0 and 1.
 
         Returns:
@@ -89,7 +86,7 @@ class Denoiser:
             return np.zeros_like(radiance)
         # By a power of two, which is exact: nights are then as bright to the network as days.
         scale = np.float32(2.0 ** round(math.log2(mean)) if hdr else 1.0)
-        named = {GUIDES[name]: _mirrored(pixels) for name, pixels in guides.items()}
+        named = {_FILTER_NAMES[name]: _mirrored(pixels) for name, pixels in guides.items()}
         try:
             found: Any = self.package.denoise(_mirrored(color / scale), **named, hdr=hdr)
         except (RuntimeError, MemoryError) as error:
@@ -108,6 +105,7 @@ class Denoiser:
             "filter": "RT, HDR, high quality",
             "source": SOURCE,
             "guides": list(self.guides),
+            "guided_by": "means over all that a pixel sees, not by its centre as the channels are",
         }
 
 
@@ -120,17 +118,13 @@ def is_usable() -> bool:
     return True
 
 
-def load_denoiser(available: tuple[str, ...]) -> Denoiser:
+def load_denoiser() -> Denoiser:
     """Load Open Image Denoise.
-
-    Args:
-        available: The channels that the renderer gives.
 
     Raises:
         MissingPackageError: It is not installed, or cannot run here.
     """
-    guides = tuple(guide for guide in GUIDES if guide in available)
-    return Denoiser(_package(), guides)
+    return Denoiser(_package())
 
 
 def _package() -> ModuleType:

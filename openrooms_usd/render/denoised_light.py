@@ -8,6 +8,7 @@ of a hemisphere is no picture of a surface, and a difference may be negative: th
 Every channel is denoised for itself: denoised lights no longer sum exactly to the denoised whole.
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal
 
@@ -57,7 +58,7 @@ def with_denoised_light(view: View, denoiser: Denoiser) -> View:
         view: With the denoiser's guides, and halves.
         denoiser: What is loaded.
     """
-    guides = {name: view.images[name].pixels for name in denoiser.guides}
+    guides = view.guides
     found = {
         name: _denoised(name, image, guides, denoiser)
         for name, image in view.images.items()
@@ -67,11 +68,11 @@ def with_denoised_light(view: View, denoiser: Denoiser) -> View:
 
 
 def _denoised(
-    name: str, image: Image, guides: dict[str, NDArray[np.float32]], denoiser: Denoiser
+    name: str, image: Image, guides: Mapping[str, NDArray[np.float32]], denoiser: Denoiser
 ) -> DenoisedImage:
     kind = definition(name).name
     if kind not in REFLECTED and "base_color" in guides:
-        guides = guides | {"base_color": np.ones_like(guides["base_color"])}
+        guides = {**guides, "base_color": np.ones_like(guides["base_color"])}
     is_ratio = kind in RATIOS
     pixels = denoiser.denoise(image.pixels, guides, hdr=not is_ratio)
     return DenoisedImage(pixels, asdict(energy_change(image.pixels, pixels, image.halves)))

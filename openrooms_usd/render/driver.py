@@ -22,7 +22,7 @@ from openrooms_usd.render.contract import (
 from openrooms_usd.render.denoise import DENOISED, load_denoiser
 from openrooms_usd.render.denoised_light import Denoise, with_denoised_light
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
-from openrooms_usd.render.given import available, check_method, choose_method, rendered
+from openrooms_usd.render.given import available, check_method, choose_method
 from openrooms_usd.render.plan import choose_cameras, choose_channels, paths_of, plan, sized
 from openrooms_usd.render.run import Run, raw_bytes
 from openrooms_usd.render.shading import Shading
@@ -131,10 +131,11 @@ def render_stage(
         grid=grid,
     )
     named = check_method(method)
-    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
+    denoiser = load_denoiser() if denoise else None
     asked = written = request.channels
     if denoiser:
-        request = replace(request, channels=denoiser.needs(asked))
+        denoiser.check(asked)
+        request = replace(request, guides=True)
         written = (*asked, DENOISED)
     before_friction = request.channels
     if FRICTION in asked:
@@ -190,7 +191,7 @@ def render_stage(
                     view = friction.complete(view, each(before_friction, lights))
                 if denoiser:
                     clean = with_denoised_light(view, denoiser).denoised if denoise == "all" else {}
-                    view = replace(denoiser.complete(view, each(asked, lights)), denoised=clean)
+                    view = replace(denoiser.complete(view), denoised=clean)
                 if not error_maps:
                     view = _without_halves(view)
                 shown = photograph(stage.GetPrimAtPath(camera)) if camera else None

@@ -9,13 +9,17 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd.channels import each, numbered
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render.contract import (
+    GUIDES,
     NO_OPTIONS,
+    GuidingSession,
     Image,
     MovingSession,
     Renderer,
@@ -41,6 +45,8 @@ from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_camera
 
 # The part of the progress that exact channels take beside many samples.
 _EXACT_SHARE: Final = 0.02
+# Guides that no renderer gives are looked up at so many by so many places of a pixel.
+_GUIDED_PLACES: Final = 2
 
 
 def open_with(
@@ -153,7 +159,36 @@ class OpenedStage:
             world_from_camera=camera.world_from_camera,
             exposure=camera.exposure,
             images={name: images[name] for name in wanted},
+            guides=self.guides(camera, request) if request.guides else {},
         )
+
+    def guides(
+        self, camera: PinholeCamera, request: RenderRequest
+    ) -> Mapping[str, NDArray[np.float32]]:
+        """What a denoiser is guided by: means over whole pixels (`contract.GUIDES`).
+
+        A pixel's centre sees one thread of a cloth or another by chance, and a denoiser takes that
+        for what the picture shall look like.
+
+        Args:
+            camera: For the request's size.
+            request: Its size.
+
+        Returns:
+            (height, width, 3) by channel.
+        """
+        if isinstance(self.session, GuidingSession):
+            found = self.session.guides(camera, request)
+            if found:
+                return found
+        n, height, width = _GUIDED_PLACES, request.height, request.width
+        fine = replace(camera, K=np.diag([n, n, 1.0]) @ camera.K)
+        asked = replace(request, channels=GUIDES, width=n * width, height=n * height, guides=False)
+        images = self.picture(fine, asked).images
+        return {
+            name: images[name].pixels.reshape(height, n, width, n, -1).mean(axis=(1, 3))
+            for name in GUIDES
+        }
 
     def move(self, motions: Mapping[str, Array]) -> None:
         """Render from now on what stands elsewhere; the stage is not translated again.

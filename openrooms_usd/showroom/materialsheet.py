@@ -12,7 +12,6 @@ from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.contract import NO_OPTIONS, Renderer
 from openrooms_usd.render.denoise import load_denoiser
 from openrooms_usd.render.folder import check_writable
-from openrooms_usd.render.given import rendered
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.showroom.photograph import photograph
 from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE
@@ -63,7 +62,7 @@ def draw_material_sheets(
 
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
     adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
+    denoiser = load_denoiser() if denoise else None
     check_writable(folder)
     chosen = list(dict.fromkeys(substances)) or list(FAMILIES)
     total, done, files = sum(len(FAMILIES[kind]) for kind in chosen), 0, []

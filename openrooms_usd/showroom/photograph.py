@@ -33,12 +33,12 @@ def photograph(
     Raises:
         RenderError: The renderer cannot do it.
     """
-    channels = denoiser.needs((SOURCE,)) if denoiser else (SOURCE,)
     request = RenderRequest(
-        camera, channels, size, size, samples=samples, seed=seed, bounces=_BOUNCES
-    )
+        camera, (SOURCE,), size, size, samples=samples, seed=seed, bounces=_BOUNCES,
+        guides=denoiser is not None,
+    )  # fmt: skip
     view = opened.render(request)
     if denoiser:
-        view = denoiser.complete(view, channels)
+        view = denoiser.complete(view)
     shown = view.images[DENOISED if denoiser else SOURCE].pixels
     return preview(SOURCE, shown, view.exposure).pixels

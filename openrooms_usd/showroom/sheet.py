@@ -10,7 +10,6 @@ from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.contract import NO_OPTIONS, Renderer
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.folder import check_writable
-from openrooms_usd.render.given import rendered
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.showroom.exhibits import Exhibit
 from openrooms_usd.showroom.photograph import photograph
@@ -56,7 +55,7 @@ def draw_sheet(
     """
     adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
     adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
+    denoiser = load_denoiser() if denoise else None
     check_writable(path.parent)
     tiles: dict[str, Tile] = {}
     # Lamps have a studio of their own: each light that is not seen costs samples of those that are.

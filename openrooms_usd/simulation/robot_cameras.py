@@ -23,7 +23,6 @@ from openrooms_usd.physics.world import Body, World
 from openrooms_usd.render.contract import Renderer, RenderRequest, View
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
-from openrooms_usd.render.given import rendered
 from openrooms_usd.render.opened import OpenedStage, open_with
 from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import CAMERA, COLORS
@@ -78,7 +77,7 @@ class RobotCameras:
         self._resolution = resolution
         self._samples = samples
         self._world = world
-        self._denoiser = _denoiser(rendered(self._renderer.channels))
+        self._denoiser = _denoiser()
         self._robots = Sdf.Layer.CreateAnonymous(".usda")
         layers.apply_metadata(self._robots)
         root = Sdf.Layer.CreateAnonymous(".usda")
@@ -115,14 +114,15 @@ class RobotCameras:
         width, height = self._resolution
         needed = FrictionMap.needs(wanted) if FRICTION in wanted else wanted
         denoiser = self._denoiser if RGB in wanted else None
-        if denoiser is not None:
-            needed = denoiser.needs(needed)
         found = {}
         for name, pose in cameras.items():
-            request = RenderRequest(_key(name), needed, width, height, samples=self._samples)
+            request = RenderRequest(
+                _key(name), needed, width, height, samples=self._samples,
+                guides=denoiser is not None,
+            )  # fmt: skip
             view = self._opened.picture(self._pinhole(pose, fov_degrees), request)
             if denoiser is not None:
-                view = denoiser.complete(view, needed)
+                view = denoiser.complete(view)
             if FRICTION in wanted:
                 view = self._friction.complete(view, (*view.images, FRICTION))
             found[name] = view
@@ -158,9 +158,9 @@ def _key(name: str) -> str:
     return f"{_ROBOTS}/{name}"
 
 
-def _denoiser(available: tuple[str, ...]) -> Denoiser | None:
+def _denoiser() -> Denoiser | None:
     try:
-        return load_denoiser(available)
+        return load_denoiser()
     except MissingPackageError:
         return None
 

@@ -29,6 +29,17 @@ def numbers(name: str, height: int, width: int, seed: int) -> np.ndarray:
     return values.astype(np.float32)
 
 
+GUIDE_SEED = 17
+"""Of guides: they are no channels of the same names."""
+
+
+def _guides(request: RenderRequest) -> dict[str, np.ndarray]:
+    return {
+        name: numbers(name, request.height, request.width, GUIDE_SEED)
+        for name in ("base_color", "normal")
+    }
+
+
 class FakeRenderer:
     """Satisfies the contract, and is what the driver opens; a test may set what it gives."""
 
@@ -86,6 +97,7 @@ class FakeRenderer:
             world_from_camera=np.eye(4),
             exposure=self.exposure,
             images=images,
+            guides=_guides(request) if request.guides else {},
         )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.channels import CHANNELS, RENDERED
+from openrooms_usd.channels import CHANNELS
 from openrooms_usd.render import Image, View
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
 from openrooms_usd.render.denoised_light import (
@@ -21,7 +21,7 @@ SIZE = (32, 48)
 
 @pytest.fixture(scope="module")
 def denoiser() -> Denoiser:
-    return load_denoiser(RENDERED)
+    return load_denoiser()
 
 
 def picture(level: float, spread: float, seed: int) -> Image:
@@ -40,8 +40,8 @@ def view(**images: Image) -> View:
     normal[..., 2] = 1.0
     # A texture that nothing that is received may show.
     color[:, ::2] = 0.1
-    guides = {"normal": Image(normal, 1, 0.0, 0.0), "base_color": Image(color, 1, 0.0, 0.0)}
-    return View(None, SIZE[1], SIZE[0], np.eye(3), np.eye(4), None, guides | images)
+    guides = {"normal": normal, "base_color": color}
+    return View(None, SIZE[1], SIZE[0], np.eye(3), np.eye(4), None, images, guides=guides)
 
 
 def test_every_channel_that_can_bear_it_is_denoised_and_raw_ones_stay(denoiser: Denoiser) -> None:

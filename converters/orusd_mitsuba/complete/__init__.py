@@ -7,4 +7,5 @@
 - ``integrator`` combines these; what surfaces scatter on comes from `transport.scattered`.
 - ``smoothing`` averages indirect light over neighbours, ``smoothed`` makes pictures of it.
 - ``channels`` makes the channels of the sums.
+- ``denoiser_guides`` averages what surfaces look like over pixels.
 """

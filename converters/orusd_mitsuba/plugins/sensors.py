@@ -1,8 +1,11 @@
-"""Cameras as Mitsuba sensors."""
+"""Cameras as Mitsuba sensors, and thin lenses."""
 
 import math
-from typing import Final
+from dataclasses import replace
+from typing import Any, Final
 
+import drjit as dr
+import mitsuba as mi
 import numpy as np
 
 from openrooms_usd.render.scene.pictures import Array
@@ -14,6 +17,8 @@ _MITSUBA_FROM_OPENCV: Final = np.diag([-1.0, -1.0, 1.0, 1.0])
 # Nothing is cut away in front of a camera: clipping planes belong to rasterizers.
 _NEAR_CLIP_METRES: Final = 1e-3
 _FAR_CLIP_METRES: Final = 1e6
+# Of the picture's size, by which the principal point may be off the middle.
+_CENTRED_SHARE: Final = 1e-6
 
 
 def describe_sensor(
@@ -26,7 +31,8 @@ def describe_sensor(
     """The sensor of a camera, without its sampler.
 
     Args:
-        camera: The pinhole; with a lens it is a ``thinlens``.
+        camera: The pinhole. With a lens it is a ``thinlens``, which has its axis in the picture's
+            middle: where the camera's is elsewhere, all is sharp.
         width: Pixels.
         height: Pixels.
         origin: (3,) the point of the world that is Mitsuba's origin.
@@ -34,8 +40,13 @@ def describe_sensor(
     """
     K, pose = camera.K, camera.world_from_camera @ _MITSUBA_FROM_OPENCV
     pose[:3, 3] -= origin
-    lens: Description = {"type": "perspective"}
-    if camera.lens_radius > 0.0 and camera.focus_distance > 0.0:
+    offsets = 0.5 - K[0, 2] / width, 0.5 - K[1, 2] / height
+    lens: Description = {
+        "type": "perspective",
+        "principal_point_offset_x": offsets[0],
+        "principal_point_offset_y": offsets[1],
+    }
+    if has_lens(camera) and max(map(abs, offsets)) < _CENTRED_SHARE:
         lens = {
             "type": "thinlens",
             "aperture_radius": camera.lens_radius,
@@ -44,8 +55,6 @@ def describe_sensor(
     return lens | {
         "fov": math.degrees(2.0 * math.atan(width / 2.0 / K[0, 0])),
         "fov_axis": "x",
-        "principal_point_offset_x": 0.5 - K[0, 2] / width,
-        "principal_point_offset_y": 0.5 - K[1, 2] / height,
         "near_clip": _NEAR_CLIP_METRES,
         "far_clip": _FAR_CLIP_METRES,
         "to_world": pose,
@@ -59,6 +68,51 @@ def describe_sensor(
             "rfilter": {"type": "box"},
         },
     }
+
+
+def has_lens(camera: PinholeCamera) -> bool:
+    """Whether anything is out of focus."""
+    return camera.lens_radius > 0.0 and camera.focus_distance > 0.0
+
+
+def pinhole(camera: PinholeCamera) -> PinholeCamera:
+    """The camera with all in focus."""
+    return replace(camera, f_stop=0.0, lens_radius=0.0)
+
+
+class ThinLens:
+    """Bends rays that a pinhole sends: all that meet its plane of focus at a point.
+
+    Args:
+        camera: One with a lens.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+    """
+
+    def __init__(self, camera: PinholeCamera, origin: Array) -> None:
+        pose = camera.world_from_camera
+        self._right, self._down, self._forward = (
+            mi.Vector3f(axis) for axis in pose[:3, :3].T.tolist()
+        )
+        self._eye = mi.Point3f((pose[:3, 3] - origin).tolist())
+        self._radius = mi.Float(camera.lens_radius)
+        self._focus = mi.Float(camera.focus_distance)
+        # As variables, not as parts of the compiled code.
+        dr.make_opaque(self._right, self._down, self._forward)
+        dr.make_opaque(self._eye, self._radius, self._focus)
+
+    def bent(self, ray: Any, sample: Any) -> Any:
+        """Rays through the lens.
+
+        Args:
+            ray: Through its middle.
+            sample: Where on the lens each goes through, in [0, 1)^2.
+        """
+        sharp = self._eye + ray.d * (self._focus / dr.dot(ray.d, self._forward))
+        at = mi.warp.square_to_uniform_disk_concentric(sample) * self._radius
+        found = mi.Ray3f(ray)
+        found.o = self._eye + self._right * at.x + self._down * at.y
+        found.d = dr.normalize(sharp - found.o)
+        return found
 
 
 def _band(width: int, rows: tuple[int, int] | None) -> dict[str, int]:

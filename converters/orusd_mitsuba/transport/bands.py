@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
-from orusd_mitsuba.plugins.sensors import describe_sensor
+from orusd_mitsuba.plugins.sensors import ThinLens, describe_sensor, has_lens, pinhole
 from orusd_mitsuba.transport.strips import most_samples, strips
 
 # Sums that one batch may keep, 4 bytes each, and paths that may be in flight.
@@ -70,7 +70,9 @@ class Band:
         at = (corner + within) * step
         described = self._integrator.sensor(rows)
         sensor = load_sensor(described, {"type": "independent"})
-        return sensor.sample_ray(0.0, 0.5, at, lens)[0]
+        ray = sensor.sample_ray(0.0, 0.5, at, lens)[0]
+        bending = self._integrator.lens()
+        return ray if bending is None else bending.bent(ray, lens)
 
     def means(self, entries: Any) -> NDArray[np.float32]:
         """(N, 3, rows, width) means over the samples of N times three entries a path."""
@@ -127,7 +129,12 @@ class BandedIntegrator(ABC):
 
     def sensor(self, band: tuple[int, int]) -> dict[str, Any]:
         """The camera's part of the scene for some rows: the first, and how many."""
-        return describe_sensor(self._camera, self.width, self.height, self._origin, band)
+        camera = pinhole(self._camera)
+        return describe_sensor(camera, self.width, self.height, self._origin, band)
+
+    def lens(self) -> ThinLens | None:
+        """What bends the camera's rays; None where all is in focus."""
+        return ThinLens(self._camera, self._origin) if has_lens(self._camera) else None
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
         """Render one batch of the whole picture; equal seeds give equal bits.

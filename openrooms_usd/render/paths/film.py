@@ -18,7 +18,6 @@ from openrooms_usd.render.paths.accumulation import Accumulation, divisor_of
 from openrooms_usd.render.paths.camera_path import CameraPath
 from openrooms_usd.render.paths.reprojection import Surfaces, reproject
 from openrooms_usd.render.paths.steadiness import flicker
-from openrooms_usd.usd.cameras import PinholeCamera
 
 Pixels = NDArray[np.float32]
 
@@ -31,8 +30,6 @@ DEFAULT_SAMPLES: Final = 4
 # The first frame has no history: samples in its place. And where much is new, more than usual.
 _FIRST_FRAMES: Final = 8
 _MOST_EXTRA_FRAMES: Final = 3
-# Base colour is looked up at so many by so many places of a pixel.
-_BASE_PLACES: Final = 2
 # Frames along the path, small, that its exposure is fitted to.
 _EXPOSURE_FRAMES: Final = 8
 _EXPOSURE_PIXELS_WIDE: Final = 64
@@ -82,7 +79,8 @@ def frames(
         asked = replace(request, camera=path.frame_name(number))
         view = opened.picture(camera, replace(asked, channels=EXACT))
         surfaces = Surfaces.of(view)
-        base = _base_color(opened, camera, view, asked)
+        guides = opened.guides(camera, asked)
+        base = _divisible(guides[BASE], view)
         clock.lap("exact")
         taps = reproject(surfaces, before[0]) if before else None
         new = float(1.0 - taps.found.mean()) if taps else 1.0
@@ -102,7 +100,6 @@ def frames(
         pixels = _mean(halves)
         clock.lap("accumulation")
         if denoiser:
-            guides = {BASE: base, NORMAL: view.images[NORMAL].pixels}
             clean = denoiser.denoise(image.pixels, guides)
             pixels = _mean(shown.add(Halves(clean, clean, (1, 1)), base, taps, worth))
             clock.lap("denoising")
@@ -138,24 +135,10 @@ def fitted_exposure(opened: OpenedStage, path: CameraPath, request: RenderReques
     return color.fitted_exposure(np.concatenate(strip))
 
 
-def _base_color(
-    opened: OpenedStage, camera: PinholeCamera, view: View, asked: RenderRequest
-) -> Pixels:
-    """(H, W, 3) what light is divided by: over the area of pixels that see a single object.
-
-    A texture that is seen once a pixel shimmers. The surroundings count as white.
-    """
-    n, height, width = _BASE_PLACES, view.height, view.width
-    fine = replace(camera, K=np.diag([n, n, 1.0]) @ camera.K)
-    request = replace(asked, channels=(BASE, "instance"), width=n * width, height=n * height)
-    images = opened.picture(fine, request).images
-    base, instance = (
-        images[name].pixels.reshape(height, n, width, n, -1).swapaxes(1, 2)
-        for name in (BASE, "instance")
-    )
-    single = (instance == instance[:, :, :1, :1]).all(axis=(2, 3, 4))[..., None]
-    found = np.where(single, base.mean(axis=(2, 3)), view.images[BASE].pixels)
-    return np.where(view.images["valid"].pixels > 0, found, np.float32(1.0)).astype(np.float32)
+def _divisible(base_color: Pixels, view: View) -> Pixels:
+    """(H, W, 3) what light is divided by: the base colour, and of the surroundings white."""
+    there = view.images["valid"].pixels > 0
+    return np.where(there, base_color, np.float32(1.0)).astype(np.float32)
 
 
 def _mean(halves: Halves) -> Pixels:

@@ -28,7 +28,7 @@ from openrooms_usd.render.contract import (
     RenderSession,
 )
 from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
-from openrooms_usd.render.given import check_method, choose_method, rendered
+from openrooms_usd.render.given import check_method, choose_method
 from openrooms_usd.render.paths import video
 from openrooms_usd.render.paths.camera_path import CameraPath
 from openrooms_usd.render.paths.choosing import choose_path
@@ -150,7 +150,7 @@ def render_path(
         bounces=bounces,
     )  # fmt: skip
     named = check_method(method)
-    denoiser = load_denoiser(rendered(adapter.channels)) if denoise else None
+    denoiser = load_denoiser() if denoise else None
     folder.check_writable(out)
 
     # 2. Translate the stage, and find the path.
