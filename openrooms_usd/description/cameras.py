@@ -95,17 +95,20 @@ class PoseCamera(Viewed):
 
 
 class SelectedCameras(Viewed):
-    """The best of many views along the walls, chosen as the OpenRooms paper does."""
+    """The best of many views into the room."""
 
     source: Literal["select"] = Field(alias="from")
     name: PrimName = "view"
     """Prefix of the cameras' names."""
     count: Whole = Field(default=3, ge=1, le=1000)
     """How many to keep."""
-    height: Range = (1.4, 1.8)
-    """Range of heights above the floor."""
+    prefer: Literal["photograph", "paper"] = "photograph"
+    """``photograph``: level views from corners, doorways and walls that show the room's main
+    things whole; ``paper``: tilted views along the walls, scored as in the OpenRooms paper."""
+    height: Range | None = None
+    """Range of heights above the floor; by default 1.2 to 1.6 m, as in the paper 1.4 to 1.8 m."""
     distance: Range = (0.3, 1.5)
-    """Range of distances from the wall."""
+    """Range of distances from the wall of views that stand neither in a corner nor a doorway."""
 
 
 class FrameCameras(Exposed):

@@ -17,8 +17,10 @@ from openrooms_usd.generate.rooms import Generated
 # Text that YAML reads as text without quotes.
 _PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _WORDS: Final = {"true", "false", "null"}
-# Below so many square metres views are so many degrees wide.
-_WIDE: Final = ((9.0, 84), (16.0, 74), (28.0, 66))
+# Below so many square metres views are so many degrees wide: what lenses of 24 to 28 mm show, with
+# which interiors are photographed, and a little less for large rooms.
+_WIDE: Final = ((9.0, 75), (16.0, 72), (28.0, 68))
+_FOV_DEG: Final = 65
 
 
 def write(room: Generated) -> str:
@@ -62,13 +64,13 @@ def _lines(room: Generated) -> Iterator[str]:
     yield "cameras:"
     yield "  resolution: [640, 480]"
     yield "  views:"
-    yield "    # The best of many views along the walls."
+    yield "    # Level views from corners and doorways, the best of many."
     yield f"    - {{from: select, count: 3, fov: {_field_of_view(room.shell.area)}}}"
 
 
 def _field_of_view(area: float) -> int:
     """Degrees: nobody stands far enough from the furniture of a small room."""
-    return next((fov for below, fov in _WIDE if area < below), 60)
+    return next((fov for below, fov in _WIDE if area < below), _FOV_DEG)
 
 
 def _lamp_lines(room: Generated) -> Iterator[str]:

@@ -3,8 +3,8 @@
 - `vectors`, `rows`, `rotations`, `quaternions`: the basics; `mesh`, `topology`, `normals`,
   `triangulation`, `raycast`: meshes; `uv`, `uvquality`, `unwrap`, `shelves`:
   texture coordinates;
-- `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `views`, `framing`: the plan,
-  and cameras in it;
+- `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `looks`, `views`,
+  `viewpoints`, `composition`, `framing`: the plan, and cameras in it;
 - `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,
   `openings`, `shell`, `leaves`, `doors`, `windows`: a room of them;
 - `hemisphere`, `spherical_harmonics`: light by direction; `lobe_pursuit`, `lobe_refinement`,

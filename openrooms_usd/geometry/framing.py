@@ -5,10 +5,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.geometry.looks import Views
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.geometry.views import FIRST_LOOK, Views, clear, rate_views, sphere_directions
+from openrooms_usd.geometry.views import FIRST_LOOK, clear, rate_views, sphere_directions
 
 Array = NDArray[np.float64]
 

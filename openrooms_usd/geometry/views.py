@@ -7,7 +7,6 @@ good and show what the others do not: parts of the room, and its openings. So se
 room, and do not all look into its most furnished corner.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -16,19 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.floorplan import inside, room_centre
-from openrooms_usd.geometry.pinhole import intrinsics, pixel_directions, rotations
+from openrooms_usd.geometry.looks import Look, Rating, Views, rated
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.geometry.sights import Sights, parts_of, sights_of, visible
+from openrooms_usd.geometry.sights import Sights, sights_of, visible
 
 Array = NDArray[np.float64]
 
 YAW: Final = 45.0  # degrees to either side of the centre
 PITCH: Final = (-60.0, 20.0)  # degrees above the horizon
 CLEARANCE: Final = 0.2  # metres between an eye and any surface
-
-NEAR: Final = 0.4  # what is nearer than this, in metres, blocks the view
-BLOCKED: Final = 0.1  # largest fraction of pixels that may be blocked
-OPEN: Final = 0.5  # largest fraction of pixels that may see nothing
 
 # Pictures of the first look at all candidates, and of the second at the best of them.
 FIRST_LOOK: Final = (40, 30)
@@ -43,31 +38,6 @@ _LITTLE_NEW: Final = 0.02
 
 # How different the chosen views shall be; the next number where too few are.
 SEPARATIONS: Final = (2.0, 1.5, 1.0, 0.5, 0.25, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Views:
-    """Upright camera poses.
-
-    Attributes:
-        eyes: (C, 3) metres.
-        forwards: (C, 3) unit viewing directions.
-    """
-
-    eyes: Array
-    forwards: Array
-
-    def __len__(self) -> int:
-        return len(self.eyes)
-
-    def __getitem__(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> "Views":
-        return Views(self.eyes[rows], self.forwards[rows])
-
-    def poses(self) -> Array:
-        """(C, 4, 4) world_from_camera, OpenCV frame."""
-        poses = np.tile(np.eye(4), (len(self), 1, 1))
-        poses[:, :3, :3], poses[:, :3, 3] = rotations(self.forwards), self.eyes
-        return poses
 
 
 def score(normals: ArrayLike, depth: ArrayLike) -> Array:
@@ -140,6 +110,7 @@ def select_views(
     fov_degrees: float,
     aspect: float = 4.0 / 3.0,
     places: Array | None = None,
+    rating: Rating | None = None,
 ) -> Views:
     """The best views that differ from each other and together show the room, best first.
 
@@ -150,11 +121,14 @@ def select_views(
         fov_degrees: Horizontal field of view.
         aspect: Width over height of the pictures.
         places: (K, 3) what shall be seen besides, such as the middles of openings; metres.
+        rating: How good views are; by default as the paper has it.
     """
     wanted = np.zeros((0, 3)) if places is None else places
     short = views[clear(caster, views.eyes)]
     for look, keep in ((FIRST_LOOK, max(3 * count, 32)), (SECOND_LOOK, count)):
-        scores, parts = _looks(caster, short, fov_degrees, _look(look, aspect))
+        scores, parts = rated(
+            caster, short, fov_degrees, _shaped(look, aspect), rating or paper_scores
+        )
         where = short.eyes, short.forwards
         seen = visible(caster, *where, wanted, fov_degrees=fov_degrees, aspect=aspect)
         short = short[differing(short, scores, keep, sights_of(parts, seen))]
@@ -185,45 +159,12 @@ def rate_views(
         fov_degrees: Horizontal field of view.
         resolution: Width and height of the pictures that are cast.
     """
-    return _looks(caster, views, fov_degrees, resolution)[0]
+    return rated(caster, views, fov_degrees, resolution, paper_scores)[0]
 
 
-def _looks(
-    caster: RayCaster, views: Views, fov_degrees: float, resolution: tuple[int, int]
-) -> tuple[Array, NDArray[np.int64]]:
-    """(C,) the score of each view, and (C, N) the parts of the room in its pixels."""
-    rated = [
-        _rate(caster, views[start : start + 32], fov_degrees, *resolution)
-        for start in range(0, len(views), 32)
-    ]
-    pixels = resolution[0] * resolution[1]
-    scores = np.concatenate([np.zeros(0), *(row[0] for row in rated)])
-    parts = [np.zeros((0, pixels), dtype=np.int64), *(row[1] for row in rated)]
-    return scores, np.concatenate(parts)
-
-
-def _rate(
-    caster: RayCaster, views: Views, fov: float, width: int, height: int
-) -> tuple[Array, NDArray[np.int64]]:
-    rays = pixel_directions(intrinsics(fov, width, height), width, height).reshape(-1, 3)
-    lengths = np.linalg.norm(rays, axis=1)
-    directions = rays @ rotations(views.forwards).swapaxes(1, 2)
-    origins = np.repeat(views.eyes, len(rays), axis=0)
-    hits = caster.first_hit(origins, directions.reshape(-1, 3))
-    shape = len(views), height, width
-    seen = hits.hit.reshape(shape)
-    distance = np.where(hits.hit, hits.distance, 0.0).reshape(len(views), -1)
-    depth = (distance / lengths).reshape(shape)
-    normals = np.zeros((*shape, 3))
-    normals[seen] = caster.normals[hits.triangle[hits.hit]]
-    # Towards the eye, whichever way the triangle is wound.
-    away = np.einsum("chwi,chwi->chw", normals, directions.reshape(*shape, 3)) > 0
-    normals[away] *= -1.0
-    blocked = (seen & (depth < NEAR)).mean(axis=(1, 2)) > BLOCKED
-    empty = (~seen).mean(axis=(1, 2)) > OPEN
-    places = origins + np.where(hits.hit, hits.distance, 0.0)[:, None] * directions.reshape(-1, 3)
-    parts = parts_of(places, hits.hit).reshape(len(views), -1)
-    return np.where(blocked | empty, -np.inf, score(normals, depth)), parts
+def paper_scores(look: Look) -> Array:
+    """(C,) the score of each view as the paper has it."""
+    return score(look.normals, look.depth)
 
 
 def differing(
@@ -275,7 +216,7 @@ def _ranked(scores: Array) -> NDArray[np.int64]:
     return order[scores[order] > -np.inf]
 
 
-def _look(resolution: tuple[int, int], aspect: float) -> tuple[int, int]:
+def _shaped(resolution: tuple[int, int], aspect: float) -> tuple[int, int]:
     """The same number of pixels in another shape."""
     pixels = resolution[0] * resolution[1]
     height = max(2, round((pixels / aspect) ** 0.5))

@@ -6,5 +6,6 @@
 - `alignment` (`catalogue`, `placement`, `poses`, `tops`, `following`, `substitutes`, `aligned`,
   `furnished`, `instances`, `segmented`, `shelf`);
 - `materials` (`swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);
-- `lights` (`daylight`, `glow`); `cameras` (`photographs`, `exposure`); `physics`.
+- `lights` (`daylight`, `glow`); `cameras` (`selection`, `subjects`,
+  `photographs`, `exposure`); `physics`.
 """

@@ -12,8 +12,9 @@ from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.viewpoints import PITCH_DEG
 from openrooms_usd.geometry.views import clear
-from openrooms_usd.stages import cameras as stage_module
+from openrooms_usd.stages import selection as stage_module
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.cameras import CamerasStage
 from openrooms_usd.usd.cameras import list_cameras, read_camera
@@ -112,16 +113,28 @@ def test_render_settings_name_the_first_camera() -> None:
     assert list(settings.GetIncludedPurposesAttr().Get()) == ["default", "render"]
 
 
-@pytest.mark.parametrize("polygon", [True, False])
-def test_selected_views_stand_free_in_the_room(polygon: bool) -> None:
+@pytest.mark.parametrize(
+    ("polygon", "prefer", "heights"),
+    [
+        (True, "photograph", (1.2, 1.6)),
+        (False, "photograph", (1.2, 1.6)),
+        (True, "paper", (1.4, 1.8)),
+    ],
+)
+def test_selected_views_stand_free_in_the_room(
+    polygon: bool, prefer: str, heights: tuple[float, float]
+) -> None:
     stage = room_stage(polygon=polygon)
-    context = author(stage, {"from": "select", "count": 4})
+    context = author(stage, {"from": "select", "count": 4, "prefer": prefer})
     assert context.notes == []
     poses = [read_camera(prim, 64, 48).world_from_camera for prim in list_cameras(stage)]
     eyes = np.array([pose[:3, 3] for pose in poses])
     assert len(eyes) == 4
-    assert (eyes > [0.29, 0.29, 1.4]).all()
-    assert (eyes < [4.71, 3.71, 1.8]).all()
+    assert (eyes > [0.29, 0.29, heights[0]]).all()
+    assert (eyes < [4.71, 3.71, heights[1]]).all()
+    rise = np.degrees(np.arcsin([pose[2, 2] for pose in poses]))
+    level = (PITCH_DEG[0] - 1e-3 <= rise) & (rise <= 1e-3)
+    assert level.all() if prefer == "photograph" else not level.all()
     points, triangles, _ = world_triangles(read_meshes(stage))
     assert clear(RayCaster(points, triangles), eyes).all()
     away = np.linalg.norm(eyes[:, None] - eyes[None], axis=2)
@@ -192,12 +205,12 @@ def test_a_room_without_space_is_framed_with_a_note() -> None:
 @pytest.mark.slow
 def test_many_triangles_are_chosen_by_their_boxes(monkeypatch: pytest.MonkeyPatch) -> None:
     stage = room_stage()
-    exact = author(stage, {"from": "select", "count": 3})
+    exact = author(stage, {"from": "select", "count": 3, "prefer": "paper"})
     assert exact.notes == []
     expected = [read_camera(prim, 4, 3).world_from_camera for prim in list_cameras(stage)]
     monkeypatch.setattr(stage_module, "MANY_TRIANGLES", 10)
     boxed = room_stage()
-    author(boxed, {"from": "select", "count": 3})
+    author(boxed, {"from": "select", "count": 3, "prefer": "paper"})
     # The furniture here is boxes already: nothing may change.
     found = [read_camera(prim, 4, 3).world_from_camera for prim in list_cameras(boxed)]
     np.testing.assert_allclose(found, expected)

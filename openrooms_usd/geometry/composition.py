@@ -1,0 +1,166 @@
+"""How good views are as photographs of a room: its main things whole, deep, nothing in the way.
+
+Each rule is a share between 0 and 1 that a look at the view gives; the score is their product, so
+that one bad fault is enough to come last.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.looks import Look, Rating
+from openrooms_usd.geometry.pinhole import rotations
+from openrooms_usd.geometry.raycast import RayCaster
+
+Array = NDArray[np.float64]
+
+NO_SUBJECT: Final = -1
+"""The subject of triangles that belong to the shell or to small things."""
+
+# What a view without any subject is worth: rooms without furniture are photographed, too.
+_BARE_WORTH: Final = 0.1
+# How much a subject that is cut loses: its share in the picture to this power.
+_WHOLE_POWER: Final = 3.0
+# The part of the picture in which a thing counts as whole: it shall not touch the frame.
+_FRAME_SHARE: Final = 0.98
+# The width of the picture that a subject shall fill for each unit of its weight, and at most.
+_WIDTH_SHARE: Final = 0.09
+_MAX_WIDTH_SHARE: Final = 0.4
+# In front of what counts as seen, metres: its own cushions and blankets.
+_BEFORE_M: Final = 0.05
+# Nearer than this, metres, things are too large before the lens; pictures lose a factor e for each
+# such share of their pixels.
+_CLOSE_M: Final = 0.6
+_CLOSE_SHARE: Final = 0.03
+_FOREGROUND_M: Final = 1.2
+_FOREGROUND_SHARE: Final = 0.25
+# Of the floor, and of one bare wall or back of a cupboard: what is more than this is too much.
+_FLOOR_SHARE: Final = 0.4
+_FLAT_SHARE: Final = 0.35
+_TOO_MUCH_SHARE: Final = 0.12
+# Steeper than this, a normal is that of a floor.
+_LEVEL_COSINE: Final = 0.8
+# A picture is deep when its median depth is this share of the room's diagonal in plan.
+_DEEP_SHARE: Final = 0.4
+# A camera stands where people can when at most so much stands on the floor below it, metres.
+_FOOTING_M: Final = 0.2
+_NO_FOOTING_WORTH: Final = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Subjects:
+    """What a room is photographed for.
+
+    Attributes:
+        points: (K, P, 3) points on the surface of each, metres.
+        weights: (K,) how much each matters.
+        of_triangle: (M,) the subject of each of the caster's triangles, or `NO_SUBJECT`.
+    """
+
+    points: Array
+    weights: Array
+    of_triangle: NDArray[np.int32]
+
+
+def photographic_rating(
+    caster: RayCaster, subjects: Subjects, *, floor: float, diagonal: float
+) -> Rating:
+    """How good views are as photographs.
+
+    Args:
+        caster: The room with all that stands in it.
+        subjects: What is worth being seen.
+        floor: Height of the floor, metres.
+        diagonal: Of the room in plan, metres.
+    """
+
+    def rating(look: Look) -> Array:
+        return np.asarray(
+            _shown(caster, subjects, look)
+            * _uncluttered(look)
+            * _not_bare(look)
+            * np.sqrt(np.clip(_median_depth(look) / (_DEEP_SHARE * diagonal), 0.05, 1.0))
+            * np.where(_has_footing(caster, look, floor), 1.0, _NO_FOOTING_WORTH)
+        )
+
+    return rating
+
+
+def _shown(caster: RayCaster, subjects: Subjects, look: Look) -> Array:
+    """(C,) how much of the subjects is whole and unhidden in each picture, by their weights."""
+    weight = float(subjects.weights.sum())
+    if not weight > 0.0:
+        return np.ones(len(look.views))
+    eyes, axes = look.views.eyes, rotations(look.views.forwards)
+    rays = subjects.points[None] - eyes[:, None, None]  # (C, K, P, 3)
+    x, y, z = np.moveaxis(np.einsum("ckpi,cij->ckpj", rays, axes), -1, 0)
+    rows, columns = look.depth.shape[1:]
+    half = np.tan(np.radians(0.5 * look.fov_degrees)) * _FRAME_SHARE
+    within = (z > 0.0) & (np.abs(x) < half * z) & (np.abs(y) < half * rows / columns * z)
+    view, subject, _ = at = np.nonzero(within)
+    distance = np.linalg.norm(rays[at], axis=1)
+    hits = caster.first_hit(eyes[view], rays[at] / np.maximum(distance, 1e-9)[:, None])
+    # Its own front hides nothing of a thing.
+    own = hits.hit & (subjects.of_triangle[hits.triangle] == subject)
+    seen = np.zeros_like(within)
+    seen[at] = own | ~hits.hit | (hits.distance > distance - _BEFORE_M)
+    whole = within.mean(axis=2) ** _WHOLE_POWER
+    open_share = seen.sum(axis=2) / np.maximum(within.sum(axis=2), 1)
+    across = np.where(within, x / np.where(within, z, 1.0), np.nan)
+    width = _extent(across) / (2.0 * half)
+    wanted = np.minimum(_WIDTH_SHARE * subjects.weights, _MAX_WIDTH_SHARE)
+    large = np.sqrt(np.clip(width / np.maximum(wanted, 1e-9), 0.0, 1.0))
+    return np.asarray(_BARE_WORTH + (whole * open_share**2 * large) @ subjects.weights / weight)
+
+
+def _extent(values: Array) -> Array:
+    """(...) from the least to the greatest of (..., P), those that are not numbers left out."""
+    known = np.isfinite(values)
+    high = np.where(known, values, -np.inf).max(axis=-1)
+    low = np.where(known, values, np.inf).min(axis=-1)
+    return np.where(known.any(axis=-1), high - low, 0.0)
+
+
+def _uncluttered(look: Look) -> Array:
+    """(C,) little of the picture is taken by what is right before the lens."""
+    close = (look.seen & (look.depth < _CLOSE_M)).mean(axis=(1, 2))
+    foreground = (look.seen & (look.depth < _FOREGROUND_M)).mean(axis=(1, 2))
+    return np.asarray(np.exp(-close / _CLOSE_SHARE - foreground / _FOREGROUND_SHARE))
+
+
+def _not_bare(look: Look) -> Array:
+    """(C,) neither the floor nor one upright plane fills the picture."""
+    floor = (look.normals[..., 2] > _LEVEL_COSINE).mean(axis=(1, 2))
+    return np.asarray(_bearable(floor, _FLOOR_SHARE) * _bearable(_largest_plane(look), _FLAT_SHARE))
+
+
+def _bearable(share: Array, most: float) -> Array:
+    return np.asarray(np.exp(-np.clip((share - most) / _TOO_MUCH_SHARE, 0.0, None)))
+
+
+def _largest_plane(look: Look) -> Array:
+    """(C,) the share of the pixels that see one and the same upright plane."""
+    upright = look.seen & (np.abs(look.normals[..., 2]) < 1.0 - _LEVEL_COSINE)
+    turn = np.round(np.arctan2(look.normals[..., 1], look.normals[..., 0]) / np.radians(15.0))
+    away = np.round(np.einsum("chwi,chwi->chw", look.normals, look.places) / 0.1)
+    key = np.where(upright, turn * 1e6 + away, np.nan).reshape(len(look.views), -1)
+    # Of numbers in order, equal ones are runs.
+    ordered = np.sort(key, axis=1)
+    new = np.ones(ordered.shape, dtype=np.bool_)
+    new[:, 1:] = ordered[:, 1:] != ordered[:, :-1]
+    start = np.maximum.accumulate(np.where(new, np.arange(ordered.shape[1]), 0), axis=1)
+    runs = np.where(np.isnan(ordered), 0, np.arange(ordered.shape[1]) - start + 1)
+    return np.asarray(runs.max(axis=1) / ordered.shape[1])
+
+
+def _median_depth(look: Look) -> Array:
+    return np.asarray(np.median(look.depth.reshape(len(look.views), -1), axis=1))
+
+
+def _has_footing(caster: RayCaster, look: Look, floor: float) -> NDArray[np.bool_]:
+    """(C,) whether somebody could stand below the camera."""
+    eyes = look.views.eyes
+    below = caster.first_hit(eyes, np.tile([0.0, 0.0, -1.0], (len(eyes), 1)))
+    return np.asarray(~below.hit | (eyes[:, 2] - below.distance < floor + _FOOTING_M))

@@ -1,0 +1,163 @@
+"""Views that are selected: the composed room as rays see it, and the best of many candidates."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.description.cameras import SelectedCameras
+from openrooms_usd.geometry.composition import Subjects, photographic_rating
+from openrooms_usd.geometry.framing import framing_view
+from openrooms_usd.geometry.looks import Rating, Views
+from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
+from openrooms_usd.geometry.viewpoints import photographers_views
+from openrooms_usd.geometry.views import sample_views, select_views
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.subjects import room_subjects
+from openrooms_usd.usd.frames import TIME, local_to_world
+from openrooms_usd.usd.meshes import PlacedMesh, read_meshes, world_triangles
+
+Array = NDArray[np.float64]
+
+# Above this many triangles furniture is cast as its boxes: views need no more to be chosen.
+MANY_TRIANGLES: Final = 2_000_000
+
+# Candidates for each view that is kept, and at least this many.
+_CANDIDATES_PER_VIEW: Final = 24
+_MIN_CANDIDATES: Final = 192
+
+# Heights above the floor where the description names none, metres.
+_HEIGHTS_M: Final[Mapping[str, tuple[float, float]]] = {
+    "photograph": (1.2, 1.6),
+    "paper": (1.4, 1.8),
+}
+
+# Where a look at an opening ends, before the inner edge of its wall, metres.
+_BEFORE_OPENING_M: Final = 0.05
+
+# Room between an eye and the ceiling, metres.
+_BELOW_CEILING: Final = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """The composed room, ready to be looked at.
+
+    Attributes:
+        points: (M, 3, 3) corners of everything that is drawn, metres.
+        caster: The same for rays.
+        polygon: (P, 2) floor.
+        floor: Height of the floor.
+        headroom: From the floor to a little below the ceiling, metres.
+        openings: (K, 3) the middles of windows, doors and passages, on the room's side.
+        subjects: What the room is photographed for.
+    """
+
+    points: Array
+    caster: RayCaster
+    polygon: Array
+    floor: float
+    headroom: float
+    openings: Array
+    subjects: Subjects
+
+    @classmethod
+    def of(cls, stage: Usd.Stage) -> "Selection":
+        """Read a composed room."""
+        meshes = read_meshes(stage).meshes
+        light = _lightened(meshes)
+        points, triangles, owners = world_triangles(light)
+        shell = _points(meshes, names.ROOM)
+        everything = next(found for found in (shell, points, np.zeros((1, 3))) if len(found))
+        low, high = everything.min(axis=0), everything.max(axis=0)
+        ground = float(_points(meshes, names.FLOOR)[:, 2].max(initial=low[2]))
+        top = float(_points(meshes, names.CEILING)[:, 2].min(initial=high[2]))
+        polygon = _floor_polygon(stage)
+        if polygon is None:
+            polygon = np.array([low[:2], [high[0], low[1]], high[:2], [low[0], high[1]]])
+        caster = RayCaster(points, triangles)
+        headroom = top - ground - _BELOW_CEILING
+        subjects = room_subjects(light, points[triangles], owners)
+        return cls(points[triangles], caster, polygon, ground, headroom, _openings(stage), subjects)
+
+    def choose(self, context: StageContext, number: int, view: SelectedCameras) -> Array:
+        """(C, 4, 4) poses of the best views."""
+        width, height = context.room.cameras.resolution or (1, 1)
+        chosen = select_views(
+            self.caster,
+            self._candidates(context.rng("cameras", "select", str(number)), view),
+            view.count,
+            fov_degrees=view.fov,
+            aspect=width / height,
+            places=self.openings,
+            rating=None if view.prefer == "paper" else self._rating(),
+        )
+        if not len(chosen):
+            context.notes.append("no free view along the walls: the room is framed as a whole")
+            return framing_view(self.points, self.caster, width / height).poses()
+        if len(chosen) < view.count:
+            context.notes.append(
+                f"only {len(chosen)} of {view.count} views found room along the walls"
+            )
+        return chosen.poses()
+
+    def _candidates(self, rng: np.random.Generator, view: SelectedCameras) -> Views:
+        low, high = view.height or _HEIGHTS_M[view.prefer]
+        highest = min(high, max(self.headroom, 0.1))
+        count = max(_MIN_CANDIDATES, _CANDIDATES_PER_VIEW * view.count)
+        heights = min(low, highest), highest
+        where = self.polygon, self.floor, count, rng
+        if view.prefer == "paper":
+            return sample_views(*where, height=heights, distance=view.distance)
+        return photographers_views(
+            *where, height=heights, distance=view.distance, doorways=self.openings
+        )
+
+    def _rating(self) -> Rating:
+        diagonal = float(np.hypot(*np.ptp(self.polygon, axis=0)))
+        return photographic_rating(self.caster, self.subjects, floor=self.floor, diagonal=diagonal)
+
+
+def _points(meshes: list[PlacedMesh], root: str) -> Array:
+    """(N, 3) points in the world of all meshes at or below a path."""
+    below = [m.world_points() for m in meshes if m.path == root or m.path.startswith(f"{root}/")]
+    return np.concatenate([np.zeros((0, 3)), *below])
+
+
+def _openings(stage: Usd.Stage) -> Array:
+    """(K, 3) a little before the middle of every opening, in the world."""
+    openings, cache = stage.GetPrimAtPath(names.OPENINGS), UsdGeom.XformCache(TIME)
+    rows = [
+        prim for prim in (openings.GetChildren() if openings else ()) if UsdGeom.Xformable(prim)
+    ]
+    before = np.array([0.0, -_BEFORE_OPENING_M, 0.0, 1.0])
+    return np.array([(local_to_world(prim, cache) @ before)[:3] for prim in rows]).reshape(-1, 3)
+
+
+def _floor_polygon(stage: Usd.Stage) -> Array | None:
+    """(P, 2) as the layout stage left it; None where there is no usable one."""
+    room = stage.GetPrimAtPath(names.ROOM)
+    attribute = room.GetAttribute(names.ROOM_FLOOR) if room else None
+    corners = np.array(attribute.Get() if attribute and attribute.HasValue() else [])
+    usable = corners.ndim == 2 and len(corners) >= 3 and np.isfinite(corners).all()
+    return corners.astype(np.float64) if usable else None
+
+
+def _lightened(meshes: list[PlacedMesh]) -> list[PlacedMesh]:
+    """The meshes, or boxes for those of the furniture when there are too many triangles."""
+    if sum(len(mesh.mesh.triangles) for mesh in meshes) <= MANY_TRIANGLES:
+        return meshes
+    boxes: dict[int, TriangleMesh] = {}
+    for mesh in meshes:
+        boxes.setdefault(id(mesh.mesh), bounding_box(mesh.mesh))
+    return [
+        PlacedMesh(mesh.path, mesh.prim, boxes[id(mesh.mesh)], mesh.world_from_local)
+        if mesh.path.startswith(f"{names.FURNITURE}/")
+        else mesh
+        for mesh in meshes
+    ]

@@ -1,0 +1,89 @@
+"""Views as photographs: where people stand, and scenes whose best picture is known."""
+
+import numpy as np
+import pytest
+import shapely
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.composition import NO_SUBJECT, Subjects, photographic_rating
+from openrooms_usd.geometry.looks import Views, rated
+from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.viewpoints import PITCH_DEG, photographers_views
+from tests.geometry.test_views import ROOM, SQUARE, cuboids
+
+Array = NDArray[np.float64]
+L_SHAPE = np.array([[0.0, 0], [6, 0], [6, 3], [3, 3], [3, 6], [0, 6]])
+# A sofa, 2 m wide.
+SOFA = ((1.0, 3.0, 0.0), (3.0, 3.9, 0.8), False)
+
+
+def ratings(
+    eyes: Array, aims: Array, *more: tuple[tuple[float, ...], tuple[float, ...], bool]
+) -> Array:
+    """Of views of a room with a sofa as its only subject, and other things."""
+    points, triangles = cuboids(ROOM, SOFA, *more)
+    caster = RayCaster(points, triangles)
+    subject = np.full(len(triangles), NO_SUBJECT, dtype=np.int32)
+    subject[12:24] = 0
+    subjects = Subjects(points[triangles[12:24]].mean(axis=1)[None], np.array([4.0]), subject)
+    forwards = aims - eyes
+    views = Views(eyes, forwards / np.linalg.norm(forwards, axis=1, keepdims=True))
+    rating = photographic_rating(caster, subjects, floor=0.0, diagonal=6.4)
+    return rated(caster, views, 65.0, (40, 30), rating)[0]
+
+
+@pytest.mark.parametrize("outline", [SQUARE, SQUARE[::-1], L_SHAPE])
+def test_people_stand_inside_level_and_often_in_corners_and_doorways(outline: Array) -> None:
+    door = np.array([[1.0, 0.05, 1.0]])
+    views = photographers_views(outline, 0.5, 400, np.random.default_rng(1), doorways=door)
+    assert len(views) > 250
+    shape = shapely.Polygon(outline)
+    assert shapely.contains_xy(shape, views.eyes[:, 0], views.eyes[:, 1]).all()
+    assert views.eyes[:, 2].min() >= 1.7
+    assert views.eyes[:, 2].max() <= 2.1
+    rise = np.degrees(np.arcsin(views.forwards[:, 2]))
+    assert PITCH_DEG[0] <= rise.min() < rise.max() <= PITCH_DEG[1] == 0.0
+    away = np.linalg.norm(views.eyes[:, None, :2] - outline, axis=2).min(axis=1)
+    assert (away < 0.8 * np.sqrt(2.0)).mean() > 0.3
+    assert (np.linalg.norm(views.eyes[:, :2] - door[0, :2], axis=1) < 0.85).mean() > 0.1
+
+
+def test_a_wall_that_is_nearly_faced_is_faced_squarely() -> None:
+    views = photographers_views(
+        SQUARE, 0.0, 400, np.random.default_rng(2), doorways=np.zeros((0, 3))
+    )
+    yaw = np.degrees(np.arctan2(views.forwards[:, 1], views.forwards[:, 0]))
+    off = np.abs((yaw + 45.0) % 90.0 - 45.0)
+    square = off < 1e-6
+    assert 0.1 < square.mean() < 0.6
+    assert off[~square].min() >= 12.0
+
+
+def test_the_subject_is_whole_and_nothing_is_before_it() -> None:
+    eye, whole, cut = [2.0, 0.4, 1.4], [2.0, 3.4, 1.1], [4.0, 3.4, 1.1]
+    best, half = ratings(np.array([eye, eye]), np.array([whole, cut]))
+    assert half < 0.5 * best
+    post = ((1.75, 1.9, 0.0), (2.25, 2.1, 2.0), False)
+    assert ratings(np.array([eye]), np.array([whole]), post)[0] < 0.9 * best
+    hidden = ((0.9, 2.0, 0.0), (3.1, 2.2, 2.0), False)
+    assert ratings(np.array([eye]), np.array([whole]), hidden)[0] < 0.3 * best
+
+
+def test_what_is_right_before_the_lens_costs_most_of_the_score() -> None:
+    eye, aim = np.array([[2.0, 0.4, 1.4]]), np.array([[2.0, 3.4, 1.1]])
+    lamp = ((1.72, 0.85, 1.15), (1.85, 0.95, 1.6), False)
+    assert ratings(eye, aim, lamp)[0] < 0.5 * ratings(eye, aim)[0]
+
+
+def test_steep_looks_at_the_floor_and_bare_walls_come_last() -> None:
+    eyes = np.array([[2.0, 0.4, 1.4], [2.0, 0.9, 1.4], [4.0, 2.0, 1.4]])
+    aims = np.array([[2.0, 3.4, 1.1], [2.0, 1.9, 0.0], [4.9, 2.0, 1.4]])
+    level, steep, wall = ratings(eyes, aims)
+    assert steep < 0.3 * level
+    assert wall < 0.1 * level
+
+
+def test_nobody_photographs_from_above_a_cupboard() -> None:
+    eye, aim = np.array([[2.0, 0.4, 1.4]]), np.array([[2.0, 3.4, 1.1]])
+    cupboard = ((1.6, 0.05, 0.0), (2.4, 0.5, 0.8), False)
+    assert ratings(eye, aim, cupboard)[0] == pytest.approx(0.4 * ratings(eye, aim)[0])
