@@ -9,10 +9,17 @@ from openrooms_usd.api.given import AnyPath, path_of, room_of
 
 if TYPE_CHECKING:
     from openrooms_usd.description.room import Room, RoomType
+    from openrooms_usd.description.styles import InteriorStyle
     from openrooms_usd.importing import ImportedRoom
 
 
-def generate(room_type: "RoomType", seed: int = 0, *, area: float | None = None) -> "Room":
+def generate(
+    room_type: "RoomType",
+    seed: int = 0,
+    *,
+    area: float | None = None,
+    style: "InteriorStyle | None" = None,
+) -> "Room":
     """Make a room from nothing: walls, openings, furniture, lamps and cameras.
 
     Equal arguments give equal rooms. Nothing is written.
@@ -21,12 +28,14 @@ def generate(room_type: "RoomType", seed: int = 0, *, area: float | None = None)
         room_type: Such as ``living_room``; one of 27.
         seed: Fixes everything that is drawn.
         area: Of the floor, square metres; drawn by default.
+        style: Such as ``mid_century``: what furniture, materials and colours go together; drawn by
+            default.
 
     Returns:
         The room, to be composed, saved or changed.
 
     Raises:
-        InputError: There is no such room type or seed, or no room of that area can be made.
+        InputError: There is no such room type, style or seed, or no room of that area can be made.
     """
     from openrooms_usd.description import parse_room
     from openrooms_usd.errors import InputError
@@ -36,7 +45,7 @@ def generate(room_type: "RoomType", seed: int = 0, *, area: float | None = None)
     if not isinstance(seed, Integral) or not 0 <= seed < 2**63:
         remedy = "give a whole number of at least 0"
         raise InputError(f"{seed!r} is no seed", place="seed", remedy=remedy)
-    return parse_room(write(make(room_type, int(seed), area)), f"generated {room_type}")
+    return parse_room(write(make(room_type, int(seed), area, style)), f"generated {room_type}")
 
 
 def load(description: "Room | Mapping[str, Any] | AnyPath") -> "Room":

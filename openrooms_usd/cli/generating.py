@@ -7,6 +7,7 @@ import click
 
 from openrooms_usd.cli.console import command_line, echo, json_option, print_json
 from openrooms_usd.description.room import RoomType
+from openrooms_usd.description.styles import InteriorStyle
 
 _MOST: Final = 100_000
 
@@ -22,17 +23,28 @@ _MOST: Final = 100_000
 @click.option("--count", type=click.IntRange(1, _MOST),
               help="Write this many rooms, each into a folder OUT/TYPE_SEED.")  # fmt: skip
 @click.option("--area", type=click.FloatRange(2, 400), help="Floor area, square metres.")
+@click.option(
+    "--style", type=click.Choice(get_args(InteriorStyle)),
+    help="What furniture, materials and colours go together; drawn by default.",
+)  # fmt: skip
 @json_option
 def generate(
-    room_type: str, seed: int, out: Path, count: int | None, area: float | None, as_json: bool
+    room_type: str,
+    seed: int,
+    out: Path,
+    count: int | None,
+    area: float | None,
+    style: InteriorStyle | None,
+    as_json: bool,
 ) -> None:
     """Make a room from nothing: walls, openings, furniture, lamps and cameras in OUT/room.yaml.
 
-    Equal types, seeds and areas give equal files. With --count the seeds run on from --seed.
+    Equal types, seeds, areas and styles give equal files. With --count the seeds run on from
+    --seed.
     """
     from openrooms_usd.generate.folders import generate_rooms
 
-    rooms = list(generate_rooms(room_type, seed, out, count=count, area=area))
+    rooms = list(generate_rooms(room_type, seed, out, count=count, area=area, style=style))
     if as_json:
         print_json({"rooms": [room.as_dict() for room in rooms]})
         return

@@ -3,7 +3,8 @@
 - `syntax`, `scalars`, `reading`: YAML with places; `units`, `moments`, `nearest`: single values;
 - `model`, `room`: the models, by section `layout`, `polygon`, `captured`, `scanned`, `generate`,
   `alignment`, `materials`, `lights`, `cameras`, `physics`;
-- `categories`, `families`, `substances`: the names that may be used; `naming`: of what has none;
+- `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
+  has none;
 - `mistakes`, `diagnosis`: what is wrong, in words; `files`, `data`: of a file, of Python;
 - `schema`: the JSON Schema.
 """

@@ -21,6 +21,7 @@ from openrooms_usd.description.model import (
 )
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.physics import Physics
+from openrooms_usd.description.styles import InteriorStyle
 
 RoomType = Literal[
     "apartment",
@@ -62,6 +63,8 @@ class Room(CheckedModel):
     """The room type; chooses defaults."""
     seed: Whole = Field(default=0, ge=0, lt=2**63)
     """Fixes everything that is drawn."""
+    style: InteriorStyle | None = None
+    """What furniture, materials and colours go together; by default each is drawn by itself."""
     layout: Layout = Field(default_factory=PolygonLayout)
     """The room's shell."""
     alignment: Alignment = Field(default_factory=ObjectList)

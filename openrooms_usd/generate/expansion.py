@@ -7,7 +7,7 @@ from openrooms_usd.description.layout import PolygonLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.generate.describing import lamps, layout_section, objects
-from openrooms_usd.generate.rooms import Generated, furnish, generate
+from openrooms_usd.generate.rooms import Generated, furnish, generate, style_of
 from openrooms_usd.generate.shell import shell_of
 
 
@@ -34,10 +34,11 @@ def expanded(room: Room) -> Room:
     if not wants_layout and not wants_objects:
         return room
     if isinstance(layout, GeneratedLayout):
-        made = generate(room.room, room.seed, layout.area)
+        made = generate(room.room, room.seed, layout.area, room.style)
     elif isinstance(layout, PolygonLayout):
-        shell = shell_of(layout)
-        made = Generated(room.room, room.seed, shell, [], furnish(room.room, room.seed, shell))
+        shell, style = shell_of(layout), room.style or style_of(room.room, room.seed)
+        standing = furnish(room.room, room.seed, shell, style)
+        made = Generated(room.room, room.seed, shell, [], standing, style)
     else:
         raise DescriptionError(
             "furniture is generated for rooms that are drawn or generated, not for captured ones",
@@ -52,6 +53,7 @@ def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) 
     if isinstance(room.layout, GeneratedLayout):
         data["layout"] = layout_section(made) | {"wall_thickness": room.layout.wall_thickness}
     if wants_objects:
+        data["style"] = made.style
         data["alignment"] = {
             "from": "objects",
             "objects": [row for _, row in objects(made.furnishing)],

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from openrooms_usd.atomic import filling, write_text
+from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.errors import OutputError, writing
 from openrooms_usd.generate.rooms import Generated, generate
 from openrooms_usd.generate.writing import write
@@ -36,13 +37,20 @@ class GeneratedFile:
             "room": str(self.file),
             "type": self.made.room_type,
             "seed": self.made.seed,
+            "style": self.made.style,
             "area": round(self.made.shell.area, 2),
             "objects": self.objects,
         }
 
 
 def generate_rooms(
-    room_type: str, seed: int, out: Path, *, count: int | None = None, area: float | None = None
+    room_type: str,
+    seed: int,
+    out: Path,
+    *,
+    count: int | None = None,
+    area: float | None = None,
+    style: InteriorStyle | None = None,
 ) -> Iterator[GeneratedFile]:
     """Write the descriptions of some rooms.
 
@@ -52,6 +60,7 @@ def generate_rooms(
         out: The folder; made when it is missing.
         count: How many rooms, each in a folder of its own; one in ``out`` itself by default.
         area: Floor area, square metres.
+        style: Of furniture, materials and colours; drawn for each room by default.
 
     Yields:
         Each room, once it is written.
@@ -61,7 +70,7 @@ def generate_rooms(
     """
     for number in range(seed, seed + (count or 1)):
         folder = out if count is None else out / f"{room_type}_{number}"
-        made = generate(room_type, number, area)
+        made = generate(room_type, number, area, style)
         _write(folder, write(made))
         yield GeneratedFile(folder / ROOM, made)
 

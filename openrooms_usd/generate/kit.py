@@ -12,6 +12,7 @@ from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.sizes import drawn_size
 from openrooms_usd.generate.standing import above_foot, level_top
 from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size, category, styles
+from openrooms_usd.library.interiors import Interior
 from openrooms_usd.names import ROOM_HEIGHT
 
 # An object rests on a top that is level to this, metres.
@@ -34,6 +35,7 @@ class Kit:
         shapes: The real form of objects.
         height: Floor to ceiling, metres.
         span: Width and depth of the room, the longer first; metres.
+        interior: The style of the room, if it has one.
         modesty: 0 at the first try; grows when a group did not fit, and asks for less.
     """
 
@@ -41,6 +43,7 @@ class Kit:
     shapes: Shapes
     height: float = ROOM_HEIGHT
     span: tuple[float, float] = (5.0, 4.0)
+    interior: Interior | None = None
     modesty: float = 0.0
     _count: dict[str, int] = field(default_factory=dict)
     _makes: dict[str, tuple[Size, str]] = field(default_factory=dict)
@@ -69,7 +72,10 @@ class Kit:
 
     def style(self, name: str, size: Size | None = None) -> str:
         """One of a category's styles that suit a size; of all of them when there is none."""
-        return self.pick(tuple(category(name).styles) if size is None else styles(name, size))
+        suited = tuple(category(name).styles) if size is None else styles(name, size)
+        if self.interior is None:
+            return self.pick(suited)
+        return self.interior.style_of(name, suited, self.rng)
 
     def size(
         self,

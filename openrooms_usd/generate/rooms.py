@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
 from openrooms_usd.generate.boxes import Pose
@@ -18,6 +19,8 @@ from openrooms_usd.generate.programs import PROGRAMS, Program, Want
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.shell import Shell
 from openrooms_usd.generate.walls import ceiling_lamps, curtains, hang
+from openrooms_usd.library.assignment.weights import drawn
+from openrooms_usd.library.interiors import INTERIORS, Interior
 
 # How often a room is drawn again when what it is for found no place.
 _MAX_DRAFTS: Final = 6
@@ -53,6 +56,7 @@ class Generated:
         shell: Its walls and openings.
         openings: The openings as the description has them.
         furnishing: What stands in it.
+        style: What its furniture, materials and colours go together by; None: by nothing.
     """
 
     room_type: str
@@ -60,6 +64,12 @@ class Generated:
     shell: Shell
     openings: list[dict[str, Any]]
     furnishing: Furnishing = field(default_factory=lambda: Furnishing([], 0))
+    style: InteriorStyle | None = None
+
+    @property
+    def interior(self) -> Interior | None:
+        """What rooms of its style have."""
+        return INTERIORS[self.style] if self.style else None
 
 
 def program_of(room_type: str) -> Program:
@@ -75,21 +85,34 @@ def program_of(room_type: str) -> Program:
     return PROGRAMS[room_type]
 
 
-def generate(room_type: str, seed: int, area: float | None = None) -> Generated:
+def style_of(room_type: str, seed: int) -> InteriorStyle:
+    """The style that a room is generated in where nobody asks for one."""
+    rng = generator(seed, "generate", room_type, "style")
+    return drawn(rng, dict.fromkeys(INTERIORS, 1.0))
+
+
+def generate(
+    room_type: str, seed: int, area: float | None = None, style: InteriorStyle | None = None
+) -> Generated:
     """Make a room; equal arguments give equal rooms, in any process.
 
     Args:
         room_type: One of the 27.
         seed: Fixes everything that is drawn.
         area: Of the floor, square metres; drawn by default.
+        style: Of furniture, materials and colours; drawn by default.
 
     Raises:
-        InputError: There is no such room type, or no room of that area can be made.
+        InputError: There is no such room type or style, or no room of that area can be made.
     """
+    style = style or style_of(room_type, seed)
+    if style not in INTERIORS:
+        raise InputError(f"no style is named {style!r}", remedy=f"known: {', '.join(INTERIORS)}")
     best: Generated | None = None
     for attempt in range(_MAX_DRAFTS):
         shell, rows = draw_shell(room_type, seed, area, attempt)
-        found = Generated(room_type, seed, shell, rows, _furnished(room_type, seed, shell, attempt))
+        standing = _furnished(room_type, seed, shell, attempt, style)
+        found = Generated(room_type, seed, shell, rows, standing, style)
         if best is None or found.furnishing.missing < best.furnishing.missing:
             best = found
         if not best.furnishing.missing:
@@ -120,13 +143,15 @@ def draw_shell(
     return openings(rng, Shell(corners, height), program)
 
 
-def furnish(room_type: str, seed: int, shell: Shell) -> Furnishing:
-    """Furniture for a given room.
+def furnish(
+    room_type: str, seed: int, shell: Shell, style: InteriorStyle | None = None
+) -> Furnishing:
+    """Furniture for a given room, of a style where one is given.
 
     Raises:
         InputError: There is no such room type.
     """
-    found = (_furnished(room_type, seed, shell, attempt) for attempt in range(_MAX_DRAFTS))
+    found = (_furnished(room_type, seed, shell, attempt, style) for attempt in range(_MAX_DRAFTS))
     best = next(found)
     for other in found:
         if not best.missing:
@@ -135,13 +160,15 @@ def furnish(room_type: str, seed: int, shell: Shell) -> Furnishing:
     return best
 
 
-def _furnished(room_type: str, seed: int, shell: Shell, attempt: int) -> Furnishing:
+def _furnished(
+    room_type: str, seed: int, shell: Shell, attempt: int, style: InteriorStyle | None
+) -> Furnishing:
     program = program_of(room_type)
     room = Arrangement(shell)
     sides = np.ptp(shell.corners, axis=0)
     kit = Kit(
         generator(seed, "generate", room_type, "furniture", attempt), Shapes(seed), shell.height,
-        (float(sides.max()), float(sides.min())),
+        (float(sides.max()), float(sides.min())), INTERIORS[style] if style else None,
     )  # fmt: skip
     missing = 0
     for want in program.wants:

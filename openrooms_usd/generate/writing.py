@@ -36,6 +36,8 @@ def _lines(room: Generated) -> Iterator[str]:
     yield f"name: {room.room_type}_{room.seed}"
     yield f"room: {room.room_type}"
     yield f"seed: {room.seed}"
+    if room.style:
+        yield f"style: {room.style}"
     yield ""
     yield "layout:"
     yield "  from: polygon"

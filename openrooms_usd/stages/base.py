@@ -147,8 +147,8 @@ class Stage(Protocol):
 def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
     """A hash of everything that a stage's layer depends on.
 
-    That is: the code that it runs, the stage's section, the room type, the seed, its input files,
-    the layers that it reads, and the human edits. The room's name is read by no stage.
+    That is: the code that it runs, the stage's section, the room type, the seed, the style, its
+    input files, the layers that it reads, and the human edits. The room's name is read by no stage.
 
     Args:
         stage: The stage.
@@ -167,7 +167,7 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
         "stage": stage.name,
         "code": code_digest(*code_of(stage), *_adapters(room)),
         "section": section and section.model_dump(mode="json"),
-        "room": [room.room, room.seed],
+        "room": [room.room, room.seed, room.style],
         "inputs": {
             name: file_digest(input_file(source, name)) for name in stage.inputs(room, source)
         },
