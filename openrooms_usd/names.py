@@ -12,6 +12,7 @@ FLOOR: Final = "/World/Room/Floor"
 CEILING: Final = "/World/Room/Ceiling"
 WALLS: Final = "/World/Room/Walls"
 OPENINGS: Final = "/World/Room/Openings"
+TRIM: Final = "/World/Room/Trim"
 FURNITURE: Final = "/World/Furniture"  # alignment (group)
 MATERIALS: Final = "/World/Materials"  # materials
 LIGHTS: Final = "/World/Lights"  # lights
@@ -71,7 +72,12 @@ CAPTURED: Final = "captured"  # the source's own word for what was captured
 PART: Final = "part"  # semantic parts, named as PartNet does
 
 # The categories that the room itself is made of.
-SHELL: Final = frozenset({"ceiling", "door", "floor", "opening", "wall", "window"})
+SHELL: Final = frozenset(
+    {
+        "beam", "ceiling", "ceiling_grid", "cladding", "cornice", "door", "floor", "opening",
+        "picture_rail", "skirting", "wainscot", "wall", "window",
+    }
+)  # fmt: skip
 
 # Name of the texture coordinates, in metres.
 ST: Final = "st"

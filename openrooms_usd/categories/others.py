@@ -38,6 +38,7 @@ OTHERS: Final[dict[str, Category]] = {
         synsets=("02773838",),
         makes=(makes.row(ANY, makes.filled(100), "common"),),
     ),
+    "beam": _other(fixed=True, classes=Classes("ceiling", "otherstructure")),
     "bicycle": _other(
         classes=Classes("bike", "otherprop"),
         synsets=("02834778",),
@@ -72,15 +73,18 @@ OTHERS: Final[dict[str, Category]] = {
     "ceiling_fan": _other(
         support="ceiling",
     ),
+    "ceiling_grid": _other(fixed=True, classes=Classes("ceiling", "ceiling")),
     "chandelier": _other(
         support="ceiling",
     ),
+    "cladding": _other(fixed=True, classes=Classes("wall", "wall")),
     "clothes": _other(
         makes=(makes.row(ANY, makes.filled(150), "common"),),
     ),
     "column": _other(
         fixed=True,
     ),
+    "cornice": _other(fixed=True, classes=Classes("wall", "otherstructure")),
     "floor": _other(
         fixed=True,
         classes=Classes("floor", "floor"),
@@ -107,7 +111,7 @@ OTHERS: Final[dict[str, Category]] = {
     "opening": _other(
         fixed=True,
         classes=Classes(UNLABELED, "otherstructure"),
-        schemes=(Scheme({ANY: "white"}),),
+        schemes=(Scheme({ANY: "white", "threshold": "wood"}),),
     ),
     "paper": _other(
         makes=(makes.row(ANY, makes.filled(700), "common"),),
@@ -121,6 +125,7 @@ OTHERS: Final[dict[str, Category]] = {
         schemes=(Scheme({ANY: "wood"}, weight=3.0),),
         makes=(makes.row(ANY, makes.filled(200), "weight"),),
     ),
+    "picture_rail": _other(fixed=True, classes=Classes("wall", "otherstructure")),
     "radiator": _other(
         support="wall",
         fixed=True,
@@ -140,6 +145,7 @@ OTHERS: Final[dict[str, Category]] = {
             makes.row(f"curtain cord {ANY}", makes.filled(80), "common", "fabric"),
         ),
     ),
+    "skirting": _other(fixed=True, classes=Classes("wall", "otherstructure")),
     "storage": _other(
         classes=Classes("cabinet", "cabinet"),
         makes=makes.STORAGE,
@@ -147,6 +153,7 @@ OTHERS: Final[dict[str, Category]] = {
     "towel": _other(
         makes=(makes.row(ANY, makes.filled(150), "common"),),
     ),
+    "wainscot": _other(fixed=True, classes=Classes("wall", "wall")),
     "wall": _other(
         fixed=True,
         classes=Classes("wall", "wall"),

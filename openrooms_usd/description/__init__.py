@@ -1,7 +1,8 @@
 """room.yaml: its models, how it is read, and its JSON Schema.
 
 - `syntax`, `scalars`, `reading`: YAML with places; `units`, `moments`, `nearest`: single values;
-- `model`, `room`: the models, by section `layout`, `polygon`, `captured`, `scanned`, `generate`,
+- `model`, `room`: the models, by section `layout`, `trim`,
+  `polygon`, `captured`, `scanned`, `generate`,
   `alignment`, `materials`, `lights`, `cameras`, `physics`;
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
   has none;

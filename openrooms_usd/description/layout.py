@@ -21,6 +21,7 @@ from openrooms_usd.description.model import (
 )
 from openrooms_usd.description.naming import repeated_names, unique_names
 from openrooms_usd.description.polygon import simple_polygon
+from openrooms_usd.description.trim import AnyCeiling, Ceiling, Cladding, Trim
 from openrooms_usd.description.units import Angle, Length, PositiveLength
 from openrooms_usd.names import PARTITION_THICKNESS, ROOM_HEIGHT
 
@@ -113,12 +114,20 @@ class PolygonLayout(CheckedModel):
     """Walls that stand free in the room."""
     openings: tuple[Opening, ...] = ()
     """Windows, doors and passages."""
+    trim: Trim = Field(default_factory=Trim)
+    """What runs along walls and around openings; by default nothing."""
+    ceiling: AnyCeiling = Field(default_factory=Ceiling)
+    """What stands out below the ceiling: a kind, or a mapping; by default nothing."""
+    cladding: tuple[Cladding, ...] = ()
+    """Tiles or boards on parts of the walls."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """Names that repeat, and openings in walls that the room does not have."""
         openings, partitions = (peek_list(given, key) for key in ("openings", "partitions"))
         yield from _name_clashes(openings, partitions)
+        claddings = peek_list(given, "cladding")
+        yield from repeated_names([peek_text(c, "name") for c in claddings], "cladding", "cladding")
         known = set(unique_names((peek_text(p, "name"), "partition") for p in partitions))
         whole = peek(given, "polygon") is None
         walls = len(cls.model_fields["polygon"].default if whole else peek_list(given, "polygon"))
@@ -135,6 +144,13 @@ class PolygonLayout(CheckedModel):
                 yield Found(
                     ("openings", index, "partition"), f"there is no partition {name!r}: {has}"
                 )
+        for index, one in enumerate(claddings):
+            for place, wall in enumerate(peek_list(one, "walls")):
+                if type(wall) is int and wall >= walls >= 3:
+                    yield Found(
+                        ("cladding", index, "walls", place),
+                        f"there is no wall {wall}: the polygon has the walls 0 to {walls - 1}",
+                    )
 
 
 class CapturedLayout(CapturedSection):
@@ -148,6 +164,12 @@ class CapturedLayout(CapturedSection):
     """Further walls that stand free, beside the captured ones."""
     openings: tuple[Opening, ...] = ()
     """Further windows and doors beside the captured ones."""
+    trim: Trim = Field(default_factory=Trim)
+    """What runs along walls and around openings; by default nothing."""
+    ceiling: AnyCeiling = Field(default_factory=Ceiling)
+    """What stands out below the ceiling: a kind, or a mapping; by default nothing."""
+    cladding: tuple[Cladding, ...] = ()
+    """Tiles or boards on parts of the walls."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Final, Literal, get_args
 from pydantic import BeforeValidator, Field
 
 from openrooms_usd.description.families import Family
-from openrooms_usd.description.model import CheckedModel, Found, Number, Whole, peek
+from openrooms_usd.description.model import CheckedModel, Found, Number, PrimName, Whole, peek
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.description.units import PositiveLength
 
@@ -108,6 +108,15 @@ class Materials(CheckedModel):
     """All walls."""
     ceiling: AnyLook | None = None
     """The ceiling; by default white paint."""
+    accents: dict[PrimName, AnyLook] = Field(default_factory=dict)
+    """Walls that differ from the others: the name of a wall, such as wall_2, or of a partition,
+    then the material."""
+    trim: AnyLook | None = None
+    """Skirting, cornice, rails and wainscot; by default white lacquer."""
+    beams: AnyLook | None = None
+    """What stands out below the ceiling; by default wood, a grid is white."""
+    cladding: dict[PrimName, AnyLook] = Field(default_factory=dict)
+    """The name of a cladding of the layout, then its material; by default tiles."""
     overrides: dict[str, dict[str, AnyLook]] = Field(default_factory=dict)
     """Object name, then part name (or ``all``), then the material."""
     annotations: dict[str, Annotated[str, Field(min_length=1)]] = Field(default_factory=dict)
@@ -122,6 +131,12 @@ class Materials(CheckedModel):
     """Texels along each side of a procedural texture."""
     texture_size: Annotated[PositiveLength, Field(ge=0.05, le=20)] | None = None
     """The physical side length that each procedural texture covers; by default its family's own."""
+
+    @property
+    def surfaces(self) -> list[Look | None]:
+        """What is said of the room itself."""
+        plain = [self.floor, self.walls, self.ceiling, self.trim, self.beams]
+        return [*plain, *self.accents.values(), *self.cladding.values()]
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:

@@ -81,6 +81,7 @@ def door(
     hinge: Literal["left", "right"] = "left",
     swing: Literal["in", "out"] = "in",
     style: str = "panelled",
+    cased: bool = True,
 ) -> Door:
     """Make a door that fills an opening.
 
@@ -91,6 +92,7 @@ def door(
         hinge: On which side the leaf hangs, seen from inside; the first one where there are two.
         swing: Into the room or out of it.
         style: One of `STYLES`.
+        cased: Whether plain casings are of its frame.
     """
     lining = min(_LINING, 0.1 * width)
     depth = max(thickness, LEAF + _STOP)
@@ -114,7 +116,7 @@ def door(
     right, out = hinge == "right", swing == "out"
     signs = (-1.0 if right else 1.0, -1.0 if out else 1.0)
     across = thickness if out else 0.0  # mirrored about the wall's middle
-    frame = _frame(width, height, depth, thickness, lining)
+    frame = _frame(width, height, depth, thickness, lining, cased)
     return Door(
         frame=frame.transformed(np.diag([*signs, 1.0])).moved([0.0, across, 0.0]),
         leaves=tuple(leaf.mirrored(*signs, across) for leaf in leaves),
@@ -129,7 +131,9 @@ def _seam_strip(width: float, z: Span) -> Mesh:
     return joined([root, lip])
 
 
-def _frame(width: float, height: float, depth: float, thickness: float, lining: float) -> Mesh:
+def _frame(
+    width: float, height: float, depth: float, thickness: float, lining: float, cased: bool
+) -> Mesh:
     x, bottom, top = 0.5 * width, -0.5 * height, 0.5 * height
     clear, upper = x - lining, top - lining
     y = (-EMBED / 5, depth + EMBED / 5)  # just proud of the wall: no face lies in another
@@ -143,8 +147,10 @@ def _frame(width: float, height: float, depth: float, thickness: float, lining: 
         parts.append(bar((side * clear, side * (x + EMBED)), y, (bottom, top + EMBED)))
         inner = clear - _OVERLAP - GAP
         parts.append(bar((side * inner, side * (clear + EMBED)), stop, (bottom, upper + EMBED)))
-    parts += _casing(x, (bottom, top), (-_CASING[1], EMBED))
-    parts += _casing(x, (bottom, top), (thickness - EMBED, max(thickness, depth) + _CASING[1]))
+    if cased:
+        far = max(thickness, depth) + _CASING[1]
+        parts += _casing(x, (bottom, top), (-_CASING[1], EMBED))
+        parts += _casing(x, (bottom, top), (thickness - EMBED, far))
     return joined(parts)
 
 

@@ -30,8 +30,8 @@ _GAP = 0.003  # between a sash and the frame beside it
 _LIGHT = 0.75  # the width that one sash usually has
 _PANE = 0.42  # the width and height that one pane of a grid usually has
 _BAR = 0.022  # width of the bars between panes
-_BOARD = 0.025  # thickness of the sill board
-_NOSE = 0.04  # how far the board stands out into the room and beyond the opening
+BOARD = 0.025  # thickness of the sill board
+NOSE = 0.04  # how far the board stands out into the room and beyond the opening
 _WIDE_OPEN = 90.0  # how far sashes turn, degrees
 
 
@@ -107,7 +107,13 @@ def rectangle(x: Span, z: Span, y: Span, width: float) -> list[Mesh]:
 
 
 def window(
-    width: float, height: float, thickness: float, *, board: bool, style: str = "casement"
+    width: float,
+    height: float,
+    thickness: float,
+    *,
+    board: bool,
+    style: str = "casement",
+    beyond: float = NOSE,
 ) -> Window:
     """Make a window that fills an opening.
 
@@ -117,6 +123,7 @@ def window(
         thickness: Of the wall, metres.
         board: Whether it has a sill board.
         style: One of `STYLES`.
+        beyond: How far the sill board stands out beyond the opening on both sides, metres.
     """
     slim = min(1.0, width / 0.5, height / 0.5)  # small windows have slim profiles
     profile = slim * _PROFILE
@@ -128,7 +135,7 @@ def window(
     more, sashes = STYLES[style](clear)
     bars += more
     if board:
-        bars.append(_sill_board(width, z[0], y[0]))
+        bars.append(_sill_board(width, z[0], y[0], beyond))
     return Window(joined(bars), tuple(sashes))
 
 
@@ -241,13 +248,13 @@ def _wider(span: Span, by: float) -> Span:
     return (float(span[0] - by), float(span[1] + by))
 
 
-def _sill_board(width: float, bottom: float, depth: float) -> Mesh:
+def _sill_board(width: float, bottom: float, depth: float, wider: float) -> Mesh:
     """A board on the lower reveal, from the frame to a nose that is wider than the opening."""
-    inside, beyond = 0.5 * width + EMBED, 0.5 * width + _NOSE
+    inside, beyond = 0.5 * width + EMBED, 0.5 * width + wider
     outline = np.array(
         [
-            [-beyond, -_NOSE],
-            [beyond, -_NOSE],
+            [-beyond, -NOSE],
+            [beyond, -NOSE],
             [beyond, EMBED],
             [inside, EMBED],
             [inside, depth + EMBED],
@@ -256,4 +263,4 @@ def _sill_board(width: float, bottom: float, depth: float) -> Mesh:
             [-beyond, EMBED],
         ]
     )
-    return prism(outline, bottom - EMBED, bottom + _BOARD)
+    return prism(outline, bottom - EMBED, bottom + BOARD)

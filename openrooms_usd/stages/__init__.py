@@ -2,10 +2,10 @@
 
 - `base`, `runner`, `draft`, `reports`: the contract, what runs one, where its layer waits;
 - `captures`, `captured`, `scanned`: what comes from a capture or a scan;
-- `layout` (`partitions`, `openings`, `surroundings`);
+- `layout` (`partitions`, `openings`, `joinery`, `trim`, `surroundings`);
 - `alignment` (`catalogue`, `placement`, `poses`, `tops`, `following`, `substitutes`, `aligned`,
   `furnished`, `instances`, `segmented`, `shelf`);
-- `materials` (`swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);
+- `materials` (`surfaces`, `swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);
 - `lights` (`daylight`, `glow`); `cameras` (`selection`, `subjects`,
   `photographs`, `exposure`); `physics`.
 """

@@ -5,7 +5,6 @@ and the openings on ``/World/Room``, those of each object in the look layer that
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from functools import partial
 from os.path import relpath
 from pathlib import Path
 from typing import Final
@@ -13,11 +12,8 @@ from typing import Final
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.description.materials import Look
 from openrooms_usd.description.room import Room
 from openrooms_usd.library.assignment.annotations import files_of as annotation_files
-from openrooms_usd.library.assignment.rooms import Place, families_of
-from openrooms_usd.library.finishes import UNKNOWN
 from openrooms_usd.library.ownmaterials import files_of as material_files
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.choosing import Chooser
@@ -30,19 +26,11 @@ from openrooms_usd.stages.looks import (
     variant,
 )
 from openrooms_usd.stages.palette import TEXTURES, Palette
+from openrooms_usd.stages.surfaces import Surfaces, check_walls, shell_surfaces
 from openrooms_usd.stages.swatches import Swatch
-from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.semantics import read_label
 
-# Which field of the section says what a surface of the room is made of.
-_FIELDS: Final[dict[Place, str]] = {"floor": "floor", "wall": "walls", "ceiling": "ceiling"}
-# A painted ceiling whose colour is not described is white, whatever the walls are.
-_CEILING: Final = Look(family="paint", color=(0.8, 0.8, 0.785))
-
 _BINDING_API: Final = "MaterialBindingAPI"
-
-# The material of each surface, by its path.
-Surfaces = dict[str, Swatch]
 
 
 class MaterialsStage:
@@ -59,7 +47,7 @@ class MaterialsStage:
         """
         section = room.materials
         overrides = [look for parts in section.overrides.values() for look in parts.values()]
-        looks = [section.floor, section.walls, section.ceiling, *overrides]
+        looks = [*section.surfaces, *overrides]
         own = {look.file for look in looks if look is not None and look.file is not None}
         files = [file for name in sorted(own) for file in material_files(source / name)]
         files += [f for n in section.annotations.values() for f in annotation_files(source / n)]
@@ -82,7 +70,8 @@ class MaterialsStage:
         dresser = Dresser(context, choosers, read_annotations(context))
 
         opened = _openings(dresser, openings)
-        shells = [_shell(context, chooser) for chooser in choosers]
+        check_walls(context)
+        shells = [shell_surfaces(context, chooser) for chooser in choosers]
         surfaces = [shell | more for shell, more in zip(shells, opened, strict=True)]
         objects = dresser.objects(furniture)
         palette = Palette(context)
@@ -99,40 +88,6 @@ def _children(context: StageContext, path: str) -> list[Usd.Prim]:
 def _all_swatches(surfaces: Sequence[Surfaces], objects: Iterable[Dressed]) -> list[Swatch]:
     worn = [look for dressed in objects for look in dressed.looks]
     return [swatch for look in (*surfaces, *worn) for swatch in look.values()]
-
-
-def _shell(context: StageContext, chooser: Chooser) -> Surfaces:
-    """The material of floor, ceiling and walls in one look."""
-    room = context.stage.GetPrimAtPath(names.ROOM)
-    found: Surfaces = {}
-    for prim in Usd.PrimRange(room) if room else ():
-        if not prim.IsA(UsdGeom.Gprim) or prim.GetPath().HasPrefix(names.OPENINGS):
-            continue
-        category = read_label(prim, names.CATEGORY) or ""
-        if bound_material(prim) is None:
-            found[str(prim.GetPath())] = _surface(context, chooser, prim, category)
-    return found
-
-
-def _surface(context: StageContext, chooser: Chooser, prim: Usd.Prim, category: str) -> Swatch:
-    place = next((place for place in _FIELDS if place == category), None)
-    if place is None:
-        return chooser.finish(UNKNOWN, category)
-    look: Look | None = getattr(context.room.materials, _FIELDS[place])
-    if place == "ceiling" and (look is None or look == Look(family="paint")):
-        look = _CEILING
-    if look is None:
-        swatch = chooser.surface(place)
-    else:
-        suited = partial(families_of, context.room.room, place)
-        swatch = chooser.asked(look, suited, _FIELDS[place])
-    return swatch.turned if place == "floor" and _is_wide(prim) else swatch
-
-
-def _is_wide(prim: Usd.Prim) -> bool:
-    """Whether boards should run along x: along the longer side of the room."""
-    extent = UsdGeom.Boundable(prim).GetExtentAttr().Get()
-    return bool(extent) and extent[1][0] - extent[0][0] > extent[1][1] - extent[0][1]
 
 
 def _openings(dresser: Dresser, openings: Iterable[Usd.Prim]) -> list[Surfaces]:

@@ -71,8 +71,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("door", "door"),
     synsets=NO_SYNSET,
     schemes=(
-        Scheme({ANY: "white"}, weight=2.0),
-        Scheme({ANY: "white", "panel": "wood", "door": "wood"}),
+        Scheme({ANY: "white", "threshold": "wood"}, weight=2.0),
+        Scheme({ANY: "white", "panel": "wood", "door": "wood", "threshold": "wood"}),
     ),
     # A leaf is a honeycomb between two boards.
     makes=(
