@@ -21,7 +21,7 @@ def _radius(size: Size) -> float:
     return 0.5 * min(size[0], size[1])
 
 
-def _hollow(outer: Line, wall: float, floor: float, rounding: float, segments: int = 40) -> Mesh:
+def hollow(outer: Line, wall: float, floor: float, rounding: float, segments: int = 40) -> Mesh:
     """A vessel open above.
 
     Args:
@@ -44,7 +44,7 @@ def _hollow(outer: Line, wall: float, floor: float, rounding: float, segments: i
     return lathe(profile, segments=segments, crease=50.0)
 
 
-def _smooth(points: Line, count: int = 28) -> list[tuple[float, float]]:
+def smooth_line(points: Line, count: int = 28) -> list[tuple[float, float]]:
     """A curve through points by monotone time and cubic segments (Catmull-Rom)."""
     p = np.asarray([points[0], *points, points[-1]], dtype=np.float64)
     t = np.linspace(0.0, len(points) - 1.0, count)
@@ -62,7 +62,7 @@ def jar_ginger(size: Size, rng: np.random.Generator) -> Parts:
     """A bellied ceramic jar with a domed lid."""
     r, h = _radius(size), size[2]
     neck = float(rng.uniform(0.5, 0.6)) * r
-    body = _smooth(
+    body = smooth_line(
         [
             (0.62 * r, 0.0),
             (0.7 * r, 0.06 * h),
@@ -75,14 +75,14 @@ def jar_ginger(size: Size, rng: np.random.Generator) -> Parts:
     )
     scale = r / max(radius for radius, _ in body)
     body = [(radius * scale, z) for radius, z in body]
-    dome = _smooth([(neck * 1.22, 0.82 * h), (neck * 1.24, 0.86 * h), (0.8 * neck, 0.93 * h),
+    dome = smooth_line([(neck * 1.22, 0.82 * h), (neck * 1.24, 0.86 * h), (0.8 * neck, 0.93 * h),
                     (0.14 * neck, 0.955 * h)], 14)  # fmt: skip
     lid = lathe(
         [(0.0, 0.825 * h), (neck * 1.2, 0.825 * h), *dome[1:], (0.0, 0.956 * h)], segments=36
     )
     knob = sphere(0.035 * h, segments=16, center=(0.0, 0.0, 0.965 * h))
     return {
-        "container": _hollow(body, 0.04 * r, 0.05 * h, 0.0, 40),
+        "container": hollow(body, 0.04 * r, 0.05 * h, 0.0, 40),
         "lid": lid, "handle": knob,
     }  # fmt: skip
 
@@ -96,7 +96,7 @@ def jar_preserving(size: Size, rng: np.random.Generator) -> Parts:
     lid = cylinder(1.06 * wide, 0.15 * h, bevel=0.03 * h, segments=ribs, base=(0.0, 0.0, 0.85 * h))
     ring = lathe([(wide - 0.01 * r, 0.815 * h), (1.05 * wide, 0.815 * h), (1.05 * wide, 0.84 * h),
                   (wide - 0.01 * r, 0.84 * h)], segments=32)  # fmt: skip
-    return {"container": _hollow(body, 0.05 * r, 0.04 * h, 0.08 * r), "lid": lid, "frame": ring}
+    return {"container": hollow(body, 0.05 * r, 0.04 * h, 0.08 * r), "lid": lid, "frame": ring}
 
 
 def jar_canister(size: Size, rng: np.random.Generator) -> Parts:
@@ -119,7 +119,7 @@ def jar_canister(size: Size, rng: np.random.Generator) -> Parts:
     )
     label = lathe([(r - 0.0004, 0.3 * h), (r, 0.3 * h), (r, 0.55 * h), (r - 0.0004, 0.55 * h)],
                   segments=40)  # fmt: skip
-    container = _hollow([(0.995 * a, z) for a, z in body], 0.06 * r, 0.04 * h, 0.004)
+    container = hollow([(0.995 * a, z) for a, z in body], 0.06 * r, 0.04 * h, 0.004)
     return {"container": container, "lid": joined([lid, plug]), "seal": seal, "label": label}
 
 
@@ -127,7 +127,7 @@ def bottle_wine(size: Size, rng: np.random.Generator) -> Parts:
     """A bottle with shoulders, a long neck, a label and a sealed cork."""
     r, h = _radius(size), size[2]
     neck, shoulder = 0.36 * r, float(rng.uniform(0.56, 0.63)) * h
-    body = _smooth([(neck, 0.74 * h), (0.42 * r, 0.71 * h), (0.86 * r, shoulder + 0.04 * h),
+    body = smooth_line([(neck, 0.74 * h), (0.42 * r, 0.71 * h), (0.86 * r, shoulder + 0.04 * h),
                     (r, shoulder - 0.03 * h)], 12)[::-1]  # fmt: skip
     peak = max(a for a, _ in body)
     body = [(a * r / peak, z) for a, z in body]
@@ -194,18 +194,18 @@ def bowl_round(size: Size, rng: np.random.Generator) -> Parts:
     t = np.linspace(0.42, 1.0, 12)
     side = np.stack([r * t, 0.06 * h + 0.94 * h * ((t - 0.42) / 0.58) ** power], axis=1)
     outer = [(0.4 * r, 0.0), (0.42 * r, 0.05 * h), *map(tuple, side)]
-    return {"container": _hollow(outer, 0.03 * r, 0.1 * h, 0.0, 52)}
+    return {"container": hollow(outer, 0.03 * r, 0.1 * h, 0.0, 52)}
 
 
 def bowl_footed(size: Size, rng: np.random.Generator) -> Parts:
     """A shallow dish on a stem."""
     r, h = _radius(size), size[2]
     stem = float(rng.uniform(0.08, 0.14)) * r
-    foot = _smooth([(0.55 * r, 0.0), (0.5 * r, 0.05 * h), (stem, 0.2 * h), (stem, 0.42 * h),
+    foot = smooth_line([(0.55 * r, 0.0), (0.5 * r, 0.05 * h), (stem, 0.2 * h), (stem, 0.42 * h),
                     (0.3 * r, 0.5 * h)], 14)  # fmt: skip
     dish = [(0.3 * r, 0.48 * h), (0.75 * r, 0.62 * h), (0.97 * r, 0.9 * h), (r, h)]
     bottom = lathe([(0.0, 0.0), *foot, (0.0, 0.5 * h)], segments=40, crease=50.0)
-    return {"container": _hollow(dish, 0.035 * r, 0.54 * h, 0.12 * r, 48), "base": bottom}
+    return {"container": hollow(dish, 0.035 * r, 0.54 * h, 0.12 * r, 48), "base": bottom}
 
 
 def bowl_fruit(size: Size, rng: np.random.Generator) -> Parts:
@@ -224,7 +224,7 @@ def bowl_fruit(size: Size, rng: np.random.Generator) -> Parts:
     last = _fruit(ball, rng)
     fruit.append(last.moved((0.0, 0.0, h - last.extent[1, 2])))
     return {
-        "container": _hollow(outer, 0.03 * r, 0.1 * rim, 0.25 * r, 44),
+        "container": hollow(outer, 0.03 * r, 0.1 * rim, 0.25 * r, 44),
         **numbered("fruit", fruit),
     }
 

@@ -1,0 +1,101 @@
+"""Cutting boards: a plain one, one with a handle, one with a loaf of bread on it."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
+from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.geometry.curves import filleted
+from openrooms_usd.geometry.lofts import rounded_rectangle
+from openrooms_usd.geometry.sweeps import extrude, tube
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.bread import loaf_of, slice_of
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.posing import turned
+
+
+def plain(size: Size, rng: np.random.Generator) -> Parts:
+    """A rectangular board with rounded corners."""
+    width, depth, height = size
+    outline = rounded_rectangle(width, depth, float(rng.uniform(0.008, 0.03)), 4)
+    return {"board": extrude(outline, height, bevel=0.002)}
+
+
+def paddle(size: Size, rng: np.random.Generator) -> Parts:
+    """A board that ends in a handle with a thong."""
+    width, depth, height = size
+    grip = 0.26 * width
+    low, bend = -0.5 * width + grip, float(rng.uniform(0.1, 0.16)) * depth
+    half = 0.5 * depth
+    outline = [(-0.5 * width, -bend), (low, -bend), (low, -half), (0.5 * width, -half),
+               (0.5 * width, half), (low, half), (low, bend), (-0.5 * width, bend)]  # fmt: skip
+    body = extrude(filleted(outline, 0.8 * bend, segments=4, closed=True), height, bevel=0.002)
+    x = -0.5 * width + 0.7 * bend
+    thong = [(x + 0.012 * np.cos(a), 0.011 * np.sin(a), height - 0.001)
+             for a in np.linspace(0, 2 * np.pi, 13)[:-1]]  # fmt: skip
+    return {"board": body, "cord": tube(thong, 0.0014, segments=6, closed=True)}
+
+
+def bread(size: Size, rng: np.random.Generator) -> Parts:
+    """A board with a loaf that is cut into, and its slices."""
+    width, depth, height = size
+    thick = 0.018
+    loaf = min(0.24, 0.55 * width)
+    parts = {
+        "board": extrude(rounded_rectangle(width, depth, 0.012, 4), thick, bevel=0.002),
+        "bread": loaf_of((loaf, 0.55 * depth, height - thick), rng, cut=True).moved(
+            (0.5 * width - 0.5 * loaf - 0.02, 0.0, thick)
+        ),
+    }
+    left = 0.5 * width - loaf - 0.02
+    slices = []
+    for k in range(int(rng.integers(1, 4))):
+        # Slices that fell over: the lowest flat, the others on it.
+        piece = slice_of(0.52 * depth, 0.9 * (height - thick), 0.012)
+        lying = turned(piece, "y", 90.0)
+        away = left - 0.011 - 0.45 * (height - thick) - 0.008 * k
+        slices.append(lying.moved((away, float(rng.uniform(-0.01, 0.01)), thick + 0.0125 * k)))
+    return {**parts, **numbered("slice", slices)}
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a board to cut food on",
+    size=(0.36, 0.25, 0.02),
+    least=(0.12, 0.08, 0.006),
+    most=(0.7, 0.6, 0.3),
+    styles={
+        "plain": Style(plain, lambda size: size[2] < 0.06),
+        "paddle": Style(paddle, lambda size: size[2] < 0.06, (0.42, 0.19, 0.018)),
+        "bread": Style(bread, lambda size: size[2] > 0.06, (0.42, 0.24, 0.13)),
+    },
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={"bread": (1.2, 4), ANY: (0.4, 3)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="chopping_board breadboard chopping_boards",
+    classes=Classes(UNLABELED, "otherprop"),
+    synsets=NO_SYNSET,
+    schemes=(Scheme({ANY: "board_wood", "cord": "hide", "bread": "crust", "slice": "crumb"}),),
+    makes=(
+        makes.row("bread slice", makes.filled(280), "common"),
+        makes.row("board", makes.solid(650), "common"),
+        makes.row("cord", makes.solid(900), "common"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)

@@ -1,0 +1,97 @@
+"""Plates: flat ones with a rim, one that rises in a single curve, a stack of them."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
+from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.solids import lathe
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.posing import oval, turned
+
+
+def _plate(r: float, h: float, curved: bool) -> Mesh:
+    """A plate on its foot ring, the radius and height of which are given, metres."""
+    if curved:
+        low = [(0.0, 0.1 * h), (0.48 * r, 0.1 * h), (0.5 * r, 0.0), (0.55 * r, 0.0),
+               (0.58 * r, 0.1 * h), (0.8 * r, 0.26 * h), (0.93 * r, 0.55 * h),
+               (0.99 * r, 0.93 * h)]  # fmt: skip
+        high = [(0.995 * r, h), (0.97 * r, 0.96 * h), (0.9 * r, 0.62 * h), (0.77 * r, 0.4 * h),
+                (0.55 * r, 0.27 * h), (0.0, 0.24 * h)]  # fmt: skip
+    else:
+        low = [(0.0, 0.12 * h), (0.5 * r, 0.12 * h), (0.52 * r, 0.0), (0.56 * r, 0.0),
+               (0.58 * r, 0.14 * h), (0.68 * r, 0.42 * h), (0.98 * r, 0.9 * h)]  # fmt: skip
+        high = [(r, 0.96 * h), (0.985 * r, h), (0.7 * r, 0.6 * h), (0.64 * r, 0.48 * h),
+                (0.59 * r, 0.33 * h), (0.54 * r, 0.29 * h), (0.0, 0.28 * h)]  # fmt: skip
+    return lathe([*low, *high], segments=36, crease=55.0)
+
+
+def _shaped(size: Size, curved: bool) -> Mesh:
+    return oval(_plate(0.5 * min(size[0], size[1]), size[2], curved), size)
+
+
+def dinner(size: Size, rng: np.random.Generator) -> Parts:
+    """A flat plate with a rim that slopes."""
+    return {"plate": _shaped(size, False)}
+
+
+def coupe(size: Size, rng: np.random.Generator) -> Parts:
+    """A plate without a rim, a little deeper."""
+    return {"plate": _shaped(size, True)}
+
+
+def stack(size: Size, rng: np.random.Generator) -> Parts:
+    """Plates in a stack, none quite above the one below."""
+    width, depth, height = size
+    rise, tall, slack = 0.0095, 0.026, 0.003
+    count = max(2, 1 + round((height - tall) / rise))
+    rise = (height - tall) / (count - 1)
+    inner = (width - 2 * slack, depth - 2 * slack, tall)
+    curved = bool(rng.integers(2))
+    plates = []
+    for i in range(count):
+        x, y = rng.uniform(-slack, slack, 2) if i > 0 else (0.0, 0.0)
+        turn = turned(_shaped(inner, curved), "z", float(rng.uniform(0.0, 90.0)))
+        plates.append((turn if width == depth else _shaped(inner, curved)).moved((x, y, i * rise)))
+    return numbered("plate", plates)
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a plate to eat from",
+    size=(0.27, 0.27, 0.026),
+    least=(0.1, 0.1, 0.012),
+    most=(0.45, 0.45, 0.25),
+    styles={
+        "dinner": Style(dinner, lambda size: size[2] < 0.05),
+        "coupe": Style(coupe, lambda size: size[2] < 0.07, (0.21, 0.21, 0.032)),
+        "stack": Style(stack, lambda size: size[2] >= 0.035, (0.24, 0.24, 0.064)),
+    },
+    spread=USUAL,
+    round=True,
+    alike=True,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={"stack": (1.2, 5), ANY: (0.2, 1.4)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="dish plates dinner_plate saucer crockery",
+    classes=Classes(UNLABELED, "otherprop"),
+    synsets=NO_SYNSET,
+    schemes=(Scheme({ANY: "porcelain"}),),
+    makes=(makes.row(ANY, makes.solid(), "common", "specular_stone"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)
