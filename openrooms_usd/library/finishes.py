@@ -263,7 +263,7 @@ FINISHES: Final[dict[str, Finish]] = {
     "mug_glaze": Finish(
         "specular_stone", colors=((0.78, 0.77, 0.74), (0.06, 0.1, 0.2), (0.45, 0.12, 0.07),
                                   (0.3, 0.4, 0.36), (0.62, 0.44, 0.16), (0.04, 0.04, 0.042)),
-        roughness=(0.07, 0.2), choices=8, each=True,
+        roughness=(0.07, 0.2), choices=6,
     ),
     "coffee": Finish("specular_stone", colors=((0.028, 0.022, 0.02),), roughness=(0.03, 0.05)),
     "clear_glass": Finish(
@@ -289,7 +289,7 @@ FINISHES: Final[dict[str, Finish]] = {
         choices=2,
     ),
     "crust": Finish(
-        "rough_stone", {"sandstone": 1}, colors=((0.36, 0.17, 0.06), (0.3, 0.13, 0.045)),
+        "rough_stone", {"cast_concrete": 1}, colors=((0.36, 0.17, 0.06), (0.3, 0.13, 0.045)),
         roughness=(0.6, 0.75), choices=2,
     ),
     "crumb": Finish("rubber", {"sponge": 1}, colors=((0.66, 0.52, 0.32),), roughness=(0.85, 0.95)),

@@ -21,6 +21,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.lying import Lies
 
 
 def _arch(width: float, height: float, count: int = 14) -> NDArray[np.float64]:
@@ -78,10 +79,10 @@ def baguette(size: Size, rng: np.random.Generator) -> Parts:
 def rolls(size: Size, rng: np.random.Generator) -> Parts:
     """Three rolls beside each other."""
     width, depth, height = size
-    r = 0.26 * min(width, depth)
+    r = min(width / 3.905, depth / 3.65)
     found = []
     for k in range(3):
-        a = 2.0 * np.pi * k / 3.0 + 0.5
+        a = 2.0 * np.pi * k / 3.0 + 0.5 * np.pi
         t = np.linspace(0.0, 0.5 * np.pi, 6)
         tall = height * (1.0 if k == 0 else float(rng.uniform(0.85, 1.0)))
         dome = np.stack([r * np.cos(t), 0.15 * tall + 0.85 * tall * np.sin(t)], axis=1)
@@ -99,7 +100,7 @@ CATEGORY: Final = BuiltCategory(
     styles={
         "loaf": Style(loaf, lambda size: size[0] < 3.5 * size[1]),
         "baguette": Style(baguette, lambda size: size[0] > 3.0 * size[1], (0.5, 0.075, 0.055)),
-        "rolls": Style(rolls, lambda size: size[0] < 1.5 * size[1], (0.19, 0.19, 0.06)),
+        "rolls": Style(rolls, lambda size: size[0] < 1.5 * size[1], (0.19, 0.178, 0.06)),
     },
     spread=USUAL,
     round=False,
@@ -118,4 +119,15 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(300), "common"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("worktop",), rooms=("kitchen",), pose="flat", weight=0.4, most=1),
+        Lies(
+            on=("in_basket", "on_tray"),
+            rooms=("kitchen", "dining_room"),
+            pose="flat",
+            styles=("rolls",),
+            weight=0.4,
+            most=1,
+        ),
+    ),
 )

@@ -19,82 +19,75 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board
+from openrooms_usd.library.furniture.lying import Lies
 
-Line = Sequence[tuple[float, float]]
 
-
-def _blade(
+def _strip(
     outline: Sequence[tuple[float, float, float]], dish: float, thick: float, rows: int
 ) -> Mesh:
-    """A bent strip along Y: half width and height by the share of its length.
+    """A bent strip along Y, half as wide and as high as told at some places.
 
     Args:
-        outline: Share of its length, half of its width, height of its middle, metres.
+        outline: Place along Y, half width, height of the middle of the upper side, metres.
         dish: How far its sides rise above its middle, in parts of their distance from it.
         thick: Metres.
         rows: Points along it.
     """
-    share, half, level = np.array(outline).T
-    t = np.union1d(np.linspace(share[0], share[-1], rows), share[[0, -1]])
-    a, z = np.interp(t, share, half), np.interp(t, share, level)
-    u = np.linspace(-1.0, 1.0, 5)
-    grid = np.stack([a[:, None] * u, np.broadcast_to(t[:, None], (len(t), 5)),
+    place, half, level = np.array(outline).T
+    y = np.linspace(place[0], place[-1], rows)
+    a, z = np.interp(y, place, half), np.interp(y, place, level)
+    u = np.linspace(-1.0, 1.0, 3 if dish else 2)
+    grid = np.stack([a[:, None] * u, np.broadcast_to(y[:, None], (rows, len(u))),
                      z[:, None] + dish * a[:, None] * u**2], axis=-1)  # fmt: skip
     return sheet(grid, thick)
 
 
-def _stem(width: float, long: float, height: float, end: float) -> list[tuple[float, ...]]:
-    """The handle up to where a head begins at the share ``end`` of its length."""
-    half = 0.5 * width
-    rows = [(0.0, 0.3 * half, 0.3 * height), (0.02, 0.62 * half, 0.28 * height),
-            (0.08, 0.7 * half, 0.22 * height), (0.3, 0.42 * half, 0.3 * height),
-            (end - 0.12, 0.2 * half, 0.85 * height), (end, 0.22 * half, 0.9 * height)]  # fmt: skip
-    return [(t * long, a, z) for t, a, z in rows]
+def _rows(
+    size: Size, rows: Sequence[tuple[float, float, float]], thick: float
+) -> list[tuple[float, float, float]]:
+    """Shares of the length, of half the width and of the height, in metres."""
+    width, long, height = size
+    return [((t - 0.5) * long, 0.5 * a * width, thick + z * (height - thick)) for t, a, z in rows]
 
 
-def _laid(meshes: list[Mesh], long: float) -> Parts:
-    return {"cutlery": joined(meshes).moved((0.0, -0.5 * long, 0.0))}
+# A handle up to its neck: it rests near its end and rises towards the head.
+_HANDLE: Final = ((0.0, 0.3, 0.15), (0.02, 0.62, 0.1), (0.08, 0.7, 0.0), (0.3, 0.44, 0.15),
+                  (0.54, 0.22, 0.85), (0.64, 0.22, 1.0))  # fmt: skip
 
 
 def fork(size: Size, rng: np.random.Generator) -> Parts:
     """A fork with four tines."""
-    width, long, height = size
-    half, thick = 0.5 * width, 0.0018
-    head = [(0.72 * long, 0.75 * half, 0.62 * height), (0.78 * long, half, 0.35 * height)]
-    body = _blade([*_stem(width, long, height, 0.64), *head], 0.0, thick, 16)
-    tines = []
-    for k in range(4):
-        x = (k - 1.5) * 0.54 * half
-        rows = [(0.772, 0.17, 0.4), (0.84, 0.16, 0.22), (0.93, 0.13, 0.42), (1.0, 0.07, 0.75)]
-        tine = _blade([(t * long, a * half, z * height) for t, a, z in rows], 0.0, thick, 4)
-        tines.append(tine.moved((x, 0.0, 0.0)))
-    return _laid([body, *tines], long)
+    thick = 0.0018
+    head = ((0.71, 0.7, 0.6), (0.785, 1.0, 0.12))
+    body = _strip(_rows(size, (*_HANDLE, *head), thick), 0.0, thick, 26)
+    tine = _strip(
+        _rows(size, ((0.775, 0.19, 0.14), (0.84, 0.17, 0.0), (0.93, 0.13, 0.15), (1.0, 0.06, 0.5)),
+              thick), 0.0, thick, 4)  # fmt: skip
+    offsets = 0.27 * size[0] * (np.arange(4) - 1.5)
+    return {"cutlery": joined([body, *(tine.moved((x, 0.0, 0.0)) for x in offsets.tolist())])}
 
 
 def spoon(size: Size, rng: np.random.Generator) -> Parts:
     """A spoon with an oval bowl."""
-    width, long, height = size
-    half, thick = 0.5 * width, 0.0018
-    t = np.linspace(0.0, 1.0, 8)[1:]
-    around = np.sqrt(np.clip(1.0 - (2.0 * t**0.9 - 1.0) ** 2, 0.02, 1.0))
-    depth = (0.62 - 0.62 * np.sin(np.pi * np.clip(1.1 * t, 0.0, 1.0)) ** 0.8) * height + 0.002
-    bowl = [(float(0.7 + 0.3 * s) * long, float(a) * half, float(z))
-            for s, a, z in zip(t, around, depth, strict=True)]  # fmt: skip
-    return _laid([_blade([*_stem(width, long, height, 0.7), *bowl], 0.32, thick, 26)], long)
+    thick = 0.0018
+    t = np.linspace(0.06, 1.0, 9)
+    around = np.sqrt(np.clip(1.0 - (2.0 * t**0.9 - 1.0) ** 2, 0.01, 1.0))
+    depth = 1.0 - np.sin(0.5 * np.pi * np.clip(2.0 * t, 0.0, 1.0))
+    depth[t > 0.5] = 0.35 * (2.0 * t[t > 0.5] - 1.0) ** 2
+    bowl = [(0.68 + 0.32 * s, a, z) for s, a, z in zip(t, around, depth, strict=True)]
+    handle = [(t, 0.6 * a, z) for t, a, z in _HANDLE]
+    return {"cutlery": _strip(_rows(size, (*handle, *bowl), thick), 0.28, thick, 26)}
 
 
 def knife(size: Size, rng: np.random.Generator) -> Parts:
     """A table knife: a thick handle and a blade that is rounded at its end."""
     width, long, height = size
-    half = 0.5 * width
-    grip = board((-0.72 * half, 0.0, 0.0), (0.72 * half, 0.44 * long, height), 0.42 * height)
-    rows = [(0.43, 0.5), (0.47, 0.62), (0.6, 0.96), (0.85, 1.0), (0.95, 0.82), (0.985, 0.5),
-            (1.0, 0.2)]  # fmt: skip
-    blade = _blade([(t * long, a * half, 0.62 * height) for t, a in rows], 0.0, 0.0014, 9)
-    return {
-        "handle": grip.moved((0.0, -0.5 * long, 0.0)),
-        "cutlery": blade.moved((0.0, -0.5 * long, 0.0)),
-    }
+    half, back = 0.36 * width, -0.5 * long
+    grip = board((-half, back, 0.0), (half, back + 0.44 * long, height), 0.42 * height)
+    rows = ((0.43, 0.5), (0.47, 0.62), (0.6, 0.96), (0.85, 1.0), (0.95, 0.82), (0.985, 0.5),
+            (1.0, 0.2))  # fmt: skip
+    blade = _strip(_rows(size, [(t, a, 0.3) for t, a in rows], 0.0014), 0.0, 0.0014, 20)
+    return {"handle": grip, "cutlery": blade}
 
 
 CATEGORY: Final = BuiltCategory(
@@ -104,8 +97,8 @@ CATEGORY: Final = BuiltCategory(
     most=(0.08, 0.4, 0.06),
     styles={
         "fork": Style(fork),
-        "knife": Style(knife, size=(0.022, 0.225, 0.009)),
-        "spoon": Style(spoon, size=(0.042, 0.2, 0.02)),
+        "knife": Style(knife, size=(0.021, 0.225, 0.009)),
+        "spoon": Style(spoon, size=(0.042, 0.2, 0.022)),
     },
     spread=STANDARD,
     round=False,
@@ -130,4 +123,16 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("dining_table",), cluster="setting", weight=0.7),
+        Lies(on=("drawer",), rooms=("kitchen", "dining_room"), pose="row", count=(3, 6)),
+        Lies(
+            on=("sink_edge", "worktop"),
+            rooms=("kitchen",),
+            pose="flat",
+            cluster="washing_up",
+            clutter=2,
+            weight=0.4,
+        ),
+    ),
 )

@@ -11,6 +11,7 @@ from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.sweeps import extrude, tube
+from openrooms_usd.library.furniture.bread import loaf_of, slice_of
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
     NO_APPLIANCE,
@@ -18,8 +19,8 @@ from openrooms_usd.library.furniture.built import (
     USUAL,
     BuiltCategory,
 )
-from openrooms_usd.library.furniture.bread import loaf_of, slice_of
-from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.joinery import FRONT, Parts, Size, Style, numbered, profiled
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
 
 
@@ -31,18 +32,22 @@ def plain(size: Size, rng: np.random.Generator) -> Parts:
 
 
 def paddle(size: Size, rng: np.random.Generator) -> Parts:
-    """A board that ends in a handle with a thong."""
-    width, depth, height = size
-    grip = 0.26 * width
-    low, bend = -0.5 * width + grip, float(rng.uniform(0.1, 0.16)) * depth
-    half = 0.5 * depth
-    outline = [(-0.5 * width, -bend), (low, -bend), (low, -half), (0.5 * width, -half),
-               (0.5 * width, half), (low, half), (low, bend), (-0.5 * width, bend)]  # fmt: skip
-    body = extrude(filleted(outline, 0.8 * bend, segments=4, closed=True), height, bevel=0.002)
-    x = -0.5 * width + 0.7 * bend
-    thong = [(x + 0.012 * np.cos(a), 0.011 * np.sin(a), height - 0.001)
+    """A board that stands on its edge and ends in a handle with a thong."""
+    width, thick, height = size
+    low, bend = 0.74 * height, float(rng.uniform(0.1, 0.16)) * width
+    half = 0.5 * width
+    outline = [(-half, 0.0), (half, 0.0), (half, low), (bend, low), (bend, height),
+               (-bend, height), (-bend, low), (-half, low)]  # fmt: skip
+    body = profiled(
+        filleted(outline, 0.8 * bend, segments=4, closed=True), thick - 0.0014, FRONT, 0.002
+    )
+    z = height - 0.7 * bend
+    thong = [(0.011 * np.cos(a), -0.5 * thick + 0.0014, z + 0.012 * np.sin(a))
              for a in np.linspace(0, 2 * np.pi, 13)[:-1]]  # fmt: skip
-    return {"board": body, "cord": tube(thong, 0.0014, segments=6, closed=True)}
+    return {
+        "board": body.moved((0.0, 0.0007, 0.0)),
+        "cord": tube(thong, 0.0014, segments=6, closed=True),
+    }
 
 
 def bread(size: Size, rng: np.random.Generator) -> Parts:
@@ -70,11 +75,11 @@ def bread(size: Size, rng: np.random.Generator) -> Parts:
 CATEGORY: Final = BuiltCategory(
     description="a board to cut food on",
     size=(0.36, 0.25, 0.02),
-    least=(0.12, 0.08, 0.006),
-    most=(0.7, 0.6, 0.3),
+    least=(0.12, 0.01, 0.006),
+    most=(0.7, 0.6, 0.7),
     styles={
-        "plain": Style(plain, lambda size: size[2] < 0.06),
-        "paddle": Style(paddle, lambda size: size[2] < 0.06, (0.42, 0.19, 0.018)),
+        "plain": Style(plain, lambda size: size[2] < 0.06 and size[1] > 0.05),
+        "paddle": Style(paddle, lambda size: size[1] < 0.05, (0.19, 0.02, 0.42)),
         "bread": Style(bread, lambda size: size[2] > 0.06, (0.42, 0.24, 0.13)),
     },
     spread=USUAL,
@@ -98,4 +103,22 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(
+            on=("worktop",),
+            pose="leaning",
+            styles=("paddle",),
+            cluster="cooking",
+            weight=0.7,
+            most=2,
+        ),
+        Lies(on=("worktop",), styles=("plain", "bread"), cluster="cooking", weight=0.8, most=1),
+        Lies(
+            on=("dining_table",),
+            styles=("bread",),
+            rooms=("kitchen", "dining_room"),
+            weight=0.25,
+            most=1,
+        ),
+    ),
 )

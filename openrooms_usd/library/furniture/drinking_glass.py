@@ -1,4 +1,4 @@
-"""Glasses: a tumbler, a glass with a stem, a few tumblers in a stack."""
+"""Glasses: a tumbler, and a glass with a stem."""
 
 from typing import Final
 
@@ -17,7 +17,8 @@ from openrooms_usd.library.furniture.built import (
     USUAL,
     BuiltCategory,
 )
-from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import oval
 
 
@@ -55,16 +56,6 @@ def wine(size: Size, rng: np.random.Generator) -> Parts:
     return {"glassware": lathe(profile, segments=32, crease=55.0)}
 
 
-def stack(size: Size, rng: np.random.Generator) -> Parts:
-    """Tumblers that stand in each other."""
-    r, height = 0.5 * min(size[0], size[1]), size[2]
-    h = 0.1
-    count = max(2, 1 + round((height - h) / 0.032))
-    rise = (height - h) / (count - 1)
-    return numbered("glassware", [_tumbler(r, h, 0.76).moved((0, 0, i * rise))
-                                  for i in range(count)])  # fmt: skip
-
-
 CATEGORY: Final = BuiltCategory(
     description="a glass to drink from",
     size=(0.076, 0.076, 0.105),
@@ -73,7 +64,6 @@ CATEGORY: Final = BuiltCategory(
     styles={
         "tumbler": Style(tumbler, lambda size: size[2] < 2.1 * size[0]),
         "wine": Style(wine, lambda size: size[2] > 1.8 * size[0], (0.085, 0.085, 0.215)),
-        "stack": Style(stack, lambda size: size[2] > 1.7 * size[0], (0.08, 0.08, 0.164)),
     },
     spread=USUAL,
     round=True,
@@ -82,7 +72,7 @@ CATEGORY: Final = BuiltCategory(
     also=(),
     level=HANGS_NOT,
     lumen=NO_LAMP,
-    weighs={"stack": (0.3, 1.5), ANY: (0.08, 0.5)},
+    weighs={ANY: (0.08, 0.5)},
     worktop=NO_APPLIANCE,
     fixed=False,
     words="glass tumbler wine_glass wineglass glasses_of_water water_glass drinking_glasses",
@@ -92,4 +82,22 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.solid(2500), "common"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("cupboard", "shelf"), rooms=("kitchen", "dining_room"), pose="row", count=(3, 6)),
+        Lies(on=("dining_table",), pose="flat", cluster="setting", weight=0.7),
+        Lies(
+            on=("worktop", "sink_edge"),
+            rooms=("kitchen",),
+            pose="flat",
+            cluster="washing_up",
+            weight=0.5,
+        ),
+        Lies(
+            on=("bedside", "coffee_table", "desk"),
+            pose="flat",
+            clutter=2,
+            weight=0.35,
+            styles=("tumbler",),
+        ),
+    ),
 )

@@ -9,7 +9,6 @@ from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
-from openrooms_usd.geometry.cloth import cover
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder
@@ -22,14 +21,15 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import SIDE, Parts, Size, Style, board, profiled
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
-from openrooms_usd.library.furniture.prints import Print, label_lines
+from openrooms_usd.library.furniture.prints import Print, label_lines, printed_cover
 
 
 def _printed(size: Size, rng: np.random.Generator, top: float) -> Parts:
-    """Prints for the front, the right side and the back of a box whose walls end at ``top``."""
+    """Prints for the front and the right side of a box whose walls end at ``top``."""
     width, depth, _ = size
-    front = cover(width, top, rng)
+    front = printed_cover(width, top, rng)
     placed = front.parts(_against_front(width, depth))
     side = Print((depth, top))
     side.lines += label_lines(side, (0.12, 0.88, 0.12, 0.62), 9, rng)
@@ -65,10 +65,10 @@ def carton(size: Size, rng: np.random.Generator) -> Parts:
                (-0.0012, height), (-0.0012, height - fin), (-y, eave)]  # fmt: skip
     body = profiled(outline, 2 * x, SIDE, 0.0008)
     slope = float(np.degrees(np.arctan2(roof - fin, y)))
-    cap = cylinder(0.017, 0.016, bevel=0.002, segments=24)
+    cap = cylinder(0.0145, 0.016, bevel=0.002, segments=24)
     at = (0.0, -0.52 * y, eave + 0.46 * (roof - fin))
     return {
-        "box": body,
+        "carton": body,
         "lid": turned(cap.moved((0.0, 0.0, -0.002)), "x", slope).moved(at),
         **_printed((2 * x, 2 * y, height), rng, eave),
     }
@@ -94,8 +94,9 @@ def flour(size: Size, rng: np.random.Generator) -> Parts:
     rings = [ring(rounded_rectangle(a * width, a * depth, 0.012, 3), z * height) for a, z in rows]
     a, b = 0.485 * width, 0.36 * depth
     top = board((-a, -b, neck - 0.004), (a, b, height), 0.004)
-    print_ = _printed((0.99 * width, depth - 0.001, height), rng, neck)
-    return {"box": joined([metric(loft(rings, crease=50.0))[0], top]), **print_}
+    front = _against_front(0.82 * width, depth - 0.001)
+    print_ = printed_cover(0.82 * width, neck, rng).parts(front)
+    return {"bag": joined([metric(loft(rings, crease=50.0))[0], top]), **print_}
 
 
 CATEGORY: Final = BuiltCategory(
@@ -144,9 +145,19 @@ CATEGORY: Final = BuiltCategory(
         ),
     ),
     makes=(
-        makes.row("box", makes.filled(420), "weight"),
+        makes.row("box", makes.filled(160), "weight"),
+        makes.row("carton", makes.filled(900), "weight"),
+        makes.row("bag", makes.filled(620), "weight"),
         makes.row(ANY, makes.solid(700), "common"),
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("cupboard", "shelf"), rooms=("kitchen",), pose="row", count=(2, 5), most=4),
+        Lies(on=("worktop",), rooms=("kitchen",), weight=0.6, most=3),
+        Lies(
+            on=("appliance_top",), rooms=("kitchen",), styles=("cereal",), weight=0.5, count=(1, 2)
+        ),
+        Lies(on=("dining_table",), styles=("cereal", "carton"), clutter=2, weight=0.3),
+    ),
 )

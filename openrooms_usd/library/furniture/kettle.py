@@ -14,13 +14,14 @@ from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.built import HANGS_NOT, NO_LAMP, USUAL, BuiltCategory
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.vessel import smooth_line
 
 
 def jug(size: Size, rng: np.random.Generator) -> Parts:
     """An electric kettle: a jug with a spout to its left and a handle at its right."""
     width, depth, height = size
-    r = 0.46 * depth
+    r = 0.49 * depth
     foot = 0.022
     top = height - 0.018
     narrow = float(rng.uniform(0.68, 0.78))
@@ -31,10 +32,11 @@ def jug(size: Size, rng: np.random.Generator) -> Parts:
                  (0.6 * narrow * r, top + 0.01), (0.0, top + 0.011)], segments=30)  # fmt: skip
     knob = cylinder(0.012, 0.012, bevel=0.003, segments=16, base=(0.0, 0.0, height - 0.012))
     lip = narrow * r
-    outline = [(-lip + 0.012, -0.02), (-lip - 0.022, 0.0), (-lip + 0.012, 0.02)]
+    outline = [(-lip + 0.012, 0.02), (-lip - 0.022, 0.0), (-lip + 0.012, -0.02)]
     spout = loft([ring(np.array(outline) * s + [(s - 1.0) * lip * 0.4, 0.0], z)
                   for s, z in ((0.45, top - 0.05), (0.9, top - 0.006), (0.95, top))])  # fmt: skip
-    reach = 0.5 * width
+    left = max(1.02 * r, 0.97 * lip + 0.021)
+    reach = width - left + 0.0015
     path = [(0.8 * narrow * r, 0.0, top - 0.008), (reach - 0.012, 0.0, top - 0.012),
             (reach - 0.012, 0.0, foot + 0.28 * top), (0.9 * r, 0.0, foot + 0.18 * top)]  # fmt: skip
     grip = tube(filleted(path, 0.035, segments=4), 0.0105, segments=10)
@@ -58,7 +60,7 @@ def stove(size: Size, rng: np.random.Generator) -> Parts:
     arch = [(-0.6 * r, 0.0, 0.72 * h), (-0.55 * r, 0.0, height - 0.008),
             (0.55 * r, 0.0, height - 0.008), (0.6 * r, 0.0, 0.72 * h)]  # fmt: skip
     grip = tube(filleted(arch, 0.4 * r, segments=5), 0.0075, segments=10)
-    end = 0.5 * width - 0.008
+    end = width - r - 0.012
     beak = [(-0.75 * r, 0.0, 0.42 * h), (-0.5 * (r + end) - 0.01, 0.0, 0.62 * h),
             (-end, 0.0, 0.98 * h)]  # fmt: skip
     spout = tube(filleted(beak, 0.03, segments=3), np.linspace(0.02, 0.011, 6).tolist(),
@@ -118,4 +120,8 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(420), "weight"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("worktop",), weight=0.9, cluster="coffee", styles=("jug",), most=1),
+        Lies(on=("hob",), weight=0.35, styles=("stove",), most=1),
+    ),
 )

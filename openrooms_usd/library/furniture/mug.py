@@ -21,6 +21,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
 
 
@@ -145,4 +146,19 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("cupboard", "shelf"), rooms=("kitchen",), pose="row", count=(2, 5)),
+        Lies(
+            on=("worktop", "sink_edge"),
+            rooms=("kitchen",),
+            cluster="coffee",
+            pose="flat",
+            weight=0.8,
+        ),
+        Lies(on=("desk", "coffee_table"), pose="flat", weight=0.6, styles=("mug", "tall")),
+        Lies(on=("bedside", "side_table", "window_sill"), pose="flat", clutter=2, weight=0.3),
+        Lies(
+            on=("dining_table",), pose="flat", cluster="setting", weight=0.3, styles=("mug", "cup")
+        ),
+    ),
 )

@@ -20,6 +20,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
 
 
@@ -71,7 +72,7 @@ def frying(size: Size, rng: np.random.Generator) -> Parts:
     wall_high = min(height, 0.055)
     shift = (0.0, 0.5 * depth - r, 0.0)
     handle = _long_handle(0.96 * r, depth - r - 0.006, 0.8 * wall_high,
-                          max(0.0, height - wall_high) + 0.004, 0.03)  # fmt: skip
+                          ((height - 0.8 * wall_high) / 0.62 - 0.015) / 0.93, 0.03)  # fmt: skip
     return {
         "pan": _pot(r, wall_high, float(rng.uniform(0.76, 0.84)), 0.003).moved(shift),
         "handle": handle.moved(shift),
@@ -133,10 +134,21 @@ CATEGORY: Final = BuiltCategory(
         Scheme({ANY: "cookware_enamel", "handle": "cookware_enamel", "knob": "cookware_steel"}),
     ),
     makes=(
-        makes.row("pan lid", makes.solid(4500), "weight", "metal"),
-        makes.row("pan lid", makes.solid(4500), "weight"),
+        makes.row("pan lid", makes.solid(3000), "weight"),
         makes.row("handle knob", makes.filled(1100), "common"),
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("hob",), weight=1.0, cluster="cooking", most=2),
+        Lies(
+            on=("cupboard",),
+            rooms=("kitchen",),
+            pose="flat",
+            weight=0.8,
+            styles=("saucepan", "stockpot"),
+        ),
+        Lies(on=("worktop", "sink_edge"), rooms=("kitchen",), clutter=2, weight=0.3, most=1),
+        Lies(on=("shelf",), rooms=("kitchen",), weight=0.4, styles=("stockpot",)),
+    ),
 )

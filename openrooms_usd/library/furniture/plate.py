@@ -1,4 +1,4 @@
-"""Plates: flat ones with a rim, one that rises in a single curve, a stack of them."""
+"""Plates: flat ones with a rim, and one that rises in a single curve."""
 
 from typing import Final
 
@@ -17,8 +17,9 @@ from openrooms_usd.library.furniture.built import (
     USUAL,
     BuiltCategory,
 )
-from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
-from openrooms_usd.library.furniture.posing import oval, turned
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style
+from openrooms_usd.library.furniture.lying import Lies
+from openrooms_usd.library.furniture.posing import oval
 
 
 def _plate(r: float, h: float, curved: bool) -> Mesh:
@@ -51,22 +52,6 @@ def coupe(size: Size, rng: np.random.Generator) -> Parts:
     return {"plate": _shaped(size, True)}
 
 
-def stack(size: Size, rng: np.random.Generator) -> Parts:
-    """Plates in a stack, none quite above the one below."""
-    width, depth, height = size
-    rise, tall, slack = 0.0095, 0.026, 0.003
-    count = max(2, 1 + round((height - tall) / rise))
-    rise = (height - tall) / (count - 1)
-    inner = (width - 2 * slack, depth - 2 * slack, tall)
-    curved = bool(rng.integers(2))
-    plates = []
-    for i in range(count):
-        x, y = rng.uniform(-slack, slack, 2) if i > 0 else (0.0, 0.0)
-        turn = turned(_shaped(inner, curved), "z", float(rng.uniform(0.0, 90.0)))
-        plates.append((turn if width == depth else _shaped(inner, curved)).moved((x, y, i * rise)))
-    return numbered("plate", plates)
-
-
 CATEGORY: Final = BuiltCategory(
     description="a plate to eat from",
     size=(0.27, 0.27, 0.026),
@@ -75,7 +60,6 @@ CATEGORY: Final = BuiltCategory(
     styles={
         "dinner": Style(dinner, lambda size: size[2] < 0.05),
         "coupe": Style(coupe, lambda size: size[2] < 0.07, (0.21, 0.21, 0.032)),
-        "stack": Style(stack, lambda size: size[2] >= 0.035, (0.24, 0.24, 0.064)),
     },
     spread=USUAL,
     round=True,
@@ -84,7 +68,7 @@ CATEGORY: Final = BuiltCategory(
     also=(),
     level=HANGS_NOT,
     lumen=NO_LAMP,
-    weighs={"stack": (1.2, 5), ANY: (0.2, 1.4)},
+    weighs={ANY: (0.2, 1.4)},
     worktop=NO_APPLIANCE,
     fixed=False,
     words="dish plates dinner_plate saucer crockery",
@@ -94,4 +78,23 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.solid(), "common", "specular_stone"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(
+            on=("cupboard", "shelf"),
+            rooms=("kitchen", "dining_room"),
+            pose="stacked",
+            count=(3, 7),
+            weight=1.0,
+        ),
+        Lies(on=("dining_table",), pose="flat", cluster="setting", weight=0.7),
+        Lies(
+            on=("worktop", "sink_edge"),
+            pose="stacked",
+            count=(1, 4),
+            cluster="washing_up",
+            clutter=2,
+            weight=0.5,
+        ),
+        Lies(on=("coffee_table", "desk"), pose="flat", clutter=3, weight=0.15, most=1),
+    ),
 )

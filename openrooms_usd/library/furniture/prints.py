@@ -98,7 +98,7 @@ def label_lines(
     ]  # fmt: skip
 
 
-def cover(width: float, height: float, rng: np.random.Generator) -> Print:
+def printed_cover(width: float, height: float, rng: np.random.Generator) -> Print:
     """A cover: a title, an image of a few shapes, the name of its maker."""
     page = Print((width, height))
     kind = int(rng.integers(4))
