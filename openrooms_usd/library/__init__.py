@@ -1,6 +1,6 @@
 """Furniture, materials and environments: made by rules, published as USD assets.
 
-- furniture: `furniture`, `assets`, `construction`, `finishes`;
+- furniture: `furniture`, `assets`, `construction`, `finishes` (`finish`, `small_finishes`);
 - styles of rooms: `interiors`;
 - materials: `textures`, `assignment`, `friction`, `ownmaterials`;
 - surroundings: `solar`, `sunlight`, `skylight`, `sky`, `panorama`, `environments`, `pictures`;

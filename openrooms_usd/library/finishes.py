@@ -1,7 +1,6 @@
 """What furniture is usually made of: finishes, and which finish each part of a category has."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -13,38 +12,12 @@ from openrooms_usd.categories.schemes import METAL, METALS
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.assignment.kinds import known_as
 from openrooms_usd.library.assignment.weights import Weights, families_for
+from openrooms_usd.library.finish import Finish
+from openrooms_usd.library.small_finishes import SMALL_THINGS
 from openrooms_usd.library.textures import Use
-
-Color = tuple[float, float, float]
 
 # What a part gets of which nothing is known.
 UNKNOWN: Final = "lacquer"
-
-
-@dataclass(frozen=True)
-class Finish:
-    """A treatment of surfaces, before chance decides the rest.
-
-    Attributes:
-        substance: What it is.
-        families: Its families of textures, one of which is drawn; empty for a plain constant.
-        colors: Mean base colours, scene-linear Rec.709, one of which is drawn; empty: the family's.
-        roughness: Range of the mean perceptual roughness; None: the family's.
-        metallic: 0 or 1; of a constant.
-        choices: How many different ones a room has; more objects share them.
-        transmission: Part of the light that passes diffusely through a face. Base colour R and
-            it, T, are together at most 1; cloth of two faces passes T^2 / (1 - R^2).
-        each: Whether every instance of a part draws its own, as books do.
-    """
-
-    substance: Substance
-    families: Weights = field(default_factory=dict)
-    colors: tuple[Color, ...] = ()
-    roughness: tuple[float, float] | None = None
-    metallic: float = 0.0
-    choices: int = 1
-    transmission: float = 0.0
-    each: bool = False
 
 
 _MOULDED: Final = {"moulded_plastic": 1.0, "spark_eroded_plastic": 1.0}
@@ -255,61 +228,8 @@ FINISHES: Final[dict[str, Finish]] = {
         "fabric", {"basket_weave": 2, "sisal": 1},
         colors=((0.5, 0.38, 0.23), (0.42, 0.4, 0.36)), choices=2,
     ),
-    "porcelain": Finish(
-        "specular_stone", colors=((0.8, 0.79, 0.76), (0.78, 0.75, 0.68), (0.42, 0.47, 0.5),
-                                  (0.17, 0.19, 0.2)),
-        roughness=(0.07, 0.16),
-    ),
-    "mug_glaze": Finish(
-        "specular_stone", colors=((0.78, 0.77, 0.74), (0.06, 0.1, 0.2), (0.45, 0.12, 0.07),
-                                  (0.3, 0.4, 0.36), (0.62, 0.44, 0.16), (0.04, 0.04, 0.042)),
-        roughness=(0.07, 0.2), choices=6,
-    ),
-    "coffee": Finish("specular_stone", colors=((0.028, 0.022, 0.02),), roughness=(0.03, 0.05)),
-    "clear_glass": Finish(
-        "specular_stone", colors=((0.12, 0.125, 0.125),), roughness=(0.02, 0.03),
-        transmission=0.8,
-    ),
-    "cutlery_steel": Finish(
-        "metal", {"polished_metal": 1}, colors=((0.6, 0.59, 0.57),), roughness=(0.12, 0.22),
-    ),
-    "cookware_steel": Finish(
-        "metal", {"brushed_metal": 2, "polished_metal": 1}, colors=((0.58, 0.57, 0.56),),
-        roughness=(0.16, 0.28),
-    ),
-    "cookware_black": Finish("metal", colors=((0.03, 0.03, 0.031),), roughness=(0.3, 0.45)),
-    "cookware_enamel": Finish(
-        "specular_stone", colors=((0.45, 0.05, 0.03), (0.05, 0.12, 0.2), (0.72, 0.68, 0.58),
-                                  (0.13, 0.2, 0.17)),
-        roughness=(0.1, 0.18), choices=2,
-    ),
-    "board_wood": Finish(
-        "wood", {"beech_staves": 2, "walnut_veneer": 1.5, "quartered_oak": 1.5,
-                 "bamboo_strips": 1, "butcher_block": 1},
-        choices=2,
-    ),
-    "crust": Finish(
-        "rough_stone", {"cast_concrete": 1}, colors=((0.36, 0.17, 0.06), (0.3, 0.13, 0.045)),
-        roughness=(0.6, 0.75), choices=2,
-    ),
-    "crumb": Finish("rubber", {"sponge": 1}, colors=((0.66, 0.52, 0.32),), roughness=(0.85, 0.95)),
-    "cardboard": Finish("wood", colors=((0.36, 0.25, 0.15),), roughness=(0.8, 0.9)),
-    "package": Finish(
-        "wood", colors=((0.55, 0.05, 0.03), (0.03, 0.13, 0.36), (0.62, 0.4, 0.04),
-                        (0.05, 0.26, 0.1), (0.6, 0.17, 0.03), (0.7, 0.68, 0.62),
-                        (0.22, 0.05, 0.18), (0.04, 0.3, 0.34)),
-        roughness=(0.35, 0.55), choices=12, each=True,
-    ),
-    "package_field": Finish(
-        "wood", colors=((0.7, 0.6, 0.3), (0.6, 0.08, 0.05), (0.08, 0.2, 0.42), (0.1, 0.32, 0.16),
-                        (0.66, 0.64, 0.58), (0.5, 0.26, 0.1), (0.72, 0.45, 0.06)),
-        roughness=(0.35, 0.55), choices=12, each=True,
-    ),
-    "package_ink": Finish(
-        "wood", colors=((0.78, 0.77, 0.74), (0.04, 0.04, 0.05)), roughness=(0.35, 0.55),
-        choices=2,
-    ),
     "bulb": Finish("specular_stone", colors=((0.8, 0.8, 0.79),), roughness=(0.2, 0.3)),
+    **SMALL_THINGS,
 }  # fmt: skip
 
 # What a substance means on furniture, where nobody says more.

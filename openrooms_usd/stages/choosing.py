@@ -11,7 +11,8 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.library import textures
 from openrooms_usd.library.assignment.rooms import Place, surface_of
 from openrooms_usd.library.assignment.weights import Weights, drawn
-from openrooms_usd.library.finishes import FINISHES, Finish
+from openrooms_usd.library.finish import Finish
+from openrooms_usd.library.finishes import FINISHES
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.swatches import Swatch
 

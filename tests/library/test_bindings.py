@@ -6,15 +6,15 @@ import pytest
 from openrooms_usd.categories.record import given
 from openrooms_usd.categories.registry import records
 from openrooms_usd.library.finishes import ACROSS, FINISHES, METALS, PARTS, finishes_of
-from openrooms_usd.library.furniture import CATEGORIES, make, part_of
+from openrooms_usd.library.furniture import CATEGORIES, part_of
+from tests.library.pieces import piece
 
 
 @pytest.mark.parametrize("name", sorted(CATEGORIES))
 def test_every_part_of_every_style_has_a_finish(name: str) -> None:
     spec = CATEGORIES[name]
-    for style, built in spec.styles.items():
-        rng = np.random.default_rng(0)
-        parts = {part_of(part) for part in make(name, built.size or spec.size, style, rng).parts}
+    for style in spec.styles:
+        parts = {part_of(part) for part in piece(name, style).parts}
         for seed in range(6):
             finishes = finishes_of(name, parts, np.random.default_rng(seed))
             assert set(finishes) == parts

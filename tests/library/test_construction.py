@@ -21,8 +21,9 @@ from openrooms_usd.library.construction import (
 )
 from openrooms_usd.library.finishes import FINISHES, finishes_of
 from openrooms_usd.library.friction.references import SUBSTANCES
-from openrooms_usd.library.furniture import CATEGORIES, make, part_of
+from openrooms_usd.library.furniture import CATEGORIES, part_of
 from openrooms_usd.physics.mass import MassProperties, combined
+from tests.library.pieces import piece
 
 Array = NDArray[np.float64]
 
@@ -35,8 +36,7 @@ def weighs(category: str, style: str = ANY) -> tuple[float, float] | None:
 
 @cache
 def meshes(category: str, style: str) -> dict[str, tuple[Array, Array]]:
-    spec, rng = CATEGORIES[category], np.random.default_rng(1)
-    parts = make(category, spec.styles[style].size or spec.size, style, rng).parts
+    parts = piece(category, style).parts
     return {
         name: (mesh.points, mesh.indices[triangulate(mesh.points, mesh.counts, mesh.indices)[0]])
         for name, mesh in parts.items()

@@ -24,30 +24,22 @@ from openrooms_usd.library.furniture import (
     styles,
 )
 from openrooms_usd.library.furniture.joinery import fitted
+from tests.library.pieces import STYLES, piece, planned, usual
 
-EVERYTHING = [(name, style) for name, spec in CATEGORIES.items() for style in spec.styles]
-LAMPS = [(name, style) for name, style in EVERYTHING if category(name).emits]
+LAMPS = [(name, style) for name, style in STYLES if category(name).emits]
 # The shell of a chair is cut in two along a seam: seat and back are open there.
 OPEN = {("chair", "shell", "seat"), ("chair", "shell", "back")}
-
-
-def _usual(name: str, style: str) -> Size:
-    return category(name).styles[style].size or category(name).size
 
 
 def _rng(seed: int = 0) -> np.random.Generator:
     return np.random.default_rng(seed)
 
 
-def _parts(made: Parts | Furniture) -> Parts:
-    return made.parts if isinstance(made, Furniture) else made
-
-
 def _extent(parts: Parts) -> np.ndarray:
     return joined(list(parts.values())).extent
 
 
-@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+@pytest.mark.parametrize(("name", "style"), STYLES)
 @pytest.mark.parametrize(
     "factor",
     [
@@ -57,31 +49,32 @@ def _extent(parts: Parts) -> np.ndarray:
     ],
 )
 def test_fills_the_box_exactly(name: str, style: str, factor: Size) -> None:
-    usual = np.array(_usual(name, style)) * factor
-    width, depth, height = np.clip(usual, 0.02, 20.0).tolist()
+    size = np.array(usual(name, style)) * factor
+    width, depth, height = np.clip(size, 0.02, 20.0).tolist()
     extent = _extent(make(name, (width, depth, height), style, _rng()).parts)
     expected = [[-0.5 * width, -0.5 * depth, 0.0], [0.5 * width, 0.5 * depth, height]]
     np.testing.assert_allclose(extent, expected, atol=1e-9)
 
 
-@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+@pytest.mark.parametrize(("name", "style"), STYLES)
 def test_is_planned_for_its_box(name: str, style: str) -> None:
     # What the last stretch corrects is small, so boards and legs keep their thickness.
-    size = _usual(name, style)
+    size, made = usual(name, style), planned(name, style)
     if (name, style) == ("table", "disc"):
         size = (0.5, 0.5, 0.5)
-    spec = category(name)
-    extent = _extent(_parts(spec.styles[style].build(size, _rng())))
+        made = Furniture(category(name).styles[style].build(size, _rng()))
+    extent = _extent(made.parts)
     assert np.abs(np.array(size) / (extent[1] - extent[0]) - 1).max() < 0.04
 
 
-@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+@pytest.mark.parametrize(("name", "style"), STYLES)
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))]
 )
 def test_meshes_are_sound(name: str, style: str, seed: int) -> None:
-    parts = make(name, _usual(name, style), style, _rng(seed)).parts
-    triangles = 0
+    size = usual(name, style)
+    made = make(name, size, style, _rng(seed)) if seed else piece(name, style)
+    parts, triangles = made.parts, 0
     for part, mesh in parts.items():
         triangles += int((mesh.counts - 2).sum())
         assert mesh.areas().min() > 0
@@ -94,9 +87,9 @@ def test_meshes_are_sound(name: str, style: str, seed: int) -> None:
 
 
 @pytest.mark.one_in(4)
-@pytest.mark.parametrize(("name", "style"), EVERYTHING)
+@pytest.mark.parametrize(("name", "style"), STYLES)
 def test_follows_from_its_seed(name: str, style: str) -> None:
-    first, second = (make(name, _usual(name, style), style, _rng(7)).parts for _ in range(2))
+    first, second = (make(name, usual(name, style), style, _rng(7)).parts for _ in range(2))
     assert first.keys() == second.keys()
     for part, mesh in first.items():
         assert mesh.points.tobytes() == second[part].points.tobytes()
@@ -148,7 +141,7 @@ def test_doors_and_drawers_have_gaps_between_them() -> None:
 @pytest.mark.parametrize(("name", "style"), LAMPS)
 def test_light_leaves_the_lamp(name: str, style: str) -> None:
     """From the bulb outwards, a good share of directions reaches the room past every other part."""
-    parts = make(name, _usual(name, style), style, _rng()).parts
+    parts = make(name, usual(name, style), style, _rng()).parts
     bulb = parts.pop("light_bulb")
     others = joined(list(parts.values()))
     corners, _ = others.triangles()

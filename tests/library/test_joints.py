@@ -9,7 +9,8 @@ import pytest
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.solids import box
-from openrooms_usd.library.furniture import CATEGORIES, Furniture, Joint, Size, make, part_of
+from openrooms_usd.library.furniture import Furniture, Joint, Size, make, part_of
+from tests.library.pieces import STYLES, piece, usual
 
 # What may overlap, metres: seals, and handles let into their doors.
 ALLOWED = 0.002
@@ -116,27 +117,24 @@ def collisions(furniture: Furniture) -> Iterator[tuple[str, str, str, float, flo
                         yield joint.name, name, other, share, depth
 
 
-def _jointed() -> list[tuple[str, str]]:
-    return [(name, style) for name, spec in CATEGORIES.items() for style in spec.styles]
-
-
 def _made(name: str, style: str, seed: int, factor: Size = (1.0, 1.0, 1.0)) -> Furniture:
-    spec = CATEGORIES[name]
-    usual = spec.styles[style].size or spec.size
-    width, depth, height = (np.array(usual) * factor).tolist()
+    if seed == 0 and factor == (1.0, 1.0, 1.0):
+        return piece(name, style)
+    width, depth, height = (np.array(usual(name, style)) * factor).tolist()
     return make(name, (width, depth, height), style, np.random.default_rng(seed))
 
 
-@pytest.mark.parametrize(("name", "style"), _jointed())
+@pytest.mark.parametrize(("name", "style"), STYLES)
 @pytest.mark.parametrize("seed", [0, pytest.param(5, marks=pytest.mark.slow)])
 def test_what_moves_stays_clear_of_the_rest(name: str, style: str, seed: int) -> None:
     factor = (1.0, 1.0, 1.0) if seed == 0 else (1.15, 0.95, 1.06)
     assert list(collisions(_made(name, style, seed, factor))) == []
 
 
-@pytest.mark.parametrize(("name", "style"), _jointed())
-def test_joints_are_sound_and_open_to_the_front(name: str, style: str) -> None:
-    furniture = _made(name, style, 1)
+@pytest.mark.parametrize(("name", "style"), STYLES)
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_joints_are_sound_and_open_to_the_front(name: str, style: str, seed: int) -> None:
+    furniture = _made(name, style, seed)
     moving = [mesh for joint in furniture.joints for mesh in joint.meshes]
     assert len(moving) == len(set(moving))
     assert set(moving) <= set(furniture.parts)
