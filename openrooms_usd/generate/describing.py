@@ -60,7 +60,7 @@ def _row(name: str, item: Item, carrier: str, root: tuple[str, Item] | None) -> 
     if root is not None:
         x, y, yaw = _within(root[1], item)
         row["relative_to"] = root[0]
-    row["at"] = [_tidy(x), _tidy(y), *([_tidy(item.z)] if item.on == "wall" else [])]
+    row["at"] = [_tidy(x), _tidy(y), *([_tidy(item.z)] if item.on == "wall" or item.sunk else [])]
     if _tidy(wrapped(yaw)) and item.on != "wall":
         row["yaw"] = _tidy(wrapped(yaw))
     if carrier != category(item.category).support:

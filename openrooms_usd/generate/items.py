@@ -32,6 +32,7 @@ class Item:
         on: What carries it: ``floor``, ``ceiling``, ``wall`` or the key of another item.
         optional: Whether the group makes sense without it.
         order: What is ordered with it.
+        sunk: Whether it is let into what carries it: its height follows from no top.
     """
 
     key: str
@@ -45,6 +46,7 @@ class Item:
     on: str = "floor"
     optional: bool = False
     order: Order = NOTHING_ORDERED
+    sunk: bool = False
 
     @property
     def box(self) -> Array:
@@ -85,6 +87,10 @@ class Group:
         anchor: ``wall``: its back stands against a wall; ``free``: it stands in the room.
         back: How far its back is behind its origin, metres.
         gap: Between its back and the wall, metres.
+        beside: What is left at least between its ends and the walls beside it, metres.
+        corner: Its end that stands in a corner of the room, where its items go on along the wall
+            beside it; seen from before it.
+        window_at: X of what people like to have below a window, metres.
     """
 
     title: str
@@ -94,6 +100,9 @@ class Group:
     anchor: Anchor = "wall"
     back: float = 0.0
     gap: float = 0.015
+    beside: float = 0.03
+    corner: Literal["", "left", "right"] = ""
+    window_at: float | None = None
 
     @property
     def boxes(self) -> Array:

@@ -120,6 +120,7 @@ class Kit:
         on: str = "floor",
         optional: bool = False,
         order: Order = NOTHING_ORDERED,
+        sunk: bool = False,
     ) -> Item:
         """An item with a key of its own; size and style are drawn where they are not given."""
         if size is None:
@@ -129,14 +130,14 @@ class Kit:
         number = self._count.get(name, 0)
         self._count[name] = number + 1
         style = style or self.style(name, size)
-        return Item(f"{name}_{number}", name, size, style, x, y, z, yaw, on, optional, order)
+        return Item(f"{name}_{number}", name, size, style, x, y, z, yaw, on, optional, order, sunk)
 
     def like(self, other: Item, x: float, y: float, yaw: float = 0.0) -> Item:
         """Another item of the same make."""
         return self.item(
             other.category, x, y, yaw,
             size=other.size, style=other.style, z=other.z, on=other.on, optional=other.optional,
-            order=other.order,
+            order=other.order, sunk=other.sunk,
         )  # fmt: skip
 
     def placed_on(

@@ -162,6 +162,6 @@ def _window_size(
         return float(rng.choice((0.6, 0.8, 1.0))), height, sill
     if rng.random() < program.glazed:
         return float(rng.choice((1.4, 1.8, 2.2))), round(min(2.2, shell.height - 0.35), 2), 0.1
-    sill = float(rng.choice((0.8, 0.85, 0.9, 1.0)))
+    sill = float(rng.choice(program.sills))
     height = round(min(float(rng.choice((1.2, 1.3, 1.4, 1.5))), shell.height - sill - 0.2), 2)
     return float(rng.choice((1.0, 1.2, 1.4, 1.6, 1.8))), height, sill

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.generate.boxes import NONE, Array, Pose, overlap, posed
+from openrooms_usd.generate.boxes import NONE, Array, Pose, overlap, posed, reach
 from openrooms_usd.generate.floor import Floor, floor_of
 from openrooms_usd.generate.items import (
     HEADROOM_M,
@@ -26,6 +26,12 @@ _GROUP_GAP_M: Final = 0.03
 _ON_WALL, _IN_ROOM = 24, 220
 # How many of the best places are checked for free paths.
 _CHECKED_PLACES: Final = 8
+# What is liked below a window, and how near to its middle that must be, metres.
+_BELOW_WINDOW_TASTE, _BELOW_WINDOW_M = 1.5, 0.3
+# Two walls are square to each other from this sine of the turn between them on.
+_SQUARE_CORNER_SINE: Final = 0.9999
+# Carriers that are parts of the room.
+_ROOM: Final = ("floor", "wall", "ceiling")
 # Narrower groups belong into corners, metres.
 _CORNER_WIDTH_M: Final = 0.6
 
@@ -105,7 +111,9 @@ class Arrangement:
         low = boxes[..., 7] <= STEP_M
         free = ~overlap(boxes, self.shell.walls).any(axis=-1)
         free &= self.shell.contains(boxes[..., :2])
-        free &= ~overlap(boxes, self.shell.kept).any(axis=-1)
+        on_top = np.array([item.on not in _ROOM for item in group.items])
+        free &= on_top | ~overlap(boxes, self.shell.kept).any(axis=-1)
+        free &= ~on_top | ~overlap(boxes, self.shell.kept_on_tops).any(axis=-1)
         free &= boxes[..., 7] <= self.shell.height - 0.02 + 0.02 * hung
         if len(self.solids):
             free &= ~overlap(boxes, self.solids, _GROUP_GAP_M).any(axis=-1)
@@ -149,25 +157,52 @@ def _places(group: Group, pose: Pose) -> list[tuple[float, float]]:
 
 def _wall_poses(shell: Shell, group: Group, rng: np.random.Generator) -> tuple[Array, Array]:
     """Along all walls; liked at their ends, a little in their middles."""
-    boxes = group.boxes[group.required]
-    left = float((boxes[:, 0] - boxes[:, 4]).min())
-    right = float((boxes[:, 0] + boxes[:, 4]).max())
+    left, _, right, _ = reach(group.boxes[group.required])
     corners = 1.4 if right - left < _CORNER_WIDTH_M else 0.5
     poses, taste = [], []
-    for side in shell.sides:
+    for index, side in enumerate(shell.sides):
         # The group's x runs against the wall's direction.
-        first, last = right + 0.03, side.length + left - 0.03
+        first, last = right + group.beside, side.length + left - group.beside
         if last < first:
             continue
         middle = 0.5 * (first + last)
-        drawn = rng.uniform(first, last, _ON_WALL)
-        for at in (first, last, middle, *drawn.tolist()):
+        windows = [
+            gap.at + group.window_at
+            for gap in shell.gaps
+            if group.window_at is not None and gap.kind == "window" and gap.side == index
+        ]
+        windows = [at for at in windows if first < at < last]
+        if group.corner:
+            places = _in_corner(shell, index, group, (left, right))
+        else:
+            drawn = rng.uniform(first, last, _ON_WALL).tolist()
+            places = [first, last, middle, *windows, *drawn]
+        for at in places:
             x, y = side.point(at, group.back + group.gap)
             poses.append((round(float(x), 3), round(float(y), 3), round(wrapped(side.yaw), 3)))
             ends = min(at - first, last - at)
-            taste.append(corners * (ends < 0.05) + 0.2 * (at == middle))
+            near = min((abs(at - window) for window in windows), default=9.0)
+            taste.append(
+                corners * (ends < 0.05) + 0.2 * (at == middle)
+                + _BELOW_WINDOW_TASTE * (near < _BELOW_WINDOW_M)
+            )  # fmt: skip
     fancy = rng.uniform(0.0, 1.0, len(poses))
     return np.array(poses).reshape(-1, 3), np.array(taste) + fancy
+
+
+def _in_corner(shell: Shell, index: int, group: Group, ends: tuple[float, float]) -> list[float]:
+    """Where a group stands whose one end goes on along the next wall; only in square corners."""
+    side = shell.sides[index]
+    # The wall's start is on the right, seen from inside.
+    before = shell.sides[index - 1]
+    after = shell.sides[(index + 1) % len(shell.sides)]
+    pair = (before, side) if group.corner == "right" else (side, after)
+    (ax, ay), (bx, by) = pair[0].along.tolist(), pair[1].along.tolist()
+    if ax * by - ay * bx < _SQUARE_CORNER_SINE:
+        return []
+    left, right = ends
+    at = right + group.gap if group.corner == "right" else side.length + left - group.gap
+    return [at]
 
 
 def _free_poses(shell: Shell, group: Group, rng: np.random.Generator) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Final
 
-from openrooms_usd.generate.groups import sitting, sleeping, storing, wet, working
+from openrooms_usd.generate.groups import kitchen, sitting, sleeping, storing, wet, working
 from openrooms_usd.generate.items import Group
 from openrooms_usd.generate.kit import Kit
 
@@ -57,6 +57,7 @@ class Program:
         doors: Range of the number of doors.
         windows: Range of the number of windows.
         high_windows: Whether they are small and high up.
+        sills: How high usual windows begin, metres: in kitchens above the worktop.
         glazed: How often its windows reach down to the floor.
         swing_out: How often its doors open outwards.
         gate: How often it has a wide opening.
@@ -73,6 +74,7 @@ class Program:
     doors: tuple[int, int] = (1, 2)
     windows: tuple[int, int] = (1, 3)
     high_windows: bool = False
+    sills: tuple[float, ...] = (0.8, 0.85, 0.9, 1.0)
     glazed: float = 0.1
     swing_out: float = 0.15
     gate: float = 0.0
@@ -112,7 +114,7 @@ CABINET = Want(_piece("cabinet", width=(0.7, 1.6)), 0, 2)
 FILES = Want(_of(storing.row, "file_cabinet", 4), 0, 1)
 DESK = Want(_of(working.desk_place), 0, 1)
 READING = Want(sitting.reading_corner, 0, 1, chance=0.7)
-KITCHEN = Want(wet.kitchen_row, 1, 1)
+KITCHEN = Want(kitchen.kitchen, 1, 1)
 STACKS = Want(storing.boxes, 1, 6, each=4.0)
 RACKS = Want(_of(storing.row, "bookshelf", 4), 1, 3, each=6.0)
 COPIER = Want(_piece("cabinet", width=(0.6, 1.0), tops=("printer",), height=0.75, fewest=1,
@@ -262,7 +264,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (KITCHEN, Want(_of(sitting.dining, (2, 4)), chance=0.85),
          Want(_of(wet.kitchen_row, ("counter", "counter"),), chance=0.5),
          Want(_piece("cabinet", width=(0.6, 1.0), height=1.9), chance=0.4), BIN, PLANT),
-        windows=(1, 2), doors=(1, 2), lux=(180, 300),
+        windows=(1, 2), doors=(1, 2), lux=(180, 300), sills=(1.05, 1.1, 1.15), glazed=0.0,
         curtains=0.2,
     ),
     "laundry_room": Program(

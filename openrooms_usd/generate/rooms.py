@@ -9,6 +9,7 @@ import numpy as np
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
+from openrooms_usd.generate.backsplashes import backsplashes
 from openrooms_usd.generate.boxes import Pose
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
@@ -178,7 +179,8 @@ def _furnished(
     lamps = ceiling_lamps(room, kit)
     cloths = curtains(room, kit, program.curtains)
     hung = hang(room, kit, program.hangs)
-    groups = [*room.items, (ON_WALLS, [*cloths, *hung]), (LIGHT, lamps)]
+    tiles = backsplashes(room, kit)
+    groups = [*room.items, (ON_WALLS, [*tiles, *cloths, *hung]), (LIGHT, lamps)]
     missing += not lamps
     return Furnishing([group for group in groups if group[1]], missing)
 

@@ -151,6 +151,12 @@ class Shell:
             depth = max(_DOOR_APPROACH_M, swept)
             yield side.keep(gap.at, gap.width + 2 * _BESIDE_DOOR_M, depth, 0.0, gap.top + 0.1)
 
+    @cached_property
+    def kept_on_tops(self) -> Array:
+        """(K, 8) what of `kept` is free of what stands on furniture: it may stand at a window."""
+        rows = [row for gap in self.gaps for row in list(self._before(gap))[gap.kind == "window" :]]
+        return np.concatenate([np.array(rows) if rows else NONE, self.free])
+
     @property
     def doors(self) -> tuple[Gap, ...]:
         """What people come in by."""

@@ -25,6 +25,8 @@ def level_top(support: Shape, size: Size, foot: Foot, pose: Pose, slack: float) 
     """
     x, y, yaw = pose
     middle = float(support.tops(np.array([x]), np.array([y]))[0])
+    if middle == -np.inf:
+        return None  # beside it, or over a hole
     below = support.tops(*_grid(foot, pose))
     half = (0.5 * size[0], 0.5 * size[1])
     above = support.tops(*_grid((-half[0], -half[1], *half), pose))

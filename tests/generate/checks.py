@@ -23,7 +23,8 @@ APPROACH = 0.6  # how deep the floor before a door must be free, metres
 HEADROOM = (0.06, 1.9)
 # What people must be able to come near to, and how near, metres.
 USED = {
-    "bed", "sofa", "desk", "wardrobe", "dresser", "refrigerator", "stove", "toilet", "bathtub",
+    "bed", "sofa", "desk", "wardrobe", "dresser", "refrigerator", "stove", "oven", "toilet",
+    "bathtub", "kitchen_unit", "dishwasher",
     "sink", "washing_machine", "bookshelf", "cabinet", "file_cabinet", "stairs", "fireplace",
 }  # fmt: skip
 NEAR = 0.9
@@ -31,6 +32,10 @@ NEAR = 0.9
 NEAR_SOFA = 1.5
 # How far below an object's lowest points the top that holds it may be, metres.
 BELOW = 0.015
+# What hangs in a hole of what carries it.
+LET_IN = {("sink", "worktop"), ("hob", "worktop")}
+# How much of what lies on several others must have something below it.
+LAID = 0.8
 DIRECTIONS = np.concatenate([np.eye(3), -np.eye(3)])
 
 
@@ -104,12 +109,28 @@ def _floating(scene: Scene, supports: dict[str, str]) -> Iterator[str]:
         below = [named[on]] if on in named else scene.room
         if not any(body.hits(other, DEEPEST * step) for other in below):
             yield f"{body.name} does not touch {on}"
-        elif on in named and named[on].category != "rug" and _overhangs(body, named[on]):
+        elif body.category == "worktop":
+            # It lies on all units of a row.
+            units = [other for other in scene.objects if other != body]
+            if _length_held(body, [u for u in units if body.hits(u, DEEPEST * step)]) < LAID:
+                yield f"{body.name} lies on too little"
+        elif (body.category, named[on].category if on in named else "") in LET_IN:
+            continue  # by its rim, which is what touches
+        elif on in named and named[on].category != "rug" and not _held(body, named[on]).all():
             yield f"{body.name} stands over the edge of {on}"
 
 
-def _overhangs(body: Body, support: Body) -> bool:
-    """Whether some of a body's lowest points have nothing of its support close below them."""
+def _length_held(body: Body, units: Sequence[Body]) -> float:
+    """The share of a body's length along its own X that has one of some others below it."""
+    own = (body.points - body.frame[:3, 3]) @ body.frame[:3, 0]
+    at = np.linspace(own.min(), own.max(), 200)
+    spans = [(unit.points - body.frame[:3, 3]) @ body.frame[:3, 0] for unit in units]
+    held = [(at >= span.min()) & (at <= span.max()) for span in spans]
+    return float(np.any(held, axis=0).mean()) if held else 0.0
+
+
+def _held(body: Body, support: Body) -> np.ndarray:
+    """Which of a body's lowest points have something of a support close below them."""
     base = body.points[body.points[:, 2] < body.low[2] + DEEPEST]
     base = base[:: 1 + len(base) // 64]
     a, b, c = np.moveaxis(support.points[support.triangles], 1, 0)
@@ -122,7 +143,7 @@ def _overhangs(body: Body, support: Body) -> bool:
         over = (v >= -1e-6) & (w >= -1e-6) & (v + w <= 1.0 + 1e-6) & (across != 0.0)
         height = a[:, 2] + v * e[:, 2] + w * f[:, 2]
         held = over & (np.abs(height - base[:, 2:3]) < BELOW)
-    return not held.any(axis=1).all()
+    return np.asarray(held.any(axis=1))
 
 
 def _swings(scene: Scene) -> Iterator[str]:

@@ -20,7 +20,7 @@ from openrooms_usd.library.furniture.built import (
 from openrooms_usd.library.furniture.cooker import gas_hob, glass_hob
 from openrooms_usd.library.furniture.joinery import FRONT, Furniture, Size, Style, board
 
-SUNK_M: Final = 0.044
+SUNK_M: Final = 0.036
 """What hangs below the worktop, metres."""
 BESIDE_M: Final = 0.016
 """How far its plate reaches over the worktop on each side of the hole, metres."""
@@ -66,11 +66,11 @@ def gas(size: Size, rng: np.random.Generator) -> Furniture:
 CATEGORY: Final = BuiltCategory(
     description="a hob let into a worktop",
     size=(0.59, 0.52, SUNK_M + _PLATE_M),
-    least=(0.28, 0.4, 0.045),
+    least=(0.28, 0.4, 0.04),
     most=(1.2, 0.6, 0.2),
     styles={
-        "glass": Style(glass, lambda size: size[2] < 0.07),
-        "gas": Style(gas, lambda size: size[2] > 0.07, (0.6, 0.52, 0.086)),
+        "glass": Style(glass, lambda size: size[2] < 0.06),
+        "gas": Style(gas, lambda size: size[2] > 0.06, (0.6, 0.52, 0.078)),
     },
     spread=STANDARD,
     round=False,
