@@ -2,7 +2,7 @@
 
 - `boxes`, `polygons`, `shell`, `openings`: the empty room; `sizes`, `shapes`, `items`, `kit`: what
   may stand in it; `groups`, `programs`: what belongs together, and what a type of room wants;
-- `standing`, `floor`, `placement`, `walls`, `backsplashes`: where it stands and hangs; `rooms`: all;
+- `standing`, `floor`, `placement`, `walls`, `backsplashes`: where it stands, hangs; `rooms`: all;
 - `describing`, `writing`, `folders`: as text; `expansion`: inside a description; `statistics`.
 """
 

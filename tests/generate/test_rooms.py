@@ -20,14 +20,16 @@ from openrooms_usd.generate.rooms import draw_shell
 from openrooms_usd.library.furniture import CATEGORIES
 
 ESSENTIAL = {
-    "apartment": {"bed", "sofa", "refrigerator", "worktop"}, "bathroom": {"toilet", "sink"},
+    "apartment": {"bed", "sofa", "refrigerator", "worktop"},
+    "bathroom": {"toilet", "sink"},
     "bedroom": {"bed"}, "hotel": {"bed", "desk"}, "bookstore": {"bookshelf", "counter"},
     "library": {"bookshelf", "table"}, "classroom": {"whiteboard", "desk", "chair"},
     "closet": {"wardrobe"}, "computer_cluster": {"desk", "office_chair"},
     "conference_room": {"table", "office_chair"}, "copy_room": {"bookshelf", "cabinet"},
     "mail_room": {"bookshelf", "box"}, "dining_room": {"table", "chair"},
     "game_room": {"sofa", "table"}, "gym": {"bench", "rug"}, "hallway": set(),
-    "kitchen": {"refrigerator", "kitchen_unit", "sink", "worktop"}, "laundry_room": {"washing_machine"},
+    "kitchen": {"refrigerator", "kitchen_unit", "sink", "worktop"},
+    "laundry_room": {"washing_machine"},
     "lounge": {"sofa", "plant_pot"}, "living_room": {"sofa"}, "lobby": {"counter", "sofa"},
     "office": {"desk"}, "stairs": {"stairs"}, "storage": {"bookshelf", "box"},
     "basement": {"bookshelf", "box"}, "garage": {"table", "bookshelf"}, "misc": set(),
