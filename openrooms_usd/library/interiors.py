@@ -12,6 +12,7 @@ import numpy as np
 
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.library.assignment.weights import Weights, drawn
+from openrooms_usd.library.furniture.joinery import Fronts
 
 Color = tuple[float, float, float]
 
@@ -31,6 +32,7 @@ class Interior:
         neutrals: Pairs of a light and a deeper neutral: of what is lacquered and what is woven.
         walls: Colours of painted walls.
         ceilings: Colours of painted ceilings.
+        fronts: How the doors and drawers of its kitchen look, with weights.
     """
 
     description: str
@@ -43,6 +45,7 @@ class Interior:
     neutrals: tuple[tuple[Color, Color], ...]
     walls: tuple[Color, ...]
     ceilings: tuple[Color, ...] = ((0.8, 0.8, 0.785),)
+    fronts: Mapping[Fronts, float]
 
     def weighted(self, weights: Weights) -> Weights:
         """Weights of families times the style's factors; as they were where it likes none."""
@@ -105,6 +108,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             ("birch_plywood", "pine_staves"): 1.0,
             ("beech_staves", "birch_plywood"): 1.5,
         },
+        fronts={"slab": 2, "handleless": 2, "shaker": 1},
         metals={"black": 3.0, "steel": 1.0, "brass": 1.0},
         accents=(
             (0.11, 0.17, 0.23), (0.21, 0.25, 0.18), (0.45, 0.27, 0.07), (0.42, 0.2, 0.14),
@@ -163,6 +167,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             ("sapele_ribbon", "walnut_veneer"): 1.5,
             ("quartered_oak", "walnut_veneer"): 1.0,
         },
+        fronts={"slab": 3, "handleless": 1},
         metals={"brass": 3.0, "black": 2.0, "steel": 0.5},
         accents=(
             (0.48, 0.26, 0.03), (0.43, 0.13, 0.04), (0.15, 0.16, 0.05), (0.03, 0.14, 0.16),
@@ -226,6 +231,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             ("walnut_veneer", "quartered_oak"): 1.5,
             ("butcher_block", "birch_plywood"): 1.0,
         },
+        fronts={"slab": 3, "handleless": 2},
         metals={"black": 5.0, "steel": 2.0},
         accents=((0.3, 0.09, 0.035), (0.07, 0.1, 0.12), (0.11, 0.12, 0.07), (0.38, 0.22, 0.05)),
         neutrals=(
@@ -285,6 +291,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             ("brushed_larch", "pine_staves"): 1.0,
             ("knotty_pine", "quartered_oak"): 1.0,
         },
+        fronts={"shaker": 4, "slab": 1},
         metals={"black": 4.0, "brass": 1.0},
         accents=((0.32, 0.07, 0.04), (0.13, 0.17, 0.1), (0.1, 0.13, 0.19), (0.42, 0.23, 0.08)),
         neutrals=(
@@ -348,6 +355,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             ("sapele_ribbon", "walnut_veneer"): 1.5,
             ("quartered_oak", "walnut_veneer"): 2.0,
         },
+        fronts={"shaker": 5, "slab": 0.5},
         metals={"brass": 5.0, "steel": 1.0, "black": 1.0},
         accents=(
             (0.2, 0.03, 0.03), (0.035, 0.06, 0.14), (0.04, 0.1, 0.055), (0.37, 0.22, 0.06),

@@ -4,7 +4,7 @@ A leg is a run of units along one wall. A straight kitchen has one, an L has a s
 wall at its end, whose first unit stands before the blind half of the first leg's corner unit.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import groupby
@@ -13,6 +13,7 @@ from typing import Final
 from openrooms_usd.categories.record import given
 from openrooms_usd.generate.items import Group, Item, placed, wrapped, zone, zones
 from openrooms_usd.generate.kit import Kit
+from openrooms_usd.library.assignment.weights import drawn
 from openrooms_usd.library.furniture import CATEGORIES, Order, Size
 from openrooms_usd.library.furniture.fronts import HANDLE
 from openrooms_usd.library.furniture.hob import BESIDE_M, SUNK_M
@@ -35,7 +36,7 @@ _CORNER_UNIT_M, _FILLER_M = 1.1, 0.05
 _OVEN_M: Final = 0.595
 # How far a sink stays within its unit, and what its rim covers on each side of its hole; metres.
 _WITHIN_M, _RIM_COVER_M = 0.06, 0.015
-_FRONTS: Final[tuple[Fronts, ...]] = ("slab", "slab", "shaker", "handleless")
+_FRONTS: Final[Mapping[Fronts, float]] = {"slab": 2, "shaker": 1, "handleless": 1}
 
 # What a unit is for, and its width.
 Module = tuple[str, float]
@@ -186,7 +187,7 @@ class _Leg:
 
 def kitchen(kit: Kit) -> Group:
     """A kitchen along one wall, or along two that meet; where it may, its sink below a window."""
-    fronts = _FRONTS[int(kit.rng.integers(len(_FRONTS)))]
+    fronts = drawn(kit.rng, kit.interior.fronts if kit.interior else _FRONTS)
     tall = round(min(_TALL_M, kit.height - _BELOW_CEILING_M), 2)
     space, other = (side * (1.0 - 0.35 * kit.modesty) for side in kit.span)
     bent = kit.modesty < 0.5 and other > 2.9 and space > 3.3 and kit.chance(0.6)
@@ -348,6 +349,22 @@ def _mirror(item: Item) -> Item:
 def _sink_at(items: Iterable[Item]) -> float | None:
     """X of the sink where it is on the first leg, metres."""
     return next((item.x for item in items if item.category == "sink" and not item.yaw), None)
+
+
+def island(kit: Kit) -> Group:
+    """A block in the middle of a kitchen, with stools where its worktop stands out."""
+    block = kit.item("counter", size=(kit.between(1.4, 2.2), 0.95, LEVEL_M), style="island")
+    width, depth, _ = block.size
+    first = kit.item("stool", size=(0.38, 0.38, 0.64), optional=True)
+    count = max(1, int((width - 0.2) / 0.6))
+    items = [block]
+    for number in range(count):
+        along = (number - 0.5 * (count - 1)) * 0.6
+        stool = kit.tucked(first, block, along, 90.0, items[1:], jitter=12.0)
+        items += [stool] if stool else []
+    room = [zone(0.0, side * (0.5 * depth + 0.5), width, 0.9) for side in (-1, 1)]
+    places = tuple((0.0, side * (0.5 * depth + 0.5)) for side in (-1, 1))
+    return Group("island", tuple(items), zones(room), places, anchor="free")
 
 
 @cache
