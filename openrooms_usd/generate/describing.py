@@ -5,6 +5,7 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd.categories.record import given
+from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.rooms import (
@@ -16,7 +17,9 @@ from openrooms_usd.generate.rooms import (
     program_of,
 )
 from openrooms_usd.library.assignment.rooms import surface_of
+from openrooms_usd.library.ensembles import ensemble_of
 from openrooms_usd.library.furniture import category
+from openrooms_usd.library.interiors import Color
 
 # Flux of lamps that are not on the ceiling, as a share of what their category usually has.
 _SHARE: Final = (0.6, 1.3)
@@ -112,13 +115,25 @@ def _kelvin(rng: np.random.Generator, above: bool) -> int:
 def materials_section(room: Generated) -> Section:
     """Floor, walls and ceiling."""
     rng = generator(room.seed, "generate", room.room_type, "materials")
-    floor, _ = surface_of(room.room_type, "floor", rng)
-    walls, _ = surface_of(room.room_type, "wall", rng)
+    if room.interior is None:
+        floor, _ = surface_of(room.room_type, "floor", rng)
+        walls, _ = surface_of(room.room_type, "wall", rng)
+        return {
+            "floor": floor,
+            "walls": walls,
+            "ceiling": {"family": "paint", "color": [0.82, 0.82, 0.81]},
+        }
+    shared = ensemble_of(room.interior, rng)
     return {
-        "floor": floor,
-        "walls": walls,
-        "ceiling": {"family": "paint", "color": [0.82, 0.82, 0.81]},
+        "floor": _look(*shared.surface(room.room_type, "floor", rng)),
+        "walls": _look(*shared.surface(room.room_type, "wall", rng)),
+        "ceiling": {"family": "paint", "color": list(shared.ceiling)},
     }
+
+
+def _look(family: str, _: Substance, color: Color | None) -> str | Section:
+    """What is said of a surface: its family, and its colour where it has one."""
+    return {"family": family, "color": list(color)} if color else family
 
 
 def environment(room: Generated) -> Section:

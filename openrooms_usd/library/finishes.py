@@ -1,6 +1,7 @@
 """What furniture is usually made of: finishes, and which finish each part of a category has."""
 
 from collections.abc import Iterable, Mapping
+from math import prod
 from typing import Final
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import given
 from openrooms_usd.categories.registry import record
-from openrooms_usd.categories.schemes import METAL, METALS
+from openrooms_usd.categories.schemes import METAL, METALS, Scheme
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.assignment.kinds import known_as
 from openrooms_usd.library.assignment.weights import Weights, families_for
@@ -245,6 +246,7 @@ GENERIC: Final[dict[Substance, str]] = {
     "wood": "wood",
 }
 
+_NO_FACTORS: Final[Weights] = {}
 _ON_FURNITURE: Final[tuple[Use, ...]] = ("furniture", "object", "textile")
 
 # Parts that are the same on whatever they are found.
@@ -298,13 +300,21 @@ PARTS: Final = {
 ACROSS: Final = frozenset({"countertop", "tabletop", "shelf", "drawer_front", "rail", "step"})
 
 
-def finishes_of(category: str, parts: Iterable[str], rng: np.random.Generator) -> dict[str, str]:
+def finishes_of(
+    category: str,
+    parts: Iterable[str],
+    rng: np.random.Generator,
+    factors: Weights = _NO_FACTORS,
+    metal: str | None = None,
+) -> dict[str, str]:
     """Choose a finish for each part of an object.
 
     Args:
         category: What it is; any word.
         parts: The kinds of its parts; any words.
         rng: Draws one of the schemes that fit, and its metal.
+        factors: How much more or less often schemes with these finishes are drawn.
+        metal: The metal that all objects of the room share; drawn by default.
 
     Returns:
         Keys of `FINISHES` by part.
@@ -314,10 +324,11 @@ def finishes_of(category: str, parts: Iterable[str], rng: np.random.Generator) -
     schemes = given(known.schemes, ()) if known else ()
     fitting = [scheme for scheme in schemes if scheme.needs is None or scheme.needs in names]
     fitting = [scheme for scheme in fitting if scheme.suite] or fitting
-    weights = np.cumsum([scheme.weight for scheme in fitting] or [1.0])
+    weights = np.cumsum([_weight(scheme, factors) for scheme in fitting] or [1.0])
     drawn = int(np.searchsorted(weights, rng.uniform(0.0, weights[-1]), side="right"))
     chosen = fitting[drawn].finishes if fitting else {}
-    metal = METALS[int(rng.integers(len(METALS)))]
+    drawn_metal = METALS[int(rng.integers(len(METALS)))]
+    metal = metal or drawn_metal
     picked = {part: _finish(part, chosen) for part in names}
     return {part: metal if finish == METAL else finish for part, finish in picked.items()}
 
@@ -327,6 +338,12 @@ def suite_of(category: str, parts: Iterable[str]) -> str:
     known, names = record(category), set(parts)
     schemes = given(known.schemes, ()) if known else ()
     return next((s.suite for s in schemes if s.suite and (s.needs or "") in {"", *names}), "")
+
+
+def _weight(scheme: Scheme, factors: Weights) -> float:
+    """How often a scheme is drawn: its own weight times the factors of its finishes."""
+    named = sorted(set(scheme.finishes.values()))
+    return scheme.weight * prod(factors.get(finish, 1.0) for finish in named)
 
 
 def _finish(part: str, scheme: Mapping[str, str]) -> str:

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.description.styles import InteriorStyle
+from openrooms_usd.library.assignment.rooms import Place
 from openrooms_usd.library.assignment.weights import Weights, drawn
 from openrooms_usd.library.furniture.joinery import Fronts
 
@@ -25,6 +26,7 @@ class Interior:
         description: One sentence for people.
         furniture: Factors of the styles of furniture, by category.
         families: Factors of families of materials, wherever they are taken.
+        substances: Factors of what floors and walls are made of.
         finishes: Factors of the schemes of furniture that have these finishes.
         woods: Pairs of a main and a second wood: families, with weights.
         metals: Finishes of frames, handles and lamps, with weights.
@@ -38,6 +40,7 @@ class Interior:
     description: str
     furniture: Mapping[str, Weights] = field(default_factory=dict)
     families: Weights = field(default_factory=dict)
+    substances: Mapping[Place, Weights] = field(default_factory=dict)
     finishes: Weights = field(default_factory=dict)
     woods: Mapping[tuple[str, str], float]
     metals: Weights
@@ -101,6 +104,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             "whitewashed_brick": 3, "running_bond_brick": 0.2, "terracotta_tiles": 0.2,
             "cracked_leather": 0, "full_grain_leather": 1, "loop_carpet": 2, "shag_carpet": 1.5,
         },
+        substances={"floor": {"wood": 2, "fabric": 0.4}, "wall": {"fabric": 0.2}},
         finishes={"metal": 0.6, "white": 2.0, "hide": 0.4, "lacquer": 0.8},
         woods={
             ("ash_veneer", "birch_plywood"): 2.0,
@@ -160,6 +164,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             "limewash": 0.3, "skip_trowel": 0.3, "trowelled_plaster": 1, "split_face_ledger": 2,
             "chalk_paint": 0,
         },
+        substances={"floor": {"wood": 1.5, "fabric": 1}, "wall": {"fabric": 0.7}},
         finishes={"metal": 0.8, "white": 0.4, "hide": 1.2, "lacquer": 0.6, "wood": 1.5},
         woods={
             ("walnut_veneer", "walnut_veneer"): 4.0,
@@ -224,6 +229,8 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             "carrara_marble": 0.2, "breccia_marble": 0, "checkerboard_marble": 0.1,
             "high_gloss_lacquer": 0.1, "powder_coat": 3, "shag_carpet": 0.3,
         },
+        substances={"floor": {"fabric": 0.1, "rough_stone": 4, "specular_stone": 3},
+                    "wall": {"rough_stone": 8, "fabric": 0}},
         finishes={"metal": 4.0, "black": 3.0, "white": 0.3, "hide": 2.5, "lacquer": 0.6},
         woods={
             ("quartered_oak", "pine_staves"): 2.0,
@@ -284,6 +291,8 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             "full_grain_leather": 2, "nappa": 0.4, "sisal": 2, "shag_carpet": 0.3,
             "high_gloss_lacquer": 0, "chalk_paint": 4,
         },
+        substances={"floor": {"fabric": 0.1, "rough_stone": 3, "specular_stone": 0.4},
+                    "wall": {"rough_stone": 5, "fabric": 0.1}},
         finishes={"metal": 0.5, "white": 0.5, "hide": 0.8, "lacquer": 0.7, "wood": 1.5},
         woods={
             ("pine_staves", "quartered_oak"): 2.0,
@@ -349,6 +358,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
             "embossed_wallpaper": 2, "venetian_plaster": 1.5, "limewash": 0.4, "skip_trowel": 0.4,
             "woodchip_wallpaper": 0.1, "running_bond_brick": 0.3, "chalk_paint": 0.5,
         },
+        substances={"floor": {"wood": 1.5}, "wall": {"fabric": 2, "rough_stone": 0.3}},
         finishes={"metal": 0.4, "white": 0.7, "hide": 1.2, "lacquer": 0.6, "wood": 2.0},
         woods={
             ("walnut_veneer", "quartered_oak"): 2.0,

@@ -1,7 +1,8 @@
 """Draws at random what the description and the tables leave open: one chooser a look of a room."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -11,8 +12,10 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.library import textures
 from openrooms_usd.library.assignment.rooms import Place, surface_of
 from openrooms_usd.library.assignment.weights import Weights, drawn
+from openrooms_usd.library.ensembles import Ensemble, ensemble_of
 from openrooms_usd.library.finish import Finish
-from openrooms_usd.library.finishes import FINISHES
+from openrooms_usd.library.finishes import FINISHES, finishes_of
+from openrooms_usd.library.interiors import INTERIORS
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.swatches import Swatch
 
@@ -38,6 +41,22 @@ class Chooser:
     context: StageContext
     look: int = 0
 
+    @cached_property
+    def ensemble(self) -> Ensemble | None:
+        """What the room has in common in this look, where it has a style."""
+        style = self.context.room.style
+        return ensemble_of(INTERIORS[style], self.rng("ensemble")) if style else None
+
+    def finishes(self, category: str, kinds: Sequence[str], suite: str = "") -> dict[str, str]:
+        """The finish of each kind of part of an object; a suite of them draws one scheme."""
+        rng, shared = (
+            self.rng("scheme", *((suite,) if suite else (category, *kinds))),
+            self.ensemble,
+        )
+        if shared is None:
+            return finishes_of(category, kinds, rng)
+        return finishes_of(category, kinds, rng, shared.interior.finishes, shared.metal)
+
     def rng(self, *key: str) -> np.random.Generator:
         """A generator of this look for a key."""
         look = (f"look_{self.look}",) if self.look else ()
@@ -50,11 +69,15 @@ class Chooser:
             name: A key of `FINISHES`.
             key: Names what it is for; the same key gives the same swatch.
         """
-        finish = FINISHES[name]
-        number = str(self._choice(finish, name, key))
-        rng = self.rng("finish", name, number)
-        family = drawn(rng, finish.families) if finish.families else None
-        color = finish.colors[int(rng.integers(len(finish.colors)))] if finish.colors else None
+        shared = self.ensemble
+        finish = shared.finish(name) if shared else FINISHES[name]
+        variant = self._choice(finish, name, key)
+        number, rng = str(variant), self.rng("finish", name, str(variant))
+        if shared:
+            family, color = shared.family(name, variant, rng), shared.color(name, variant, rng)
+        else:
+            family = drawn(rng, finish.families) if finish.families else None
+            color = finish.colors[int(rng.integers(len(finish.colors)))] if finish.colors else None
         roughness = round(float(rng.uniform(*finish.roughness)), 3) if finish.roughness else None
         swatch = Swatch(
             finish.substance, family, int(rng.integers(NUMBERS_PER_FAMILY)) if family else 0, name,
@@ -99,9 +122,12 @@ class Chooser:
 
     def surface(self, place: Place) -> Swatch:
         """What floor or walls of a room of this type usually have."""
-        rng = self.rng("surface", place)
-        family, substance = surface_of(self.context.room.room, place, rng)
-        swatch = Swatch(substance, family, int(rng.integers(NUMBERS_PER_FAMILY)))
+        rng, room, color = self.rng("surface", place), self.context.room.room, None
+        if self.ensemble:
+            family, substance, color = self.ensemble.surface(room, place, rng)
+        else:
+            family, substance = surface_of(room, place, rng)
+        swatch = Swatch(substance, family, int(rng.integers(NUMBERS_PER_FAMILY)), color=color)
         sized = replace(swatch, size=self.context.room.materials.texture_size)
         return self._scaled(sized, place)
 

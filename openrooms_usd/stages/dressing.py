@@ -16,7 +16,6 @@ from openrooms_usd.library.finishes import (
     ACROSS,
     FINISHES,
     GENERIC,
-    finishes_of,
     furniture_families,
     suite_of,
 )
@@ -92,8 +91,7 @@ class _Outfit:
         """The material of each part in one look, by its path; what keeps its own is left out."""
         kinds = sorted({part.kind for part in free})
         suite = suite_of(self.category, kinds)
-        drawn = chooser.rng("scheme", *((suite,) if suite else (self.category, *kinds)))
-        finishes = finishes_of(self.category, kinds, drawn)
+        finishes = chooser.finishes(self.category, kinds, suite)
         worn: dict[str, Swatch] = {}
         for part in parts:
             swatch = self._overridden(chooser, part) or self._annotated(chooser, part)

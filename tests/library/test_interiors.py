@@ -10,6 +10,7 @@ from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.errors import InputError
 from openrooms_usd.generate import generate
 from openrooms_usd.generate.rooms import style_of
+from openrooms_usd.library.ensembles import ensemble_of
 from openrooms_usd.library.finishes import FINISHES
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.interiors import INTERIORS, Interior
@@ -61,3 +62,19 @@ def test_a_room_has_a_style_and_furniture_that_follows() -> None:
 def test_an_unknown_style_is_refused() -> None:
     with pytest.raises(InputError, match="no style is named 'baroque'"):
         generate("closet", 2, style="baroque")  # type: ignore[arg-type]
+
+
+@each_style
+def test_what_a_room_has_in_common_is_of_its_style(interior: Interior) -> None:
+    for seed in range(10):
+        shared = ensemble_of(interior, np.random.default_rng(seed))
+        assert shared.woods in interior.woods and shared.metal in interior.metals
+        assert (shared.light, shared.deep) in interior.neutrals
+        for name in FINISHES:
+            finish = shared.finish(name)
+            for variant in range(finish.choices):
+                family = shared.family(name, variant, np.random.default_rng(variant))
+                assert family in finish.families if finish.families else family is None
+                assert family is None or interior.families.get(family, 1.0) > 0.0, (name, family)
+                color = np.array(shared.color(name, variant, np.random.default_rng(0)) or 0.0)
+                assert (color >= 0.0).all() and color.max() + finish.transmission <= 1.0

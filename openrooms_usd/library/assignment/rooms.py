@@ -33,6 +33,7 @@ class Surfaces:
     suited: Mapping[tuple[Place, Substance], Weights] = field(default_factory=dict)
 
 
+_NO_FACTORS: Final[Weights] = {}
 _PAINTED: Final[Substances] = {"paint": 1.0}
 _SOFT: Final[Substances] = {"paint": 10.0, "fabric": 1.5, "rough_stone": 0.5}
 _HARD: Final[Substances] = {"paint": 10.0, "rough_stone": 1.0}
@@ -175,10 +176,20 @@ ROOMS: Final[dict[str, Surfaces]] = {
 }
 
 
-def substance_of(room: str, place: Place, rng: np.random.Generator) -> Substance:
-    """Draw what a place in a room of this type is made of; ceilings are painted."""
-    substances = {"floor": ROOMS[room].floor, "wall": ROOMS[room].wall}.get(place, _PAINTED)
-    return drawn(rng, substances)
+def substance_of(
+    room: str, place: Place, rng: np.random.Generator, factors: Weights = _NO_FACTORS
+) -> Substance:
+    """Draw what a place in a room of this type is made of; ceilings are painted.
+
+    Args:
+        room: The type.
+        place: Floor, wall or ceiling.
+        rng: Draws it.
+        factors: How much more or less often substances are drawn.
+    """
+    usual = {"floor": ROOMS[room].floor, "wall": ROOMS[room].wall}.get(place, _PAINTED)
+    weights = {name: weight * factors.get(name, 1.0) for name, weight in usual.items()}
+    return drawn(rng, weights if any(weights.values()) else usual)
 
 
 def families_of(room: str, place: Place, substance: Substance) -> Weights:
