@@ -27,6 +27,8 @@ _MOST: Final = 100_000
     "--style", type=click.Choice(get_args(InteriorStyle)),
     help="What furniture, materials and colours go together; drawn by default.",
 )  # fmt: skip
+@click.option("--clutter", type=click.IntRange(0, 3), default=2, show_default=True,
+              help="How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.")  # fmt: skip
 @json_option
 def generate(
     room_type: str,
@@ -35,16 +37,20 @@ def generate(
     count: int | None,
     area: float | None,
     style: InteriorStyle | None,
+    clutter: int,
     as_json: bool,
 ) -> None:
     """Make a room from nothing: walls, openings, furniture, lamps and cameras in OUT/room.yaml.
 
-    Equal types, seeds, areas and styles give equal files. With --count the seeds run on from
-    --seed.
+    Equal types, seeds, areas, styles and clutter give equal files. With --count the seeds run on
+    from --seed.
     """
     from openrooms_usd.generate.folders import generate_rooms
 
-    rooms = list(generate_rooms(room_type, seed, out, count=count, area=area, style=style))
+    made = generate_rooms(
+        room_type, seed, out, count=count, area=area, style=style, clutter=clutter
+    )
+    rooms = list(made)
     if as_json:
         print_json({"rooms": [room.as_dict() for room in rooms]})
         return

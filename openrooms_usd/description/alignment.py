@@ -82,6 +82,10 @@ class Placed(Model):
     start at the object that it is relative to, where there is one."""
     yaw: Angle = 0.0
     """Rotation about the vertical, counter-clockwise from above; at 0 the front looks along -Y."""
+    tilt: tuple[Angle, Angle] = (0.0, 0.0)
+    """How it leans before yaw turns it: forward (about its x axis), then to its right (about its y
+    axis); negative angles backward and to its left. Where z follows from the support, its lowest
+    point lies there."""
     on: str | None = None
     """What carries it: floor, ceiling, wall (the nearest one, with its back to it) or another
     object's name; by default as its category does."""

@@ -65,6 +65,9 @@ class Room(CheckedModel):
     """Fixes everything that is drawn."""
     style: InteriorStyle | None = None
     """What furniture, materials and colours go together; by default each is drawn by itself."""
+    clutter: int = Field(default=0, ge=0, le=3)
+    """How much lies about in a room that is drawn or generated: 0 nothing but what is listed,
+    1 tidy, 2 lived in, 3 messy."""
     layout: Layout = Field(default_factory=PolygonLayout)
     """The room's shell."""
     alignment: Alignment = Field(default_factory=ObjectList)

@@ -63,9 +63,12 @@ def _row(name: str, item: Item, carrier: str, root: tuple[str, Item] | None) -> 
     if root is not None:
         x, y, yaw = _within(root[1], item)
         row["relative_to"] = root[0]
-    row["at"] = [_tidy(x), _tidy(y), *([_tidy(item.z)] if item.on == "wall" or item.sunk else [])]
+    height = [round(item.z, 4)] if item.on == "wall" or item.sunk or item.lies else []
+    row["at"] = [_tidy(x), _tidy(y), *height]
     if _tidy(wrapped(yaw)) and item.on != "wall":
         row["yaw"] = _tidy(wrapped(yaw))
+    if any(item.tilt):
+        row["tilt"] = [_tidy(angle) for angle in item.tilt]
     if carrier != category(item.category).support:
         row["on"] = carrier
     row |= {"size": list(item.size), "style": item.style}

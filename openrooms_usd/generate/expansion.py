@@ -34,11 +34,11 @@ def expanded(room: Room) -> Room:
     if not wants_layout and not wants_objects:
         return room
     if isinstance(layout, GeneratedLayout):
-        made = generate(room.room, room.seed, layout.area, room.style)
+        clutter = room.clutter if wants_objects else 0
+        made = generate(room.room, room.seed, layout.area, room.style, clutter)
     elif isinstance(layout, PolygonLayout):
         shell, style = shell_of(layout), room.style or style_of(room.room, room.seed)
-        standing = furnish(room.room, room.seed, shell, style)
-        made = Generated(room.room, room.seed, shell, [], standing, style)
+        made = furnish(room.room, room.seed, shell, style, room.clutter)
     else:
         raise DescriptionError(
             "furniture is generated for rooms that are drawn or generated, not for captured ones",

@@ -8,7 +8,7 @@ from typing import Any, Final
 from openrooms_usd.atomic import filling, write_text
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.errors import OutputError, writing
-from openrooms_usd.generate.rooms import Generated, generate
+from openrooms_usd.generate.rooms import USUAL_CLUTTER, Generated, generate
 from openrooms_usd.generate.writing import write
 
 ROOM: Final = "room.yaml"
@@ -51,6 +51,7 @@ def generate_rooms(
     count: int | None = None,
     area: float | None = None,
     style: InteriorStyle | None = None,
+    clutter: int = USUAL_CLUTTER,
 ) -> Iterator[GeneratedFile]:
     """Write the descriptions of some rooms.
 
@@ -59,6 +60,7 @@ def generate_rooms(
         seed: Of the first room.
         out: The folder; made when it is missing.
         count: How many rooms, each in a folder of its own; one in ``out`` itself by default.
+        clutter: How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.
         area: Floor area, square metres.
         style: Of furniture, materials and colours; drawn for each room by default.
 
@@ -70,7 +72,7 @@ def generate_rooms(
     """
     for number in range(seed, seed + (count or 1)):
         folder = out if count is None else out / f"{room_type}_{number}"
-        made = generate(room_type, number, area, style)
+        made = generate(room_type, number, area, style, clutter)
         _write(folder, write(made))
         yield GeneratedFile(folder / ROOM, made)
 

@@ -33,6 +33,8 @@ class Item:
         optional: Whether the group makes sense without it.
         order: What is ordered with it.
         sunk: Whether it is let into what carries it: its height follows from no top.
+        tilt: Degrees that it leans forward, and then to its right, before it is turned by yaw.
+        lies: Whether its height is its own, not that of the top below its middle.
     """
 
     key: str
@@ -47,6 +49,8 @@ class Item:
     optional: bool = False
     order: Order = NOTHING_ORDERED
     sunk: bool = False
+    tilt: tuple[float, float] = (0.0, 0.0)
+    lies: bool = False
 
     @property
     def box(self) -> Array:

@@ -1,7 +1,7 @@
 """A room from nothing: draw its shell, fill it group by group, and draw again what did not fit."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -11,6 +11,7 @@ from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
 from openrooms_usd.generate.backsplashes import backsplashes
 from openrooms_usd.generate.boxes import Pose
+from openrooms_usd.generate.clutter.living import lived_in
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.openings import openings
@@ -30,6 +31,8 @@ _MODESTY: Final = {True: (0.0, 0.3, 0.6, 0.9), False: (0.0, 0.6)}
 # Groups of things that have nothing to do with each other.
 ON_WALLS: Final = "on the walls"
 LIGHT: Final = "light"
+USUAL_CLUTTER: Final = 2
+"""How much lies about in rooms from nothing where nobody says: they are lived in."""
 LEAST_AREA: Final = 2.0
 MOST_AREA: Final = 400.0
 
@@ -58,6 +61,7 @@ class Generated:
         openings: The openings as the description has them.
         furnishing: What stands in it.
         style: What its furniture, materials and colours go together by; None: by nothing.
+        clutter: How much lies about.
     """
 
     room_type: str
@@ -66,6 +70,7 @@ class Generated:
     openings: list[dict[str, Any]]
     furnishing: Furnishing = field(default_factory=lambda: Furnishing([], 0))
     style: InteriorStyle | None = None
+    clutter: int = 0
 
     @property
     def interior(self) -> Interior | None:
@@ -93,7 +98,11 @@ def style_of(room_type: str, seed: int) -> InteriorStyle:
 
 
 def generate(
-    room_type: str, seed: int, area: float | None = None, style: InteriorStyle | None = None
+    room_type: str,
+    seed: int,
+    area: float | None = None,
+    style: InteriorStyle | None = None,
+    clutter: int = 0,
 ) -> Generated:
     """Make a room; equal arguments give equal rooms, in any process.
 
@@ -102,6 +111,7 @@ def generate(
         seed: Fixes everything that is drawn.
         area: Of the floor, square metres; drawn by default.
         style: Of furniture, materials and colours; drawn by default.
+        clutter: How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.
 
     Raises:
         InputError: There is no such room type or style, or no room of that area can be made.
@@ -109,17 +119,27 @@ def generate(
     style = style or style_of(room_type, seed)
     if style not in INTERIORS:
         raise InputError(f"no style is named {style!r}", remedy=f"known: {', '.join(INTERIORS)}")
-    best: Generated | None = None
+    best: tuple[Generated, Arrangement] | None = None
+    shapes = Shapes(seed)
     for attempt in range(_MAX_DRAFTS):
         shell, rows = draw_shell(room_type, seed, area, attempt)
-        standing = _furnished(room_type, seed, shell, attempt, style)
-        found = Generated(room_type, seed, shell, rows, standing, style)
-        if best is None or found.furnishing.missing < best.furnishing.missing:
-            best = found
-        if not best.furnishing.missing:
+        made, room = _furnished(room_type, shapes, shell, attempt, style)
+        found = Generated(room_type, seed, shell, rows, made, style)
+        if best is None or found.furnishing.missing < best[0].furnishing.missing:
+            best = found, room
+        if not best[0].furnishing.missing:
             break
     assert best is not None
-    return best
+    return _lived_in(*best, shapes, clutter)
+
+
+def _lived_in(room: Generated, arrangement: Arrangement, shapes: Shapes, clutter: int) -> Generated:
+    """The same room with what lies about in it."""
+    groups = lived_in(
+        room.furnishing.groups, arrangement, shapes, room.room_type, room.seed, clutter
+    )
+    made = Furnishing(groups, room.furnishing.missing)
+    return replace(room, furnishing=made, clutter=clutter)
 
 
 def draw_shell(
@@ -145,30 +165,36 @@ def draw_shell(
 
 
 def furnish(
-    room_type: str, seed: int, shell: Shell, style: InteriorStyle | None = None
-) -> Furnishing:
+    room_type: str,
+    seed: int,
+    shell: Shell,
+    style: InteriorStyle | None = None,
+    clutter: int = 0,
+) -> Generated:
     """Furniture for a given room, of a style where one is given.
 
     Raises:
         InputError: There is no such room type.
     """
-    found = (_furnished(room_type, seed, shell, attempt, style) for attempt in range(_MAX_DRAFTS))
+    shapes = Shapes(seed)
+    found = (_furnished(room_type, shapes, shell, attempt, style) for attempt in range(_MAX_DRAFTS))
     best = next(found)
     for other in found:
-        if not best.missing:
+        if not best[0].missing:
             break
-        best = min(best, other, key=lambda furnishing: furnishing.missing)
-    return best
+        best = min(best, other, key=lambda made: made[0].missing)
+    made = Generated(room_type, seed, shell, [], best[0], style)
+    return _lived_in(made, best[1], shapes, clutter)
 
 
 def _furnished(
-    room_type: str, seed: int, shell: Shell, attempt: int, style: InteriorStyle | None
-) -> Furnishing:
+    room_type: str, shapes: Shapes, shell: Shell, attempt: int, style: InteriorStyle | None
+) -> tuple[Furnishing, Arrangement]:
     program = program_of(room_type)
     room = Arrangement(shell)
     sides = np.ptp(shell.corners, axis=0)
     kit = Kit(
-        generator(seed, "generate", room_type, "furniture", attempt), Shapes(seed), shell.height,
+        generator(shapes.seed, "generate", room_type, "furniture", attempt), shapes, shell.height,
         (float(sides.max()), float(sides.min())), INTERIORS[style] if style else None,
     )  # fmt: skip
     missing = 0
@@ -182,7 +208,7 @@ def _furnished(
     tiles = backsplashes(room, kit)
     groups = [*room.items, (ON_WALLS, [*tiles, *cloths, *hung]), (LIGHT, lamps)]
     missing += not lamps
-    return Furnishing([group for group in groups if group[1]], missing)
+    return Furnishing([group for group in groups if group[1]], missing), room
 
 
 def _count(want: Want, area: float, kit: Kit) -> int:

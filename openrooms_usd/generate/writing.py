@@ -31,7 +31,8 @@ def write(room: Generated) -> str:
 def _lines(room: Generated) -> Iterator[str]:
     layout = layout_section(room)
     count = sum(len(items) for _, items in room.furnishing.groups)
-    yield f"# Made by: orusd generate --type {room.room_type} --seed {room.seed}"
+    how = f"--type {room.room_type} --seed {room.seed} --clutter {room.clutter}"
+    yield f"# Made by: orusd generate {how}"
     yield f"# {room.shell.area:.1f} m2, {count} objects. Lengths are metres, angles degrees."
     yield f"name: {room.room_type}_{room.seed}"
     yield f"room: {room.room_type}"

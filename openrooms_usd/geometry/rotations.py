@@ -27,6 +27,11 @@ def about_z(radians: float) -> Array:
     return _about(2, radians)
 
 
+def tilted(forward: float, right: float) -> Array:
+    """(3, 3) leans forward (towards -Y), then to the right (+X); degrees."""
+    return about_y(np.radians(right)) @ about_x(np.radians(forward))
+
+
 def _about(axis: int, radians: float) -> Array:
     matrix = np.eye(3)
     j, k = (axis + 1) % 3, (axis + 2) % 3

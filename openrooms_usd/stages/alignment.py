@@ -41,7 +41,7 @@ from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.stages.catalogue import Catalogue
 from openrooms_usd.stages.following import Following
 from openrooms_usd.stages.placement import FLOOR, Placement, Source, Stand, Supports
-from openrooms_usd.stages.poses import author_upright, moved_by_hand
+from openrooms_usd.stages.poses import author_described, moved_by_hand
 from openrooms_usd.stages.surroundings import surroundings
 from openrooms_usd.untrusted import check_path
 
@@ -177,6 +177,7 @@ def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -
         emits,
         relative_to=item.relative_to,
         level=given(spec.level, 0.0) if spec else 0.0,
+        tilt=item.tilt,
     )
 
 
@@ -209,7 +210,7 @@ def _author_furniture(
             prim.instanceable = not item.emits
             stand = stands[name]
             if item.pose is None:
-                author_upright(prim, stand.x, stand.y, stand.z, stand.yaw)
+                author_described(prim, stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
             elif item.measured is None:
                 author_shifted(prim, item.pose, item.shifts)
             else:

@@ -109,7 +109,7 @@ class Following:
             width, depth, _ = item.size
             hung = self.room.hang(x, y, width, depth)
             x, y, yaw = hung.x, hung.y, hung.yaw
-        return matrix_of(x, y, stand.z, yaw)
+        return matrix_of(x, y, stand.z, yaw, stand.tilt)
 
     def _note_what_is_off(self, parents: Mapping[str, str | None]) -> None:
         children: defaultdict[str, list[str]] = defaultdict(list)
@@ -123,7 +123,7 @@ class Following:
     def _described(self, name: str) -> Array:
         """(4, 4) from an object's frame to the room, as it is described."""
         item, stand = self.placements[name], self.stands[name]
-        upright = matrix_of(stand.x, stand.y, stand.z, stand.yaw)
+        upright = matrix_of(stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
         return upright if item.pose is None else item.pose
 
     def _prim(self, name: str) -> Usd.Prim:

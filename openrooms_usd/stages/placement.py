@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from openrooms_usd import names
 from openrooms_usd.capture import Confidence
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.geometry.rotations import in_plan
+from openrooms_usd.geometry.rotations import in_plan, tilted
 from openrooms_usd.library.assets import Asset
 from openrooms_usd.library.furniture import Size
 from openrooms_usd.stages.surroundings import Surroundings
 from openrooms_usd.stages.tops import top_at
 
 Array: TypeAlias = NDArray[np.float64]
+Tilt: TypeAlias = tuple[float, float]
 
 FLOOR: Final = "floor"
 CEILING: Final = "ceiling"
@@ -84,6 +85,7 @@ class Placement:
         source: Where it was captured, when it was.
         relative_to: The object in whose frame x, y and yaw are given.
         level: Height of its base above the floor where it hangs on a wall, metres.
+        tilt: Degrees about its own x axis, then about its own y axis, before it is turned by yaw.
         pose: (4, 4) from the asset's frame to the room where that is more than upright: with a
             tilt, and a scale along each axis of the asset.
         shifts: (3,) each, metres: how the source moved it, after it had measured its pose.
@@ -102,6 +104,7 @@ class Placement:
     source: Source | None = None
     relative_to: str | None = None
     level: float = 0.0
+    tilt: Tilt = (0.0, 0.0)
     pose: Array | None = field(default=None, compare=False)
     shifts: tuple[Array, ...] = field(default=(), compare=False)
     measured: Measured | None = field(default=None, compare=False)
@@ -114,10 +117,23 @@ class Placement:
     def top(self, x: float, y: float) -> float | None:
         """Height of its upper side above its base at a place of the room; None beside it."""
         model = self.asset.build()
+        if self.pose is None and any(self.tilt):
+            turn = tilted(*self.tilt)
+            parts = {name: mesh.transformed(turn) for name, mesh in model.parts.items()}
+            return top_at(replace(model, parts=parts), *self.to_local(x, y))
         if self.pose is None:
             return top_at(model, *self.to_local(x, y))
         parts = {name: mesh.transformed(self.pose[:3, :3]) for name, mesh in model.parts.items()}
         return top_at(replace(model, parts=parts), x - self.x, y - self.y)
+
+    @property
+    def lift(self) -> float:
+        """How far its lowest point is below the middle of its base, metres."""
+        if not any(self.tilt):
+            return 0.0
+        turn = tilted(*self.tilt)
+        parts = self.asset.build().parts.values()
+        return -min(float((mesh.points @ turn[2]).min()) for mesh in parts)
 
     def to_local(self, x: float, y: float) -> tuple[float, float]:
         """A place of the room in the object's own frame, metres."""
@@ -141,6 +157,7 @@ class Stand:
         z: Its base, metres.
         yaw: Degrees, counter-clockwise from above.
         carrier: The object that carries it; None for the room itself.
+        tilt: Degrees about its own x axis, then about its own y axis, before yaw.
     """
 
     x: float
@@ -148,6 +165,7 @@ class Stand:
     z: float
     yaw: float
     carrier: str | None = None
+    tilt: Tilt = (0.0, 0.0)
 
 
 @dataclass
@@ -177,7 +195,8 @@ class Supports:
         for name in parents_first(carriers):
             item = self._plan[name]
             z, carrier = self._base(item)
-            self._stands[name] = Stand(item.x, item.y, z, item.yaw, carrier)
+            z += item.lift if item.z is None else 0.0
+            self._stands[name] = Stand(item.x, item.y, z, item.yaw, carrier, item.tilt)
         for item in self._plan.values():
             if item.on == WALL:
                 self._note_openings(item)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
-from openrooms_usd.geometry.rotations import about_z, pose
+from openrooms_usd.geometry.rotations import about_z, pose, tilted
 from openrooms_usd.usd.frames import TIME, matrix
 
 Array: TypeAlias = NDArray[np.float64]
@@ -20,18 +20,24 @@ _ROTATE: Final = "xformOp:rotateXYZ"
 _POSE_DIGITS: Final = 9
 
 
-def matrix_of(x: float, y: float, z: float, yaw: float) -> Array:
-    """(4, 4) from the frame of an upright object as it is authored; degrees and metres."""
-    return pose(about_z(np.radians(float(np.float32(yaw)))), (x, y, z))
+Turns: TypeAlias = tuple[float, float]
 
 
-def author_upright(prim: Sdf.PrimSpec, x: float, y: float, z: float, yaw: float) -> None:
-    """Place an upright object; degrees and metres.
+def matrix_of(x: float, y: float, z: float, yaw: float, tilt: Turns = (0.0, 0.0)) -> Array:
+    """(4, 4) from the frame of an object as it is authored; degrees and metres."""
+    turns = (float(np.float32(angle)) for angle in tilt)
+    return pose(about_z(np.radians(float(np.float32(yaw)))) @ tilted(*turns), (x, y, z))
+
+
+def author_described(
+    prim: Sdf.PrimSpec, x: float, y: float, z: float, yaw: float, tilt: Turns
+) -> None:
+    """Place an object that stands or lies as it is described; degrees and metres.
 
     Both operations are written also where they do nothing: an edit of one of them alone must find
     it in their order, whatever the description says later.
     """
-    _author(prim, (x, y, z), (0.0, 0.0, yaw))
+    _author(prim, (x, y, z), (*tilt, yaw))
 
 
 def author_pose(prim: Sdf.PrimSpec, rigid: Array) -> None:

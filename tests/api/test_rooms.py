@@ -27,7 +27,7 @@ def test_a_dict_a_room_and_a_file_compose_alike(scene: ou.Scene, here: Path) -> 
 
 def test_a_generated_room_is_that_of_the_command(here: Path) -> None:
     room = ou.generate("closet", 2)
-    (here / "room.yaml").write_text(write(generate("closet", 2)))
+    (here / "room.yaml").write_text(write(generate("closet", 2, clutter=2)))
     assert room.as_dict() == ou.load("room.yaml").as_dict()
     assert list(here.iterdir()) == [here / "room.yaml"]
 

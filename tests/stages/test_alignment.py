@@ -91,6 +91,18 @@ def test_objects_stand_where_they_are_asked_for(tmp_path: Path) -> None:
     assert _bound(stage, "chair_0")[0, 2] == pytest.approx(0.25)
 
 
+def test_what_leans_is_authored_so(tmp_path: Path) -> None:
+    stage, notes = _compose(tmp_path, [
+        {"category": "box", "at": [1, 1], "size": [1.0, 1.0, 1.0], "tilt": [-90, 0], "yaw": 30},
+    ])  # fmt: skip
+    assert notes == []
+    turn = stage.GetPrimAtPath(f"{names.FURNITURE}/box_0").GetAttribute("xformOp:rotateXYZ")
+    assert tuple(turn.Get()) == (-90.0, 0.0, 30.0)
+    # On its back: the base, of which the middle is given, now stands upright before it.
+    low, high = _bound(stage, "box_0")
+    assert low[2] == pytest.approx(0.0, abs=1e-6) and high[2] == pytest.approx(1.0, abs=1e-6)
+
+
 def test_the_scene_contract(tmp_path: Path) -> None:
     stage, _ = _compose(tmp_path, [
         {"category": "chair", "at": [1, 1]}, {"category": "floor_lamp", "at": [2, 1]},

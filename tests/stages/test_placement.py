@@ -97,3 +97,14 @@ def test_the_top_of_a_sphere() -> None:
         assert top_at(model, x, y) == pytest.approx(np.sqrt(1 - x * x - y * y), abs=2e-3)
     assert top_at(model, 2.0, 0.0) == pytest.approx(0.05)
     assert top_at(model, 5.0, 0.0) is None
+
+
+def test_what_leans_lies_with_its_lowest_point_on_its_support() -> None:
+    # A cube of 1 m that leans back by 45 degrees stands on its back edge.
+    cube = _item("cube", size=(1.0, 1.0, 1.0), tilt=(-45.0, 0.0), on="low")
+    found = _stands(_item("low"), cube, _item("on", size=(0.1, 0.1, 0.1), on="cube"))
+    assert found["cube"].z == pytest.approx(0.5 + np.sqrt(0.125))
+    assert found["cube"].tilt == (-45.0, 0.0)
+    assert found["on"].z == pytest.approx(0.5 + np.sqrt(0.125) + np.sqrt(0.5))
+    # Where its place is given, that is the middle of its base.
+    assert _stands(_item("free", z=1.0, tilt=(30.0, 10.0)))["free"].z == 1.0

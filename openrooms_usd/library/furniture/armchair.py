@@ -206,4 +206,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.SEAT,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("armchair_seat", "chair_back"),
 )

@@ -30,6 +30,7 @@ from openrooms_usd.library.furniture.joinery import (
     corners,
     numbered,
 )
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import hoop, oval
 
 
@@ -186,4 +187,9 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(250), "weight", "fabric"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("low_shelf", "wardrobe_shelf", "appliance_top"), weight=0.8),
+        Lies(on=("shelf", "cabinet_top"), weight=0.3),
+        Lies(on=("floor_corner", "floor_by_wall", "floor_beside_sofa"), weight=0.7, most=1),
+    ),
 )

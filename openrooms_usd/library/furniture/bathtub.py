@@ -147,4 +147,5 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(f"container {ANY}", makes.walls(5, 1200), "common", "specular_stone"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("bath_rim",),
 )

@@ -299,4 +299,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("bed_head", "bed_foot"),
 )

@@ -182,4 +182,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.SEAT,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("cabinet_top",),
 )

@@ -14,7 +14,10 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Style
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.vessel import bottle_pump, bottle_sport, bottle_wine
+
+_STORES: Final = ("storage", "basement", "garage", "copy_room", "mail_room", "laundry_room")
 
 CATEGORY: Final = BuiltCategory(
     description="a bottle",
@@ -58,4 +61,15 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("basin_edge", "sink_edge", "bath_rim"), styles=("pump",), cluster="washing"),
+        Lies(on=("worktop", "dining_table", "cabinet_top"), styles=("wine",), weight=0.6),
+        Lies(
+            on=("desk", "bedside", "coffee_table", "shop_counter", "appliance_top"),
+            styles=("sport",),
+            weight=0.6,
+            clutter=2,
+        ),
+        Lies(on=("shelf", "cupboard"), rooms=_STORES, pose="row", count=(2, 4), weight=0.7),
+    ),
 )

@@ -14,7 +14,10 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Style
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.vessel import bowl_footed, bowl_fruit, bowl_oval, bowl_round
+
+_KITCHENS: Final = ("kitchen", "apartment")
 
 CATEGORY: Final = BuiltCategory(
     description="a bowl",
@@ -47,4 +50,16 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row("container", makes.walls(3), "common", "specular_stone"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("worktop", "dining_table", "coffee_table"), weight=0.8, most=1),
+        Lies(on=("shelf", "cabinet_top", "media_top", "dresser_top", "side_table"), weight=0.5),
+        Lies(
+            on=("cupboard", "shelf"),
+            rooms=_KITCHENS,
+            styles=("round",),
+            pose="stacked",
+            count=(2, 4),
+            makes=1,
+        ),
+    ),
 )

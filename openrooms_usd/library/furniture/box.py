@@ -22,6 +22,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board
+from openrooms_usd.library.furniture.lying import Lies
 
 
 def plain(size: Size, rng: np.random.Generator) -> Parts:
@@ -31,6 +32,8 @@ def plain(size: Size, rng: np.random.Generator) -> Parts:
     low, high = (-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, 0.5 * depth, height)
     return {"body": board(low, high, edge)}
 
+
+_STORES: Final = ("storage", "basement", "garage", "copy_room", "mail_room", "laundry_room")
 
 CATEGORY: Final = BuiltCategory(
     description="a plain box",
@@ -56,4 +59,10 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(100), "weight"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("low_shelf", "shelf"), rooms=_STORES, weight=1.5, most=12, makes=3),
+        Lies(on=("wardrobe_shelf", "cupboard", "drawer"), weight=0.8, most=4),
+        Lies(on=("low_shelf", "shelf", "cabinet_top", "desk"), weight=0.3, most=3),
+        Lies(on=("floor_corner", "floor_by_wall"), clutter=3, weight=0.5),
+    ),
 )

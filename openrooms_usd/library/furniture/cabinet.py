@@ -151,4 +151,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.STORAGE,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("cabinet_top", "shelf", "low_shelf", "cupboard", "drawer"),
 )

@@ -309,4 +309,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.SEAT,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("chair_back", "chair_seat"),
 )

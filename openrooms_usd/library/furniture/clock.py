@@ -21,6 +21,7 @@ from openrooms_usd.library.furniture.joinery import (
     corners,
     numbered,
 )
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import facing, turned
 
 
@@ -214,4 +215,5 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(500), "weight"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(Lies(on=("wall",), weight=0.3, most=1),),
 )

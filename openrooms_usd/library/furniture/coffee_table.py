@@ -46,4 +46,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.TABLE,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("coffee_table", "low_shelf"),
 )

@@ -64,4 +64,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.STORAGE,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("worktop", "shelf", "low_shelf", "cupboard", "drawer"),
 )

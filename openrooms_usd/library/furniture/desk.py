@@ -271,4 +271,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("desk", "drawer", "shelf"),
 )

@@ -140,4 +140,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.STORAGE,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("dresser_top", "drawer", "cupboard"),
 )

@@ -147,4 +147,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("cabinet_top", "drawer"),
 )

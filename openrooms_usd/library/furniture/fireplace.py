@@ -229,4 +229,5 @@ CATEGORY: Final = BuiltCategory(
     makes=NO_ROWS,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("mantel",),
 )

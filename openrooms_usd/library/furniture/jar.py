@@ -14,7 +14,10 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Style
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.vessel import jar_canister, jar_ginger, jar_preserving
+
+_KITCHENS: Final = ("kitchen", "apartment")
 
 CATEGORY: Final = BuiltCategory(
     description="a jar with a lid",
@@ -54,4 +57,16 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(
+            on=("worktop", "shelf", "cupboard"),
+            rooms=_KITCHENS,
+            pose="row",
+            count=(2, 4),
+            cluster="cooking",
+            makes=1,
+        ),
+        Lies(on=("worktop", "dining_table", "mantel"), weight=0.6, cluster="cooking"),
+        Lies(on=("shelf", "cabinet_top", "dresser_top", "media_top", "desk"), weight=0.5),
+    ),
 )

@@ -38,4 +38,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.STORAGE,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("shelf", "cupboard"),
 )

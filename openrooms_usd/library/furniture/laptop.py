@@ -15,6 +15,7 @@ from openrooms_usd.library.furniture.built import (
 )
 from openrooms_usd.library.furniture.computing import laptop_classic, laptop_slim, laptop_tablet
 from openrooms_usd.library.furniture.joinery import Style
+from openrooms_usd.library.furniture.lying import Lies
 
 CATEGORY: Final = BuiltCategory(
     description="an open laptop; its lid turns",
@@ -50,4 +51,8 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(0.05, 0.8),
     yields=RIGID,
+    lies=(
+        Lies(on=("coffee_table", "dining_table"), clutter=2, weight=0.3, most=1),
+        Lies(on=("desk",), rooms=("office", "conference_room", "library"), weight=0.4),
+    ),
 )

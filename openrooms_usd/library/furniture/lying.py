@@ -128,6 +128,7 @@ class Lies:
             pen: ``writing``). Empty: with nothing.
         clutter: The level from which on it lies about: 1 tidy, 2 lived in, 3 messy.
         most: How many such groups a room has at most.
+        makes: How many makes of it a room has at most: forks are alike, books are not.
     """
 
     on: tuple[Place, ...]
@@ -139,3 +140,4 @@ class Lies:
     cluster: str = ""
     clutter: int = 1
     most: int = 2
+    makes: int = 2

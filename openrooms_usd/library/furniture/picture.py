@@ -8,6 +8,7 @@ from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLA
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, WIDE, BuiltCategory
 from openrooms_usd.library.furniture.joinery import Style
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.wall_board import canvas, framed, triptych
 
 CATEGORY: Final = BuiltCategory(
@@ -43,4 +44,5 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row("canvas", makes.filled(200), "common"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(Lies(on=("wall",), most=5, makes=5),),
 )

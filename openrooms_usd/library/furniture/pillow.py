@@ -19,6 +19,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style
+from openrooms_usd.library.furniture.lying import Lies
 
 # Lying shapes turned up, so that what was above looks to the front.
 _UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
@@ -148,4 +149,8 @@ CATEGORY: Final = BuiltCategory(
     makes=NO_ROWS,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(
+        Lies(on=("sofa_seat",), styles=("square", "round"), pose="leaning", most=4, makes=3),
+        Lies(on=("armchair_seat", "bed_head"), styles=("square",), pose="leaning", makes=2),
+    ),
 )

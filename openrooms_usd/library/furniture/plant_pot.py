@@ -22,6 +22,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
 
 Array = NDArray[np.float64]
@@ -260,4 +261,18 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=0.05,
+    lies=(
+        Lies(
+            on=("shelf", "cabinet_top", "dresser_top", "mantel", "media_top", "side_table"),
+            styles=("cactus",),
+            weight=0.7,
+            makes=3,
+        ),
+        Lies(
+            on=("desk", "coffee_table", "dining_table", "worktop", "basin_edge"),
+            styles=("cactus",),
+            weight=0.3,
+        ),
+        Lies(on=("floor_corner", "floor_by_wall"), weight=0.8, makes=3),
+    ),
 )

@@ -249,4 +249,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(0.5, 1.0),
     yields=RIGID,
+    carries=("appliance_top",),
 )

@@ -46,4 +46,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.TABLE,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("side_table", "low_shelf", "drawer"),
 )

@@ -272,4 +272,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.SEAT,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("sofa_seat", "sofa_arm"),
 )

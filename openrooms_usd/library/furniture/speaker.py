@@ -27,6 +27,7 @@ from openrooms_usd.library.furniture.joinery import (
     corners,
     numbered,
 )
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import facing
 
 
@@ -239,4 +240,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    lies=(Lies(on=("shelf", "cabinet_top", "desk", "media_top"), weight=0.25, most=1),),
 )

@@ -48,4 +48,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(1.0, 2.0),
     yields=RIGID,
+    carries=("hob",),
 )

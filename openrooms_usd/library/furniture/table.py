@@ -209,4 +209,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.TABLE,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("dining_table",),
 )

@@ -29,6 +29,7 @@ from openrooms_usd.library.furniture.joinery import (
     numbered,
     profiled,
 )
+from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import tapered, turned
 
 
@@ -200,4 +201,5 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(400), "weight"),),
     hinges=Losses(0.01, 0.02),
     yields=RIGID,
+    lies=(Lies(on=("shop_counter", "cabinet_top"), weight=0.3, most=1),),
 )

@@ -201,4 +201,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(1.5, 0.1),
     yields=RIGID,
+    carries=("cistern",),
 )

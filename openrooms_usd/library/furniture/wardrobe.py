@@ -163,4 +163,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.STORAGE,
     hinges=Losses(0.3, 0.2),
     yields=RIGID,
+    carries=("wardrobe_shelf", "drawer"),
 )

@@ -54,4 +54,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("appliance_top",),
 )

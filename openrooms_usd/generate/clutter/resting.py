@@ -1,0 +1,78 @@
+"""At which height something rests on what is not level: stacks, seats, bedding, bowls."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.generate.boxes import Array
+from openrooms_usd.generate.clutter.levels import crossings, edge_cells
+from openrooms_usd.generate.shapes import Shape
+
+# Of a relief's cells, metres.
+RELIEF_CELL_M: Final = 0.005
+# No more points of a thing than this are looked at.
+_MOST_POINTS: Final = 600
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """The upper side of an object on a fine grid, in its own frame.
+
+    Attributes:
+        origin: (2,) the least corner of the first cell, metres.
+        heights: (H, W) metres; -inf where there is nothing.
+    """
+
+    origin: Array
+    heights: Array
+
+    def at(self, x: Array, y: Array) -> Array:
+        """(...) heights at places; -inf beside it."""
+        i = np.floor((x - self.origin[0]) / RELIEF_CELL_M).astype(int)
+        j = np.floor((y - self.origin[1]) / RELIEF_CELL_M).astype(int)
+        height, width = self.heights.shape
+        there = (i >= 0) & (i < width) & (j >= 0) & (j < height)
+        found = self.heights[np.clip(j, 0, height - 1), np.clip(i, 0, width - 1)]
+        return np.asarray(np.where(there, found, -np.inf))
+
+    def rest(self, points: Array, x: Array, y: Array) -> Array:
+        """(P,) how high an object's origin is when it comes down at places.
+
+        Args:
+            points: (N, 3) of the object, turned as it lies; metres.
+            x: (P,) metres.
+            y: (P,) metres.
+        """
+        points = points[:: 1 + len(points) // _MOST_POINTS]
+        below = self.at(x[:, None] + points[:, 0], y[:, None] + points[:, 1])
+        return np.asarray((below - points[:, 2]).max(axis=1))
+
+
+def relief_of(shape: Shape) -> Relief:
+    """The upper side of an object: of each cell the highest of its middle and all edges in it."""
+    corners = shape.corners
+    low = corners.reshape(-1, 3).min(axis=0)[:2] - 1e-4
+    high = corners.reshape(-1, 3).max(axis=0)[:2]
+    columns, rows = (np.floor((high - low) / RELIEF_CELL_M).astype(int) + 1).tolist()
+    heights = np.full(rows * columns, -np.inf)
+    cell, z, _ = crossings(corners, low, columns, rows, RELIEF_CELL_M)
+    np.maximum.at(heights, cell, z)
+    cell, z = edge_cells(corners, low, columns, RELIEF_CELL_M)
+    np.maximum.at(heights, cell, z)
+    return Relief(low, heights.reshape(rows, columns))
+
+
+def rest_on(below: Shape, points: Array, x: float, y: float) -> float:
+    """How high an object's origin is that comes down on another, by their corners and faces.
+
+    Args:
+        below: What carries it.
+        points: (N, 3) corners of the object, turned as it lies in the carrier's frame; metres.
+        x: Of its origin in the carrier's frame, metres.
+        y: Likewise.
+    """
+    low = points[points[:, 2] < points[:, 2].min() + 0.03]
+    low = low[:: 1 + len(low) // _MOST_POINTS]
+    heights = below.tops(x + low[:, 0], y + low[:, 1])
+    return float((heights - low[:, 2]).max())

@@ -1,0 +1,241 @@
+"""Things on the surfaces of a room, drawn by the records of what lies there, level by level."""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.generate.boxes import Array, Pose
+from openrooms_usd.generate.clutter.amounts import amount_of
+from openrooms_usd.generate.clutter.laying import (
+    Taken,
+    Thing,
+    Tilt,
+    item_at,
+    places_on,
+    thing_of,
+)
+from openrooms_usd.generate.clutter.making import Makes, candidates
+from openrooms_usd.generate.clutter.resting import rest_on
+from openrooms_usd.generate.clutter.spots import Spot, Surfaces
+from openrooms_usd.generate.items import Item, placed
+from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.library.furniture import Size
+from openrooms_usd.library.furniture.lying import Lies
+from openrooms_usd.library.furniture.lying import Pose as Lying
+
+# Turns from the direction of those who use a surface, degrees.
+_TURNED: Final[dict[Lying, float]] = {"flat": 180.0, "on_back": 180.0, "on_side": 180.0}
+_JITTER_DEG: Final = 14.0
+_TILTS: Final[dict[Lying, Tilt]] = {"on_back": (-90.0, 0.0), "on_side": (0.0, 90.0)}
+# Between the things of a row, metres.
+_ROW_GAP_M: Final = 0.006
+# How much a stack's things are turned and shifted against each other.
+_STACK_TURN_DEG: Final = 7.0
+_STACK_SHIFT_M: Final = 0.006
+# How much likelier things become whose company lies there already.
+_COMPANY: Final = 4.0
+_MAX_STACK_M: Final = 0.4
+_STACK_ROOM_M: Final = 0.03
+# A thing that falls this far below the top of what it is stacked on lies beside it, metres.
+_MAX_SINK_M: Final = 0.03
+
+
+@dataclass
+class Scatter:
+    """Lays things on the surfaces of a room.
+
+    Attributes:
+        rng: Draws them; another one at each level.
+        surfaces: Knows the forms of things.
+        makes: What the room has.
+        taken: What takes up space already.
+        room_type: One of the 27.
+        added: What was laid, with the group of its carrier.
+    """
+
+    rng: np.random.Generator
+    surfaces: Surfaces
+    makes: Makes
+    taken: Taken
+    room_type: str
+    added: list[tuple[int, Item]] = field(default_factory=list)
+    _company: dict[int, list[tuple[str, Array]]] = field(default_factory=dict)
+    _used: dict[tuple[str, Lies], int] = field(default_factory=dict)
+    _keys: dict[str, int] = field(default_factory=dict)
+
+    def fill(self, number: int, spot: Spot, level: int) -> None:
+        """Lay on a surface what a level adds.
+
+        Args:
+            number: The surface's, the same at all levels.
+            spot: The surface.
+            level: 1, 2 or 3.
+        """
+        for _ in range(self._count(spot, level)):
+            drawn = self._drawn(number, spot, level)
+            if drawn is not None:
+                self._lay(number, spot, *drawn)
+
+    def _count(self, spot: Spot, level: int) -> int:
+        amount = amount_of(spot.place)
+        if self.rng.random() > amount.chance:
+            return 0
+        usual = min(amount.most, spot.level.area * amount.each) * float(self.rng.uniform(0.7, 1.3))
+        wanted = usual * amount.shares[level - 1]
+        return int(wanted + self.rng.random())
+
+    def _drawn(self, number: int, spot: Spot, level: int) -> tuple[str, Lies] | None:
+        """What to lay next: likelier what goes with what is there, less likely what is there."""
+        rows = [
+            row
+            for row in candidates(spot.place, self.room_type, level)
+            if self._used.get(row, 0) < row[1].most
+        ]
+        if not rows:
+            return None
+        company = self._company.get(number, [])
+        clusters = {lies for lies, _ in company}
+        weights = [
+            lies.weight * (_COMPANY if lies.cluster and lies.cluster in clusters else 1.0)
+            / (1.0 + self._used.get((name, lies), 0))
+            for name, lies in rows
+        ]  # fmt: skip
+        share = np.cumsum(weights) / np.sum(weights)
+        return rows[int(np.searchsorted(share, self.rng.random()))]
+
+    def _lay(self, number: int, spot: Spot, name: str, lies: Lies) -> None:
+        count = int(self.rng.integers(lies.count[0], lies.count[1] + 1))
+        room = self._room_on(spot)
+        make = self.makes.draw(name, lies, room)
+        if make is None:
+            return
+        thing = thing_of(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
+        if lies.pose == "row":
+            laid = self._row(number, spot, thing, lies, count)
+        elif lies.pose == "stacked":
+            laid = self._stack(number, spot, thing, lies, count, room)
+        else:
+            laid = [
+                item
+                for _ in range(count)
+                if (item := self._put(number, spot, thing, lies)) is not None
+            ]
+        if laid:
+            self._used[name, lies] = self._used.get((name, lies), 0) + 1
+
+    def _room_on(self, spot: Spot) -> Size:
+        """Width, depth and height of what could stand on a surface at most."""
+        (x0, y0), (x1, y1) = spot.reach
+        high = float(spot.level.clear[spot.level.clear > 0.0].max())
+        return x1 - x0, y1 - y0, min(high, 1.2) - 0.005
+
+    def _put(self, number: int, spot: Spot, thing: Thing, lies: Lies) -> Item | None:
+        """One thing somewhere on a surface."""
+        middle = self._place(number, spot, thing.size, lies)
+        if middle is None:
+            return None
+        item = item_at(thing, self.key(thing.name), middle, spot.z, spot.carrier.key)
+        self._take(number, spot, item, thing, middle, spot.z, lies)
+        return item
+
+    def _row(
+        self, number: int, spot: Spot, thing: Thing, lies: Lies, count: int
+    ) -> list[Item]:  # fmt: skip
+        """Several alike side by side, fewer where there is no space."""
+        width, depth, height = thing.size
+        for n in range(count, 0, -1):
+            whole = n * width + (n - 1) * _ROW_GAP_M
+            middle = self._place(number, spot, (whole, depth, height), lies)
+            if middle is None:
+                continue
+            laid = []
+            for i in range(n):
+                x, y = placed(middle, (i - 0.5 * (n - 1)) * (width + _ROW_GAP_M), 0.0)
+                one = (x, y, middle[2] + float(self.rng.uniform(-1.0, 1.0)))
+                item = item_at(thing, self.key(thing.name), one, spot.z, spot.carrier.key)
+                self._take(number, spot, item, thing, one, spot.z, lies)
+                laid.append(item)
+            return laid
+        return []
+
+    def _stack(
+        self, number: int, spot: Spot, thing: Thing, lies: Lies, count: int, room: Size
+    ) -> list[Item]:
+        """Several on top of each other, none larger than the one below."""
+        width, depth, height = thing.size
+        clear = min(room[2], _MAX_STACK_M, count * (height + 0.01))
+        size = (width + _STACK_ROOM_M, depth + _STACK_ROOM_M, max(clear, height))
+        middle = self._place(number, spot, size, lies)
+        if middle is None:
+            return []
+        laid: list[Item] = []
+        z, carrier, below = spot.z, spot.carrier.key, thing
+        for index in range(count):
+            upper = thing if index == 0 else self._next(below, lies, room[2])
+            if upper is None:
+                break
+            if index:
+                turn = float(self.rng.uniform(-_STACK_TURN_DEG, _STACK_TURN_DEG))
+                turn += 90.0 * ((upper.size[0] > upper.size[1]) != (below.size[0] > below.size[1]))
+                shift = self.rng.uniform(-_STACK_SHIFT_M, _STACK_SHIFT_M, 2).tolist()
+                rise = self._rise(below, upper, (shift[0], shift[1], turn))
+                if rise < below.size[2] - _MAX_SINK_M or z + rise + upper.size[2] > spot.z + clear:
+                    break
+                middle = (*placed(middle, *shift), middle[2] + turn)
+                z += rise
+            item = item_at(upper, self.key(thing.name), middle, z, carrier)
+            self._take(number, spot, item, upper, middle, z, lies)
+            laid.append(item)
+            carrier, below = item.key, upper
+        return laid
+
+    def _next(self, below: Thing, lies: Lies, high: float) -> Thing | None:
+        """What may lie on top of something: no larger than that."""
+        width, depth, _ = below.make[0]
+        make = self.makes.draw(below.name, lies, (width + 0.002, depth + 0.002, high))
+        return thing_of(self.surfaces, below.name, make) if make else None
+
+    def _rise(self, below: Thing, upper: Thing, pose: Pose) -> float:
+        """How far above the lowest point of a thing that of another comes to rest on it."""
+        points = upper.points @ about_z(np.radians(pose[2])).T
+        shape = self.surfaces.shapes.of(below.name, *below.make)
+        origin = rest_on(shape, points, pose[0], pose[1])
+        return origin + float(upper.low[2]) - float(below.low[2])
+
+    def _place(
+        self, number: int, spot: Spot, size: tuple[float, float, float], lies: Lies
+    ) -> Pose | None:
+        (x0, y0), (x1, y1) = spot.reach
+        if min(size[:2]) > min(x1 - x0, y1 - y0):
+            return None
+        spread = _TURNED.get(lies.pose, _JITTER_DEG)
+        yaws = self.rng.uniform(-spread, spread, 16)
+        if spot.around:
+            yaws = yaws + 90.0 * self.rng.integers(0, 4, 16)
+        mates = [
+            middle for cluster, middle in self._company.get(number, [])
+            if lies.cluster and cluster == lies.cluster
+        ]  # fmt: skip
+        near = np.array(mates).reshape(-1, 2)
+        return places_on(
+            spot, size, yaws, self.taken.near(spot.box, spot.carrier.key), near, self.rng
+        )
+
+    def _take(
+        self, number: int, spot: Spot, item: Item, thing: Thing, middle: Pose, z: float, lies: Lies
+    ) -> None:
+        self.add(spot.group, item, thing.standing((item.x, item.y, item.yaw), z))
+        back = (0.0, 0.0, -spot.pose[2])
+        local = placed(back, middle[0] - spot.pose[0], middle[1] - spot.pose[1])
+        self._company.setdefault(number, []).append((lies.cluster, np.array(local)))
+
+    def add(self, group: int, item: Item, boxes: Array) -> None:
+        """Take in what was laid."""
+        self.added.append((group, item))
+        self.taken.add(boxes, item.key)
+
+    def key(self, name: str) -> str:
+        """A new key."""
+        self._keys[name] = self._keys.get(name, 0) + 1
+        return f"{name} lying {self._keys[name]}"

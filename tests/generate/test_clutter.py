@@ -1,0 +1,78 @@
+"""What lies about: more at each level, on level tops, in the poses that records ask for."""
+
+from collections import Counter
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from openrooms_usd.generate import generate, write
+from openrooms_usd.generate.clutter.levels import levels_of
+from openrooms_usd.generate.items import Item
+from openrooms_usd.generate.rooms import Generated
+from openrooms_usd.generate.shapes import Shape
+from openrooms_usd.geometry.mesh import joined
+from openrooms_usd.geometry.solids import box
+
+
+def shelf(front: bool = False) -> Shape:
+    """A case of 80 x 30 x 60 cm with a board in its middle, walls of 2 cm, perhaps a front."""
+    walls = [
+        box((0.8, 0.3, 0.02), (0.0, 0.0, 0.01)), box((0.8, 0.3, 0.02), (0.0, 0.0, 0.59)),
+        box((0.76, 0.3, 0.02), (0.0, 0.0, 0.3)), box((0.02, 0.3, 0.56), (-0.39, 0.0, 0.3)),
+        box((0.02, 0.3, 0.56), (0.39, 0.0, 0.3)), box((0.76, 0.02, 0.56), (0.0, 0.14, 0.3)),
+    ]  # fmt: skip
+    doors = [box((0.76, 0.02, 0.56), (0.0, -0.16, 0.3))] if front else []
+    return Shape((joined([*walls, *doors]),))
+
+
+def test_boards_and_tops_are_found() -> None:
+    low, middle, top = levels_of(shelf())
+    assert [level.z for level in (low, middle, top)] == pytest.approx([0.02, 0.31, 0.6])
+    assert [low.headroom, middle.headroom] == pytest.approx([0.27, 0.27])
+    assert np.isinf(top.headroom) and low.open and middle.open
+    # Between the walls, and before the back; less than a cell is lost at each edge.
+    assert 0.74 * 0.26 <= low.area <= 0.76 * 0.28
+    assert top.area == pytest.approx(0.8 * 0.3, rel=0.08)
+
+
+def test_boards_behind_a_front_are_closed() -> None:
+    low, middle, top = levels_of(shelf(front=True))[:3]
+    assert not low.open and not middle.open and top.open
+
+
+def test_what_is_thinner_than_a_cell_takes_its_place() -> None:
+    plate = box((0.4, 0.4, 0.02), (0.0, 0.0, 0.01))
+    rim = box((0.4, 0.001, 0.05), (0.0, 0.1037, 0.04))
+    (level,) = levels_of(Shape((plate, rim)))
+    assert level.within(np.array([0.0]), np.array([0.1037]))[0] <= 0.05
+    assert np.isinf(level.within(np.array([0.0]), np.array([0.0]))[0])
+    assert level.within(np.array([0.5]), np.array([0.0]))[0] == 0.0
+
+
+@pytest.fixture(scope="module")
+def kitchens() -> list[Generated]:
+    return [generate("kitchen", 4, 10.0, clutter=clutter) for clutter in range(4)]
+
+
+def lying(room: Generated) -> list[Item]:
+    return [item for _, items in room.furnishing.groups for item in items if item.lies]
+
+
+def test_each_level_holds_what_the_one_below_has(kitchens: list[Generated]) -> None:
+    kept = [{item.key: item for item in lying(room)} for room in kitchens]
+    assert [len(found) for found in kept] == sorted({len(found) for found in kept})
+    for below, above in pairwise(kept):
+        assert below.items() <= above.items()
+    bare = [[i for _, g in room.furnishing.groups for i in g if not i.lies] for room in kitchens]
+    assert bare[0] == bare[1] == bare[3]
+
+
+def test_equal_seeds_give_equal_clutter(kitchens: list[Generated]) -> None:
+    assert write(generate("kitchen", 4, 10.0, clutter=2)) == write(kitchens[2])
+    assert write(generate("kitchen", 5, 10.0, clutter=2)) != write(kitchens[2])
+
+
+def test_makes_are_few(kitchens: list[Generated]) -> None:
+    made = {(item.category, item.size, item.style) for item in lying(kitchens[3])}
+    assert max(Counter(category for category, _, _ in made).values()) <= 6
