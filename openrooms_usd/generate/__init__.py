@@ -3,7 +3,8 @@
 - `boxes`, `polygons`, `shell`, `openings`: the empty room; `sizes`, `shapes`, `items`, `kit`: what
   may stand in it; `groups`, `programs`: what belongs together, and what a type of room wants;
 - `standing`, `floor`, `placement`, `walls`, `backsplashes`: where it stands, hangs; `rooms`: all;
-- `describing`, `writing`, `folders`: as text; `expansion`: inside a description; `statistics`.
+- `clutter`: what lies about; `describing`, `writing`, `folders`: as text; `expansion`: inside a
+  description; `statistics`.
 """
 
 from openrooms_usd.generate.expansion import expanded
