@@ -102,7 +102,9 @@ class Lamp(CheckedModel):
     lumen: Number | None = Field(default=None, ge=0, le=1e6)
     """Luminous flux; by default as its category usually has."""
     kelvin: Number | None = Field(default=None, ge=1000, le=20_000)
-    """Colour temperature; by default drawn by the seed between 4000 K and 8000 K."""
+    """Colour temperature; by default drawn by the seed: warm at home, cooler where people work."""
+    color: tuple[Radiance, Radiance, Radiance] | None = None
+    """The hue of a coloured lamp in place of kelvin, scene-linear Rec.709."""
     radiance: tuple[Radiance, Radiance, Radiance] | None = None
     """Of its bulbs, nits of each primary, scene-linear Rec.709, in place of lumen and kelvin."""
     on: Switch = True
@@ -110,11 +112,13 @@ class Lamp(CheckedModel):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """Two brightnesses at once."""
+        """Two brightnesses or two hues at once."""
         if peek(given, "radiance") is not None:
-            for key in ("lumen", "kelvin"):
+            for key in ("lumen", "kelvin", "color"):
                 if peek(given, key) is not None:
                     yield Found((key,), f"radiance says it already; leave {key} away")
+        elif peek(given, "color") is not None and peek(given, "kelvin") is not None:
+            yield Found(("kelvin",), "color and kelvin both say its hue; give one of them")
 
 
 class Lights(Model):

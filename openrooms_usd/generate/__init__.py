@@ -3,6 +3,7 @@
 - `boxes`, `polygons`, `shell`, `openings`: the empty room; `sizes`, `shapes`, `items`, `kit`: what
   may stand in it; `groups`, `programs`: what belongs together, and what a type of room wants;
 - `standing`, `floor`, `placement`, `walls`, `backsplashes`: where it stands, hangs; `rooms`: all;
+- `moments`, `lighting`: when it is seen, and which lamps are on;
 - `clutter`: what lies about; `describing`, `writing`, `folders`: as text; `expansion`: inside a
   description; `statistics`.
 """

@@ -1,10 +1,7 @@
 """From a generated room to the sections of a description, as plain data."""
 
-from typing import Any, Final
+from typing import Any
 
-import numpy as np
-
-from openrooms_usd.categories.record import given
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.items import Item, placed, wrapped
@@ -14,19 +11,11 @@ from openrooms_usd.generate.rooms import (
     Furnishing,
     Generated,
     named,
-    program_of,
 )
 from openrooms_usd.library.assignment.rooms import surface_of
 from openrooms_usd.library.ensembles import ensemble_of
 from openrooms_usd.library.furniture import category
 from openrooms_usd.library.interiors import Color
-
-# Flux of lamps that are not on the ceiling, as a share of what their category usually has.
-_SHARE: Final = (0.6, 1.3)
-# Colour temperature, kelvin: of ceiling lamps and of all others.
-_KELVIN: Final = {True: (4000, 8000), False: (4000, 5200)}
-# How much of the lamps' flux reaches the floor, roughly.
-_FLUX_ON_FLOOR_SHARE: Final = 0.5
 
 Section = dict[str, Any]
 
@@ -90,31 +79,6 @@ def _tidy(value: float) -> float:
     return round(value, 3) + 0.0
 
 
-def lamps(room: Generated) -> dict[str, Section]:
-    """What every lamp emits: those on the ceiling together give the floor its illuminance."""
-    rng = generator(room.seed, "generate", room.room_type, "lamps")
-    ceiling: list[str] = []
-    found: dict[str, Section] = {}
-    cool = _kelvin(rng, True)
-    warm = _kelvin(rng, False)
-    for _, name, item, _ in named(room.furnishing.groups):
-        spec = category(item.category)
-        if item.category == "ceiling_lamp":
-            ceiling.append(name)
-        elif spec.emits:
-            lumen = round(given(spec.lumen, 0.0) * float(rng.uniform(*_SHARE)), -1)
-            found[name] = {"lumen": lumen, "kelvin": warm}
-    lux = float(rng.uniform(*program_of(room.room_type).lux))
-    each = lux * room.shell.area / _FLUX_ON_FLOOR_SHARE / max(len(ceiling), 1)
-    above = {name: {"lumen": round(each, -1), "kelvin": cool} for name in ceiling}
-    return above | found
-
-
-def _kelvin(rng: np.random.Generator, above: bool) -> int:
-    low, high = _KELVIN[above]
-    return 100 * int(rng.integers(low // 100, high // 100 + 1))
-
-
 def materials_section(room: Generated) -> Section:
     """Floor, walls and ceiling."""
     rng = generator(room.seed, "generate", room.room_type, "materials")
@@ -137,10 +101,3 @@ def materials_section(room: Generated) -> Section:
 def _look(family: str, _: Substance, color: Color | None) -> str | Section:
     """What is said of a surface: its family, and its colour where it has one."""
     return {"family": family, "color": list(color)} if color else family
-
-
-def environment(room: Generated) -> Section:
-    """The world outside."""
-    rng = generator(room.seed, "generate", room.room_type, "environment")
-    lux = round(float(np.exp(rng.uniform(np.log(3_000), np.log(25_000)))), -2)
-    return {"from": "constant", "color": [0.85, 0.95, 1.0], "illuminance": lux}

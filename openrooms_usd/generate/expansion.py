@@ -6,7 +6,9 @@ from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayo
 from openrooms_usd.description.layout import PolygonLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.generate.describing import lamps, layout_section, objects
+from openrooms_usd.generate.describing import layout_section, objects
+from openrooms_usd.generate.lighting import lamps
+from openrooms_usd.generate.moments import environment
 from openrooms_usd.generate.rooms import Generated, furnish, generate, style_of
 from openrooms_usd.generate.shell import shell_of
 
@@ -14,8 +16,9 @@ from openrooms_usd.generate.shell import shell_of
 def expanded(room: Room) -> Room:
     """A description without generated sections: polygon, openings, objects and lamps are explicit.
 
-    A generated layout is furnished too, unless the description has an alignment of its own. Lamps
-    that the description gives keep what it says of them.
+    A generated layout is furnished too, unless the description has an alignment of its own, and it
+    is seen at a moment that is drawn, unless the description has an environment. Lamps that the
+    description gives keep what it says of them; all are on in a room whose moment is not drawn.
 
     Args:
         room: Any description.
@@ -59,5 +62,8 @@ def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) 
             "objects": [row for _, row in objects(made.furnishing)],
         }
         lights = data.setdefault("lights", {})
-        lights["lamps"] = lamps(made) | lights.get("lamps", {})
+        if wants_layout:
+            lights.setdefault("environment", environment(made))
+        seen = lights.get("environment") == environment(made)
+        lights["lamps"] = lamps(made, seen=seen) | lights.get("lamps", {})
     return Room.model_validate(data)

@@ -6,17 +6,26 @@ from itertools import groupby
 from typing import Any, Final
 
 from openrooms_usd.generate.describing import (
-    environment,
-    lamps,
     layout_section,
     materials_section,
     objects,
 )
+from openrooms_usd.generate.lighting import lamps
+from openrooms_usd.generate.moments import environment, moment_of
 from openrooms_usd.generate.rooms import Generated
 
 # Text that YAML reads as text without quotes.
 _PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _WORDS: Final = {"true", "false", "null"}
+# What is said of the moments.
+_SEEN: Final = {
+    "sun": "the sun is in a window",
+    "day": "a clear day",
+    "overcast": "a day under clouds",
+    "golden": "the sun is low",
+    "dusk": "just before the day or after it",
+    "night": "night",
+}
 # Below so many square metres views are so many degrees wide: what lenses of 24 to 28 mm show, with
 # which interiors are photographed, and a little less for large rooms.
 _WIDE: Final = ((9.0, 75), (16.0, 72), (28.0, 68))
@@ -60,7 +69,7 @@ def _lines(room: Generated) -> Iterator[str]:
     yield from (f"  {key}: {flow(value)}" for key, value in materials_section(room).items())
     yield ""
     yield "lights:"
-    yield "  # What shines in by the openings."
+    yield f"  # What shines in by the openings: {_SEEN[moment_of(room)]}."
     yield f"  environment: {flow(environment(room))}"
     yield from _lamp_lines(room)
     yield ""
@@ -89,6 +98,8 @@ def flow(value: Any) -> str:
         return "{" + ", ".join(f"{key}: {flow(inner)}" for key, inner in value.items()) + "}"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(flow(inner) for inner in value) + "]"
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, float):
         return repr(value)
     if isinstance(value, str) and (value in _WORDS or not _PLAIN.fullmatch(value)):

@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.library.environments import horizontal_illuminance
 from openrooms_usd.library.sunlight import clear_illuminance, overcast_illuminance
 
@@ -25,6 +26,13 @@ _LUMENS_PER_WATT: Final = 683.0
 _LOW_SUN_DEG: Final = 10.0
 # The glow of dusk gives way to a dark sky between these elevations.
 _DUSK_LIMITS_DEG: Final = (-6.0, -18.0)
+# The blue of dusk, when ozone takes the orange out of light that has come through much of it (E. O.
+# Hulburt, Explanation of the Brightness and Color of the Sky, 1953): its hue, about 20,000 K and of
+# luminance 1; the sun's elevation at which it is full; how far up the glow of the sunset reaches,
+# as a sine.
+_DUSK_HUE: Final = np.array([0.62, 0.98, 2.31])
+_BLUE_HOUR_DEG: Final = -4.0
+_GLOW_HEIGHT: Final = 0.12
 
 
 def clear_sky(way: Array, sun: Array, elevation: float, turbidity: float, albedo: Array) -> Array:
@@ -52,7 +60,19 @@ def clear_sky(way: Array, sun: Array, elevation: float, turbidity: float, albedo
             1.0,
         )
     )
-    return (1.0 - night) * sky + night * _even(way, wanted)
+    return (1.0 - night) * _at_dusk(sky, way, bearing, elevation) + night * _even(way, wanted)
+
+
+def _at_dusk(sky: Array, way: Array, sun: Array, elevation: float) -> Array:
+    """The sky in the blue of dusk but for the glow above the sun; its luminance stays."""
+    share = float(np.clip(elevation / _BLUE_HOUR_DEG, 0.0, 1.0))
+    if share == 0.0:
+        return sky
+    flat = np.maximum(np.linalg.norm(way[..., :2], axis=-1), 1e-9)
+    facing = 0.5 * (1.0 + way[..., :2] @ (sun[:2] / max(float(np.hypot(*sun[:2])), 1e-9)) / flat)
+    glow = facing * np.exp(-np.clip(way[..., 2], 0.0, None) / _GLOW_HEIGHT)
+    blue = (share * (1.0 - glow))[..., None]
+    return np.asarray((1.0 - blue) * sky + blue * luminance(sky)[..., None] * _DUSK_HUE)
 
 
 def overcast_sky(way: Array, elevation: float) -> Array:

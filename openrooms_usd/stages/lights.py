@@ -26,6 +26,7 @@ from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.library.lamplight import lamp_kelvin
 from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages.base import StageContext, file_digest
@@ -39,8 +40,6 @@ from openrooms_usd.usd.transforms import UPRIGHT, is_upright
 
 # Of a lamp of an unknown category.
 _DEFAULT_LUMEN: Final = 800.0
-# Drawn evenly from this range where the description says nothing (as in the OpenRooms paper).
-_KELVIN: Final = (4000.0, 8000.0)
 # UsdLux clamps the colour temperature of black bodies here.
 _MAX_KELVIN: Final = 10_000.0
 
@@ -195,11 +194,27 @@ def _emission(context: StageContext, root: Usd.Prim, wanted: Lamp, area: float) 
         nits = float(luminance(np.array(wanted.radiance)))
         color = tuple(value / nits for value in wanted.radiance) if nits > 0.0 else None
         return {"nits": nits if wanted.on else 0.0, "color": color}
+    lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
+    nits = nits_from_lumen(lumen, area) if wanted.on else 0.0
+    if wanted.color is not None:
+        return {"nits": nits, "color": _hue(wanted.color, root.GetName())}
     kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
     if kelvin > _MAX_KELVIN:
         context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_MAX_KELVIN:g} K")
-    lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
-    return {"nits": nits_from_lumen(lumen, area) if wanted.on else 0.0, "kelvin": kelvin}
+    return {"nits": nits, "kelvin": kelvin}
+
+
+def _hue(color: tuple[float, float, float], name: str) -> tuple[float, float, float]:
+    """A colour of luminance 1."""
+    brightness = float(luminance(np.array(color)))
+    if brightness <= 0.0:
+        raise DescriptionError(
+            "a black lamp has no hue",
+            place=f"lights.lamps.{name}.color",
+            remedy="give a color with some light in it, or on: false",
+        )
+    r, g, b = (value / brightness for value in color)
+    return r, g, b
 
 
 def _open_instance(stage: Usd.Stage, root: Usd.Prim) -> None:
@@ -216,7 +231,8 @@ def _open_instance(stage: Usd.Stage, root: Usd.Prim) -> None:
 
 
 def _drawn_kelvin(context: StageContext, name: str) -> float:
-    return float(round(context.rng("lights", name).uniform(*_KELVIN)))
+    sold = lamp_kelvin(context.room.room)
+    return float(round(context.rng("lights", name).uniform(min(sold), max(sold))))
 
 
 def _usual_lumen(root: Usd.Prim) -> float:

@@ -170,6 +170,15 @@ def test_dusk_and_night(elevation: float, expected: float) -> None:
     assert (pixels >= 0).all() and np.isfinite(pixels).all() and pixels.any()
 
 
+def test_dusk_is_blue_but_for_the_glow_above_the_sun() -> None:
+    pixels = daylight(standing(-4.0), Air(), height=90)
+    # The sun stands at azimuth 180, along -Y, which is the middle of the picture.
+    zenith, away, glow = pixels[0].mean(axis=0), pixels[20].mean(axis=0), pixels[43, 90]
+    assert glow[2] / glow[0] < 0.5 * away[2] / away[0]
+    assert zenith[2] > 2.0 * zenith[0]
+    assert away[2] > 1.5 * away[0]
+
+
 def test_light_has_no_steps_between_day_and_night() -> None:
     heights = np.arange(-19.0, 12.0, 0.1)
     found = [lux(daylight(standing(float(h)), Air(), height=32), UP) for h in heights]

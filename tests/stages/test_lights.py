@@ -9,6 +9,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.description.lights import Lamp
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError, StageError
@@ -203,7 +204,21 @@ def test_color_temperatures_are_drawn_by_name(tmp_path: Path) -> None:
     two, _ = compose(tmp_path / "two", room(more))
     drawn = [kelvin(two, name) for name in ("reading", "desk_lamp", "extra")]
     assert drawn[:2] == [kelvin(one, "reading"), kelvin(one, "desk_lamp")]
-    assert len(set(drawn)) == 3 and all(4000 <= value <= 8000 for value in drawn)
+    assert len(set(drawn)) == 3 and all(2700 <= value <= 3000 for value in drawn)
+
+
+def test_a_coloured_lamp_keeps_its_lumens(tmp_path: Path) -> None:
+    white, _ = compose(tmp_path / "white", room(lamps={"reading": {"lumen": 500}}))
+    pink = {"lumen": 500, "color": [2.0, 0.5, 1.0]}
+    stage, _ = compose(tmp_path / "pink", room(lamps={"reading": pink}))
+    radiance = lamps(stage)["reading"].radiance
+    np.testing.assert_allclose(radiance / radiance[1], [4.0, 1.0, 2.0], rtol=1e-5)
+    assert luminance(radiance) == pytest.approx(
+        luminance(lamps(white)["reading"].radiance), rel=1e-4
+    )
+    black = {"lumen": 500, "color": [0, 0, 0]}
+    with pytest.raises(DescriptionError, match="no hue"):
+        compose(tmp_path / "black", room(lamps={"reading": black}))
 
 
 def test_beyond_what_usd_knows_is_noted(tmp_path: Path) -> None:

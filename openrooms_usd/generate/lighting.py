@@ -1,0 +1,78 @@
+"""The lamps of a generated room: how bright, how warm, and which are on at its moment."""
+
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd.categories.record import given
+from openrooms_usd.draws import generator
+from openrooms_usd.generate.moments import MOMENTS, Moment, moment_of
+from openrooms_usd.generate.rooms import Generated, named, program_of
+from openrooms_usd.library.furniture import category
+from openrooms_usd.library.lamplight import HOME_KELVIN, WORK_ROOMS, lamp_kelvin
+
+# Flux of lamps that are not on the ceiling, as a share of what their category usually has.
+_SHARE: Final = (0.6, 1.3)
+# Flux of lamps that are dimmed, as a share of their own; they become warmer by so many kelvin.
+_DIMMED_SHARE: Final = (0.25, 0.7)
+_DIMMED_KELVIN: Final = -300
+# How much of the lamps' flux reaches the floor, roughly.
+_FLUX_ON_FLOOR_SHARE: Final = 0.5
+# How often a lamp that stands somewhere at home shines in a colour in the evening, and the colours.
+_COLORED_SHARE: Final = 0.04
+_COLORS: Final = ([1.0, 0.25, 0.6], [0.3, 0.4, 1.0], [1.0, 0.35, 0.1], [0.5, 0.25, 1.0])
+
+Section = dict[str, Any]
+
+
+def lamps(room: Generated, *, seen: bool = True) -> dict[str, Section]:
+    """What every lamp emits: those on the ceiling together give the floor its illuminance.
+
+    Args:
+        room: The room.
+        seen: Whether the room is seen at its own moment; otherwise all lamps are on.
+    """
+    rng = generator(room.seed, "generate", room.room_type, "lamps")
+    moment = MOMENTS[moment_of(room)]
+    at_work = room.room_type in WORK_ROOMS
+    kelvin = int(rng.choice(lamp_kelvin(room.room_type)))
+    lux = float(rng.uniform(*program_of(room.room_type).lux))
+    rows = [(name, item.category) for _, name, item, _ in named(room.furnishing.groups)]
+    ceiling = [name for name, kind in rows if kind == "ceiling_lamp"]
+    each = round(lux * room.shell.area / _FLUX_ON_FLOOR_SHARE / max(len(ceiling), 1), -1)
+    found = {name: {"lumen": each, "kelvin": kelvin} for name in ceiling}
+    warm = kelvin if at_work else int(rng.choice(HOME_KELVIN))
+    for name, kind in rows:
+        spec = category(kind)
+        if spec.emits and name not in found:
+            lumen = round(given(spec.lumen, 0.0) * float(rng.uniform(*_SHARE)), -1)
+            found[name] = {"lumen": lumen, "kelvin": warm}
+    return _switched(found, ceiling, room, moment, rng) if seen else found
+
+
+def _switched(
+    found: dict[str, Section],
+    ceiling: list[str],
+    room: Generated,
+    moment: Moment,
+    rng: np.random.Generator,
+) -> dict[str, Section]:
+    """The lamps with some of them off, dimmed or coloured; those on the ceiling share a switch."""
+    at_work = room.room_type in WORK_ROOMS
+    has_window = any(gap.kind == "window" for gap in room.shell.gaps)
+    is_dark = moment.elevation[1] < 0.0
+    above = not has_window or rng.random() < moment.ceiling[at_work]
+    others = {name: rng.random() < moment.others for name in found if name not in ceiling}
+    if is_dark and not any(others.values()):
+        above = True
+    dim = float(rng.uniform(*_DIMMED_SHARE)) if rng.random() < moment.dimmed else 1.0
+    for name, lamp in found.items():
+        if not (above if name in ceiling else others[name]):
+            lamp["on"] = False
+        elif name in ceiling and not at_work and dim < 1.0:
+            lamp["lumen"] = round(lamp["lumen"] * dim, -1)
+            lamp["kelvin"] += _DIMMED_KELVIN
+        elif name not in ceiling and not at_work and is_dark and rng.random() < _COLORED_SHARE:
+            del lamp["kelvin"]
+            lamp["color"] = _COLORS[int(rng.integers(len(_COLORS)))]
+    return found
