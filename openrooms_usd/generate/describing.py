@@ -4,6 +4,7 @@ from typing import Any
 
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
+from openrooms_usd.generate.finishlooks import shell_looks
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.rooms import (
     LIGHT,
@@ -27,6 +28,7 @@ def layout_section(room: Generated) -> Section:
         "polygon": [[_tidy(x), _tidy(y)] for x, y in room.shell.corners.tolist()],
         "height": room.shell.height,
         "openings": [dict(row) for row in room.openings],
+        **room.finish.layout,
     }
 
 
@@ -95,6 +97,7 @@ def materials_section(room: Generated) -> Section:
         "floor": _look(*shared.surface(room.room_type, "floor", rng)),
         "walls": _look(*shared.surface(room.room_type, "wall", rng)),
         "ceiling": {"family": "paint", "color": list(shared.ceiling)},
+        **shell_looks(room),
     }
 
 

@@ -7,6 +7,7 @@ from openrooms_usd.description.layout import PolygonLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.generate.describing import layout_section, objects
+from openrooms_usd.generate.finishing import finished
 from openrooms_usd.generate.lighting import lamps
 from openrooms_usd.generate.moments import environment
 from openrooms_usd.generate.rooms import Generated, furnish, generate, style_of
@@ -40,7 +41,8 @@ def expanded(room: Room) -> Room:
         clutter = room.clutter if wants_objects else 0
         made = generate(room.room, room.seed, layout.area, room.style, clutter)
     elif isinstance(layout, PolygonLayout):
-        shell, style = shell_of(layout), room.style or style_of(room.room, room.seed)
+        shell = finished(shell_of(layout), layout)
+        style = room.style or style_of(room.room, room.seed)
         made = furnish(room.room, room.seed, shell, style, room.clutter)
     else:
         raise DescriptionError(

@@ -114,6 +114,8 @@ class Arrangement:
         on_top = np.array([item.on not in _ROOM for item in group.items])
         free &= on_top | ~overlap(boxes, self.shell.kept).any(axis=-1)
         free &= ~on_top | ~overlap(boxes, self.shell.kept_on_tops).any(axis=-1)
+        if len(self.shell.attached):
+            free &= ~overlap(boxes, self.shell.attached).any(axis=-1)
         free &= boxes[..., 7] <= self.shell.height - 0.02 + 0.02 * hung
         if len(self.solids):
             free &= ~overlap(boxes, self.solids, _GROUP_GAP_M).any(axis=-1)

@@ -12,6 +12,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.generate.backsplashes import backsplashes
 from openrooms_usd.generate.boxes import Pose
 from openrooms_usd.generate.clutter.living import lived_in
+from openrooms_usd.generate.finishing import Finishing, finished, finishing
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.openings import openings
@@ -62,6 +63,7 @@ class Generated:
         furnishing: What stands in it.
         style: What its furniture, materials and colours go together by; None: by nothing.
         clutter: How much lies about.
+        finish: What its shell wears.
     """
 
     room_type: str
@@ -71,6 +73,7 @@ class Generated:
     furnishing: Furnishing = field(default_factory=lambda: Furnishing([], 0))
     style: InteriorStyle | None = None
     clutter: int = 0
+    finish: Finishing = field(default_factory=Finishing)
 
     @property
     def interior(self) -> Interior | None:
@@ -123,8 +126,10 @@ def generate(
     shapes = Shapes(seed)
     for attempt in range(_MAX_DRAFTS):
         shell, rows = draw_shell(room_type, seed, area, attempt)
+        finish = finishing(room_type, seed, shell, style)
+        shell = finished(shell, finish)
         made, room = _furnished(room_type, shapes, shell, attempt, style)
-        found = Generated(room_type, seed, shell, rows, made, style)
+        found = Generated(room_type, seed, shell, rows, made, style, finish=finish)
         if best is None or found.furnishing.missing < best[0].furnishing.missing:
             best = found, room
         if not best[0].furnishing.missing:

@@ -1,7 +1,7 @@
 """The room without furniture, as the generator sees it: walls, openings and what they keep free."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final, Literal
 
@@ -24,6 +24,8 @@ _BEFORE_DOOR_M: Final = 0.08
 # How deep the floor before a door and a window stays free, metres.
 _DOOR_APPROACH_M: Final = 0.9
 _WINDOW_APPROACH_M: Final = 0.4
+# What is fixed above this is high on the walls, metres.
+_HIGH_M: Final = 1.5
 # What reaches into the room at a window's sill, metres.
 _SILL_NOSE_M: Final = 0.05
 
@@ -101,6 +103,9 @@ class Shell:
         clockwise: Whether the polygon was given clockwise.
         standing: (P, 8) the walls that stand free, as boxes.
         free: (K, 8) what must stay free before their openings.
+        fixed: (F, 8) what is fixed along the walls.
+        beams: (B, 8) what hangs below the ceiling.
+        casing: Width of the boards around openings, metres.
     """
 
     corners: Array
@@ -110,6 +115,24 @@ class Shell:
     clockwise: bool = False
     standing: Array = field(default_factory=lambda: NONE)
     free: Array = field(default_factory=lambda: NONE)
+    fixed: Array = field(default_factory=lambda: NONE)
+    beams: Array = field(default_factory=lambda: NONE)
+    casing: float = 0.0
+
+    def with_fixed(self, fixed: Array, beams: Array, casing: float) -> "Shell":
+        """The same with what is fixed in it."""
+        return replace(self, fixed=fixed, beams=beams, casing=casing)
+
+    @cached_property
+    def attached(self) -> Array:
+        """(F + B, 8) all that is fixed."""
+        return np.concatenate([self.fixed, self.beams])
+
+    @cached_property
+    def clear_height(self) -> float:
+        """Up to where nothing is fixed high on the walls or below the ceiling, metres."""
+        high = self.attached[self.attached[:, 6] > _HIGH_M, 6]
+        return float(min(high.min(initial=self.height), self.height))
 
     @cached_property
     def sides(self) -> tuple[Side, ...]:
@@ -145,7 +168,8 @@ class Shell:
         if gap.kind == "window":
             low = gap.sill - 0.02
             yield side.keep(gap.at, gap.width, _WINDOW_APPROACH_M, low + 0.05, gap.top)
-            yield side.keep(gap.at, gap.width + 0.12, _SILL_NOSE_M, low, gap.top + 0.05)
+            beside = max(0.06, self.casing + 0.03)
+            yield side.keep(gap.at, gap.width + 2 * beside, _SILL_NOSE_M, low, gap.top + beside)
         else:
             swept = gap.width + _BEFORE_DOOR_M if gap.kind == "door" and gap.swing == "in" else 0.0
             depth = max(_DOOR_APPROACH_M, swept)

@@ -1,5 +1,6 @@
 """What hangs on the walls and from the ceiling once the furniture stands."""
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -23,6 +24,8 @@ _CURTAINS: Final = ("drapes", "sheer")
 _FLOOR_PER_LAMP_M2: Final = 14.0
 _LAMP_HEADROOM_M: Final = 2.05
 _MAX_LAMPS: Final = 40
+# Between two beams lamps hang in bays that are at least so wide, metres.
+_NARROWEST_BAY_M: Final = 0.3
 # What fits where larger lamps do not, metres.
 _SMALL_LAMP_WIDTH_M: Final = 0.35
 
@@ -50,7 +53,7 @@ def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
     spec = category(name)
     size = kit.size(name)
     low = round(given(spec.level, 0.0) + float(kit.rng.uniform(-0.05, 0.1)), 2)
-    if low + size[2] > room.shell.height - 0.1:
+    if low + size[2] > min(room.shell.height - 0.1, room.shell.clear_height - 0.02):
         return None
     style = kit.style(name, size)
     sides = room.shell.sides
@@ -72,6 +75,7 @@ def _is_free(room: Arrangement, item: Item) -> bool:
     box = item.box[None]
     away = overlap(box, room.shell.kept, _HANGING_GAP_M).any()
     away |= len(room.solids) > 0 and overlap(box, room.solids, _HANGING_GAP_M).any()
+    away |= overlap(box, room.shell.attached, 0.01).any()
     return not away and not overlap(box, room.shell.walls, -0.002).any()
 
 
@@ -86,7 +90,7 @@ def curtains(room: Arrangement, kit: Kit, chance: float) -> list[Item]:
         if gap.kind != "window":
             continue
         side = room.shell.sides[gap.side]
-        top = min(gap.top + 0.16, room.shell.height - 0.03)
+        top = min(gap.top + 0.16, room.shell.clear_height - 0.03)
         x, y = side.point(gap.at, 0.5 * _CURTAIN_DEPTH).tolist()
         for low in (0.02, gap.sill - 0.12):
             size = (round(gap.width + 2 * beyond, 2), _CURTAIN_DEPTH, round(top - low, 2))
@@ -113,10 +117,11 @@ def ceiling_lamps(room: Arrangement, kit: Kit) -> list[Item]:
     size = kit.size("ceiling_lamp", style=style)
     size = (size[0], size[1], round(min(size[2], max(0.08, shell.height - _LAMP_HEADROOM_M)), 2))
     style = style if style in styles("ceiling_lamp", size) else kit.style("ceiling_lamp", size)
-    made = _lit(room, kit, [(size, style)] * _MAX_LAMPS, _grid(room.shell))
+    places = [_between_beams(room.shell, x, y) for x, y in _grid(room.shell)]
+    made = _lit(room, kit, [(size, style)] * _MAX_LAMPS, list(dict.fromkeys(places)))
     if not made:
         small = (min(size[0], _SMALL_LAMP_WIDTH_M), min(size[1], _SMALL_LAMP_WIDTH_M), size[2])
-        x, y = room_centre(room.shell.corners).tolist()
+        x, y = _between_beams(room.shell, *room_centre(room.shell.corners).tolist())
         made = _lit(room, kit, [(small, kit.style("ceiling_lamp", small))], [(x, y)])
     if made:
         room.solids = np.concatenate([room.solids, [item.box for item in made]])
@@ -139,9 +144,23 @@ def _lit(
         box = item.box[None]
         clear = bool(room.shell.contains(box[:, :2])[0])
         clear &= not overlap(box, room.shell.walls, 0.1).any()
+        clear &= not overlap(kit.slices(item), room.shell.attached, 0.01).any()
         if clear and not (len(room.solids) and overlap(box, room.solids, 0.05).any()):
             made.append(item)
     return made
+
+
+def _between_beams(shell: Shell, x: float, y: float) -> tuple[float, float]:
+    """The middle of the bay that is nearest to a place, where beams divide the ceiling."""
+    place = [x, y]
+    for axis in (0, 1):
+        # Those that are thin along the axis divide it.
+        beams = shell.beams[shell.beams[:, 4 + axis] < shell.beams[:, 5 - axis]]
+        ends = [shell.corners[:, axis].min(), *sorted(beams[:, axis]), shell.corners[:, axis].max()]
+        middles = [0.5 * (a + b) for a, b in pairwise(ends) if b - a > _NARROWEST_BAY_M]
+        if len(beams) and middles:
+            place[axis] = min(middles, key=lambda middle: abs(middle - place[axis]))
+    return float(place[0]), float(place[1])
 
 
 def _grid(shell: Shell) -> list[tuple[float, float]]:

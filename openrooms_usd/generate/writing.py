@@ -56,6 +56,7 @@ def _lines(room: Generated) -> Iterator[str]:
     yield f"  height: {flow(layout['height'])}"
     yield "  openings:"
     yield from (f"    - {flow(row)}" for row in layout["openings"])
+    yield from _finish_lines(layout)
     yield ""
     yield "alignment:"
     yield "  # What is relative_to another object has its place in that object's frame: x to its"
@@ -78,6 +79,18 @@ def _lines(room: Generated) -> Iterator[str]:
     yield "  views:"
     yield "    # Level views from corners and doorways, the best of many."
     yield f"    - {{from: select, count: 3, fov: {_field_of_view(room.shell.area)}}}"
+
+
+def _finish_lines(layout: dict[str, Any]) -> Iterator[str]:
+    """What runs along the walls, hangs below the ceiling and covers parts of the walls."""
+    if "trim" in layout:
+        yield "  trim:"
+        yield from (f"    {key}: {flow(value)}" for key, value in layout["trim"].items())
+    if "ceiling" in layout:
+        yield f"  ceiling: {flow(layout['ceiling'])}"
+    if "cladding" in layout:
+        yield "  cladding:"
+        yield from (f"    - {flow(row)}" for row in layout["cladding"])
 
 
 def _field_of_view(area: float) -> int:
@@ -104,4 +117,6 @@ def flow(value: Any) -> str:
         return repr(value)
     if isinstance(value, str) and (value in _WORDS or not _PLAIN.fullmatch(value)):
         return f'"{value}"'
+    if isinstance(value, bool):
+        return "true" if value else "false"
     return str(value)

@@ -18,6 +18,12 @@ Axis = Literal["x", "y"]
 _LEAST_M2: Final = 1e-4
 
 
+def across(corners: Array) -> Axis:
+    """The way that beams span a room: that of its shorter side."""
+    width, depth = np.ptp(corners, axis=0)
+    return "x" if width < depth else "y"
+
+
 def strips(corners: Array, axis: Axis, spacing: float, width: float) -> list[tuple[float, float]]:
     """Where bars along an axis run: from where to where across it, evenly, none at a wall.
 

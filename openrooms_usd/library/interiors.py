@@ -14,6 +14,7 @@ from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.library.assignment.rooms import Place
 from openrooms_usd.library.assignment.weights import Weights, drawn
 from openrooms_usd.library.furniture.joinery import Fronts
+from openrooms_usd.library.shellstyles import SHELLS, ShellStyle
 
 Color = tuple[float, float, float]
 
@@ -35,6 +36,7 @@ class Interior:
         walls: Colours of painted walls.
         ceilings: Colours of painted ceilings.
         fronts: How the doors and drawers of its kitchen look, with weights.
+        shell: Boards, mouldings, beams and heaters.
     """
 
     description: str
@@ -49,6 +51,7 @@ class Interior:
     walls: tuple[Color, ...]
     ceilings: tuple[Color, ...] = ((0.8, 0.8, 0.785),)
     fronts: Mapping[Fronts, float]
+    shell: ShellStyle
 
     def weighted(self, weights: Weights) -> Weights:
         """Weights of families times the style's factors; as they were where it likes none."""
@@ -64,6 +67,7 @@ class Interior:
 
 INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
     "scandinavian": Interior(
+        shell=SHELLS["scandinavian"],
         description="Pale woods, white walls, plain cloth, few muted colours.",
         furniture={
             "armchair": {"wooden": 3, "modern": 2, "bentwood": 3, "wing": 0.3},
@@ -126,6 +130,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
         walls=((0.8, 0.795, 0.775), (0.74, 0.74, 0.72), (0.66, 0.655, 0.63), (0.5, 0.52, 0.5)),
     ),
     "mid_century": Interior(
+        shell=SHELLS["mid_century"],
         description="Walnut and teak on tapered legs, brass, mustard, olive and teal.",
         furniture={
             "armchair": {"wooden": 3, "bentwood": 3, "modern": 1, "tub": 1.5, "wing": 0.3},
@@ -189,6 +194,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
         ),
     ),
     "industrial": Interior(
+        shell=SHELLS["industrial"],
         description="Steel frames, bare bulbs, brick, concrete, worn wood and leather.",
         furniture={
             "armchair": {"modern": 2, "tub": 2, "bentwood": 0.5, "wing": 0.5},
@@ -249,6 +255,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
         walls=((0.74, 0.735, 0.72), (0.6, 0.6, 0.59), (0.36, 0.36, 0.355), (0.14, 0.145, 0.15)),
     ),
     "rustic": Interior(
+        shell=SHELLS["rustic"],
         description="Solid pine and oak, lime plaster, linen, wool and iron.",
         furniture={
             "armchair": {"wooden": 2, "wing": 1.5, "bentwood": 1, "modern": 0.5},
@@ -312,6 +319,7 @@ INTERIORS: Final[Mapping[InteriorStyle, Interior]] = {
         ceilings=((0.77, 0.75, 0.7),),
     ),
     "traditional": Interior(
+        shell=SHELLS["traditional"],
         description="Turned and panelled wood, brass, patterned carpets, deep colours.",
         furniture={
             "armchair": {"wing": 4, "tub": 1.5, "wooden": 0.7, "modern": 0.4, "bentwood": 0.2},

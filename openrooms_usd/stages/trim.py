@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.description.naming import unique_names
 from openrooms_usd.description.trim import Ceiling, Cladding, Trim
-from openrooms_usd.geometry.ceilings import Axis, bars
+from openrooms_usd.geometry.ceilings import across, bars
 from openrooms_usd.geometry.claddings import cladding
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.mouldings import moulding, section
@@ -161,12 +161,6 @@ def _beams(built: Built, ceiling: Ceiling) -> Iterator[tuple[str, str, Mesh]]:
     )
     if mesh is not None:
         yield "Beams", "ceiling_grid" if ceiling.kind == "grid" else "beam", mesh
-
-
-def across(corners: Array) -> Axis:
-    """The way that beams span a room: that of its shorter side."""
-    width, depth = np.ptp(corners, axis=0)
-    return "x" if width < depth else "y"
 
 
 def _cladding(built: Built, finish: Finish, one: Cladding) -> Mesh | None:

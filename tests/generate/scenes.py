@@ -92,6 +92,8 @@ def read(path: Path) -> Scene:
     openings = stage.GetPrimAtPath("/World/Room/Openings")
     shell = [_body(p, cache) for p in stage.GetPrimAtPath("/World/Room/Walls").GetChildren()]
     shell += [_body(stage.GetPrimAtPath(f"/World/Room/{n}"), cache) for n in ("Floor", "Ceiling")]
+    if trim := stage.GetPrimAtPath("/World/Room/Trim"):
+        shell += [_body(prim, cache) for prim in trim.GetChildren()]
     scene = Scene(
         objects, shell, [], [], [],
         np.array(room.GetAttribute("openrooms:room:floor").Get(), dtype=float),
