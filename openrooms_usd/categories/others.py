@@ -126,10 +126,6 @@ OTHERS: Final[dict[str, Category]] = {
         makes=(makes.row(ANY, makes.filled(200), "weight"),),
     ),
     "picture_rail": _other(fixed=True, classes=Classes("wall", "otherstructure")),
-    "radiator": _other(
-        support="wall",
-        fixed=True,
-    ),
     "shelf": _other(
         classes=Classes("bookshelf", "shelves"),
         schemes=STORAGE,

@@ -20,7 +20,7 @@ from openrooms_usd.library.shellstyles import PLAIN, ShellStyle
 _DEPTH_M: Final = 0.014
 _CASING_DEPTH_M: Final = 0.015
 # Tiles on walls: what hangs on these is flush to the wall, and may sink in by so much, metres.
-_TILES_M: Final = 0.005
+_TILES_M: Final = 0.004
 # Rooms of work, of stores, and such as are tiled.
 _WORK: Final = frozenset(
     {"bookstore", "classroom", "computer_cluster", "conference_room", "copy_room", "lobby",

@@ -124,4 +124,4 @@ def stairs(kit: Kit) -> Group:
     size = (kit.between(0.9, 1.3), round(max(1.6, 1.5 * rise), 2), max(rise, 0.8))
     item = kit.item("stairs", size=size)
     return Group("stairs", (item,), zones([front_zone(item, 0.9)]),
-                 ((0.0, -0.5 * size[1] - 0.5),), back=0.5 * size[1], gap=0.01)  # fmt: skip
+                 ((0.0, -0.5 * size[1] - 0.5),), back=0.5 * size[1], gap=0.015)  # fmt: skip

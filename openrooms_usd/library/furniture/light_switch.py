@@ -1,0 +1,96 @@
+"""Switches beside doors."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
+from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.library.furniture.built import (
+    NEVER_WEIGHED,
+    NO_APPLIANCE,
+    NO_LAMP,
+    STANDARD,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board
+from openrooms_usd.library.furniture.posing import turned
+
+
+def _plate(size: Size, thick: float) -> Mesh:
+    """A cover with eased edges, flat on the wall."""
+    x, y, height = 0.5 * size[0], 0.5 * size[1], size[2]
+    return board((-x, y - thick, 0.0), (x, y, height), 0.002)
+
+
+def _rocker(size: Size, x: float, width: float, rng: np.random.Generator) -> Mesh:
+    """A key that is tipped to one of its two sides."""
+    front, middle = -0.5 * size[1] + 0.004, 0.5 * size[2]
+    tall = 0.68 * size[2]
+    key = board((x - 0.5 * width, front, middle - 0.5 * tall),
+                (x + 0.5 * width, front + 0.005, middle + 0.5 * tall), 0.001)  # fmt: skip
+    tip = float(rng.choice([-1.0, 1.0])) * 2.2
+    return turned(key, "x", tip, (0.0, front + 0.0025, middle))
+
+
+def rocker(size: Size, rng: np.random.Generator) -> Parts:
+    """One wide key."""
+    return {"cover": _plate(size, 0.008), "switch": _rocker(size, 0.0, 0.68 * size[0], rng)}
+
+
+def twin(size: Size, rng: np.random.Generator) -> Parts:
+    """Two narrow keys."""
+    wide = 0.33 * size[0]
+    keys = [_rocker(size, s * 0.52 * wide, wide, rng) for s in (-1.0, 1.0)]
+    return {"cover": _plate(size, 0.008), "switch": joined(keys)}
+
+
+def toggle(size: Size, rng: np.random.Generator) -> Parts:
+    """A short lever in a plate of metal."""
+    y, middle = 0.5 * size[1], 0.5 * size[2]
+    lever = board((-0.004, -y + 0.0005, middle - 0.005), (0.004, y - 0.004, middle + 0.005), 0.001)
+    tip = float(rng.choice([-1.0, 1.0])) * 20.0
+    return {
+        "cover": _plate(size, 0.006),
+        "switch": turned(lever, "x", tip, (0.0, y - 0.005, middle)),
+    }
+
+
+STYLES: Final = {
+    "rocker": Style(rocker, lambda size: size[2] < 1.3 * size[0]),
+    "twin": Style(twin, lambda size: size[2] < 1.3 * size[0]),
+    "toggle": Style(toggle, lambda size: size[2] > 1.3 * size[0], (0.07, 0.024, 0.115)),
+}
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a switch for lamps beside a door",
+    size=(0.082, 0.014, 0.082),
+    least=(0.05, 0.01, 0.05),
+    most=(0.3, 0.04, 0.2),
+    styles=STYLES,
+    spread=STANDARD,
+    round=False,
+    alike=True,
+    support="wall",
+    also=(),
+    level=1.05,
+    lumen=NO_LAMP,
+    weighs=NEVER_WEIGHED,
+    worktop=NO_APPLIANCE,
+    fixed=True,
+    words="wall_switch dimmer",
+    classes=Classes(UNLABELED, "otherprop"),
+    synsets=NO_SYNSET,
+    schemes=(
+        Scheme({ANY: "plastic"}, weight=3.0),
+        Scheme({ANY: "plastic", "cover": "steel"}),
+        Scheme({ANY: "plastic", "cover": "brass"}),
+    ),
+    makes=(makes.row(ANY, makes.filled(900), "common"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+)
