@@ -168,7 +168,7 @@ class _Leg:
         reach = 0.0 if style == "open" else self.reach
         size = (width, round(_WALL_DEPTH_M + reach, 3), round(self.tall - low, 3))
         self.above.append(
-            self.item("kitchen_cabinet", x, size, style, front=size[1] - 0.002, z=low, on="wall",
+            self.item("kitchen_cabinet", x, size, style, front=size[1] - 0.001, z=low, on="wall",
                       ordered=style != "open", optional=True)
         )  # fmt: skip
 
@@ -180,7 +180,7 @@ class _Leg:
         else:
             size = (width - 0.004, 0.46, round(self.kit.height - _HOOD_LOW_M - 0.004, 3))
         self.above.append(
-            self.item("hood", x, size, style, front=size[1] - 0.002, z=_HOOD_LOW_M, on="wall",
+            self.item("hood", x, size, style, front=size[1] - 0.001, z=_HOOD_LOW_M, on="wall",
                       ordered=False, optional=True)
         )  # fmt: skip
 
