@@ -105,9 +105,6 @@ OTHERS: Final[dict[str, Category]] = {
         ),
         makes=makes.LAMP,
     ),
-    "mirror": _other(
-        support="wall",
-    ),
     "opening": _other(
         fixed=True,
         classes=Classes(UNLABELED, "otherstructure"),
@@ -130,9 +127,6 @@ OTHERS: Final[dict[str, Category]] = {
         classes=Classes("bookshelf", "shelves"),
         schemes=STORAGE,
         makes=makes.STORAGE,
-    ),
-    "shower": _other(
-        fixed=True,
     ),
     "shower_curtain": _other(
         fixed=True,

@@ -150,6 +150,7 @@ class Kit:
         *,
         beside: Sequence[Item] = (),
         size: Size | None = None,
+        style: str | None = None,
         slack: float = _LEVEL_TOLERANCE_M,
     ) -> Item | None:
         """An item on the top of another; None where the top is not level, too small or taken.
@@ -162,9 +163,10 @@ class Kit:
             yaw: In the support's frame, degrees.
             beside: The group's other items.
             size: Its size; drawn by default.
+            style: Its style, where its size is given; drawn by default.
             slack: How far below its middle the top may fall away under it, metres.
         """
-        size, style = self.make(name) if size is None else (size, self.style(name, size))
+        size, style = self.make(name) if size is None else (size, style or self.style(name, size))
         foot = self.shapes.of(name, size, style).foot
         x, y = above_foot(foot, x, y, yaw)
         top = level_top(self._shape(support), size, foot, (x, y, yaw), slack)

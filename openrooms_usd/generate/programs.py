@@ -121,7 +121,7 @@ COPIER = Want(_piece("cabinet", width=(0.6, 1.0), tops=("printer",), height=0.75
                      title="printing"), 1, 2)  # fmt: skip
 WASHING = Want(_of(wet.laundry), 1, 1)
 TOILET = Want(_of(wet.fixture, "toilet"), 1, 1)
-SINK = Want(_of(wet.fixture, "sink", beside=0.08), 1, 1)
+WASHSTAND = Want(wet.washstand, 1, 1)
 TABLE_AT_WALL = Want(
     _piece("table", width=(1.2, 1.8), height=0.74, most=3, tops=("printer", "box", "telephone"),
            title="table"), 0, 2,
@@ -137,11 +137,11 @@ PROGRAMS: Final[dict[str, Program]] = {
     ),
     "bathroom": Program(
         (3.6, 6, 12),
-        (Want(wet.tub, chance=0.8), TOILET, SINK,
+        (Want(wet.bathing, 1), TOILET, WASHSTAND,
          Want(_of(wet.laundry, 1), chance=0.35), Want(_piece("cabinet", width=(0.35, 0.6),
               before=0.4), chance=0.5), BASKET, BIN),
         _PLAIN, (1.0, 1.9), (2.4, 2.6), (1, 1), (0, 1), high_windows=True, swing_out=0.3,
-        hangs=(("wall_lamp", 0, 2), ("picture", 0, 1)), lux=(150, 300),
+        hangs=(("towel_rail", 0, 1), ("wall_lamp", 0, 2), ("picture", 0, 1)), lux=(150, 300),
     ),
     "bedroom": Program(
         (9, 14, 26),

@@ -49,6 +49,9 @@ FINISHES: Final[dict[str, Finish]] = {
         {"subway_tiles": 4, "zellige": 1, "porcelain_tiles": 1, "hexagon_mosaic": 0.7,
          "fish_scale_tiles": 0.5},
     ),
+    "shower_glass": Finish(
+        "specular_stone", colors=((0.3, 0.31, 0.305),), roughness=(0.2, 0.3), transmission=0.64,
+    ),
     "back_painted_glass": Finish(
         "specular_stone", colors=((0.7, 0.71, 0.7), (0.35, 0.4, 0.38), (0.05, 0.052, 0.055)),
         roughness=(0.03, 0.06),

@@ -15,18 +15,18 @@ def bed_place(kit: Kit, double: float = 0.7) -> Group:
     width = widths[int(kit.rng.integers(1 if kit.modesty > 0.6 else len(widths)))]
     bed = kit.item("bed", size=kit.size("bed", width=width, depth=kit.between(2.0, 2.12)))
     half, depth = 0.5 * width, bed.size[1]
-    size = kit.size("side_table")
-    style = kit.style("side_table", size)
+    size, style = kit.make("night_stand")
     items: list[Item] = [bed]
     sides = (-1, 1) if wide or kit.chance(0.3) else ((1,) if kit.chance(0.5) else (-1,))
-    lamp = None
+    made = kit.make("table_lamp") if kit.chance(0.85) else None
     for side in sides:
         x, y = side * (half + 0.5 * size[0] + 0.05), 0.5 * (depth - size[1]) - 0.01
-        table = kit.item("side_table", round(x, 3), round(y, 3), size=size, style=style,
+        table = kit.item("night_stand", round(x, 3), round(y, 3), size=size, style=style,
                          optional=True)  # fmt: skip
         items.append(table)
-        if kit.chance(0.85):
-            lamp = kit.placed_on(table, "table_lamp", 0.0, 0.05, size=lamp.size if lamp else None)
+        # Both sides have the same lamp.
+        if made:
+            lamp = kit.placed_on(table, "table_lamp", 0.0, 0.05, size=made[0], style=made[1])
             items += [lamp] if lamp else []
     items += above(kit, bed, others=items)
     if kit.chance(0.4):

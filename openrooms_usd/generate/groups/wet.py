@@ -36,24 +36,106 @@ def _module(kit: Kit, name: str, level: float, depth: float) -> Size:
 
 
 def fixture(kit: Kit, name: str, before: float = 0.6, beside: float = 0.15) -> Group:
-    """A toilet, a sink or a tub, with room before it."""
+    """A toilet or a sink, with room before it; paper beside the one."""
     item = kit.item(name, size=kit.size(name))
     width, depth, _ = item.size
+    items = [item]
+    if name == "toilet":
+        side = 1 if kit.chance(0.5) else -1
+        items.append(_hung(kit, "toilet_paper_holder", side * (0.5 * width + 0.16), item, 0.66))
     clear = [zone(0.0, -0.5 * depth - 0.5 * before, width, before)]
     if beside:
         clear.append(zone(0.0, 0.0, width + 2 * beside, depth - 0.02))
-    return Group("washing", (item,), zones(clear), ((0.0, -0.5 * depth - 0.35),),
+    return Group("washing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
                  back=0.5 * depth, gap=0.005)  # fmt: skip
 
 
-def tub(kit: Kit) -> Group:
-    """A bathtub along the wall with a rug before it."""
-    item = kit.item("bathtub", size=kit.size("bathtub", width=kit.between(1.5, 1.8)))
-    width, depth, _ = item.size
+def _hung(
+    kit: Kit, name: str, x: float, below: Item, z: float, size: Size | None = None,
+    style: str | None = None,
+) -> Item:  # fmt: skip
+    """Something on the wall behind or beside an item."""
+    size = size or kit.size(name, style=style)
+    y = below.y + 0.5 * below.size[1] + 0.004 - 0.5 * size[1]
+    return kit.item(name, round(below.x + x, 3), round(y, 3), size=size, style=style,
+                    z=round(z, 3), on="wall", optional=True)  # fmt: skip
+
+
+def washstand(kit: Kit) -> Group:
+    """A basin, most in a vanity unit, with a mirror above it and a rail for towels beside."""
+    style = kit.pick(("vanity", "vanity", "vessel", "pedestal"))
+    wide = style in ("vanity", "vessel") and kit.modesty < 0.5
+    basin = kit.item("sink", size=kit.size("sink", kit.between(0.6, 1.1) if wide else None,
+                                           style=style), style=style)  # fmt: skip
+    width, depth, height = basin.size
+    made = kit.pick(("framed", "oval", "cabinet", "framed"))
+    low = round(max(height + 0.06, 1.12), 2)
+    tall = min(0.9, kit.height - low - 0.2)
+    across = round(min(max(width - 0.1, 0.4), 1.2), 2)
+    size = {"framed": (across, 0.03, min(tall, 0.8)),
+            "oval": (min(across, 0.7), 0.03, min(across, 0.7, tall)),
+            "cabinet": (across, 0.14, min(tall, 0.68))}[made]  # fmt: skip
+    items = [basin, _hung(kit, "mirror", 0.0, basin, low, size, made)]
+    if kit.chance(0.6):
+        side = 1 if kit.chance(0.5) else -1
+        rail = kit.size("towel_rail", width=kit.between(0.4, 0.6), style="bar")
+        x = side * (0.5 * (width + rail[0]) + 0.08)
+        items.append(_hung(kit, "towel_rail", x, basin, 1.1, rail, "bar"))
+    clear = [zone(0.0, -0.5 * depth - 0.3, width, 0.6),
+             zone(0.0, 0.0, width + 0.16, depth - 0.02)]  # fmt: skip
+    return Group("washing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
+                 back=0.5 * depth, gap=0.005)  # fmt: skip
+
+
+def bathing(kit: Kit) -> Group:
+    """A shower or a bathtub; the smaller the room, the more often a shower."""
+    return shower(kit) if kit.modesty > 0.5 or kit.chance(0.5) else tub(kit)
+
+
+def shower(kit: Kit) -> Group:
+    """A shower in a corner, or a long one that one walks into; a mat before it."""
+    if kit.modesty < 0.3 and kit.span[0] > 2.4 and kit.chance(0.35):
+        size, style, corner = (kit.between(1.2, 1.5), 0.9, 2.08), "walk_in", ""
+    else:
+        side = kit.pick(("left", "right"))
+        across = kit.pick_number((0.8, 0.9, 1.0))
+        size, style, corner = (across, across, 2.05), f"corner_{side}", side
+    stall = kit.item("shower", size=size, style=style)
+    width, depth, _ = stall.size
+    items = [stall, _mat(kit, depth)]
+    clear = [zone(0.0, -0.5 * depth - 0.3, 0.9 * width, 0.6)]
+    return Group("bathing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
+                 back=0.5 * depth, gap=0.003, corner=corner)  # type: ignore[arg-type]  # fmt: skip
+
+
+def _mat(kit: Kit, depth: float) -> Item:
+    """A mat before what one steps out of."""
     rug = kit.size("rug", width=0.8, depth=0.5)
-    mat = kit.item("rug", 0.0, round(-0.5 * (depth + rug[1]) - 0.05, 3), size=rug, optional=True)
-    return Group("bathing", (item, mat), zones([zone(0.0, -0.5 * depth - 0.3, 0.7 * width, 0.56)]),
-                 ((0.0, -0.5 * depth - 0.35),), back=0.5 * depth, gap=0.005)  # fmt: skip
+    y = round(-0.5 * (depth + rug[1]) - 0.05, 3)
+    return kit.item("rug", 0.0, y, size=rug, optional=True)
+
+
+def tub(kit: Kit) -> Group:
+    """A bathtub along the wall with its tap, perhaps a pane on its rim; a mat before it."""
+    item = kit.item("bathtub", size=kit.size("bathtub", width=kit.between(1.5, 1.8)))
+    width, depth, height = item.size
+    items: list[Item] = [item]
+    paned = False
+    if item.style == "built_in":
+        tap = kit.placed_on(item, "faucet", 0.5 * width - 0.04, 0.0, -90.0,
+                            size=(0.05, 0.17, 0.16), beside=items)  # fmt: skip
+        items += [tap] if tap else []
+        if kit.modesty < 0.3 and kit.chance(0.6):
+            size = (0.8, 0.026, round(min(1.45, kit.height - height - 0.15), 2))
+            # It stands on the front rim, its hinge at the wall beside the tap.
+            x, y = round(0.5 * (width - size[0]) - 0.004, 3), round(0.035 - 0.5 * depth, 3)
+            pane = kit.placed_on(item, "shower_screen", x, y, 180.0, size=size, beside=items)
+            items += [pane] if pane else []
+            paned = pane is not None
+    items.append(_mat(kit, depth))
+    return Group("bathing", tuple(items), zones([zone(0.0, -0.5 * depth - 0.3, 0.7 * width, 0.56)]),
+                 ((0.0, -0.5 * depth - 0.35),), back=0.5 * depth, gap=0.005,
+                 corner="right" if paned else "")  # fmt: skip
 
 
 def laundry(kit: Kit, most: int = 3) -> Group:

@@ -32,7 +32,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="painting poster pictures photo picture_frame art artwork bulletin_board calendar "
-    "corkboard map mirror notice_board photo_frame photograph pin_board tapestry wall_art "
+    "corkboard map notice_board photo_frame photograph pin_board tapestry wall_art "
     "wall_hanging",
     classes=Classes(UNLABELED, "picture"),
     synsets=NO_SYNSET,

@@ -21,7 +21,7 @@ Rectangle = tuple[float, float, float, float]
 """Left, right, low, high, metres."""
 
 
-def _mitred(outer: Rectangle, bar: float, front: float, back: float) -> Mesh:
+def mitred(outer: Rectangle, bar: float, front: float, back: float) -> Mesh:
     """Four bars that meet at 45 degrees around a rectangle."""
     left, right, low, high = outer
     corners = [(left, low), (right, low), (right, high), (left, high)]
@@ -103,10 +103,10 @@ def framed(size: Size, rng: np.random.Generator) -> Parts:
     inner = _shrunk(whole, bar - 0.002)
     mat = float(rng.uniform(0.09, 0.15)) * small
     sheet = front + 0.35 * depth
-    window = _mitred(inner, mat, sheet, sheet + 0.0022)
+    window = mitred(inner, mat, sheet, sheet + 0.0022)
     rear = _slab(_shrunk(whole, 0.5 * bar), back - 0.004, back - 0.0005)
     image = _print(_shrunk(inner, mat - 0.003), sheet + 0.0026, rng)
-    return {"frame": _mitred(whole, bar, front, back), "mat": window, "back": rear, **image}
+    return {"frame": mitred(whole, bar, front, back), "mat": window, "back": rear, **image}
 
 
 def canvas(size: Size, rng: np.random.Generator) -> Parts:
@@ -114,11 +114,9 @@ def canvas(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     whole = (-0.5 * width, 0.5 * width, 0.0, height)
     front, back = -0.5 * depth, 0.5 * depth
-    bars = _mitred(
-        _shrunk(whole, 0.001), min(0.035, 0.12 * min(width, height)), front + 0.004, back
-    )
+    bars = mitred(_shrunk(whole, 0.001), min(0.035, 0.12 * min(width, height)), front + 0.004, back)
     block = _slab(whole, front + 0.0004, front + 0.006)
-    edges = _mitred(whole, 0.0025, front + 0.004, back - 0.003)
+    edges = mitred(whole, 0.0025, front + 0.004, back - 0.003)
     image = _print(whole, front + 0.0004, rng)
     image["canvas"] = joined([block, edges])
     return {"frame": bars, **image}
@@ -134,7 +132,7 @@ def triptych(size: Size, rng: np.random.Generator) -> Parts:
         left = -0.5 * width + i * (wide + gap)
         panel = (left, left + wide, 0.0, height)
         front = -0.5 * depth
-        parts["frame"].append(_mitred(panel, 0.012, front, 0.5 * depth))
+        parts["frame"].append(mitred(panel, 0.012, front, 0.5 * depth))
         for name, mesh in _print(_shrunk(panel, 0.011), front + 0.3 * depth, rng).items():
             parts[name.split("_")[0]].append(mesh)
     return {name: joined(meshes) for name, meshes in parts.items()}
@@ -150,7 +148,7 @@ def _board(outer: Rectangle, front: float, back: float) -> Parts:
         for z in (low + 0.014, high - 0.014)
     ]
     return {
-        "frame": _mitred(outer, rim, front, back),
+        "frame": mitred(outer, rim, front, back),
         "board": _slab(_shrunk(outer, rim - 0.003), front + 0.3 * (back - front), back - 0.002),
         "corner": joined(pads),
     }  # fmt: skip
