@@ -1,6 +1,7 @@
 """Furniture, materials and environments: made by rules, published as USD assets.
 
-- furniture: `furniture`, `assets`, `construction`, `finishes` (`finish`, `small_finishes`);
+- furniture: `furniture`, `assets`, `construction`, `timber`, `finishes` (`finish`,
+  `small_finishes`);
 - styles of rooms: `interiors`, `ensembles`, `shellstyles`; their lamps: `lamplight`;
 - materials: `textures`, `assignment`, `friction`, `ownmaterials`;
 - surroundings: `solar`, `sunlight`, `skylight`, `sky`, `panorama`, `environments`, `pictures`;

@@ -27,6 +27,7 @@ from openrooms_usd.codedigest import code_digest
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.furniture.joinery import Furniture, Joint, part_of
+from openrooms_usd.library.timber import grained
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
@@ -73,7 +74,7 @@ class Model:
 
 def model_of(furniture: Furniture) -> Model:
     """Furniture of the library, under our licence."""
-    return Model(furniture.parts, joints=furniture.joints, licence=names.LICENCE)
+    return Model(grained(furniture.parts), joints=furniture.joints, licence=names.LICENCE)
 
 
 @dataclass(frozen=True)

@@ -299,8 +299,6 @@ PARTS: Final = {
     "spout": "chrome",
     "stem": "stem",
 }
-# Wide parts whose grain runs along their width, as people saw them.
-ACROSS: Final = frozenset({"countertop", "tabletop", "shelf", "drawer_front", "rail", "step"})
 
 
 def finishes_of(

@@ -26,6 +26,7 @@ from openrooms_usd.library.pieces import (
     prim_names,
 )
 from openrooms_usd.library.posture import Posture, Up, Usual, posture
+from openrooms_usd.library.timber import follow_grain
 from openrooms_usd.library.urdf import meshes_of, read_urdf
 from openrooms_usd.library.usdfile import USD_SUFFIXES, layers_of, read_usd
 from openrooms_usd.library.wavefront import libraries_of, read_obj
@@ -233,6 +234,8 @@ def _mapped(model: Model, name: str, mesh: Mesh) -> tuple[Mesh, str]:
     title = model.titles.get(name, name)
     if mesh.st is None or not is_textured(model.surfaces.get(name)):
         mapped, fault = metric(mesh)
+        if mesh.st is None:
+            mapped = follow_grain(name, mapped)
         return mapped, f"texture coordinates of {title}: {fault}; projected" if fault else ""
     quality = uv_quality(mesh)
     if not quality.finite:

@@ -13,7 +13,6 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library.assignment.annotations import Annotation, read_annotation
 from openrooms_usd.library.finishes import (
-    ACROSS,
     FINISHES,
     GENERIC,
     furniture_families,
@@ -98,7 +97,7 @@ class _Outfit:
             if swatch is None and not part.bound:
                 swatch = self._usual(chooser, part, finishes[part.kind], suite)
             if swatch is not None:
-                worn[part.path] = swatch.turned if part.kind in ACROSS else swatch
+                worn[part.path] = swatch
         return worn
 
     def _overridden(self, chooser: Chooser, part: Part) -> Swatch | None:

@@ -15,6 +15,7 @@ from openrooms_usd.geometry.mouldings import moulding, section
 from openrooms_usd.geometry.shell import cut_apart
 from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.geometry.windows import BOARD, EMBED, NOSE, Window, bar, window
+from openrooms_usd.library.timber import follow_grain
 from openrooms_usd.stages.openings import Cut
 from openrooms_usd.stages.trim import REVEAL_M, Finish
 from openrooms_usd.usd.joints import author_joint
@@ -46,6 +47,7 @@ def author_mesh(
     stage: Usd.Stage, path: str, mesh: Mesh, *, category: str = "", part: str = ""
 ) -> Usd.Prim:
     """Define a mesh with its labels."""
+    mesh = follow_grain(part, mesh) if part else mesh
     prim = define_mesh(stage, path, mesh).GetPrim()
     if category:
         label(prim, category)

@@ -5,7 +5,7 @@ import pytest
 
 from openrooms_usd.categories.record import given
 from openrooms_usd.categories.registry import records
-from openrooms_usd.library.finishes import ACROSS, FINISHES, METALS, PARTS, finishes_of
+from openrooms_usd.library.finishes import FINISHES, METALS, PARTS, finishes_of
 from openrooms_usd.library.furniture import CATEGORIES, part_of
 from tests.library.pieces import piece
 
@@ -28,7 +28,6 @@ def test_schemes_name_categories_and_finishes_that_exist() -> None:
             assert set(scheme.finishes.values()) <= known, name
     assert set(PARTS.values()) <= known
     assert set(METALS) <= set(FINISHES)
-    assert "countertop" in ACROSS
 
 
 def test_what_is_drawn_for_each_differs() -> None:
