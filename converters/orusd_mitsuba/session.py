@@ -45,6 +45,7 @@ from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
 from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator, coarse
 from orusd_mitsuba.transport.integrator import Integrator, SparseIntegrator
 from orusd_mitsuba.transport.light_index import LightIndex
+from orusd_mitsuba.transport.panes import Panes
 from orusd_mitsuba.transport.path_integrator import PathIntegrator
 from orusd_mitsuba.transport.paths import Paths, TracedPaths
 from orusd_mitsuba.transport.probes import render_probes
@@ -88,6 +89,8 @@ class MitsubaSession:
         self._activate()
         model = _affordable(_model(bsdf), backend)
         self._scene = with_model(scene, model)
+        if backend.variant.startswith("scalar"):
+            _leave_panes_out(self._scene)
         self._builder = Builder(self._scene.origin)
         self._built = self._builder.scene(self._scene)
         self._sources = sources_of(self._scene)
@@ -167,11 +170,13 @@ class MitsubaSession:
             scene: The scene that was opened, but for where triangles are.
         """
         self._activate()
-        moved = self._scene.placed([patch.triangles for patch in scene.patches])
+        stand = [patch.triangles for patch in (*scene.patches, *scene.panes)]
+        moved = self._scene.placed(stand)
         self._builder.move(self._built, self._scene, moved)
         self._scene = moved
         self._room_lights.clear()
-        self.__dict__.pop("_complete", None)
+        for made in ("_complete", *(("_index",) if scene.panes else ())):
+            self.__dict__.pop(made, None)
 
     def probe(
         self, request: ProbeRequest, progress: ViewProgress = lambda fraction: None
@@ -279,10 +284,13 @@ class MitsubaSession:
         depth = request.bounces + 1
         by_light = any(CHANNELS[name].scope == "light" for name in channels)
         if render_pass is COMPLETE:
-            scattered: ScatteredLight = (
-                CachedLight(light.paths(by_light=by_light))
+            paths: Paths = (
+                light.paths(by_light=by_light)
                 if light
-                else TracedLight(self._built, self._index, depth)
+                else TracedPaths(self._built, self._index, depth)
+            )
+            scattered: ScatteredLight = (
+                CachedLight(paths) if light else TracedLight(self._built, self._index, depth)
             )
             wanted = Wanted(
                 by_light=by_light,
@@ -290,7 +298,9 @@ class MitsubaSession:
                 unoccluded=not {"unoccluded_i", "visibility_i"}.isdisjoint(channels),
                 guides=light is not None and not SMOOTHED.isdisjoint(channels),
             )
-            return CompleteIntegrator(self._complete, scattered, camera, *size, depth, wanted)
+            return CompleteIntegrator(
+                self._complete, scattered, camera, *size, depth, wanted, paths
+            )  # fmt: skip
         return PathIntegrator(
             self._built, self._index, camera, *size, self._scene.origin, depth, by_light=by_light,
             paths=light.paths(by_light=by_light) if light else None,
@@ -310,7 +320,8 @@ class MitsubaSession:
 
     @cached_property
     def _index(self) -> LightIndex:
-        return LightIndex(self._sources, self._built, self._scene.origin)
+        panes = Panes(self._scene) if self._scene.panes else None
+        return LightIndex(self._sources, self._built, self._scene.origin, panes)
 
     @cached_property
     def _complete(self) -> CompleteScene:
@@ -333,6 +344,13 @@ class MitsubaSession:
         if replaced:
             reason = f"{what} was no number in {replaced} pixels, taken as 0"
             self._scene.report.add(where, "approximated", reason)
+
+
+def _leave_panes_out(scene: Scene) -> None:
+    """Say that a backend sees no clear panes."""
+    lost = "the scalar backend leaves clear panes out: nothing is mirrored or dimmed"
+    panes = {id(pane.surface) for pane in scene.panes}
+    scene.report.lose({path: lost for path, found in scene.owners if id(found) in panes})
 
 
 def _give_back() -> None:

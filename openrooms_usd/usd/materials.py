@@ -9,7 +9,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.usd.networks import Network
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture, UvTransform, ior_of
+from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture, UvTransform, ior_of
 from openrooms_usd.usd.uvtextures import mended_normal_map, read_texture_node
 
 __all__ = [
@@ -39,6 +39,8 @@ _INPUTS: Final = {
     "clearcoat_roughness": ("clearcoatRoughness", _Types.Float),
     "occlusion": ("occlusion", _Types.Float),
 }
+# What a clear pane shows of itself where it is taken for a surface that is mostly absent.
+_PANE_OPACITY: Final = 0.1
 # What only a constant can say here.
 _UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
 
@@ -84,13 +86,18 @@ def _with_stand_ins(material: UsdShade.Material, surface: PreviewSurface) -> Pre
     if surface.f0 is not None:
         _author_ours(material, names.MATERIAL_F0, surface.f0)
         surface = replace(surface, ior=ior_of(surface.f0))
+    if surface.pane is not None:
+        _author_ours(material, names.MATERIAL_PANE, Gf.Vec3f(*surface.pane), _Types.Color3f)
+        surface = replace(surface, opacity=_PANE_OPACITY)
     return surface
 
 
-def _author_ours(material: UsdShade.Material, name: str, value: float) -> None:
+def _author_ours(
+    material: UsdShade.Material, name: str, value: Any, kind: Sdf.ValueTypeName = _Types.Float
+) -> None:
     prim = material.GetPrim()
     prim.AddAppliedSchema(names.MATERIAL_API)
-    prim.CreateAttribute(name, _Types.Float, custom=False).Set(value)
+    prim.CreateAttribute(name, kind, custom=False).Set(value)
 
 
 def _define_node(material: UsdShade.Material, name: str, kind: str) -> UsdShade.Shader:
@@ -172,7 +179,10 @@ def read_preview_surface(
     if transmission > 0.0:
         values["opacity"] = 1.0
     f0 = _part_of_light(network, material, names.MATERIAL_F0)
-    completed = replace(_completed(network, shader, values), transmission=transmission, f0=f0)
+    pane = _tint(network, material)
+    completed = replace(
+        _completed(network, shader, values), transmission=transmission, f0=f0, pane=pane
+    )
     return completed, tuple(network.losses)
 
 
@@ -191,6 +201,19 @@ def _part_of_light(network: Network, material: UsdShade.Material, name: str) -> 
         network.losses.append(f"{attribute.GetPath()}: {value} is no part of the light; left out")
         return None
     return value
+
+
+def _tint(network: Network, material: UsdShade.Material) -> Color | None:
+    """What a pane lets through by `names.MATERIAL_PANE`; None where there is none."""
+    attribute = material.GetPrim().GetAttribute(names.MATERIAL_PANE)
+    value = attribute.Get() if attribute else None
+    if value is None:
+        return None
+    if not (isinstance(value, Gf.Vec3f) and all(0.0 <= part <= 1.0 for part in value)):
+        network.losses.append(f"{attribute.GetPath()}: {value} is no part of the light; left out")
+        return None
+    red, green, blue = map(float, value)
+    return red, green, blue
 
 
 def _surface_shader(network: Network, material: UsdShade.Material) -> UsdShade.Shader | None:

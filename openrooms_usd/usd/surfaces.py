@@ -122,6 +122,9 @@ class PreviewSurface:
             metallic, roughness, normal, opacity, emission and transmission; what else stands here
             shows it to those who do not know it, and ``ior`` is authored as `ior_of`. None: it is
             a UsdPreviewSurface.
+        pane: What the glass of a thin clear pane lets through at normal incidence, by primary; ours
+            (`names.MATERIAL_PANE`). Given, the surface is that pane, of ``ior``; its base colour
+            and opacity, below 1, show it elsewhere. None: it is none.
     """
 
     base_color: Color | Texture = (0.18, 0.18, 0.18)
@@ -139,3 +142,4 @@ class PreviewSurface:
     occlusion: float | Texture = 1.0
     transmission: float = 0.0
     f0: float | None = None
+    pane: Color | None = None

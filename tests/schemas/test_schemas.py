@@ -59,6 +59,7 @@ PROPERTIES = {
         "openrooms:material:size": ("float2", Gf.Vec2f(1, 2)),
         "openrooms:material:transmission": ("float", 0.5),
         "openrooms:material:f0": ("float", 0.05),
+        "openrooms:material:pane": ("color3f", (0.98, 0.99, 0.98)),
         "openrooms:material:frictionSpread": ("float", 0.1),
     },
 }

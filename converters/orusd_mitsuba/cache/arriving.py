@@ -3,7 +3,9 @@
 Of most rays nothing is asked but which surfel they meet and what that sends on. What is left (lamps
 and sky, short rays, strong lobes, surfaces that are not known) is a small part. It is gathered and
 followed apart, so that no ray waits for its neighbours' longer ways: to the first surface, with a
-sample of the lights and one direction from there, whose end is looked up in its turn.
+sample of the lights and one direction from there, whose end is looked up in its turn. Rays that
+meet a clear pane are followed as any path is; of panes on the way from a first surface no mirror
+images are looked for.
 """
 
 from typing import Any, Final
@@ -33,6 +35,7 @@ _LEAST_LOBE_ALBEDO: Final = 0.1
 _CHANCE_SALT: Final = 0x6C6F6265
 _ONCE_SALT: Final = 0x6F6E6365
 _ONWARDS_SALT: Final = 0x6F6E7761
+_GLAZED_SALT: Final = 0x676C617A
 
 
 class LookedUpArrival:
@@ -65,16 +68,33 @@ class LookedUpArrival:
         start = begin(number)
         hit = self._built.ray_intersect_preliminary(start.ray, active=start.active)
         color, chance, known = self._looked_up(start, hit)
+        glazed = self._glazed(start.ray, hit, start.active)
+        color = dr.select(glazed, 0.0, color)
         draw: Any = mi.sample_tea_float32
         salt = dr.opaque(mi.UInt32, (seed ^ _CHANCE_SALT) & 0xFFFFFFFF)
-        left = start.active & (~known | (draw(number, salt, TEA_ROUNDS) < chance))
-        dr.eval(color, left, hit)
+        left = start.active & ~glazed & (~known | (draw(number, salt, TEA_ROUNDS) < chance))
+        dr.eval(color, left, glazed, hit)
         straight = mi.Color3f(*(dr.zeros(mi.Float, rays) for _ in range(3)))
         rest, active = _gathered(left)
         met, onto = dr.gather(type(hit), hit, rest), begin(rest)
         onto.active &= active
         self._once(onto, met, RaySums(straight, color, rest), seed)
+        if self._around.index.panes is not None:
+            rest, active = _gathered(glazed)
+            onto = begin(rest)
+            sampler = _sampler(seed ^ _GLAZED_SALT, dr.width(rest))
+            follow(
+                self._around, sampler, onto.ray, EverySum(straight, color, rest),
+                active=onto.active & active, begun=(onto.at, onto.density),
+            )  # fmt: skip
         return straight, color
+
+    def _glazed(self, ray: Any, hit: Any, active: Any) -> Any:
+        """Whether rays meet a pane before anything else."""
+        if self._around.index.panes is None:
+            return mi.Bool(False) & active
+        end = dr.select(hit.is_valid(), hit.t, dr.inf)
+        return active & dr.any(self._around.index.through(ray, active, end) < 1.0)
 
     def _looked_up(self, start: Start, hit: Any) -> tuple[Any, Any, Any]:
         """What rays meet sends diffusely, the chance of its lobe, and whether that is known."""
@@ -102,6 +122,7 @@ class LookedUpArrival:
         value, pdf = reflection.value(reflection.view.frame.to_local(local), local)
         throughput = dr.select(counted, dr.rcp(chance), 1.0)
         lit = onwards & (to.pdf > 0.0)
+        incident *= around.index.through(si.spawn_ray_to(to.p), lit)
         share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, pdf))
         sums.scattered(throughput * value * incident * share, lit)
         # 2. One direction, and what it meets.
@@ -112,6 +133,8 @@ class LookedUpArrival:
         weight = throughput * value / dr.select(onwards, drawn, 1.0)
         ray = si.spawn_ray(si.to_world(turned))
         hit = built.ray_intersect_preliminary(ray, active=onwards)
+        reach = dr.select(hit.is_valid(), hit.t, dr.inf)
+        weight *= around.index.through(ray, onwards, reach)
         end = hit.compute_surface_interaction(ray, mi.RayFlags.All, onwards)
         sums.scattered(weight * self._emitted(end, si, drawn, onwards), onwards)
         meets = onwards & hit.is_valid()
@@ -180,6 +203,15 @@ class RaySums:
                 dr.ReduceOp.Add, color[channel], value[channel], self._rays, active,
                 mode=dr.ReduceMode.NoConflicts,
             )  # fmt: skip
+
+
+class EverySum(RaySums):
+    """The same of paths that nobody has counted yet."""
+
+    def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
+        """See `RaySums.add`."""
+        self.straight(value, active & (scatterings == 0))
+        self.scattered(value, active & (scatterings > 0))
 
 
 def _gathered(left: Any) -> tuple[Any, Any]:

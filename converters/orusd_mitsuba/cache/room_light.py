@@ -111,9 +111,13 @@ class CachedPaths:
         begun: Any = None,
         numbers: Any = None,
         prefix: Any = None,
+        looks_through: bool = False,
     ) -> None:
         """See `orusd_mitsuba.transport.paths.Paths`."""
-        follow(self._around, sampler, ray, accumulator, first, active, begun, numbers, prefix)
+        follow(
+            self._around, sampler, ray, accumulator, first, active, begun, numbers, prefix,
+            looks_through=looks_through,
+        )  # fmt: skip
 
 
 def _arrays_of(data: CacheData) -> dict[str, NDArray[Any]]:

@@ -122,6 +122,7 @@ def follow(
     numbers: Any = None,
     prefix: Any = None,
     counted: Any = None,
+    looks_through: bool = False,
 ) -> None:
     """Follow one path along each ray into the cache and add up what it brings.
 
@@ -135,10 +136,13 @@ def follow(
         begun: As of `orusd_mitsuba.transport.path_tracing.trace`. The cache then counts from the
             first surface that is met, else from the second one.
         numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
-        prefix: As of ``trace``; the cache then counts from the first surface that is met.
+        prefix: As of ``trace``; the cache then counts from the first surface that is met, if the
+            caller has counted what is met straight.
         counted: Where what is known of the first surface has been added, and what paths carry that
             go on by its lobe: a mask, and a number. None: nowhere.
+        looks_through: As of ``trace``.
     """
+    after = prefix is not None and prefix.counted
     built, index, known = around.built, around.index, around.known
     context = mi.BSDFContext()
     ray = mi.Ray3f(ray)
@@ -156,6 +160,8 @@ def follow(
         throughput, crossed = mi.Color3f(prefix.throughput), mi.UInt32(prefix.crossed)
         scatterings, segments = mi.UInt32(prefix.scatterings), mi.UInt32(prefix.scatterings)
         start = mi.UInt32(prefix.scatterings)
+        # What is seen in a pane is looked at as closely as what is seen straight.
+        since = 1 if prefix.counted else 2
     done, carried = mi.Bool(False), mi.Float(1.0)
     if dr.hint(counted is not None, mode="scalar"):
         done, carried = mi.Bool(counted[0]), mi.Float(counted[1])
@@ -164,13 +170,19 @@ def follow(
     while active:
         si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
         hit = si.is_valid()
-        crossed = index.crossed(ray.o, ray.d, dr.select(hit, si.t, dr.inf), crossed)
+        end = dr.select(hit, si.t, dr.inf)
+        later = segments > start
+        passed, turned, onto, end = index.meet_panes(
+            ray, end, sampler, active & (later | (not after)), later | (not looks_through)
+        )
+        throughput *= passed
+        crossed = index.crossed(ray.o, ray.d, end, crossed)
         # 1. Light that the ray has met.
         emitter = si.emitter(built)
-        emits = active & (emitter != None)  # noqa: E711
+        emits = active & ~turned & (emitter != None)  # noqa: E711
         if dr.hint(first is not None, mode="scalar"):
             emits &= scatterings > 0
-        if dr.hint(prefix is not None, mode="scalar"):
+        if dr.hint(after, mode="scalar"):
             emits &= segments > start
         ds = mi.DirectionSample3f(built, si, before)
         other = dr.select(certain, 0.0, built.pdf_emitter_direction(before, ds, emits & ~certain))
@@ -178,7 +190,8 @@ def follow(
         light = dr.select(hit, index.of_shape(si.shape, emits & hit), crossed)
         sums.add(met, light, scatterings, emits)
         # 2. What is known of the surface.
-        onwards = active & hit & (segments + 1 < around.depth)
+        further = active & (segments + 1 < around.depth)
+        onwards = further & hit & ~turned
         tabulated = around.tabulated(si.shape, onwards)
         matter = around.materials(si, tabulated)
         ends = tabulated & (scatterings >= since) & known.trusted(si.t, scatterings + 1)
@@ -215,9 +228,9 @@ def follow(
         to, incident = built.sample_emitter_direction(si, looking, True, onwards)
         local = si.to_local(to.d)
         wo, _ = reflection.direction(choice, turning)
-        turned = reflection.view.frame.to_world(wo)
+        way = reflection.view.frame.to_world(wo)
         value, pdf = reflection.value(reflection.view.frame.to_local(local), local)
-        scattered, drawn = reflection.value(wo, turned)
+        scattered, drawn = reflection.value(wo, way)
         weight = dr.select(drawn > 0.0, scattered / dr.select(drawn > 0.0, drawn, 1.0), 0.0)
         null, sharp = mi.Bool(False), mi.Bool(False)
         if dr.hint(around.mixed or first is not None, mode="scalar"):
@@ -228,11 +241,12 @@ def follow(
                 foreign |= white
             v, p, sample, w = bsdf.eval_pdf_sample(context, si, local, choice, turning, foreign)
             value, pdf = dr.select(foreign, v, value), dr.select(foreign, p, pdf)
-            turned = dr.select(foreign, sample.wo, turned)
+            way = dr.select(foreign, sample.wo, way)
             weight, drawn = dr.select(foreign, w, weight), dr.select(foreign, sample.pdf, drawn)
             null = foreign & mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
             sharp = foreign & (null | mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta))
         lit = onwards & (to.pdf != 0.0)
+        incident *= index.through(si.spawn_ray_to(to.p), lit)
         infinite = mi.has_flag(to.emitter.flags(), mi.EmitterFlags.Infinite)
         share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, pdf))
         lamp = index.of_shape(to.emitter.get_shape(), lit & ~infinite)
@@ -240,9 +254,9 @@ def follow(
         brought = throughput * value * incident * share
         sums.add(brought, dr.select(infinite, sky, lamp), scatterings + 1, lit)
         # 5. Onwards.
-        ray = si.spawn_ray(si.to_world(turned))
-        throughput *= weight
-        before, density, certain = si, drawn, sharp
+        ray = dr.select(turned, onto, si.spawn_ray(si.to_world(way)))
+        throughput *= dr.select(turned, 1.0, weight)
+        before, density, certain = si, dr.select(turned, 1.0, drawn), sharp | turned
         scatterings = dr.select(null, scatterings, scatterings + 1)
         segments += 1
         strongest = dr.max(throughput)
@@ -250,6 +264,6 @@ def follow(
         roulette = segments >= _ROULETTE_FROM_SEGMENT
         kept = ~roulette | (sampler.next_1d() < survival)
         throughput[roulette] /= survival
-        active = onwards & kept & (strongest > 0.0)
-        if dr.hint(prefix is not None, mode="scalar"):
+        active = (onwards | (further & turned)) & kept & (strongest > 0.0)
+        if dr.hint(after, mode="scalar"):
             active &= ~null | (segments > start + 1)

@@ -240,6 +240,27 @@ class Reflected:
         self._sums.looked_up(value, active)
 
 
+class Mirrored:
+    """Receives what the camera sees mirrored in panes: `path_tracing.Accumulator`.
+
+    Args:
+        sums: Where it is filed.
+    """
+
+    def __init__(self, sums: WholeAccumulator) -> None:
+        self._sums = sums
+
+    def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
+        """Add radiance that is sent to the camera; the pane has scattered it last."""
+        once = scatterings <= 1
+        self._sums.reflected(value, "direct", light, active & once)
+        self._sums.reflected(value, "indirect", light, active & ~once)
+
+    def looked_up(self, value: Any, active: Any) -> None:
+        """Add what a cache had of that."""
+        self._sums.looked_up(value, active)
+
+
 class EitherOf:
     """Receives the light of one of both kinds of directions: `path_tracing.Accumulator`.
 

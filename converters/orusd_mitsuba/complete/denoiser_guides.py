@@ -46,16 +46,17 @@ class GuideIntegrator(BandedIntegrator):
         numbers = FirstDimensions(band.samples, band.paths, band.sampler(_SHIFT_SALT, pixels))
         ray = band.ray(numbers.pixel, numbers.light)
         crossed = dr.opaque(mi.UInt32, self._scene.index.elsewhere)
-        _, si, _, _ = meet(self._scene, sampler, ray, crossed, mi.Bool(True), _unlit)
+        found = meet(self._scene, sampler, ray, crossed, mi.Bool(True), _unlit, mirrors=False)
+        si = found.si
         hit = si.is_valid()
         matter = self._scene.matter(si, hit)
         normal = si.to_world(view_of(si, matter.relief).frame.n)
-        found = [
+        looks = [
             dr.select(hit, value, 0.0) for part in (matter.base_color, normal) for value in part
         ]
-        means = band.means(dr.concat([mi.Float(value) for value in found]))
+        means = band.means(dr.concat([mi.Float(value) for value in looks]))
         return np.ascontiguousarray(np.moveaxis(means, 1, 3))
 
 
-def _unlit(met: Any, ray: Any, light: Any, radiance: Any, active: Any) -> None:
+def _unlit(met: Any, ray: Any, light: Any, radiance: Any, turned: Any, active: Any) -> None:
     """Of what emits nothing is counted."""

@@ -30,20 +30,23 @@ class FirstSurface:
         si: The interactions.
         active: Where there is a surface.
         crossed: The opening that was crossed on the way from the camera.
+        through: What of light comes from there through panes, a colour.
 
     Attributes:
         si: See above.
         active: See above.
         crossed: See above.
-        albedo: What Lambert's reflection has of each colour.
+        albedo: What Lambert's reflection has of each colour, behind these panes.
         normal: That of the ground truth, on the side of the camera, in the world.
         undivided: Where the rest is all that the surface scatters; None where that is nowhere.
     """
 
-    def __init__(self, matter: SceneMatter, si: Any, active: Any, crossed: Any) -> None:
-        self.si, self.active, self.crossed = si, active, crossed
+    def __init__(
+        self, matter: SceneMatter, si: Any, active: Any, crossed: Any, through: Any
+    ) -> None:
+        self.si, self.active, self.crossed, self._through = si, active, crossed, through
         found = matter(si, active)
-        self.albedo = found.diffuse
+        self.albedo = found.diffuse * through
         self._view = view_of(si, found.relief)
         self.normal = si.to_world(self._view.frame.n)
         self._model = Reflection(found, self._view, lobe=1.0, reflection=0.0, passage=1.0)
@@ -62,7 +65,7 @@ class FirstSurface:
         """
         matter = self._model.matter
         albedo = microfacet.lobe_albedo(self._view.wi.z, matter.roughness, matter.specular)
-        albedo *= matter.gloss
+        albedo *= matter.gloss * self._through
         alone = self.active & (matter.transmission <= 0.0) & (mi.luminance(albedo) > _LEAST_LOBE)
         for other in (self._matte, self.undivided):
             if other is not None:
@@ -82,7 +85,14 @@ class FirstSurface:
         return self.si.to_world(local)
 
     def rest(self, direction: Any) -> tuple[Any, Any]:
-        """The rest of the BSDF, times the cosine, and how densely directions are sampled."""
+        """The rest of the BSDF, times the cosine, and how densely directions are sampled.
+
+        As panes let it through.
+        """
+        value, density = self._rest(direction)
+        return value * self._through, density
+
+    def _rest(self, direction: Any) -> tuple[Any, Any]:
         local = self.si.to_local(direction)
         value, density = self._model.value(self._view.frame.to_local(local), local)
         if self._matte is not None:

@@ -8,6 +8,7 @@ scatter that the two directions meet comes from a `ScatteredLight`. Every sum ad
 by light and by kind, so they agree but for rounding.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from typing import Any, Final, Self
 
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.complete.accumulator import (
     EitherOf,
+    Mirrored,
     Received,
     Reflected,
     WholeAccumulator,
@@ -28,16 +30,17 @@ from orusd_mitsuba.complete.accumulator import (
 )
 from orusd_mitsuba.complete.first_surface import FirstSurface
 from orusd_mitsuba.complete.meeting import (
+    Arrival,
     CompleteScene,
     Emitted,
     Straight,
     meet,
     meet_unoccluded,
 )
-from orusd_mitsuba.direct.receiver import unblocked
 from orusd_mitsuba.transport.bands import Band, BandedIntegrator
 from orusd_mitsuba.transport.lattice import PixelLattice
-from orusd_mitsuba.transport.path_tracing import Accumulator
+from orusd_mitsuba.transport.path_tracing import Accumulator, Prefix
+from orusd_mitsuba.transport.paths import Paths
 from orusd_mitsuba.transport.scattered import ScatteredLight
 
 # Sums that one batch may keep, 4 bytes each.
@@ -49,6 +52,8 @@ _MOST_SAMPLES: Final = 256
 # The part of the paths that follow the rest, where only one direction of a sample is followed on.
 _LEAST_SHARE_OF_REST: Final = 0.2
 _MOST_SHARE_OF_REST: Final = 0.75
+# Segments of a path that is scattered once.
+_DEPTH_OF_ONE_BOUNCE: Final = 2
 # Keep random numbers apart.
 _PIXEL_SALT, _LENS_SALT, _COSINE_SALT, _REST_SALT = 1, 2, 3, 4
 
@@ -80,6 +85,7 @@ class CompleteIntegrator(BandedIntegrator):
         width: Pixels.
         height: Pixels.
         depth: At most this many segments of a path.
+        paths: How what panes mirror is followed; None where there are no panes.
         wanted: What it is for.
 
     Attributes:
@@ -96,7 +102,9 @@ class CompleteIntegrator(BandedIntegrator):
         height: int,
         depth: int,
         wanted: Wanted = Wanted(),
+        paths: Paths | None = None,
     ) -> None:
+        self._paths = paths
         self._scene, self._scattered = scene, scattered
         self._depth, self._wanted = depth, wanted
         self.lights = scene.index.count if wanted.by_light else None
@@ -150,11 +158,13 @@ class CompleteIntegrator(BandedIntegrator):
         ray = threads.ray(numbers.pair(_PIXEL_SALT, 2), numbers.pair(_LENS_SALT, 1))
         emitted = Emitted(sums)
         crossed = dr.opaque(mi.UInt32, self._scene.index.elsewhere)
-        _, si, crossed, _ = meet(self._scene, sampler, ray, crossed, mi.Bool(True), emitted)
-        active = si.is_valid()
-        if self._depth < 2:
+        seen = meet(self._scene, sampler, ray, crossed, mi.Bool(True), emitted, mirrors=False)
+        si, active = seen.si, seen.si.is_valid()
+        if self._depth < _DEPTH_OF_ONE_BOUNCE:
             return
-        at = FirstSurface(self._scene.matter, si, active, crossed)
+        if self._wanted.rest and self._scene.index.panes is not None:
+            self._in_panes(ray, dr.select(active, dr.norm(si.p - ray.o), dr.inf), sampler, sums)
+        at = FirstSurface(self._scene.matter, si, active, seen.crossed, seen.through)
         self._straight(at, numbers, sums)
         cosine = self._by_cosine(at, numbers, sampler, sums)
         onwards = Received(sums, at, "indirect")
@@ -170,9 +180,17 @@ class CompleteIntegrator(BandedIntegrator):
             which, either = _either(at, cosine, rest, sampler.next_1d())
             self._go_on(either, sampler, EitherOf(which, others, onwards))
 
+    def _in_panes(self, ray: Any, end: Any, sampler: Any, sums: WholeAccumulator) -> None:
+        """What the camera sees mirrored in panes; each sample also looks straight through them."""
+        index = self._scene.index
+        assert index.panes is not None and self._paths is not None
+        weight, onto, found = index.panes.mirror(ray, end, sampler, mi.Bool(True))
+        before = Prefix(weight, mi.UInt32(1), mi.UInt32(index.elsewhere), counted=False)
+        self._paths.follow(sampler, onto, Mirrored(sums), active=found, prefix=before)
+
     def _go_on(self, by: "_Arrival", sampler: Any, sums: Accumulator) -> None:
         self._scattered.add(
-            sampler, by.ray, by.si, by.weight, mi.UInt32(1), by.crossed, sums, by.active
+            sampler, by.ray, by.si, by.weight, by.scatterings, by.crossed, sums, by.active
         )
 
     def _straight(self, at: FirstSurface, numbers: PixelLattice, sums: WholeAccumulator) -> None:
@@ -192,8 +210,8 @@ class CompleteIntegrator(BandedIntegrator):
             active = active & (dr.any(lux != 0.0) | dr.any(sent != 0.0))
             if wanted.unoccluded:
                 sums.unoccluded(lux, light, active)
-            seen = unblocked(scene.built, scene.clear, ray, active)
-            active = active & (seen > 0.0)
+            seen = scene.between.unblocked(ray, active)
+            active = active & dr.any(seen > 0.0)
             sums.received(lux * seen, at, "direct", light, active)
             if wanted.rest:
                 sums.reflected(sent * seen, "direct", light, active)
@@ -208,8 +226,9 @@ class CompleteIntegrator(BandedIntegrator):
         active = at.active & (density > 0.0)
         if self._wanted.unoccluded:
             meet_unoccluded(self._scene, at, direction, density, active, sums)
-        straight, weight = Received(sums, at, "direct"), mi.Color3f(1.0)
-        found = self._follow(at, direction, density, weight, active, sampler, straight)
+        weight = mi.Color3f(1.0)
+        once, again = Received(sums, at, "direct"), Received(sums, at, "indirect")
+        found = self._follow(at, direction, density, weight, active, sampler, once, again)
         sums.guide(at, found.active, dr.norm(found.si.p - at.si.p))
         return found
 
@@ -221,22 +240,22 @@ class CompleteIntegrator(BandedIntegrator):
         value, density = at.rest(direction)
         active = at.active & (density > 0.0) & dr.any(value != 0.0)
         weight = dr.select(active, value / dr.select(active, density, 1.0), 0.0)
-        straight = Reflected(sums, "direct")
-        found = self._follow(at, direction, density, weight, active, sampler, straight)
+        once, again = Reflected(sums, "direct"), Reflected(sums, "indirect")
+        found = self._follow(at, direction, density, weight, active, sampler, once, again)
         sums.guide_lobe(at, found.active, dr.norm(found.si.p - at.si.p))
         return found
 
     def _follow(
         self, at: FirstSurface, direction: Any, density: Any, weight: Any, active: Any,
-        sampler: Any, straight: Accumulator,
+        sampler: Any, once: Accumulator, again: Accumulator,
     ) -> "_Arrival":  # fmt: skip
         """Count what directions meet straight against the light samples; say where they end."""
         scene = self._scene
-        met = Straight(scene, at, density, weight, straight)
-        ray, si, crossed, stopped = meet(
-            scene, sampler, at.si.spawn_ray(direction), at.crossed, active, met
-        )
-        return _Arrival(ray, si, crossed, weight / stopped, active & si.is_valid())
+        # A pane that mirrors has scattered, too.
+        mirrors = scene.index.panes is not None and self._depth > _DEPTH_OF_ONE_BOUNCE
+        met = Straight(scene, at, density, weight, once, again if mirrors else None)
+        found = meet(scene, sampler, at.si.spawn_ray(direction), at.crossed, active, met)
+        return _Arrival(found, weight * found.through / found.stopped, active)
 
 
 class _Arrival:
@@ -245,9 +264,18 @@ class _Arrival:
     No dataclass: Dr.Jit would carry its arrays through loops.
     """
 
-    def __init__(self, ray: Any, si: Any, crossed: Any, weight: Any, active: Any) -> None:
-        self.ray, self.si, self.crossed = ray, si, crossed
-        self.weight, self.active = weight, active
+    def __init__(self, found: Arrival, weight: Any, active: Any) -> None:
+        self.ray, self.si, self.crossed = found.ray, found.si, found.crossed
+        self.scatterings = dr.select(found.turned, mi.UInt32(2), mi.UInt32(1))
+        self.weight, self.active = weight, active & found.si.is_valid()
+
+    def replaced(self, which: Any, other: "_Arrival", weight: Any) -> "_Arrival":
+        """The other one where that is meant, and what both then carry."""
+        found = copy(self)
+        for name in ("ray", "si", "crossed", "scatterings", "active"):
+            setattr(found, name, dr.select(which, getattr(other, name), getattr(self, name)))
+        found.weight = weight
+        return found
 
 
 def _either(
@@ -260,11 +288,7 @@ def _either(
     share = dr.select(rest.active, dr.select(cosine.active, share, 1.0), 0.0)
     which = choice < share
     weight = dr.select(which, rest.weight / share, cosine.weight / (1.0 - share))
-    ray, si, crossed, active = (
-        dr.select(which, getattr(rest, name), getattr(cosine, name))
-        for name in ("ray", "si", "crossed", "active")
-    )
-    return which, _Arrival(ray, si, crossed, weight, active)
+    return which, cosine.replaced(which, rest, weight)
 
 
 @dr.syntax

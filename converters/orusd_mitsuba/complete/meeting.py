@@ -12,6 +12,7 @@ from orusd_mitsuba.complete.accumulator import WholeAccumulator
 from orusd_mitsuba.complete.first_surface import FirstSurface
 from orusd_mitsuba.complete.light_samples import LightSamples
 from orusd_mitsuba.complete.matter import SceneMatter
+from orusd_mitsuba.direct.receiver import Between
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.transport.light_index import LightIndex
 from orusd_mitsuba.transport.path_tracing import Accumulator
@@ -34,6 +35,7 @@ class CompleteScene:
         matter: What surfaces are made of.
         lights: Samples of every light.
         clear: Whether any surface of the scene lets light straight through.
+        between: What stands in the way of light.
     """
 
     def __init__(
@@ -48,6 +50,7 @@ class CompleteScene:
         self.matter = SceneMatter(scene, built, builder)
         self.lights = LightSamples(scene, built, sources, index)
         self.clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
+        self.between = Between(built, self.clear, index)
 
 
 class Emitted:
@@ -56,31 +59,70 @@ class Emitted:
     def __init__(self, sums: WholeAccumulator) -> None:
         self._sums = sums
 
-    def __call__(self, met: Any, ray: Any, light: Any, radiance: Any, active: Any) -> None:
+    def __call__(
+        self, met: Any, ray: Any, light: Any, radiance: Any, turned: Any, active: Any
+    ) -> None:
         """Count it."""
         self._sums.emitted(radiance, light, active)
 
 
 class Straight:
-    """Counts what directions from a first surface meet, against the light samples there."""
+    """Counts what directions from a first surface meet, against the light samples there.
+
+    Args:
+        scene: What there is.
+        at: The surfaces.
+        density: Of the directions.
+        weight: What they carry.
+        once: Receives what was scattered at the surface alone.
+        again: Receives what a pane has mirrored before, which no light sample finds; None where
+            that is not wanted.
+    """
 
     def __init__(
-        self, scene: CompleteScene, at: FirstSurface, density: Any, weight: Any, sink: Accumulator
-    ) -> None:
+        self, scene: CompleteScene, at: FirstSurface, density: Any, weight: Any, once: Accumulator,
+        again: Accumulator | None,
+    ) -> None:  # fmt: skip
         self._lights, self._at = scene.lights, at
-        self._density, self._weight, self._sink = density, weight, sink
+        self._density, self._weight, self._once, self._again = density, weight, once, again
 
-    def __call__(self, met: Any, ray: Any, light: Any, radiance: Any, active: Any) -> None:
+    def __call__(
+        self, met: Any, ray: Any, light: Any, radiance: Any, turned: Any, active: Any
+    ) -> None:
         """Count it by its weight."""
-        rivals = self._lights.rivals(self._at.si, met, ray, self._density, light, active)
-        value = self._weight * radiance / (1.0 + rivals)
-        self._sink.add(value, light, mi.UInt32(1), active)
+        value, straight = self._weight * radiance, active & ~turned
+        rivals = self._lights.rivals(self._at.si, met, ray, self._density, light, straight)
+        self._once.add(value / (1.0 + rivals), light, mi.UInt32(1), straight)
+        if self._again is not None:
+            self._again.add(value, light, mi.UInt32(2), active & turned)
+
+
+class Arrival:
+    """Where rays were stopped, and what they carry there.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
+
+    Attributes:
+        ray: The last ones.
+        si: What stopped them.
+        crossed: The openings that were crossed on the way.
+        stopped: How likely each was to be stopped.
+        through: What panes have left, a colour.
+        turned: Whether a pane has mirrored them.
+    """
+
+    def __init__(
+        self, ray: Any, si: Any, crossed: Any, stopped: Any, through: Any, turned: Any
+    ) -> None:
+        self.ray, self.si, self.crossed, self.stopped = ray, si, crossed, stopped
+        self.through, self.turned = through, turned
 
 
 @dr.syntax
 def meet(
-    scene: CompleteScene, sampler: Any, ray: Any, crossed: Any, active: Any, met: Any
-) -> tuple[Any, Any, Any, Any]:
+    scene: CompleteScene, sampler: Any, ray: Any, crossed: Any, active: Any, met: Any,
+    mirrors: bool = True,
+) -> Arrival:  # fmt: skip
     """Follow rays to the surfaces that stop them; clear ones are passed by chance.
 
     Args:
@@ -90,36 +132,44 @@ def meet(
         crossed: The openings that were crossed before.
         active: Which to follow.
         met: Called with all that emits on the way.
-
-    Returns:
-        The last rays, what stopped them, the openings that they crossed, and how likely each was
-        to be stopped.
+        mirrors: Whether panes may turn rays round, by chance; else these go straight through.
     """
-    ray = mi.Ray3f(ray)
-    si = scene.built.ray_intersect(ray, active)
-    crossed = _emission(scene, ray, si, crossed, active, met)
-    stopped = mi.Float(1.0)
-    if dr.hint(scene.clear, mode="scalar"):
-        stopped = 1.0 - si.bsdf().eval_null_transmission(si, active)[1]
-        passes = active & si.is_valid() & (sampler.next_1d() >= stopped)
-        while passes:
-            ray = si.spawn_ray(ray.d)
-            si = scene.built.ray_intersect(ray, passes)
-            crossed = _emission(scene, ray, si, crossed, passes, met)
-            stopped = 1.0 - si.bsdf().eval_null_transmission(si, passes)[1]
-            passes = passes & si.is_valid() & (sampler.next_1d() >= stopped)
-    return ray, si, crossed, stopped
+    ray, si = mi.Ray3f(ray), dr.zeros(mi.SurfaceInteraction3f)
+    stopped, through, turned = mi.Float(1.0), mi.Color3f(1.0), mi.Bool(False)
+    if dr.hint(not scene.clear and scene.index.panes is None, mode="scalar"):
+        si = scene.built.ray_intersect(ray, active)
+        crossed = _emission(scene, ray, si, dr.inf, crossed, through, turned, active, met)
+        return Arrival(ray, si, crossed, stopped, through, turned)
+    left, crossed = mi.Bool(active), mi.UInt32(crossed)
+    while left:
+        si = scene.built.ray_intersect(ray, left)
+        end = dr.select(si.is_valid(), si.t, dr.inf)
+        passed, here, onto, end = scene.index.meet_panes(ray, end, sampler, left, mi.Bool(mirrors))
+        through *= passed
+        straight = left & ~here
+        crossed = _emission(scene, ray, si, end, crossed, through, turned, straight, met)
+        passes = mi.Bool(False)
+        if dr.hint(scene.clear, mode="scalar"):
+            stopped = 1.0 - si.bsdf().eval_null_transmission(si, straight)[1]
+            passes = straight & si.is_valid() & (sampler.next_1d() >= stopped)
+        ray = dr.select(here, onto, dr.select(passes, si.spawn_ray(ray.d), ray))
+        turned |= here
+        left = left & (here | passes)
+    return Arrival(ray, si, crossed, stopped, through, turned)
 
 
-def _emission(scene: CompleteScene, ray: Any, si: Any, crossed: Any, active: Any, met: Any) -> Any:
+def _emission(
+    scene: CompleteScene, ray: Any, si: Any, end: Any, crossed: Any, through: Any, turned: Any,
+    active: Any, met: Any,
+) -> Any:  # fmt: skip
     """Count what the rays meet, and give what they have crossed up to there."""
     hit = si.is_valid()
-    end = dr.select(hit, si.t, dr.inf)
-    crossed = dr.select(active, scene.index.crossed(ray.o, ray.d, end, crossed), crossed)
+    end = dr.minimum(dr.select(hit, si.t, dr.inf), end)
+    crossed = scene.index.crossed(ray.o, ray.d, end, crossed)
     emitter = si.emitter(scene.built)
     emits = active & (emitter != None)  # noqa: E711
     light = dr.select(hit, scene.index.of_shape(si.shape, emits & hit), crossed)
-    met(si, ray, light, emitter.eval(si, emits), emits)
+    met(si, ray, light, emitter.eval(si, emits) * through, turned, emits)
     return crossed
 
 

@@ -24,7 +24,7 @@ from orusd_mitsuba.direct.accumulator import DirectAccumulator
 from orusd_mitsuba.direct.closed_form import factor
 from orusd_mitsuba.direct.control_variate import PLANES_PER_LIGHT
 from orusd_mitsuba.direct.lamp_faces import LampFaces
-from orusd_mitsuba.direct.receiver import Receiver, receive, unblocked
+from orusd_mitsuba.direct.receiver import Between, Receiver, receive
 from orusd_mitsuba.direct.rectangles import Rectangles
 from orusd_mitsuba.direct.sky_light import Sky
 from orusd_mitsuba.transport.bands import Band, BandedIntegrator
@@ -76,10 +76,11 @@ class DirectIntegrator(BandedIntegrator):
         ]
         self._lights = index.count
         super().__init__(camera, width, height, scene.origin, PLANES_PER_LIGHT * self._lights)
+        self._clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
+        self._between = Between(built, self._clear, index)
         self._sky = None
         if built.environment() is not None:
-            self._sky = Sky(built, index, Rectangles(sources, scene.origin))
-        self._clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
+            self._sky = Sky(built, index, self._between, Rectangles(sources, scene.origin))
 
     def _band(self, band: Band) -> NDArray[np.float32]:
         sampler = band.sampler()
@@ -98,7 +99,7 @@ class DirectIntegrator(BandedIntegrator):
     def _gather(self, ray: Any, sampler: Any, sums: DirectAccumulator) -> None:
         at = receive(self._built, self._index, self._first, sampler, ray, self._clear)
         if len(self._faces):
-            _from_lamps(self._built, self._faces, at, sampler, sums)
+            _from_lamps(self._between, self._faces, at, sampler, sums)
         if self._closed:
             lamps = mi.UInt32(np.array(self._closed, dtype=np.uint32))
             _in_closed_form(self._faces, lamps, len(self._closed), at, sums)
@@ -111,7 +112,7 @@ class DirectIntegrator(BandedIntegrator):
     def _by_hemisphere(self, at: Receiver, sampler: Any, sums: DirectAccumulator) -> None:
         direction, density = at.sample(sampler.next_2d())
         if len(self._faces):
-            _meet_lamps(self._built, self._faces, at, direction, density, sums)
+            _meet_lamps(self._between, self._faces, at, direction, density, sums)
         if self._sky is not None:
             self._sky.add(at, direction, density, at.active & (density > 0.0), sums)
 
@@ -119,13 +120,13 @@ class DirectIntegrator(BandedIntegrator):
         direction = mi.Vector3f((-along).tolist())
         light = self._index.crossed(at.si.p, direction, mi.Float(dr.inf), at.crossed)
         active = at.active & (at.cosine(direction) > 0.0)
-        seen = unblocked(self._built, at.clear, at.si.spawn_ray(direction), active)
+        seen = self._between.unblocked(at.si.spawn_ray(direction), active)
         sums.add(light, mi.Color3f(lux.tolist()) * at.cosine(direction), seen, active)
 
 
 @dr.syntax
 def _from_lamps(
-    built: Any, faces: LampFaces, at: Receiver, sampler: Any, sums: DirectAccumulator
+    between: Between, faces: LampFaces, at: Receiver, sampler: Any, sums: DirectAccumulator
 ) -> None:
     """A point on each lamp in turn."""
     lamp = mi.UInt32(0)
@@ -140,14 +141,14 @@ def _from_lamps(
         density = faces.density(row, lamp, at.si.p) * squared / turned
         value = faces.radiance(row, place, active) * (cosine / density)
         value *= heuristic(density, at.density(direction))
-        seen = unblocked(built, at.clear, at.si.spawn_ray_to(point), active)
+        seen = between.unblocked(at.si.spawn_ray_to(point), active)
         sums.add(faces.light(lamp), value, seen, active)
         lamp += 1
 
 
 @dr.syntax
 def _meet_lamps(
-    built: Any,
+    between: Between,
     faces: LampFaces,
     at: Receiver,
     direction: Any,
@@ -169,7 +170,7 @@ def _meet_lamps(
         value = faces.radiance(row, faces.place(row, si.p), front) * (
             at.cosine(direction) / density * heuristic(density, other)
         )
-        seen = unblocked(built, at.clear, at.si.spawn_ray_to(si.p), front)
+        seen = between.unblocked(at.si.spawn_ray_to(si.p), front)
         sums.add(faces.light(lamp), value, seen, front)
         ray = si.spawn_ray(direction)
         active = hit

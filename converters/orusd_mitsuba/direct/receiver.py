@@ -25,14 +25,11 @@ class Receiver:
             camera's side; zero where nothing can be received.
         horizon: The same without the normal map: from behind it nothing is received.
         first: What makes surfaces white.
-        clear: Whether any surface of the scene lets light straight through.
     """
 
-    def __init__(
-        self, si: Any, active: Any, crossed: Any, first: Callable[[Any], Any], clear: bool
-    ) -> None:
+    def __init__(self, si: Any, active: Any, crossed: Any, first: Callable[[Any], Any]) -> None:
         self.si, self.active, self.crossed = si, active, crossed
-        self.first, self.clear = first, clear
+        self.first = first
         side = dr.select(si.wi.z < 0.0, -1.0, 1.0)
         self.horizon = mi.Vector3f(si.sh_frame.n) * side
         local = _normal(first(si), si, side, active)
@@ -113,19 +110,37 @@ def receive(
             end = dr.select(hit, si.t, dr.inf)
             crossed = index.crossed(ray.o, ray.d, end, crossed)
             passes = hit & (sampler.next_1d() < first(si).eval_null_transmission(si, hit)[1])
-    return Receiver(si, si.is_valid(), crossed, first, clear)
+    return Receiver(si, si.is_valid(), crossed, first)
 
 
-@dr.syntax
-def unblocked(built: Any, clear: bool, ray: Any, active: Any) -> Any:
-    """The part of light that comes along rays, up to their ends: 0, 1, or what clear ones leave.
+class Between:
+    """What stands between points and lights.
+
+    No dataclass: Dr.Jit would carry its arrays through loops.
 
     Args:
         built: The Mitsuba scene.
         clear: Whether any surface of the scene lets light straight through.
-        ray: The rays.
-        active: Which of them are wanted.
+        index: Knows the panes.
     """
+
+    def __init__(self, built: Any, clear: bool, index: LightIndex) -> None:
+        self._built, self._clear, self._index = built, clear, index
+
+    def unblocked(self, ray: Any, active: Any) -> Any:
+        """The part of light that comes along rays, up to their ends: a colour.
+
+        Args:
+            ray: The rays.
+            active: Which of them are wanted.
+        """
+        part = _unblocked(self._built, self._clear, ray, active)
+        return part * self._index.through(ray, active & (part > 0.0))
+
+
+@dr.syntax
+def _unblocked(built: Any, clear: bool, ray: Any, active: Any) -> Any:
+    """The part that surfaces leave: 0, 1, or what clear ones let pass."""
     if dr.hint(not clear, mode="scalar"):
         return dr.select(built.ray_test(ray, active), 0.0, mi.Float(1.0))
     part, active, ray = mi.Float(1.0), mi.Bool(active), mi.Ray3f(ray)

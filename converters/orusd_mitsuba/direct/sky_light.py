@@ -6,7 +6,7 @@ import drjit as dr
 import mitsuba as mi
 
 from orusd_mitsuba.direct.accumulator import DirectAccumulator
-from orusd_mitsuba.direct.receiver import Receiver, unblocked
+from orusd_mitsuba.direct.receiver import Between, Receiver
 from orusd_mitsuba.direct.rectangles import Rectangles
 from orusd_mitsuba.transport.light_index import LightIndex
 
@@ -17,11 +17,14 @@ class Sky:
     Args:
         built: The Mitsuba scene, which has an environment.
         index: Its lights.
+        between: What stands before them.
         openings: Where the surroundings come in.
     """
 
-    def __init__(self, built: Any, index: LightIndex, openings: Rectangles) -> None:
-        self._built, self._index = built, index
+    def __init__(
+        self, built: Any, index: LightIndex, between: Between, openings: Rectangles
+    ) -> None:
+        self._index, self._between = index, between
         self._emitter, self._openings = built.environment(), openings
 
     def gather(self, at: Receiver, sampler: Any, sums: DirectAccumulator) -> None:
@@ -65,5 +68,5 @@ class Sky:
         towards.wi = -direction
         # The power heuristic: the square of the technique's own density over all of them.
         value = self._emitter.eval(towards, active) * (at.cosine(direction) / (density * others))
-        seen = unblocked(self._built, at.clear, at.si.spawn_ray(direction), active)
+        seen = self._between.unblocked(at.si.spawn_ray(direction), active)
         sums.add(light, value, seen, active)

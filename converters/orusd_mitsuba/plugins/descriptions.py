@@ -19,10 +19,18 @@ def describe_bsdf(surface: Surface) -> Description:
     alpha = R^2 over a diffuse one. Without any specular lobe it is exactly Lambertian. OpenRooms'
     model is our own plugin (`orusd_mitsuba.plugins.openrooms_bsdf`).
     """
+    if surface.pane is not None:
+        return _pane(surface.ior, surface.pane)
     bsdf = _by_model(surface)
     if surface.opacity == 1.0:
         return bsdf
     return {"type": "mask", "opacity": surface.opacity, "bsdf": bsdf}
+
+
+def _pane(ior: float, tint: tuple[float, float, float]) -> Description:
+    """A clear pane for Mitsuba's own integrators: what passes is tinted alike at every angle."""
+    tinted = describe_color(tint)
+    return {"type": "thindielectric", "int_ior": ior, "specular_transmittance": tinted}
 
 
 def _by_model(surface: Surface) -> Description:

@@ -1,6 +1,7 @@
 """Light that is followed along paths: what arrives at a camera, or at points, by light and kind.
 
 - ``path_tracing`` follows paths and adds up what they bring, by the lights of ``light_index``.
+- ``panes`` is what clear panes do to light on its way.
 - ``scattered`` is the contract for what surfaces scatter back along rays, and its reference: the
   rest of a path.
 - ``paths`` is how that is asked for, whoever follows them.

@@ -47,7 +47,7 @@ class IncidentRadiance:
         self, built: Any, index: LightIndex, cells: Cells, points: Points, depth: int,
         arrival: Arrival | None = None,
     ) -> None:  # fmt: skip
-        self._built, self._points = built, points
+        self._built, self._index, self._points = built, index, points
         self._arrival: Arrival = arrival or TracedArrival(built, index, depth)
         self._light_samples = self._arrival.light_samples(cells.count)
         self._cells = CellArrays(cells)
@@ -128,7 +128,7 @@ class IncidentRadiance:
         cells = points.count * self._cells.shape.count
         sums = dr.zeros(mi.Float, 3 * cells * split[0])
         _, rival = _opaque(samples, split)
-        _sample_lights(self._built, self._cells, points, split, rival, seed, sums)
+        _sample_lights(self._built, self._index, self._cells, points, split, rival, seed, sums)
         planes = _summed(sums, split[0])
         task = dr.arange(mi.UInt32, cells)
         stride = dr.opaque(mi.UInt32, cells)
@@ -151,6 +151,7 @@ def _summed(values: Any, count: int) -> Any:
 @dr.syntax
 def _sample_lights(
     built: Any,
+    index: LightIndex,
     cells: CellArrays,
     points: PointArrays,
     split: tuple[int, int],
@@ -164,6 +165,7 @@ def _sample_lights(
 
     Args:
         built: The Mitsuba scene.
+        index: Knows the panes.
         cells: How directions are divided.
         points: Where.
         split: Strands, parts of the light samples of a point, each a thread; and how many samples
@@ -188,6 +190,7 @@ def _sample_lights(
         size = cells.solid_angle(cell, inside)
         share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, rival / size))
         value = incident * share * weight / size
+        value *= index.through(at.spawn_ray_to(to.p), inside)
         for channel in range(3):
             place = (channel * planes + point) * cells.shape.count + cell
             dr.scatter_reduce(

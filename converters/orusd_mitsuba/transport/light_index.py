@@ -1,4 +1,4 @@
-"""Which light a contribution of a path comes from, by number.
+"""Which light a contribution of a path comes from, by number, and what lies on its way.
 
 Lamps come first, then openings, then whatever else there is. Light of the surroundings belongs to
 the opening through which it came in: of all rectangles that a path crosses outwards, the one that
@@ -17,6 +17,7 @@ import numpy as np
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.portals import Portal
+from orusd_mitsuba.transport.panes import Panes
 
 
 class LightIndex:
@@ -26,9 +27,16 @@ class LightIndex:
         sources: What `sources_of` found.
         built: The Mitsuba scene, its shapes in the order of the scene's patches.
         origin: (3,) the point of the world that is Mitsuba's origin.
+        panes: The clear panes that rays cross.
+
+    Attributes:
+        panes: See above; None where there are none.
     """
 
-    def __init__(self, sources: Sequence[Source], built: Any, origin: Array) -> None:
+    def __init__(
+        self, sources: Sequence[Source], built: Any, origin: Array, panes: Panes | None = None
+    ) -> None:
+        self.panes = panes
         self._sources = sources
         self._built = built
         self._origin = origin
@@ -60,6 +68,20 @@ class LightIndex:
             for light, source in enumerate(self._sources)
             if source.portal is not None
         ]
+
+    def through(self, ray: Any, active: Any, end: Any = dr.inf) -> Any:
+        """What comes along rays through the panes that they cross: a colour, 1 without panes."""
+        if self.panes is None:
+            return mi.Color3f(1.0)
+        return self.panes.through(ray, end, active)
+
+    def meet_panes(
+        self, ray: Any, end: Any, sampler: Any, active: Any, mirrors: Any
+    ) -> tuple[Any, Any, Any, Any]:
+        """Let rays go through panes or be mirrored by one; see `Panes.meet`."""
+        if self.panes is None:
+            return mi.Color3f(1.0), mi.Bool(False), ray, end
+        return self.panes.meet(ray, end, sampler, active, mirrors)  # type: ignore[no-any-return]
 
     def of_shape(self, shape: Any, active: Any) -> Any:
         """The light that a shape is part of."""

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any, Final
 
+import drjit as dr
+import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,7 +13,7 @@ from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.bands import Band, BandedIntegrator
 from orusd_mitsuba.transport.lattice import FirstDimensions
 from orusd_mitsuba.transport.light_index import LightIndex
-from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator
+from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator, Prefix
 from orusd_mitsuba.transport.paths import Paths, TracedPaths
 
 # Sets the seeds of pixels apart from those of paths.
@@ -48,6 +50,7 @@ class PathIntegrator(BandedIntegrator):
         first: Callable[[Any], Any] | None = None,
         paths: Paths | None = None,
     ) -> None:
+        self._built, self._index = built, index
         self._paths = paths or TracedPaths(built, index, depth)
         self._first = first
         self._lights = index.count if by_light else None
@@ -60,7 +63,11 @@ class PathIntegrator(BandedIntegrator):
         numbers = FirstDimensions(band.samples, band.paths, band.sampler(_SHIFT_SALT, pixels))
         ray = band.ray(numbers.pixel, sampler.next_2d())
         accumulator = PathAccumulator(band.paths, self._lights)
-        self._paths.follow(sampler, ray, accumulator, first=self._first, numbers=numbers)
+        self._paths.follow(
+            sampler, ray, accumulator, first=self._first, numbers=numbers, looks_through=True
+        )
+        if self._index.panes is not None:
+            self._in_panes(sampler, ray, accumulator)
         wanted = (
             [accumulator.kinds]
             if accumulator.lights is None
@@ -68,3 +75,12 @@ class PathIntegrator(BandedIntegrator):
         )
         means = np.concatenate([band.means(entries) for entries in wanted])
         return np.ascontiguousarray(np.moveaxis(means, 1, 3))
+
+    def _in_panes(self, sampler: Any, ray: Any, accumulator: PathAccumulator) -> None:
+        """What the camera sees mirrored in panes; each sample also looks straight through them."""
+        assert self._index.panes is not None
+        hit = self._built.ray_intersect_preliminary(ray)
+        end = dr.select(hit.is_valid(), hit.t, dr.inf)
+        weight, onto, found = self._index.panes.mirror(ray, end, sampler, mi.Bool(True))
+        before = Prefix(weight, mi.UInt32(1), mi.UInt32(self._index.elsewhere), counted=False)
+        self._paths.follow(sampler, onto, accumulator, active=found, prefix=before)

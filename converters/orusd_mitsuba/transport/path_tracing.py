@@ -81,8 +81,8 @@ class PathAccumulator:
 class Prefix:
     """What paths went through before the rays that `trace` is given.
 
-    The caller has counted what these rays meet straight, emission and sky, and what goes straight
-    on through the surfaces that they meet.
+    The caller has counted what these rays meet straight, emission and sky, what goes straight on
+    through the surfaces that they meet, and the panes on their way; or nothing of that.
 
     No dataclass: Dr.Jit would carry its arrays through loops.
 
@@ -90,11 +90,15 @@ class Prefix:
         throughput: What the paths carry, a colour.
         scatterings: How often they were scattered.
         crossed: The openings that they have crossed.
+        counted: Whether the caller has counted all that.
     """
 
-    def __init__(self, throughput: Any, scatterings: Any, crossed: Any) -> None:
+    def __init__(
+        self, throughput: Any, scatterings: Any, crossed: Any, *, counted: bool = True
+    ) -> None:
         self.throughput = throughput
         self.scatterings, self.crossed = scatterings, crossed
+        self.counted = counted
 
 
 @dr.syntax
@@ -110,6 +114,7 @@ def trace(
     begun: Any = None,
     numbers: Any = None,
     prefix: Any = None,
+    looks_through: bool = False,
 ) -> None:
     """Follow one path along each ray and add up what it brings.
 
@@ -128,7 +133,10 @@ def trace(
             the first segment meets is then weighted against these. None: it counts in full.
         numbers: `FirstDimensions` that the first surface draws by; None: the sampler's.
         prefix: `Prefix`, what the paths went through before; None: they begin with the rays.
+        looks_through: Whether the rays go straight through panes: the caller finds what these
+            mirror. Else chance decides.
     """
+    after = prefix is not None and prefix.counted
     context = mi.BSDFContext()
     ray = mi.Ray3f(ray)
     throughput = mi.Color3f(1.0)
@@ -147,14 +155,20 @@ def trace(
     while active:
         si = built.ray_intersect(ray, mi.RayFlags.All, segments == 0, active)
         hit = si.is_valid()
-        crossed = index.crossed(ray.o, ray.d, dr.select(hit, si.t, dr.inf), crossed)
+        end = dr.select(hit, si.t, dr.inf)
+        later = segments > start
+        passed, turned, onto, end = index.meet_panes(
+            ray, end, sampler, active & (later | (not after)), later | (not looks_through)
+        )
+        throughput *= passed
+        crossed = index.crossed(ray.o, ray.d, end, crossed)
         # 1. Light that the ray has met (BSDF sampling).
         emitter = si.emitter(built)
-        emits = active & (emitter != None)  # noqa: E711
+        emits = active & ~turned & (emitter != None)  # noqa: E711
         if dr.hint(first is not None, mode="scalar"):
             # What is received is wanted, not what the surface itself sends out.
             emits &= scatterings > 0
-        if dr.hint(prefix is not None, mode="scalar"):
+        if dr.hint(after, mode="scalar"):
             emits &= segments > start
         ds = mi.DirectionSample3f(built, si, before)
         other = dr.select(certain, 0.0, built.pdf_emitter_direction(before, ds, emits & ~certain))
@@ -162,7 +176,8 @@ def trace(
         light = dr.select(hit, index.of_shape(si.shape, emits & hit), crossed)
         accumulator.add(met, light, scatterings, emits)
         # 2. Light that is looked for (next event estimation).
-        onwards = active & hit & (segments + 1 < depth)
+        further = active & (segments + 1 < depth)
+        onwards = further & hit & ~turned
         bsdf = si.bsdf()
         if dr.hint(first is not None, mode="scalar"):
             bsdf = dr.select(scatterings == 0, first(si), bsdf)
@@ -174,12 +189,14 @@ def trace(
             turning = dr.select(segments == 0, numbers.direction, turning)
         to, incident = built.sample_emitter_direction(si, looking, True, rough)
         smooth = rough & (to.pdf != 0.0)
+        incident *= index.through(si.spawn_ray_to(to.p), smooth)
         value, pdf, sample, weight = bsdf.eval_pdf_sample(
             context, si, si.to_local(to.d), lobe, turning, onwards
         )
         null = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
-        certain = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta) | null
-        onto, density = si.to_world(sample.wo), sample.pdf
+        null &= ~turned
+        certain = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta) | null | turned
+        density = dr.select(turned, 1.0, sample.pdf)
         infinite = mi.has_flag(to.emitter.flags(), mi.EmitterFlags.Infinite)
         shape = to.emitter.get_shape()
         share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, pdf))
@@ -188,8 +205,8 @@ def trace(
         found = throughput * value * incident * share
         accumulator.add(found, dr.select(infinite, sky, lamp), scatterings + 1, smooth)
         # 3. Onwards.
-        ray = si.spawn_ray(onto)
-        throughput *= weight
+        ray = dr.select(turned, onto, si.spawn_ray(si.to_world(sample.wo)))
+        throughput *= dr.select(turned, 1.0, weight)
         before = si
         scatterings = dr.select(null, scatterings, scatterings + 1)
         segments += 1
@@ -198,8 +215,8 @@ def trace(
         roulette = segments >= _ROULETTE_FROM_SEGMENT
         kept = ~roulette | (sampler.next_1d() < survival)
         throughput[roulette] /= survival
-        active = onwards & kept & (strongest > 0.0)
-        if dr.hint(prefix is not None, mode="scalar"):
+        active = (onwards | (further & turned)) & kept & (strongest > 0.0)
+        if dr.hint(after, mode="scalar"):
             active &= ~null | (segments > start + 1)
 
 

@@ -20,6 +20,7 @@ class Paths(Protocol):
         begun: Any = None,
         numbers: Any = None,
         prefix: Any = None,
+        looks_through: bool = False,
     ) -> None:
         """Follow one path along each ray and add up what it brings.
 
@@ -32,6 +33,7 @@ class Paths(Protocol):
             begun: Where the caller samples lights from the rays' origins too.
             numbers: What the first surface draws by.
             prefix: What the paths went through before.
+            looks_through: Whether the rays go straight through panes.
         """
         ...
 
@@ -59,9 +61,10 @@ class TracedPaths:
         begun: Any = None,
         numbers: Any = None,
         prefix: Any = None,
+        looks_through: bool = False,
     ) -> None:
         """See `Paths`."""
         trace(
             self._built, self._index, sampler, ray, accumulator, self._depth, first, active, begun,
-            numbers, prefix,
+            numbers, prefix, looks_through,
         )  # fmt: skip

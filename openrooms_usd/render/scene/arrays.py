@@ -73,6 +73,18 @@ class Patch:
 
 
 @dataclass(frozen=True, eq=False)
+class Pane(Patch):
+    """Triangles of thin clear panes, whose `Surface.pane` says what they let through.
+
+    Attributes:
+        is_sheet: Whether each triangle is a pane, seen from either side. Else they bound solids,
+            and a ray meets the pane where it goes in.
+    """
+
+    is_sheet: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Environment:
     """The surroundings at infinity.
 
@@ -125,6 +137,8 @@ class Scene:
         owners: Prims by path with the surface that they gave: materials, and meshes without one.
         report: What became of every prim.
         folder: Where the stage's file lies, for what is kept beside it; None where it has none.
+        panes: Clear panes, which are no patches: geometry and labels look through them, and light
+            goes straight on, less what they mirror and hold back.
     """
 
     patches: tuple[Patch, ...]
@@ -136,19 +150,23 @@ class Scene:
     owners: tuple[tuple[str, Surface], ...] = ()
     report: Report = field(default_factory=Report)
     folder: Path | None = None
+    panes: tuple[Pane, ...] = ()
 
     def placed(self, triangles: Sequence[Triangles]) -> "Scene":
-        """The same with the triangles of its patches elsewhere; the origin stays.
+        """The same with the triangles of its patches and panes elsewhere; the origin stays.
 
         Args:
-            triangles: Of each patch; those that are the patch's own leave it the same object.
+            triangles: Of each patch, then of each pane; those that are its own leave it the same
+                object.
         """
-        pairs = zip(self.patches, triangles, strict=True)
-        patches = tuple(
+        pairs = zip((*self.patches, *self.panes), triangles, strict=True)
+        every = [
             patch if patch.triangles is own else replace(patch, triangles=own)
             for patch, own in pairs
-        )
-        found = replace(self, patches=patches)
+        ]
+        count = len(self.patches)
+        panes = tuple(pane for pane in every[count:] if isinstance(pane, Pane))
+        found = replace(self, patches=tuple(every[:count]), panes=panes)
         # The property is cached: what others hold relative to the origin stays true.
         found.__dict__["origin"] = self.origin
         return found

@@ -29,7 +29,14 @@ def light_digest(scene: Scene, *settings: Any) -> str:
     Raises:
         TypeError: A setting is no plain data.
     """
-    lit = (scene.patches, scene.environment, scene.suns, scene.portals, sources_of(scene))
+    lit = (
+        scene.patches,
+        scene.panes,
+        scene.environment,
+        scene.suns,
+        scene.portals,
+        sources_of(scene),
+    )
     return _digest((lit, settings), {}).hex()
 
 

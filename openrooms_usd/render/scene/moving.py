@@ -49,13 +49,14 @@ class MovingScene:
         self._motions |= {path: np.array(motions[path]) for path in changed}
         moved_by = [self._nearest(path) for path in self._parts]
         touched = np.array([path in changed for path in moved_by])
-        pairs = zip(self._rest.patches, self.scene.patches, strict=True)
+        rest, now = ((*scene.patches, *scene.panes) for scene in (self._rest, self.scene))
+        pairs = zip(rest, now, strict=True)
         self.scene = self.scene.placed(
             [
-                self._placed(rest.triangles, moved_by)
-                if touched[rest.triangles.pieces].any()
-                else now.triangles
-                for rest, now in pairs
+                self._placed(before.triangles, moved_by)
+                if touched[before.triangles.pieces].any()
+                else after.triangles
+                for before, after in pairs
             ]
         )
         return bool(touched.any())

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -52,6 +52,8 @@ class Surface:
             hue of the base colour; with the base colour at most 1.
         f0: Reflectance at normal incidence of OpenRooms' model, which it then is of; None where it
             is a UsdPreviewSurface.
+        pane: What the glass of a thin clear pane lets through at normal incidence, by primary; it
+            then has no matter but that and ``ior``. None where it is none.
         losses: What could not be kept, in words.
     """
 
@@ -68,6 +70,7 @@ class Surface:
     uv: Array = field(default_factory=lambda: np.eye(3))
     transmission: float = 0.0
     f0: float | None = None
+    pane: tuple[float, float, float] | None = None
     losses: tuple[str, ...] = ()
 
     @property
@@ -103,6 +106,9 @@ class SurfaceReader:
         return self._surfaces[preview]
 
     def _read(self, preview: PreviewSurface) -> Surface:
+        if preview.pane is not None:
+            # Its opacity stands in for it where panes are not known.
+            preview = replace(preview, opacity=1.0)
         primvar, uv = _common_mapping(preview)
         emission = self._value(preview, "emissive", uv)
         textured_normal = isinstance(preview.normal, Texture)
@@ -125,6 +131,7 @@ class SurfaceReader:
             **values,
             ior=ior,
             f0=preview.f0,
+            pane=preview.pane,
             clearcoat=_constant(preview.clearcoat, 0.0),
             clearcoat_roughness=_constant(preview.clearcoat_roughness, 0.01),
             primvar=primvar,

@@ -12,7 +12,15 @@ from pxr import Usd, UsdGeom, UsdShade
 from openrooms_usd.convert import Report
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene import lamps
-from openrooms_usd.render.scene.arrays import Environment, Floats, Patch, Scene, Sun, Triangles
+from openrooms_usd.render.scene.arrays import (
+    Environment,
+    Floats,
+    Pane,
+    Patch,
+    Scene,
+    Sun,
+    Triangles,
+)
 from openrooms_usd.render.scene.labels import Labels, material_path
 from openrooms_usd.render.scene.pictures import Array, Value
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
@@ -73,6 +81,7 @@ class _Group:
 
     surface: Surface
     radiance: Value | None
+    is_sheet: bool
     parts: list[Triangles] = field(default_factory=list)
 
 
@@ -86,7 +95,7 @@ class _Translation:
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[str, Surface] = {}
         self._owners: list[tuple[str, Surface]] = []
-        self._groups: dict[tuple[int, str], _Group] = {}
+        self._groups: dict[tuple[int, str, bool], _Group] = {}
         self._emitting: dict[str, Array] = {}
         self._environment: Environment | None = None
         self._suns: list[Sun] = []
@@ -94,11 +103,17 @@ class _Translation:
 
     def scene(self, folder: Path | None) -> Scene:
         numbers = count(1)
+        groups = [(group, Triangles.joined(group.parts)) for group in self._groups.values()]
         patches = tuple(
-            Patch(f"patch_{next(numbers)}", Triangles.joined(group.parts), group.surface,
-                  group.radiance)
-            for group in self._groups.values()
-        )  # fmt: skip
+            Patch(f"patch_{next(numbers)}", triangles, group.surface, group.radiance)
+            for group, triangles in groups
+            if group.surface.pane is None
+        )
+        panes = tuple(
+            Pane(f"pane_{number}", triangles, group.surface, is_sheet=group.is_sheet)
+            for number, (group, triangles) in enumerate(groups)
+            if group.surface.pane is not None
+        )
         return Scene(
             patches,
             tuple(self._labels.pieces),
@@ -109,6 +124,7 @@ class _Translation:
             tuple(self._owners),
             self.report,
             folder,
+            panes,
         )
 
     # Light.
@@ -167,6 +183,9 @@ class _Translation:
         for rows, material in parts:
             surface = self._surface(mesh, material, losses)
             radiance: Value | None = light if light is not None else surface.emission  # type: ignore[assignment]
+            if surface.pane is not None and radiance is not None:
+                radiance = None
+                losses.append("a clear pane emits nothing")
             if radiance is not None and mesh.double_sided:
                 losses.append("it emits from its front side only")
             st = _texture_coordinates(mesh, surface, losses)
@@ -179,14 +198,17 @@ class _Translation:
             )  # fmt: skip
             if mesh.mirrored:
                 triangles = lamps.flipped(triangles)
-            self._group(mesh.path, surface, radiance).parts.append(triangles)
+            sheet = surface.pane is not None and mesh.double_sided
+            self._group(mesh.path, surface, radiance, sheet).parts.append(triangles)
         if losses or whole:
             self._say(mesh.path, losses)
 
-    def _group(self, path: str, surface: Surface, radiance: Value | None) -> _Group:
+    def _group(
+        self, path: str, surface: Surface, radiance: Value | None, is_sheet: bool = False
+    ) -> _Group:
         # What emits is a shape of its own, so that it is sampled as one light.
-        key = id(surface), "" if radiance is None else path
-        return self._groups.setdefault(key, _Group(surface, radiance))
+        key = id(surface), "" if radiance is None else path, is_sheet
+        return self._groups.setdefault(key, _Group(surface, radiance, is_sheet))
 
     def _surface(
         self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
