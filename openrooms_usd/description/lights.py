@@ -12,6 +12,7 @@ from openrooms_usd.description.model import (
     Model,
     Number,
     Switch,
+    Whole,
     by_source,
     peek,
 )
@@ -21,6 +22,9 @@ from openrooms_usd.description.units import Angle
 Positive = Annotated[Number, Field(gt=0, le=1e9)]
 Radiance = Annotated[Number, Field(ge=0, le=1e9)]
 Reflectance = Annotated[Number, Field(ge=0, le=1)]
+Scene = Literal["street", "garden", "hills", "city", "courtyard"]
+Storey = Annotated[Whole, Field(ge=0, le=60)]
+Seed = Annotated[Whole, Field(ge=0, lt=2**63)]
 
 
 class ConstantEnvironment(Model):
@@ -56,7 +60,7 @@ class FileEnvironment(CheckedModel):
 
 
 class SkyEnvironment(Model):
-    """Sun and sky of a place at a moment."""
+    """Sun and sky of a place at a moment, over bare land."""
 
     source: Literal["sky"] = Field(default="sky", alias="from")
     latitude: Number = Field(ge=-90, le=90)
@@ -88,11 +92,37 @@ class SkyEnvironment(Model):
         return local.replace(tzinfo=zone(self.utc_offset, self.longitude))
 
 
+class OutsideEnvironment(SkyEnvironment):
+    """Houses, gardens, trees and hills under the sky of a place at a moment."""
+
+    source: Literal["outside"] = Field(default="outside", alias="from")  # type: ignore[assignment]
+    latitude: Number = Field(default=50.0, ge=-90, le=90)
+    """Degrees, positive northwards."""
+    longitude: Number = Field(default=10.0, ge=-180, le=180)
+    """Degrees, positive eastwards."""
+    date: Day = "2026-06-21"
+    """Year, month and day on that place's calendar."""
+    time: ClockTime = "14:00"
+    """What clocks show."""
+    scene: Scene
+    """What lies before the windows."""
+    storey: Storey = 0
+    """In which storey the room is; 0 is level with the land."""
+    facing: Angle = 90.0
+    """Where the front of the house looks, on which the street or the garden lies:
+    counter-clockwise from +X, seen from above."""
+    clouds: Reflectance = 0.3
+    """The part of the sky that clouds cover."""
+    seed: Seed | None = None
+    """Draws what stands there and the clouds; by default the room's seed."""
+
+
 Environment = Annotated[
     Annotated[ConstantEnvironment, Tag("constant")]
     | Annotated[FileEnvironment, Tag("file")]
-    | Annotated[SkyEnvironment, Tag("sky")],
-    by_source("constant", file="file", latitude="sky"),
+    | Annotated[SkyEnvironment, Tag("sky")]
+    | Annotated[OutsideEnvironment, Tag("outside")],
+    by_source("constant", file="file", scene="outside", latitude="sky"),
 ]
 
 

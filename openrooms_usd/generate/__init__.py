@@ -3,9 +3,9 @@
 - `boxes`, `polygons`, `shell`, `openings`, `finishing`: the empty room; `sizes`, `shapes`, `items`,
   `kit`: what may stand in it; `groups`, `programs`: what belongs together, and what rooms want;
 - `standing`, `floor`, `placement`, `walls`, `backsplashes`: where it stands, hangs; `rooms`: all;
-- `moments`, `lighting`: when it is seen, and which lamps are on; `clutter`: what lies about;
-- `describing` (`finishlooks`), `writing`, `folders`: as text; `expansion`: inside a description;
-  `statistics`.
+- `outside`, `moments`, `lighting`: where it lies, when it is seen, and which lamps are on;
+- `clutter`: what lies about; `describing` (`finishlooks`), `writing`, `folders`: as text;
+  `expansion`: inside a description; `statistics`.
 """
 
 from openrooms_usd.generate.expansion import expanded

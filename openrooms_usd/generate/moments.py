@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd.draws import generator
+from openrooms_usd.generate.outside import place
 from openrooms_usd.generate.rooms import Generated
 from openrooms_usd.library.assignment.weights import drawn
 from openrooms_usd.library.solar import sun_position
@@ -78,14 +79,15 @@ def environment(room: Generated) -> dict[str, Any]:
     latitude = round(float(rng.uniform(*_LATITUDE_DEG)) * (-1.0 if south else 1.0), 1)
     longitude = round(float(rng.uniform(*_LONGITUDE_DEG)), 1)
     local = _when(rng, latitude, longitude, moment.elevation)
-    azimuth = sun_position(local, latitude, longitude).azimuth
+    sun = sun_position(local, latitude, longitude)
     found: dict[str, Any] = {
-        "from": "sky",
+        "from": "outside",
+        **place(room, sun.elevation if moment.shines_in else None),
         "latitude": latitude,
         "longitude": longitude,
         "date": local.date().isoformat(),
         "time": f"{local:%H:%M}",
-        "north": round(_north(rng, room, azimuth, moment.shines_in)),
+        "north": round(_north(rng, room, sun.azimuth, moment.shines_in)),
         "turbidity": round(float(rng.uniform(*moment.turbidity)), 1),
     }
     return found | ({"overcast": True} if moment.overcast else {})

@@ -4,7 +4,8 @@
   `small_finishes`);
 - styles of rooms: `interiors`, `ensembles`, `shellstyles`; their lamps: `lamplight`;
 - materials: `textures`, `assignment`, `friction`, `ownmaterials`;
-- surroundings: `solar`, `sunlight`, `skylight`, `sky`, `panorama`, `environments`, `pictures`;
+- surroundings: `solar`, `sunlight`, `skylight`, `sky`, `outside`, `panorama`, `environments`,
+  `pictures`;
 - models of others: `pieces`, `wavefront`, `gltf`, `usdfile`, `urdf` (with
   `urdftree`, `plainxml`), `posture` (their up axis and unit), `meshfile`, `cads`.
 """

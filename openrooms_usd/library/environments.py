@@ -56,9 +56,9 @@ _EYE_HEIGHT_M: Final = 1.6
 _TREE_DISTANCE_M: Final = 35.0
 
 
-def directions(height: int) -> Array:
-    """(H, 2 H, 3) unit vectors, Z up, through the middle of each pixel."""
-    latitude = math.pi * (0.5 - (np.arange(height) + 0.5) / height)
+def directions(height: int, rows: slice = slice(None)) -> Array:
+    """(H, 2 H, 3) unit vectors, Z up, through the middle of each pixel of all or some rows."""
+    latitude = math.pi * (0.5 - (np.arange(height)[rows] + 0.5) / height)
     longitude = math.pi * (1.0 - 2.0 * (np.arange(2 * height) + 0.5) / (2 * height))
     phi, lam = np.meshgrid(latitude, longitude, indexing="ij")
     return np.stack([np.cos(phi) * np.sin(lam), -np.cos(phi) * np.cos(lam), np.sin(phi)], axis=-1)

@@ -93,8 +93,13 @@ def sun_disk(height: int, sun: Array, radius: float) -> Array:
         radius: Degrees; a disk that is smaller than a pixel becomes as wide as one.
     """
     texel = math.pi / height
-    away = 2.0 * np.arcsin(np.linalg.norm(directions(height) - sun, axis=-1) / 2.0)
-    disk = np.clip((max(math.radians(radius), texel / 2.0) - away) / texel + 0.5, 0.0, 1.0)
+    reach = max(math.radians(radius), texel / 2.0)
+    middle = (0.5 - math.asin(float(sun[2])) / math.pi) * height
+    half = reach / texel + 2.0
+    rows = slice(max(0, math.floor(middle - half)), min(height, math.ceil(middle + half)))
+    away = 2.0 * np.arcsin(np.linalg.norm(directions(height, rows) - sun, axis=-1) / 2.0)
+    disk = np.zeros((height, 2 * height))
+    disk[rows] = np.clip((reach - away) / texel + 0.5, 0.0, 1.0)
     disk /= float(solid_angles(height) @ disk.sum(axis=1))
     disk[height // 2 :] = 0.0
     return np.asarray(disk)

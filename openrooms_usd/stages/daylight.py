@@ -1,4 +1,4 @@
-"""Daylight of the lights stage: the sky of a moment, and the portals through which it comes in."""
+"""Daylight of the lights stage: sky and land of a moment, and the portals where it comes in."""
 
 import hashlib
 from typing import Final
@@ -9,8 +9,9 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.description.lights import SkyEnvironment
+from openrooms_usd.description.lights import OutsideEnvironment, SkyEnvironment
 from openrooms_usd.library.environments import horizontal_illuminance
+from openrooms_usd.library.outside import outside_panorama
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sky import Air, daylight
 from openrooms_usd.library.solar import sun_position
@@ -27,24 +28,41 @@ _PORTAL_AXES: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.
 
 
 def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
-    """Write a dome with sun and sky in nits; its file is named by all that determines it.
+    """Write a dome with sun, sky and land in nits; its file is named by all that determines it.
 
     Raises:
         OutputError: The panorama cannot be written.
     """
+    seed = context.room.seed
     key = f"{code_digest(__name__)} {environment.model_dump_json()}"
-    file = f"sky_{hashlib.sha256(key.encode()).hexdigest()[:8]}.exr"
+    if isinstance(environment, OutsideEnvironment):
+        seed = seed if environment.seed is None else environment.seed
+        key = f"{key} {seed}"
+    kind = "outside" if isinstance(environment, OutsideEnvironment) else "sky"
+    file = f"{kind}_{hashlib.sha256(key.encode()).hexdigest()[:8]}.exr"
     target = context.keep(file)
     if not target.is_file():
         # 32 bits: the sun is too bright for 16.
-        write_exr(target, _sky(environment))
+        write_exr(target, _nits(environment, seed))
     dome = define_dome(context.stage, names.ENVIRONMENT, texture=context.asset(file))
     dome.GetPrim().SetAssetInfoByKey(names.LICENCE_KEY, names.LICENCE)
 
 
-def _sky(environment: SkyEnvironment) -> NDArray[np.float32]:
+def _nits(environment: SkyEnvironment, seed: int) -> NDArray[np.float32]:
     position = sun_position(environment.moment, environment.latitude, environment.longitude)
     air = Air(environment.turbidity, environment.ground, environment.overcast)
+    if isinstance(environment, OutsideEnvironment):
+        return outside_panorama(
+            position,
+            air,
+            scene=environment.scene,
+            seed=seed,
+            storey=environment.storey,
+            clouds=environment.clouds,
+            north=environment.north,
+            facing=environment.facing,
+            illuminance=environment.illuminance,
+        )
     nits = daylight(position, air, north=environment.north)
     if environment.illuminance is None:
         return nits

@@ -6,7 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from openrooms_usd.description.lights import SkyEnvironment
+from openrooms_usd.description.lights import OutsideEnvironment
 from openrooms_usd.generate import moments
 from openrooms_usd.generate.lighting import lamps
 from openrooms_usd.generate.moments import MOMENTS, environment, moment_of
@@ -27,7 +27,7 @@ def test_the_sun_stands_as_the_moment_says(name: str, monkeypatch: pytest.Monkey
     low, high = MOMENTS[name].elevation
     for seed in range(8):
         room = empty("living_room", seed)
-        sky = SkyEnvironment.model_validate(environment(room))
+        sky = OutsideEnvironment.model_validate(environment(room))
         sun = sun_position(sky.moment, sky.latitude, sky.longitude)
         assert low <= sun.elevation <= high
         assert sky.overcast == MOMENTS[name].overcast

@@ -1,0 +1,141 @@
+"""Sun and sky of a moment as what lights the land: irradiance of any face, radiance of any way."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.library.environments import directions
+from openrooms_usd.library.outside.clouds import clouded
+from openrooms_usd.library.outside.noise import Floats
+from openrooms_usd.library.sky import Air, solid_angles, sun_direction, sun_disk
+from openrooms_usd.library.skylight import clear_sky, overcast_sky
+from openrooms_usd.library.solar import SunPosition
+from openrooms_usd.library.sunlight import SUN_RADIUS, direct_normal
+
+# Rows of the sky as the model gives it, and of what lights faces.
+_SKY_ROWS, _LIGHT_ROWS = 360, 60
+# Of the light on level ground, what the land sends back upwards: part of it lies in shadow.
+_LAND_SHARE: Final = 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class Daylight:
+    """The light of a moment.
+
+    Attributes:
+        sky: (H, 4 H, 3) nits above the horizon, clouds included, without the sun.
+        disk: (H, 4 H, 3) nits of the sun, on the same pixels.
+        sun: (3,) unit vector towards it.
+        beam: (3,) lux of each primary on what faces it; 0 under clouds and below the horizon.
+        ground: (3,) reflectance of the land.
+    """
+
+    sky: Floats
+    disk: Floats
+    sun: Floats
+    beam: Floats
+    ground: Floats
+
+    @cached_property
+    def level(self) -> Floats:
+        """(3,) lux of each primary on level ground under the open sky."""
+        direct = self.beam * max(0.0, float(self.sun[2]))
+        return np.asarray(self._gathered(np.array([0.0, 0.0, 1.0])) + direct, dtype=np.float32)
+
+    @cached_property
+    def land(self) -> Floats:
+        """(3,) nits of the land, on the whole."""
+        return np.asarray(self.ground * self.level * _LAND_SHARE / math.pi, dtype=np.float32)
+
+    @cached_property
+    def haze(self) -> Floats:
+        """(3,) nits of the air before things that are very far."""
+        rows = max(1, len(self.sky) // 30)
+        return np.asarray(np.median(self.sky[-rows:], axis=(0, 1)), dtype=np.float32)
+
+    def ambient(self, normal: Floats) -> Floats:
+        """(3,) lux of each primary from sky and land on a face, without the sun."""
+        below = 0.5 * (1.0 - float(normal[2])) * math.pi * self.land
+        return np.asarray(self._gathered(normal) + below, dtype=np.float32)
+
+    def seen(self, x: Floats, y: Floats, z: Floats) -> Floats:
+        """(..., 3) nits of sky or land along horizontal ways (x, y) of length 1 that rise by z."""
+        rows, columns = self._coarse.shape[:2]
+        column = (0.5 - np.arctan2(x, -y) / (2.0 * np.pi)) * columns
+        row = (0.5 - np.arctan(z) / np.pi) * 2.0 * rows
+        column, row = np.broadcast_arrays(column, row)
+        found = self._coarse[
+            np.clip(row.astype(np.int32), 0, rows - 1), column.astype(np.int32) % columns
+        ]
+        return np.where((row < rows)[..., None], found, self.land)
+
+    @cached_property
+    def _coarse(self) -> Floats:
+        k = max(1, len(self.sky) // _LIGHT_ROWS)
+        height, width = len(self.sky) // k, self.sky.shape[1] // k
+        cut = self.sky[: height * k, : width * k]
+        return np.asarray(cut.reshape(height, k, width, k, 3).mean(axis=(1, 3)))
+
+    def _gathered(self, normal: Floats) -> Floats:
+        weights = np.clip(self._ways @ normal, 0.0, None)
+        return np.asarray(np.einsum("hw,hwc->c", weights, self._coarse))
+
+    @cached_property
+    def _ways(self) -> Floats:
+        """(H, W, 3) unit vectors to the coarse pixels, times their solid angles."""
+        half = len(self._coarse)
+        angles = solid_angles(2 * half)[:half, None, None]
+        return np.asarray(directions(2 * half, slice(half)) * angles, dtype=np.float32)
+
+
+def daylight_of(
+    rng: np.random.Generator,
+    position: SunPosition,
+    air: Air,
+    *,
+    north: float,
+    clouds: float,
+    height: int,
+) -> Daylight:
+    """The light of a moment, with clouds.
+
+    Args:
+        rng: Draws the clouds.
+        position: Where the sun stands.
+        air: The weather and the ground.
+        north: Degrees from +Y to north, counter-clockwise seen from above.
+        clouds: The part of the sky that they cover, 0 to 1; nothing under a closed cover.
+        height: Rows of the whole panorama, a multiple of four.
+    """
+    sun, ground = sun_direction(position, north), np.array(air.ground)
+    rows = min(_SKY_ROWS, height)
+    way = directions(rows)
+    if air.overcast:
+        sky, beam = overcast_sky(way, position.elevation), np.zeros(3)
+    else:
+        sky = clear_sky(way, sun, position.elevation, air.turbidity, ground)
+        beam = direct_normal(position.apparent, air.turbidity, position.distance)
+        beam *= float(sun[2] > 0.0)
+    disk = sun_disk(height, sun, SUN_RADIUS / position.distance)[: height // 2, :, None] * beam
+    seen = _enlarged(sky[: rows // 2].astype(np.float32), height // 4, height)
+    if clouds and not air.overcast:
+        half = directions(height // 2, slice(height // 4)).astype(np.float32)
+        seen = clouded(rng, half, seen, sun, beam, clouds)
+    seen = _enlarged(seen, height // 2, 2 * height)
+    return Daylight(*(np.asarray(row, dtype=np.float32) for row in (seen, disk, sun, beam, ground)))
+
+
+def _enlarged(pixels: Floats, height: int, width: int) -> Floats:
+    """(height, width, 3) pixels between the nearest ones; columns go around, rows end."""
+    rows = (np.arange(height, dtype=np.float32) + 0.5) / height * len(pixels) - 0.5
+    columns = (np.arange(width, dtype=np.float32) + 0.5) / width * pixels.shape[1] - 0.5
+    top, left = np.floor(rows).astype(np.int32), np.floor(columns).astype(np.int32)
+    down, across = (rows - top)[:, None, None], (columns - left)[None, :, None]
+    last = len(pixels) - 1
+    tall = pixels[np.clip(top, 0, last)] * (1.0 - down) + pixels[np.clip(top + 1, 0, last)] * down
+    first, second = left % pixels.shape[1], (left + 1) % pixels.shape[1]
+    wide = tall[:, first] * (1.0 - across) + tall[:, second] * across
+    return np.asarray(wide, dtype=np.float32)
