@@ -68,7 +68,7 @@ class Catalogue:
             raise InputError(f"no {name} has the style {style!r}", remedy=f"known: {known}")
         draws = ("alignment", "details", name, repr(size), style)
         rng = partial(self.context.rng, *draws)
-        key = (name, *size, style, self.context.room.seed, *draws)
+        key: tuple[Any, ...] = (name, *size, style, self.context.room.seed, *draws)
         key = key if order == NOTHING_ORDERED else (*key, repr(order))
         code = (*_MAKERS, module_of(name))
         return self._asset(

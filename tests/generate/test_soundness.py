@@ -72,6 +72,13 @@ def test_generated_rooms_are_sound(room_type: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", range(200, 220))
+@pytest.mark.parametrize("room_type", ["bathroom", "kitchen"])
+def test_what_is_built_in_is_sound(room_type: str, seed: int, tmp_path: Path) -> None:
+    assert found(write(generate(room_type, seed)), tmp_path) == []
+
+
+@pytest.mark.slow
 def test_a_plain_room_is_sound(tmp_path: Path) -> None:
     assert found(PLAIN.format(**GOOD), tmp_path) == []
 

@@ -44,7 +44,7 @@ from openrooms_usd.library.furniture.joinery import (
 )
 
 # Thickness of the rim that lies on a worktop, metres.
-RIM: Final = 0.002
+RIM: Final = 0.004
 
 
 def _rim(height: float, least: float, most: float) -> float:
