@@ -49,18 +49,6 @@ OTHERS: Final[dict[str, Category]] = {
         fixed=True,
         makes=(makes.row("slat", makes.filled(400), "common"),),
     ),
-    "book": _other(
-        makes=(makes.row(ANY, makes.filled(700), "common"),),
-    ),
-    "books": _other(
-        support="surface",
-        makes=(makes.row(ANY, makes.filled(700), "common"),),
-    ),
-    "can": _other(
-        classes=Classes("can", "otherprop"),
-        synsets=("02946921",),
-        makes=(makes.row(ANY, makes.walls(0.2), "sheet"),),
-    ),
     "cap": _other(
         classes=Classes("cap", "otherprop"),
         synsets=("02954340",),
@@ -110,9 +98,6 @@ OTHERS: Final[dict[str, Category]] = {
         classes=Classes(UNLABELED, "otherstructure"),
         schemes=(Scheme({ANY: "white", "threshold": "wood"}),),
     ),
-    "paper": _other(
-        makes=(makes.row(ANY, makes.filled(700), "common"),),
-    ),
     "pendant_lamp": _other(
         support="ceiling",
     ),
@@ -139,9 +124,6 @@ OTHERS: Final[dict[str, Category]] = {
     "storage": _other(
         classes=Classes("cabinet", "cabinet"),
         makes=makes.STORAGE,
-    ),
-    "towel": _other(
-        makes=(makes.row(ANY, makes.filled(150), "common"),),
     ),
     "wainscot": _other(fixed=True, classes=Classes("wall", "wall")),
     "wall": _other(

@@ -63,4 +63,53 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
         "wood", colors=((0.78, 0.77, 0.74), (0.04, 0.04, 0.05)), roughness=(0.35, 0.55),
         choices=2,
     ),
+    "terry": Finish(
+        "fabric", {"waffle_weave": 1, "boucle": 1},
+        colors=((0.74, 0.73, 0.7), (0.42, 0.45, 0.46), (0.5, 0.42, 0.33), (0.2, 0.28, 0.33),
+                (0.42, 0.3, 0.27)),
+        roughness=(0.85, 0.95), choices=2,
+    ),
+    "dish_linen": Finish(
+        "fabric", {"ticking": 2, "waffle_weave": 2, "linen": 2, "tartan": 1}, choices=3,
+    ),
+    "table_linen": Finish(
+        "fabric", {"linen": 1}, colors=((0.7, 0.68, 0.63), (0.33, 0.36, 0.33), (0.25, 0.28, 0.34)),
+    ),
+    "soap": Finish(
+        "plastic", colors=((0.74, 0.7, 0.58), (0.7, 0.66, 0.66), (0.5, 0.58, 0.5)),
+        roughness=(0.35, 0.5), choices=2,
+    ),
+    "sponge": Finish(
+        "rubber", {"sponge": 1}, colors=((0.68, 0.5, 0.06), (0.66, 0.22, 0.3)), choices=2,
+    ),
+    "scourer": Finish("fabric", {"felt": 1}, colors=((0.05, 0.2, 0.06),), roughness=(0.85, 0.95)),
+    "toy_plastic": Finish(
+        "plastic", colors=((0.6, 0.05, 0.03), (0.02, 0.14, 0.5), (0.68, 0.44, 0.02),
+                           (0.03, 0.32, 0.09), (0.64, 0.2, 0.02), (0.66, 0.65, 0.62),
+                           (0.35, 0.1, 0.4)),
+        roughness=(0.2, 0.35), choices=14, each=True,
+    ),
+    "tissue": Finish("fabric", colors=((0.8, 0.8, 0.79),), roughness=(0.9, 1.0)),
+    "wax": Finish(
+        "plastic", colors=((0.76, 0.71, 0.6), (0.74, 0.73, 0.7), (0.4, 0.09, 0.07)),
+        roughness=(0.35, 0.5), choices=2, transmission=0.05,
+    ),
+    "can_metal": Finish(
+        "metal", {"polished_metal": 1}, colors=((0.62, 0.62, 0.61),), roughness=(0.15, 0.25),
+    ),
+    "newsprint": Finish("wood", colors=((0.56, 0.54, 0.49),), roughness=(0.85, 0.95)),
+    "envelope": Finish(
+        "wood", colors=((0.76, 0.76, 0.74), (0.76, 0.76, 0.74), (0.5, 0.37, 0.22)),
+        roughness=(0.7, 0.85), choices=4, each=True,
+    ),
+    "eraser": Finish("rubber", colors=((0.62, 0.28, 0.27), (0.7, 0.69, 0.67)), choices=2,
+                     roughness=(0.7, 0.85)),
+    "pad_cloth": Finish(
+        "fabric", {"felt": 2, "canvas": 1}, colors=((0.03, 0.03, 0.032), (0.2, 0.2, 0.205),
+                                                    (0.07, 0.1, 0.14)),
+    ),
+    "phone_back": Finish(
+        "specular_stone", colors=((0.55, 0.56, 0.58), (0.08, 0.1, 0.14), (0.6, 0.5, 0.46)),
+        roughness=(0.1, 0.3), choices=2,
+    ),
 }  # fmt: skip

@@ -1,0 +1,94 @@
+"""Throws: blankets folded on a sofa or bed, and laid over an edge."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
+from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.geometry.cloth import ripples
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style
+from openrooms_usd.library.furniture.linens import between, folded_pile, over_bar
+from openrooms_usd.library.furniture.lying import Lies
+
+
+def folded(size: Size, rng: np.random.Generator) -> Parts:
+    """A blanket folded into a packet."""
+    return {"blanket": folded_pile(size, 4, rng)}
+
+
+def draped(size: Size, rng: np.random.Generator) -> Parts:
+    """A blanket over the arm or the back of something."""
+    return {"blanket": over_bar(size, rng)}
+
+
+def spread(size: Size, rng: np.random.Generator) -> Parts:
+    """A blanket that lies in soft folds, as somebody left it."""
+    width, depth, height = size
+    u, v = np.meshgrid(np.linspace(-1.0, 1.0, 21), np.linspace(-1.0, 1.0, 15))
+    x, y = 0.5 * width * u, 0.5 * depth * v
+    bend = 1.0 - 0.1 * np.abs(ripples(v, u, 1.5, rng))
+    lift = np.clip(0.5 + 0.5 * ripples(x, 0.5 * y, 0.22, rng), 0.0, None)
+    z = lift * np.clip(4.0 * (1.0 - np.maximum(np.abs(u), np.abs(v))), 0.15, 1.0)
+    z = 0.008 + (height - 0.008) * (z - z.min()) / (z.max() - z.min())
+    top = np.stack([x * bend, y * bend, z], axis=-1)
+    bottom = np.stack([0.995 * x * bend, 0.995 * y * bend, 0.0 * z], axis=-1)
+    return {"blanket": between(top, bottom)}
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a blanket for sofas and beds",
+    size=(0.5, 0.38, 0.08),
+    least=(0.2, 0.03, 0.02),
+    most=(2.2, 1.8, 1.0),
+    styles={
+        "folded": Style(folded, lambda size: size[2] < 0.2 and size[0] < 0.8),
+        "spread": Style(spread, lambda size: size[2] < 0.25 * size[1], (0.85, 0.6, 0.06)),
+        "draped": Style(draped, lambda size: size[1] < 0.7 * size[2], (0.6, 0.12, 0.5)),
+    },
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="surface",
+    also=(),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.4, 3)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="blanket throws throw_blanket plaid quilt afghan comforter",
+    classes=Classes(UNLABELED, "otherprop"),
+    synsets=NO_SYNSET,
+    schemes=(Scheme({ANY: "throw"}),),
+    makes=(makes.row(ANY, makes.filled(130), "common"),),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+    lies=(
+        Lies(on=("sofa_arm",), styles=("draped",), pose="draped", weight=0.7, most=1),
+        Lies(
+            on=("sofa_seat", "armchair_seat"), styles=("folded",), pose="flat", weight=0.5, most=1
+        ),
+        Lies(on=("bed_foot",), styles=("spread", "folded"), weight=0.6, most=1),
+        Lies(
+            on=("in_basket", "low_shelf", "wardrobe_shelf"), styles=("folded",), weight=0.4, most=2
+        ),
+        Lies(
+            on=("chair_back",),
+            rooms=("living_room", "bedroom"),
+            styles=("draped",),
+            pose="draped",
+            clutter=2,
+            weight=0.25,
+            most=1,
+        ),
+    ),
+)
