@@ -210,7 +210,7 @@ CATEGORY: Final = BuiltCategory(
     weighs={ANY: (1.2, 12)},
     worktop=NO_APPLIANCE,
     fixed=True,
-    words="curtains shower_curtain towel bath_towel hand_towel blinds drapes drapery blind "
+    words="curtains shower_curtain blinds drapes drapery blind "
     "roller_blind window_blind window_shade",
     classes=Classes("curtain", "curtain"),
     synsets=NO_SYNSET,

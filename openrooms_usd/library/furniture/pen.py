@@ -68,7 +68,7 @@ CATEGORY: Final = BuiltCategory(
     size=(0.0105, 0.142, 0.0145),
     least=(0.005, 0.06, 0.005),
     most=(0.03, 0.25, 0.04),
-    styles={"ballpoint": Style(ballpoint), "pencil": Style(pencil, size=(0.0085, 0.175, 0.0085))},
+    styles={"ballpoint": Style(ballpoint), "pencil": Style(pencil, size=(0.0085, 0.175, 0.00807))},
     spread=STANDARD,
     round=False,
     alike=False,
