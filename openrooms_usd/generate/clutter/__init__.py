@@ -1,7 +1,8 @@
 """What lies about: small things on the surfaces of a furnished room, as people leave them.
 
-- `levels`, `spots`: the level tops and boards of furniture, by what they are used for;
-- `amounts`, `making`: how much lies where, and of which makes;
-- `laying`, `resting`, `scatter`: where it lies, on tops, in stacks and rows;
+- `levels`, `resting`, `forms`: level tops and boards of furniture, and its upper sides;
+- `spots`, `amounts`, `making`: what surfaces are used for, how much lies there, of which makes;
+- `laying`, `scatter`: where it lies, on tops and boards, in stacks and rows; `soft`: on seats and
+  beds; `ground`: on the floor and the walls;
 - `living`: all of it, level by level.
 """

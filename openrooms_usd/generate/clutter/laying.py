@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.generate.boxes import NONE, Array, Pose, box, overlap, posed
+from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import CELL_M
 from openrooms_usd.generate.clutter.making import Make
-from openrooms_usd.generate.clutter.spots import Spot, Surfaces
+from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.geometry.rotations import tilted
 
@@ -38,12 +39,14 @@ class Thing:
         make: Its size and style.
         tilt: Degrees forward, then to its right.
         points: (N, 3) its corners when it leans so, the middle of its base in the origin; metres.
+        skin: (M, 3) its corners and points between them, likewise.
     """
 
     name: str
     make: Make
     tilt: Tilt
     points: Array = field(repr=False)
+    skin: Array = field(repr=False)
 
     @cached_property
     def low(self) -> Array:
@@ -77,9 +80,12 @@ class Thing:
 
 def thing_of(surfaces: Surfaces, name: str, make: Make, tilt: Tilt = (0.0, 0.0)) -> Thing:
     """A make in a pose."""
-    meshes = surfaces.shapes.of(name, *make).meshes
-    points = np.concatenate([mesh.points for mesh in meshes])
-    return Thing(name, make, tilt, points @ tilted(*tilt).T if any(tilt) else points)
+    shape = surfaces.shapes.of(name, *make)
+    points = np.concatenate([mesh.points for mesh in shape.meshes])
+    turn = tilted(*tilt).T if any(tilt) else np.eye(3)
+    between = 0.5 * (shape.corners + np.roll(shape.corners, -1, axis=1))
+    skin = np.concatenate([points, between.reshape(-1, 3), shape.corners.mean(axis=1)])
+    return Thing(name, make, tilt, points @ turn, skin @ turn)
 
 
 @dataclass

@@ -1,15 +1,26 @@
 """How people leave a room: what lies about in it, level by level, each adding to the one before."""
 
 from collections.abc import Sequence
+from typing import Final
 
 from openrooms_usd.draws import generator
+from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS
+from openrooms_usd.generate.clutter.forms import Surfaces
+from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.laying import taken_by
 from openrooms_usd.generate.clutter.making import Makes
 from openrooms_usd.generate.clutter.scatter import Scatter
-from openrooms_usd.generate.clutter.spots import Surfaces, spots
+from openrooms_usd.generate.clutter.soft import seats
+from openrooms_usd.generate.clutter.spots import spots
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shapes import Shapes
+
+# The title of what stands on the floor and hangs on the walls by itself.
+ABOUT: Final = "lying about"
+
+# What is kept free before windows and is no deeper than twice this is part of them, metres.
+_NOSE_M: Final = 0.03
 
 Groups = Sequence[tuple[str, Sequence[Item]]]
 
@@ -37,11 +48,22 @@ def lived_in(
     items = [item for _, group in groups for item in group]
     rng = generator(seed, "generate", room_type, "clutter")
     scatter = Scatter(rng, surfaces, Makes(rng), taken_by(items, surfaces), room_type)
+    kept = room.shell.kept
+    # What stands out at windows, and the ways of doors.
+    scatter.taken.add(kept[(kept[:, 5] <= _NOSE_M) | (kept[:, 6] <= 0.0)], "room")
     tops = list(enumerate(spots(groups, surfaces, room_type)))
+    soft = list(enumerate(seats(groups, surfaces), len(tops)))
+    ground = Ground(room, items, scatter.taken, rng)
     for step in range(1, level + 1):
-        scatter.rng = scatter.makes.rng = generator(seed, "generate", room_type, "clutter", step)
+        drawn = generator(seed, "generate", room_type, "clutter", step)
+        scatter.rng = scatter.makes.rng = ground.rng = drawn
         for number, spot in tops:
             scatter.fill(number, spot, step)
+        for number, seat in soft:
+            scatter.sit(number, seat, step)
+        for place in ROOM_AMOUNTS:
+            scatter.stand(ground, place, len(groups), step)
+    full.append((ABOUT, []))
     for group, item in scatter.added:
         full[group][1].append(item)
-    return full
+    return [group for group in full if group[1]]

@@ -12,7 +12,7 @@ from openrooms_usd.generate.shapes import Shape
 # Of a relief's cells, metres.
 RELIEF_CELL_M: Final = 0.005
 # No more points of a thing than this are looked at.
-_MOST_POINTS: Final = 600
+_MOST_POINTS: Final = 5000
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.categories.record import given
 from openrooms_usd.generate.boxes import Array, Pose
-from openrooms_usd.generate.clutter.amounts import amount_of
+from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS, amount_of
+from openrooms_usd.generate.clutter.forms import Surfaces
+from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.laying import (
     Taken,
     Thing,
@@ -17,11 +20,12 @@ from openrooms_usd.generate.clutter.laying import (
 )
 from openrooms_usd.generate.clutter.making import Makes, candidates
 from openrooms_usd.generate.clutter.resting import rest_on
-from openrooms_usd.generate.clutter.spots import Spot, Surfaces
+from openrooms_usd.generate.clutter.soft import Seat, drop, lean
+from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.library.furniture import Size
-from openrooms_usd.library.furniture.lying import Lies
+from openrooms_usd.library.furniture import Size, category
+from openrooms_usd.library.furniture.lying import Lies, Place
 from openrooms_usd.library.furniture.lying import Pose as Lying
 
 # Turns from the direction of those who use a surface, degrees.
@@ -35,6 +39,8 @@ _STACK_TURN_DEG: Final = 7.0
 _STACK_SHIFT_M: Final = 0.006
 # How much likelier things become whose company lies there already.
 _COMPANY: Final = 4.0
+_HIGHEST_ON_SEAT_M: Final = 0.6
+_TRIES_ON_SEAT: Final = 5
 _MAX_STACK_M: Final = 0.4
 _STACK_ROOM_M: Final = 0.03
 # A thing that falls this far below the top of what it is stacked on lies beside it, metres.
@@ -72,24 +78,84 @@ class Scatter:
             spot: The surface.
             level: 1, 2 or 3.
         """
-        for _ in range(self._count(spot, level)):
-            drawn = self._drawn(number, spot, level)
+        for _ in range(self._count(spot.place, spot.level.area, level)):
+            drawn = self._drawn(number, spot.place, level)
             if drawn is not None:
                 self._lay(number, spot, *drawn)
 
-    def _count(self, spot: Spot, level: int) -> int:
-        amount = amount_of(spot.place)
+    def sit(self, number: int, seat: Seat, level: int) -> None:
+        """Lay on a seat or a bed what a level adds.
+
+        Args:
+            number: The seat's, the same at all levels.
+            seat: The seat.
+            level: 1, 2 or 3.
+        """
+        for _ in range(self._count(seat.place, seat.area, level)):
+            drawn = self._drawn(number, seat.place, level)
+            if drawn is None:
+                continue
+            name, lies = drawn
+            x0, x1, y0, y1 = seat.reach
+            make = self.makes.draw(name, lies, (x1 - x0, y1 - y0, _HIGHEST_ON_SEAT_M))
+            if make is None:
+                continue
+            leans = lies.pose == "leaning"
+            tilt = (-float(self.rng.uniform(4.0, 16.0)), 0.0) if leans else (0.0, 0.0)
+            thing = thing_of(self.surfaces, name, make, _TILTS.get(lies.pose, tilt))
+            for _ in range(_TRIES_ON_SEAT):
+                laid = (lean if leans else drop)(seat, thing, self.key(name), self.rng)
+                if laid is None:
+                    continue
+                item, _ = laid
+                box = thing.standing((item.x, item.y, item.yaw), item.z + float(thing.low[2]))
+                if not len(self.taken.near(box, seat.carrier.key)):
+                    self._used[drawn] = self._used.get(drawn, 0) + 1
+                    self._company.setdefault(number, []).append((lies.cluster, np.zeros(2)))
+                    self.add(seat.group, item, box)
+                    break
+
+    def stand(self, ground: Ground, place: Place, group: int, level: int) -> None:
+        """Put on the floor, or hang on the walls, what a level adds.
+
+        Args:
+            ground: The room's floor and walls.
+            place: ``wall`` or one of the floor.
+            group: The index of the group that takes it.
+            level: 1, 2 or 3.
+        """
+        low, high = ROOM_AMOUNTS[place][level - 1]
+        for _ in range(int(self.rng.integers(low, high + 1))):
+            drawn = self._drawn(-1 - list(ROOM_AMOUNTS).index(place), place, level)
+            make = self.makes.draw(*drawn) if drawn else None
+            if drawn is None or make is None:
+                continue
+            name, lies = drawn
+            thing = thing_of(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
+            z = 0.0
+            if place == "wall":
+                z = given(category(name).level, 1.3) + float(self.rng.uniform(-0.1, 0.15))
+            pose = ground.hang(thing, z) if place == "wall" else ground.place(place, thing)
+            if pose is None:
+                continue
+            carrier = "wall" if place == "wall" else "floor"
+            item = item_at(thing, self.key(name), pose, round(z, 3), carrier)
+            self._used[drawn] = self._used.get(drawn, 0) + 1
+            self.add(group, item, thing.standing((item.x, item.y, item.yaw), z))
+
+    def _count(self, place: Place, area: float, level: int) -> int:
+        amount = amount_of(place)
         if self.rng.random() > amount.chance:
             return 0
-        usual = min(amount.most, spot.level.area * amount.each) * float(self.rng.uniform(0.7, 1.3))
+        usual = min(amount.most, area * amount.each) * float(self.rng.uniform(0.7, 1.3))
         wanted = usual * amount.shares[level - 1]
         return int(wanted + self.rng.random())
 
-    def _drawn(self, number: int, spot: Spot, level: int) -> tuple[str, Lies] | None:
+    def _drawn(self, number: int, place: Place, level: int) -> tuple[str, Lies] | None:
         """What to lay next: likelier what goes with what is there, less likely what is there."""
         rows = [
             row
-            for row in candidates(spot.place, self.room_type, level)
+            for row in candidates(place, self.room_type, level)
             if self._used.get(row, 0) < row[1].most
         ]
         if not rows:

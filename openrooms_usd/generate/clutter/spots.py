@@ -8,18 +8,19 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose, box
-from openrooms_usd.generate.clutter.levels import CELL_M, Level, levels_of
+from openrooms_usd.generate.clutter.forms import Surfaces
+from openrooms_usd.generate.clutter.levels import CELL_M, Level
 from openrooms_usd.generate.items import Item, placed
-from openrooms_usd.generate.shapes import Shape, Shapes
-from openrooms_usd.library.furniture import CATEGORIES, Size
-from openrooms_usd.library.furniture.joinery import Order
+from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.furniture.lying import Place
 
 # Boards and what is kept on them.
 _BOARDS: Final[tuple[Place, ...]] = (
     "shelf", "low_shelf", "wardrobe_shelf", "cupboard", "drawer",
 )  # fmt: skip
-_SOFT: Final[tuple[Place, ...]] = ("bed_head", "bed_foot", "sofa_seat", "armchair_seat")
+_SOFT: Final[tuple[Place, ...]] = (
+    "bed_head", "bed_foot", "sofa_seat", "armchair_seat", "chair_seat",
+)  # fmt: skip
 # Tops above this are out of reach, metres; boards below that are low ones.
 _HIGHEST_TOP_M: Final = 1.75
 _LOW_SHELF_M: Final = 0.6
@@ -76,31 +77,6 @@ class Spot:
         high = self.level.origin + CELL_M * (np.array([columns.max(), rows.max()]) + 1)
         (x0, y0), (x1, y1) = low.tolist(), high.tolist()
         return (x0, y0), (x1, y1)
-
-
-@dataclass
-class Surfaces:
-    """Finds the levels of each distinct object once.
-
-    Attributes:
-        shapes: The real form of objects.
-    """
-
-    shapes: Shapes
-
-    def __post_init__(self) -> None:
-        self._known: dict[tuple[str, Size, str, Order], tuple[Level, ...]] = {}
-
-    def shape(self, item: Item) -> Shape:
-        """The form of an item."""
-        return self.shapes.of(item.category, item.size, item.style, item.order)
-
-    def levels(self, item: Item) -> tuple[Level, ...]:
-        """The levels of an item, the lowest first."""
-        key = (item.category, item.size, item.style, item.order)
-        if key not in self._known:
-            self._known[key] = levels_of(self.shape(item))
-        return self._known[key]
 
 
 def spots(

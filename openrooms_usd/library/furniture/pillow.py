@@ -151,6 +151,6 @@ CATEGORY: Final = BuiltCategory(
     yields=RIGID,
     lies=(
         Lies(on=("sofa_seat",), styles=("square", "round"), pose="leaning", most=4, makes=3),
-        Lies(on=("armchair_seat", "bed_head"), styles=("square",), pose="leaning", makes=2),
+        Lies(on=("armchair_seat",), styles=("square",), pose="leaning", makes=2),
     ),
 )
