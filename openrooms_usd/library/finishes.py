@@ -30,11 +30,11 @@ FINISHES: Final[dict[str, Finish]] = {
         "wood",
         {"quartered_oak": 3, "walnut_veneer": 2.5, "ash_veneer": 2, "beech_staves": 2,
          "pine_staves": 1.5, "birch_plywood": 1, "sapele_ribbon": 0.7, "curly_maple": 0.3,
-         "bamboo_strips": 0.3, "zebrano": 0.1},
+         "bamboo_strips": 0.3},
         choices=3,
     ),
     "lacquer": Finish(
-        "paint", {"sprayed_satin": 6, "high_gloss_lacquer": 1.5, "chalk_paint": 0.7},
+        "paint", {"sprayed_satin": 6, "high_gloss_lacquer": 1, "chalk_paint": 0.3},
         colors=((0.76, 0.75, 0.72), (0.42, 0.41, 0.39), (0.065, 0.07, 0.075), (0.27, 0.33, 0.27),
                 (0.13, 0.22, 0.31), (0.58, 0.50, 0.39)),
         choices=3,
@@ -62,19 +62,19 @@ FINISHES: Final[dict[str, Finish]] = {
     "upholstery": Finish(
         "fabric",
         {"twill": 2, "basket_weave": 2, "linen": 2, "canvas": 1.5, "boucle": 1.5, "velvet": 1.5,
-         "corduroy": 1, "herringbone": 1, "felt": 0.7, "repp": 0.5, "houndstooth": 0.3},
+         "corduroy": 1, "herringbone": 1, "felt": 0.7, "repp": 0.5},
         choices=3,
     ),
     "hide": Finish(
         "leather",
         {"full_grain_leather": 3, "pebbled_leather": 2, "nappa": 2, "suede": 0.7, "nubuck": 0.7,
-         "stitched_leather": 0.7, "cracked_leather": 0.3},
+         "stitched_leather": 0.2},
         choices=2,
     ),
     "throw": Finish(
         "fabric",
         {"waffle_weave": 2, "cable_knit": 1, "rib_knit": 1, "jersey_knit": 1, "boucle": 1,
-         "tartan": 1, "seersucker": 1, "twill": 1},
+         "tartan": 0.3, "seersucker": 0.3, "twill": 1},
         choices=2,
     ),
     "linen": Finish(
@@ -122,7 +122,7 @@ FINISHES: Final[dict[str, Finish]] = {
     ),
     "stone": Finish(
         "specular_stone",
-        {"quartz_worktop": 3, "granite": 2, "carrara_marble": 1.5, "terrazzo": 0.7,
+        {"quartz_worktop": 3, "granite": 2, "carrara_marble": 1.5, "terrazzo": 0.1,
          "black_galaxy_granite": 0.7},
     ),
     "masonry": Finish(

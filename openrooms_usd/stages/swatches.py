@@ -69,7 +69,7 @@ class Swatch:
         """
         if self.family is None:
             return None
-        size = self.size or textures.family_of(self.family).size
+        size = self.size or textures.family_of(self.family).repeat
         texels = resolution * 2 if size > _LARGE_FAMILY_M else resolution
         return textures.Material(self.family, self.number, self.color, self.roughness, texels, size)
 

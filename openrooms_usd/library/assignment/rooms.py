@@ -57,7 +57,7 @@ USUAL: Final[dict[Place, dict[Substance, Weights]]] = {
     "floor": {
         "wood": {
             "oak_planks": 5, "strip_parquet": 2, "herringbone_parquet": 2, "chevron_parquet": 1,
-            "bamboo_strips": 0.7, "mosaic_parquet": 0.6, "whitewashed_boards": 0.6,
+            "bamboo_strips": 0.7, "mosaic_parquet": 0.6, "whitewashed_boards": 0.1,
             "reclaimed_planks": 0.4, "cork": 0.2,
         },
         "fabric": {
@@ -65,16 +65,15 @@ USUAL: Final[dict[Place, dict[Substance, Weights]]] = {
             "shag_carpet": 0.3,
         },
         "specular_stone": {
-            "porcelain_tiles": 6, "terrazzo": 1.5, "carrara_marble": 1, "granite": 1,
-            "polished_concrete": 1, "hexagon_mosaic": 0.5, "checkerboard_marble": 0.4,
-            "breccia_marble": 0.2,
+            "porcelain_tiles": 6, "terrazzo": 0.5, "carrara_marble": 1, "granite": 0.5,
+            "polished_concrete": 1, "hexagon_mosaic": 0.5, "checkerboard_marble": 0.1,
         },
         "rough_stone": {
             "slate": 2, "terracotta_tiles": 2, "travertine": 2, "quarry_hexagons": 1,
             "sandstone": 1, "shell_limestone": 1, "cast_concrete": 1, "basalt": 0.3,
         },
         "plastic": {
-            "linoleum": 3, "vinyl_planks": 3, "vinyl_composition_tiles": 2, "chip_vinyl": 1,
+            "linoleum": 3, "vinyl_planks": 3, "vinyl_composition_tiles": 2, "chip_vinyl": 0.3,
             "studded_vinyl": 0.2,
         },
     },
@@ -82,18 +81,18 @@ USUAL: Final[dict[Place, dict[Substance, Weights]]] = {
         "paint": {
             "roller_matt": 9, "orange_peel": 1, "embossed_wallpaper": 0.8, "limewash": 0.6,
             "woodchip_wallpaper": 0.6, "skip_trowel": 0.4, "venetian_plaster": 0.4,
-            "dragged_glaze": 0.2,
+
         },
-        "fabric": {"linen": 4, "repp": 1, "canvas": 1, "damask": 0.5},
+        "fabric": {"linen": 4, "repp": 1, "canvas": 1, "damask": 0.1},
         "rough_stone": {
-            "trowelled_plaster": 4, "running_bond_brick": 2, "whitewashed_brick": 2, "stucco": 1,
-            "cast_concrete": 1, "split_face_ledger": 0.5, "fieldstone_wall": 0.3, "ashlar": 0.3,
+            "trowelled_plaster": 6, "running_bond_brick": 2, "whitewashed_brick": 0.5, "stucco": 1,
+            "cast_concrete": 1, "split_face_ledger": 0.2, "fieldstone_wall": 0.1, "ashlar": 0.2,
         },
         "specular_stone": {
-            "porcelain_tiles": 4, "subway_tiles": 4, "zellige": 1, "hexagon_mosaic": 0.8,
-            "carrara_marble": 0.8, "penny_mosaic": 0.4, "fish_scale_tiles": 0.3,
+            "porcelain_tiles": 4, "subway_tiles": 4, "zellige": 0.5, "hexagon_mosaic": 0.6,
+            "carrara_marble": 0.8, "penny_mosaic": 0.3,
         },
-        "wood": {"knotty_pine": 2, "oak_slats": 2, "whitewashed_boards": 1, "brushed_larch": 1},
+        "wood": {"knotty_pine": 1, "oak_slats": 1, "brushed_larch": 2},
     },
     "ceiling": {
         "paint": {"roller_matt": 1},
@@ -113,7 +112,7 @@ _PUBLIC: Final[dict[tuple[Place, Substance], Weights]] = {
     **_WORK,
     ("floor", "specular_stone"): {
         "terrazzo": 4, "porcelain_tiles": 3, "granite": 2, "polished_concrete": 1,
-        "carrara_marble": 1, "breccia_marble": 0.5,
+        "carrara_marble": 1,
     },
 }  # fmt: skip
 _CELLAR: Final[dict[tuple[Place, Substance], Weights]] = {
@@ -131,7 +130,7 @@ _CELLAR: Final[dict[tuple[Place, Substance], Weights]] = {
 _WET: Final[dict[tuple[Place, Substance], Weights]] = {
     ("floor", "specular_stone"): {
         "porcelain_tiles": 5, "hexagon_mosaic": 2, "penny_mosaic": 0.7, "terrazzo": 1,
-        "checkerboard_marble": 0.5, "carrara_marble": 0.7,
+        "checkerboard_marble": 0.2, "carrara_marble": 0.7,
     },
     ("floor", "rough_stone"): {"slate": 2, "travertine": 2, "quarry_hexagons": 1, "basalt": 0.5},
     ("wall", "rough_stone"): {"trowelled_plaster": 3, "travertine": 2, "slate": 1},

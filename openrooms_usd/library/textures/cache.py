@@ -29,6 +29,7 @@ VARIABLE: Final = "ORUSD_CACHE"
 _OFF: Final = ("", "0", "off", "no", "none")
 _SUMS: Final = "checksums.json"
 # Lists the modules of all substances, of which a material needs one.
+_ON_ALL: Final = (f"{__package__}.base.expanse", f"{__package__}.base.wear")
 _CATALOGUE: Final = ("openrooms_usd.library.textures.catalogue",)
 
 
@@ -67,9 +68,9 @@ class Material:
         return _sum(json.dumps([self.digest, *libraries]).encode())
 
     @property
-    def _makers(self) -> tuple[str, str]:
-        """The modules that make it: this one's, and that of its substance."""
-        return __name__, f"{__package__}.{substance_of(self.name)}"
+    def _makers(self) -> tuple[str, ...]:
+        """The modules that make it: this one's, that of its substance, and what is done to all."""
+        return __name__, f"{__package__}.{substance_of(self.name)}", *_ON_ALL
 
 
 def cache_folder() -> Path | None:

@@ -1,5 +1,6 @@
 """All families by substance, and how a material is ordered by its name."""
 
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Final
 
@@ -17,10 +18,14 @@ from openrooms_usd.library.textures import (
     specular_stone,
     wood,
 )
+from openrooms_usd.library.textures.base.expanse import laid
 from openrooms_usd.library.textures.base.family import Color, Family, Order
 from openrooms_usd.library.textures.base.maps import TextureSet, encoded
+from openrooms_usd.library.textures.base.wear import worn
 
 DEFAULT_RESOLUTION: Final = 1024
+# Quotients of lengths are no whole numbers.
+_LESS: Final = 1e-6
 
 FAMILIES: Final[dict[Substance, dict[str, Family]]] = {
     "fabric": fabric.FAMILIES,
@@ -84,4 +89,22 @@ def make(
     family = family_of(name)
     metres = family.size if size is None else size
     order = Order(generator(number, "textures", name), resolution, metres, color, roughness)
-    return encoded(family.make(order), metres)
+    over = replace(order, rng=generator(number, "textures", name, "over"))
+    count = _laid(family, order)
+    if count > 1:
+        small = replace(order, resolution=resolution // count, size=metres / count)
+        maps = laid(family.make(small), over, count)
+    else:
+        maps = family.make(order)
+    return encoded(worn(maps, over, substance_of(name)), metres)
+
+
+def _laid(family: Family, order: Order) -> int:
+    """How often a family's picture is laid along a side: a power of two that divides it."""
+    count = 1
+    while (
+        2 * count <= min(family.laid, order.size / family.size + _LESS)
+        and order.resolution % (2 * count) == 0
+    ):
+        count *= 2
+    return count

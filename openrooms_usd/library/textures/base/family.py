@@ -41,6 +41,8 @@ class Family:
         uses: Where people have it.
         grain: Whether it has a direction, along t, that joiners and weavers heed.
         metallic: Its metalness; None: a map of it, as of rust or worn plating.
+        laid: How often a usual repeat shows its picture along each side, with clouds of its own
+            over the whole: a weave repeats every few threads, a cloth over metres.
     """
 
     make: Callable[[Order], Maps]
@@ -48,3 +50,9 @@ class Family:
     uses: frozenset[Use]
     grain: bool = False
     metallic: float | None = 0.0
+    laid: int = 1
+
+    @property
+    def repeat(self) -> float:
+        """Width of a usual repeat, metres."""
+        return self.size * self.laid

@@ -108,6 +108,7 @@ KNITTED: Final[dict[str, Family]] = {
         size,
         frozenset({"textile", "furniture"}),
         grain=True,
+        laid=4 if size < 0.15 else 2,
     )
     for name, stitch, wale, repeat, size in (
         ("jersey_knit", _plain_side, (0.0013, 0.0016), (1, 1), 0.1),

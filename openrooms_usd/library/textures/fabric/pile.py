@@ -164,12 +164,12 @@ _SOFT: Final[frozenset[Use]] = frozenset({"textile", "furniture"})
 _FLOOR: Final[frozenset[Use]] = frozenset({"floor"})
 
 PILED: Final[dict[str, Family]] = {
-    "corduroy": Family(resolved(_corduroy, 0.0024), 0.12, _SOFT, grain=True),
-    "velvet": Family(resolved(_velvet, 0.0006), 0.15, _SOFT, grain=True),
-    "felt": Family(resolved(_felt, 0.0006), 0.1, _SOFT),
-    "boucle": Family(resolved(_boucle, 0.0016), 0.15, _SOFT),
-    "loop_carpet": Family(resolved(_loop_carpet, 0.003), 0.25, _FLOOR),
-    "cut_carpet": Family(resolved(_cut_carpet, 0.0016), 0.25, _FLOOR),
-    "shag_carpet": Family(resolved(_shag, 0.002), 0.4, _FLOOR),
-    "needlefelt_carpet": Family(resolved(_needlefelt, 0.002), 0.25, _FLOOR, grain=True),
+    "corduroy": Family(resolved(_corduroy, 0.0024), 0.12, _SOFT, grain=True, laid=4),
+    "velvet": Family(resolved(_velvet, 0.0006), 0.15, _SOFT, grain=True, laid=4),
+    "felt": Family(resolved(_felt, 0.0006), 0.1, _SOFT, laid=4),
+    "boucle": Family(resolved(_boucle, 0.0016), 0.15, _SOFT, laid=4),
+    "loop_carpet": Family(resolved(_loop_carpet, 0.003), 0.25, _FLOOR, laid=4),
+    "cut_carpet": Family(resolved(_cut_carpet, 0.0016), 0.25, _FLOOR, laid=4),
+    "shag_carpet": Family(resolved(_shag, 0.002), 0.4, _FLOOR, laid=2),
+    "needlefelt_carpet": Family(resolved(_needlefelt, 0.002), 0.25, _FLOOR, grain=True, laid=2),
 }

@@ -11,6 +11,10 @@ from openrooms_usd.library.textures.fabric.knit import KNITTED
 from openrooms_usd.library.textures.fabric.pile import PILED
 from openrooms_usd.library.textures.fabric.weave import Thread, pattern, pointed, satin, twill
 
+# Cloths whose pictures are as wide are laid twice along each side, all others four times; metres.
+_WIDE_M: Final = 0.2
+_PATTERNED: Final = (dyes.HOUNDSTOOTH, dyes.TARTAN, dyes.TICKING, dyes.SEERSUCKER)
+
 
 def _yarn(per_cm: float, **options: float) -> Thread:
     return Thread((93.0 * per_cm, 107.0 * per_cm), **options)
@@ -79,7 +83,11 @@ WOVEN: Final = {
 
 def _family(fabric: Fabric) -> Family:
     finest = 1.0 / max(fabric.warp.density[1], fabric.weft.density[1])
-    return Family(resolved(partial(make, fabric), finest), fabric.size, fabric.uses, grain=True)
+    # What has a large pattern shows its repeat, as it should.
+    drawn = fabric.figure is not None or fabric.dye in _PATTERNED
+    laid = 1 if drawn else 4 if fabric.size < _WIDE_M else 2
+    make_cloth = resolved(partial(make, fabric), finest)
+    return Family(make_cloth, fabric.size, fabric.uses, grain=True, laid=laid)
 
 
 FAMILIES: Final[dict[str, Family]] = {

@@ -113,8 +113,14 @@ def perforated(order: Order) -> Maps:
 _SEATS: Final[frozenset[Use]] = frozenset({"furniture"})
 _GOODS: Final[frozenset[Use]] = frozenset({"furniture", "object"})
 
+# Hides are larger than their pictures.
+_LAID: Final = {
+    "cracked_leather": 2, "full_grain_leather": 4, "nappa": 4, "nubuck": 4, "pebbled_leather": 4,
+    "suede": 4,
+}  # fmt: skip
+
 FAMILIES: Final[dict[str, Family]] = {
-    name: Family(resolved(make, detail), size, uses)
+    name: Family(resolved(make, detail), size, uses, laid=_LAID.get(name, 1))
     for name, make, detail, size, uses in (
         ("full_grain_leather", hide.full_grain, 0.0008, 0.12, _SEATS),
         ("pebbled_leather", hide.pebbled, 0.002, 0.16, _SEATS),

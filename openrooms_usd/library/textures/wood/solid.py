@@ -188,7 +188,7 @@ FAMILIES: Final[dict[str, Family]] = {
     "quartered_oak": Family(
         partial(
             _veneer,
-            timber=replace(OAK, cut="quarter", flecks=0.34, fleck=(0.0045, 0.05, 1.15)),
+            timber=replace(OAK, cut="quarter", flecks=0.2, fleck=(0.0045, 0.05, 1.15)),
             leaf=(0.14, 0.2),
         ),
         0.8, _CABINETS, grain=True,

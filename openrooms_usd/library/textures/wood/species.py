@@ -61,12 +61,12 @@ BEECH: Final = Timber(
 PINE: Final = Timber((0.56, 0.365, 0.175), 0.34, (0.004, 0.009), 0.03, redder=0.16)
 LARCH: Final = Timber((0.44, 0.26, 0.125), 0.42, (0.002, 0.004), 0.02, redder=0.18, cut="quarter")
 WALNUT: Final = Timber(
-    (0.165, 0.092, 0.052), 0.16, (0.007, 0.014), 0.42, (0.0011, 0.007), redder=0.05, streaks=0.5
+    (0.165, 0.092, 0.052), 0.14, (0.007, 0.014), 0.32, (0.0011, 0.007), redder=0.05, streaks=0.2
 )
 MAPLE: Final = Timber((0.58, 0.43, 0.28), 0.07, (0.005, 0.012), 0.03, redder=0.12)
 SAPELE: Final = Timber(
     (0.23, 0.105, 0.06), 0.06, (0.006, 0.010), 0.35, (0.0008, 0.006), cut="quarter",
-    ribbon=(0.28, 0.016),
+    ribbon=(0.13, 0.016),
 )  # fmt: skip
 ZEBRANO: Final = Timber(
     (0.42, 0.27, 0.135), 0.8, (0.009, 0.016), 0.3, (0.001, 0.012), redder=0.1, cut="quarter"
