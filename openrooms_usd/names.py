@@ -12,6 +12,7 @@ FLOOR: Final = "/World/Room/Floor"
 CEILING: Final = "/World/Room/Ceiling"
 WALLS: Final = "/World/Room/Walls"
 OPENINGS: Final = "/World/Room/Openings"
+BEYOND: Final = "/World/Room/Beyond"
 TRIM: Final = "/World/Room/Trim"
 FURNITURE: Final = "/World/Furniture"  # alignment (group)
 MATERIALS: Final = "/World/Materials"  # materials

@@ -83,6 +83,9 @@ class Opening(CheckedModel):
     style: DoorStyle | WindowStyle | None = None
     """How it is built: by default doors are panelled and windows have casements."""
 
+    beyond: Literal["outside", "hallway"] = "outside"
+    """What lies behind it; a hallway is built where the opening can be looked through."""
+
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """A style that belongs to another kind of opening; no wall, or two."""

@@ -59,7 +59,8 @@ def _door(
         if grown is None:
             continue
         row: dict[str, Any] = {
-            "kind": gap.kind, "wall": side, "at": at, "width": width, "height": gap.top
+            "kind": gap.kind, "wall": side, "at": at, "width": width, "height": gap.top,
+            "beyond": "hallway",
         }  # fmt: skip
         if not passage:
             # The leaf turns to the nearer corner: seen from inside, the start is on the right.

@@ -6,8 +6,8 @@
 - `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `looks`, `views`,
   `viewpoints`, `composition`, `framing`: the plan, and cameras in it;
 - `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,
-  `openings`, `shell`, `leaves`, `doors`, `windows`: a room of them; `wallruns`, `mouldings`,
-  `panelling`, `claddings`, `ceilings`: what it wears;
+  `openings`, `shell`, `leaves`, `doors`, `windows`, `hallways`: a room of them;
+  `wallruns`, `mouldings`, `panelling`, `claddings`, `ceilings`: what it wears;
 - `hemisphere`, `spherical_harmonics`: light by direction; `lobe_pursuit`, `lobe_refinement`,
   `spherical_gaussians`: the same as a sum of lobes.
 """

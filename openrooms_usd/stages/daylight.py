@@ -89,6 +89,9 @@ def author_portals(context: StageContext) -> None:
 
 def _is_way(opening: Usd.Prim) -> bool:
     """Whether light can come in: the opening leads outside, has a size and no closed leaf."""
+    hallway = opening.GetStage().GetPrimAtPath(f"{names.BEYOND}/{opening.GetName()}")
+    if hallway and hallway.IsActive():
+        return False
     walls = opening.GetRelationship(names.OPENING_WALL).GetTargets()
     if walls and is_partition(opening.GetStage().GetPrimAtPath(walls[0])):
         return False

@@ -18,6 +18,7 @@ from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from openrooms_usd.geometry.shell import slab, wall_solid
 from openrooms_usd.geometry.walls import Wall, walls_of
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.beyond import author_beyond
 from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.stages.joinery import author_mesh, author_opening, set_value, wall_path
 from openrooms_usd.stages.openings import Cut, captured_cuts, described_cuts
@@ -89,6 +90,7 @@ class LayoutStage:
         _author_shell(stage, plan)
         for cut in plan.cuts:
             author_opening(stage, cut, plan.walls, plan.finish, context.notes)
+        author_beyond(stage, plan.corners, plan.cuts, context.notes)
 
 
 def described_plan(layout: PolygonLayout, notes: list[str]) -> Plan:

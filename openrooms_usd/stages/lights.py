@@ -30,6 +30,7 @@ from openrooms_usd.library.lamplight import lamp_kelvin
 from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages.base import StageContext, file_digest
+from openrooms_usd.stages.beyond import author_beyond_lamps
 from openrooms_usd.stages.daylight import author_portals, author_sky
 from openrooms_usd.stages.glow import author_glow
 from openrooms_usd.usd.activation import is_deactivated
@@ -93,6 +94,7 @@ class LightsStage:
                 f"side: end the xformOpOrder of {names.ENVIRONMENT} with {UPRIGHT!r}"
             )
         author_portals(context)
+        author_beyond_lamps(context.stage)
         for name, lamp in lamps.items():
             _author_lamp(context, lamp, context.room.lights.lamps.get(name, Lamp()))
 

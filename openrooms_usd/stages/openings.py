@@ -43,6 +43,7 @@ class Cut:
         swing: Where a door's leaf swings to.
         style: How it is built; the usual way where None.
         source: The captured opening that it is made from.
+        beyond: What lies behind it.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Cut:
     swing: Literal["in", "out"] = "in"
     style: str | None = None
     source: CapturedOpening | None = None
+    beyond: Literal["outside", "hallway"] = "outside"
 
 
 def described_cuts(
@@ -92,7 +94,7 @@ def described_cuts(
             mistakes.append(f"{field} in {_words(wall)} {reason}; {_free(wall, clockwise)}")
             continue
         how = (opening.open, opening.hinge, opening.swing, opening.style)
-        cuts.append(Cut(name, opening.kind, wall, hole, *how))
+        cuts.append(Cut(name, opening.kind, wall, hole, *how, beyond=opening.beyond))
     mistakes += _clashes([*before, *cuts], clockwise)
     if mistakes:
         raise DescriptionError(

@@ -33,6 +33,8 @@ _FIXED: Final[dict[str, tuple[str, str]]] = {
     "wainscot": ("trim", "white"),
     "beam": ("beams", "wood"),
     "ceiling_grid": ("beams", "white"),
+    "door": ("trim", "white"),
+    "ceiling_lamp": ("trim", "white"),
 }
 _TILES: Final = Look(substance="specular_stone")
 

@@ -1,0 +1,142 @@
+"""What lies behind openings that lead to another part of the house: a lit hallway.
+
+::
+
+    /World/Room/Beyond          Scope
+        door_0                  Xform, in the frame of its wall, named as the opening
+            Floor               Mesh, like Ceiling, Wall_0, Wall_1, Wall_2, Door, Skirting, Lamp
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.geometry.hallways import SHEET_M, Hallway, hallway
+from openrooms_usd.geometry.walls import Wall
+from openrooms_usd.stages.joinery import author_mesh
+from openrooms_usd.stages.openings import Cut
+from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.photometry import nits_from_lumen, world_area
+from openrooms_usd.usd.transforms import author_placement
+
+Array = NDArray[np.float64]
+
+# What is tried, the most liked first: how deep it is, and how far it goes to both sides of the
+# opening's middle; metres.
+_DEPTHS_M: Final = (1.7, 1.4, 1.15, 0.95, 0.8)
+_HALF_LENGTHS_M: Final = (2.2, 1.6, 1.1, 0.75, 0.55)
+# Between it and another opening of its wall, and beside its own; metres.
+_BESIDE_M: Final = 0.12
+# Before windows nothing stands so near, metres.
+_FREE_BEFORE_WINDOWS_M: Final = 3.0
+_HEIGHT_M: Final = 2.5
+# Above the opening, metres.
+_HEADROOM_M: Final = 0.12
+# A leaf that swings out needs its width and this, metres.
+_LEAF_GAP_M: Final = 0.06
+_LUMEN, _KELVIN = 800.0, 3000.0
+
+
+def author_beyond(stage: Usd.Stage, corners: Array, cuts: Sequence[Cut], notes: list[str]) -> None:
+    """Build a hallway behind each opening that leads to one and can be looked through.
+
+    Args:
+        stage: Where to.
+        corners: (N, 2) the room's floor, counter-clockwise, metres.
+        cuts: All openings.
+        notes: Receives a sentence for each that has no space for one.
+    """
+    taken = [_zone(cut) for cut in cuts if cut.kind == "window" and not cut.wall.partition]
+    for cut in cuts:
+        if cut.beyond != "hallway" or cut.wall.partition or not _is_seen_through(cut):
+            continue
+        size = _fitted(cut, cuts, corners, taken)
+        if size is None:
+            notes.append(f"{cut.name}: there is no space for a hallway behind it; it leads outside")
+            continue
+        taken.append(_plan(cut.wall, size))
+        _author(stage, cut, size)
+
+
+def _is_seen_through(cut: Cut) -> bool:
+    return cut.kind != "door" or cut.open > 0.0 or cut.style in names.SEE_THROUGH
+
+
+def _author(stage: Usd.Stage, cut: Cut, size: Hallway) -> None:
+    UsdGeom.Scope.Define(stage, names.BEYOND)
+    path = f"{names.BEYOND}/{cut.name}"
+    prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+    heading = math.degrees(math.atan2(cut.wall.along[1], cut.wall.along[0]))
+    author_placement(prim, Gf.Vec3d(*cut.wall.left.tolist(), 0.0), heading)
+    for name, category, mesh in hallway(size):
+        part = names.LIGHT_BULB if category == "ceiling_lamp" else ""
+        author_mesh(stage, f"{path}/{name}", mesh, category=category, part=part)
+
+
+def author_beyond_lamps(stage: Usd.Stage) -> None:
+    """Light the hallways; in the layer of the lights."""
+    beyond = stage.GetPrimAtPath(names.BEYOND)
+    for place in beyond.GetChildren() if beyond else ():
+        lamp = place.GetChild("Lamp")
+        if lamp and lamp.IsActive() and (area := world_area(lamp)) > 0.0:
+            over = stage.OverridePrim(lamp.GetPath())
+            define_mesh_light(over, nits=nits_from_lumen(_LUMEN, area), kelvin=_KELVIN)
+
+
+def _fitted(
+    cut: Cut, cuts: Iterable[Cut], corners: Array, taken: Sequence[Array]
+) -> Hallway | None:
+    """The largest hallway that meets neither the room, nor a window's view, nor another."""
+    import shapely
+
+    wall, middle = cut.wall, 0.5 * (cut.hole.left + cut.hole.right)
+    outer = wall.outer or (0.0, wall.length)
+    low, high = (max(outer[0], 0.0), min(outer[1], wall.length))
+    for other in cuts:
+        if other.wall is not wall or other is cut:
+            continue
+        if other.hole.right < middle:
+            low = max(low, 0.5 * (other.hole.right + cut.hole.left))
+        if other.hole.left > middle:
+            high = min(high, 0.5 * (other.hole.left + cut.hole.right))
+    # The wall itself is touched; what reaches further into the house is in the way.
+    house = shapely.Polygon(corners).buffer(wall.thickness - 0.01, join_style="mitre")
+    ways = [shapely.Polygon(outline) for outline in taken]
+    least = cut.hole.right - cut.hole.left + _LEAF_GAP_M if _swings_out(cut) else 0.0
+    for half in _HALF_LENGTHS_M:
+        left = min(max(middle - half, low + SHEET_M), cut.hole.left - _BESIDE_M)
+        right = max(min(middle + half, high - SHEET_M), cut.hole.right + _BESIDE_M)
+        for depth in _DEPTHS_M:
+            near = wall.thickness
+            height = max(_HEIGHT_M, cut.hole.top + _HEADROOM_M)
+            size = Hallway(left, right, near, near + depth, height)
+            plan = shapely.Polygon(_plan(wall, size))
+            if depth >= least and not any(plan.overlaps(o) or plan.covers(o) or o.covers(plan)
+                                          for o in (house, *ways)):  # fmt: skip
+                return size
+    return None
+
+
+def _swings_out(cut: Cut) -> bool:
+    return cut.kind == "door" and cut.swing == "out" and cut.open > 0.0
+
+
+def _plan(wall: Wall, size: Hallway) -> Array:
+    """(4, 2) what it covers of the land, its walls included."""
+    w = SHEET_M
+    ends = [(size.left - w, size.near), (size.right + w, size.near),
+            (size.right + w, size.far + w), (size.left - w, size.far + w)]  # fmt: skip
+    return np.array([wall.to_plan(np.array(end)) for end in ends])
+
+
+def _zone(cut: Cut) -> Array:
+    """(4, 2) what stays free before a window."""
+    near, far = cut.wall.thickness, cut.wall.thickness + _FREE_BEFORE_WINDOWS_M
+    left, right = cut.hole.left - _BESIDE_M, cut.hole.right + _BESIDE_M
+    ends = [(left, near), (right, near), (right, far), (left, far)]
+    return np.array([cut.wall.to_plan(np.array(end)) for end in ends])
