@@ -45,11 +45,12 @@ def objects(furnishing: Furnishing) -> list[tuple[str, Section]]:
     for index, (title, name, item, carrier) in zip(groups, named(furnishing.groups), strict=True):
         root = roots.setdefault(index, (name, item))
         alone = root[1] is item or title in (ON_WALLS, LIGHT, ABOUT)
-        rows.append((title, _row(name, item, carrier, None if alone else root)))
+        rows.append((title, row_of(name, item, carrier, None if alone else root)))
     return rows
 
 
-def _row(name: str, item: Item, carrier: str, root: tuple[str, Item] | None) -> Section:
+def row_of(name: str, item: Item, carrier: str, root: tuple[str, Item] | None) -> Section:
+    """One object of a description; in the frame of another where there is one."""
     x, y, yaw = item.x, item.y, item.yaw
     row: Section = {"name": name, "category": item.category}
     if root is not None:

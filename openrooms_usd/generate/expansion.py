@@ -1,12 +1,15 @@
 """``from: generate`` in a description becomes what it stands for, before any stage runs."""
 
+from pathlib import Path
 from typing import Any
 
+from openrooms_usd.description.alignment import ObjectList, named_objects
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
 from openrooms_usd.description.layout import PolygonLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.generate.describing import layout_section, objects
+from openrooms_usd.generate.clutter.described import lying_in, rows
+from openrooms_usd.generate.describing import layout_section, objects, row_of
 from openrooms_usd.generate.finishing import finished
 from openrooms_usd.generate.lighting import lamps
 from openrooms_usd.generate.moments import environment
@@ -16,6 +19,8 @@ from openrooms_usd.generate.shell import shell_of
 
 def expanded(room: Room) -> Room:
     """A description without generated sections: polygon, openings, objects and lamps are explicit.
+
+    What lies about (``clutter``) is explicit too.
 
     A generated layout is furnished too, unless the description has an alignment of its own, and it
     is seen at a moment that is drawn, unless the description has an environment. Lamps that the
@@ -36,7 +41,7 @@ def expanded(room: Room) -> Room:
         wants_layout and "alignment" not in room.model_fields_set
     )
     if not wants_layout and not wants_objects:
-        return room
+        return _lived_in(room) if room.clutter else room
     if isinstance(layout, GeneratedLayout):
         clutter = room.clutter if wants_objects else 0
         made = generate(room.room, room.seed, layout.area, room.style, clutter)
@@ -51,6 +56,32 @@ def expanded(room: Room) -> Room:
             remedy="give the room's polygon in layout, or list the objects",
         )
     return _with(room, made, wants_layout, wants_objects)
+
+
+def _lived_in(room: Room) -> Room:
+    """A described room with what lies about among its objects."""
+    layout, alignment = room.layout, room.alignment
+    if not isinstance(layout, PolygonLayout) or not isinstance(alignment, ObjectList):
+        raise DescriptionError(
+            "things lie about in rooms that are drawn or generated, not in captured ones",
+            place="clutter",
+            remedy="leave clutter out, or list the objects",
+        )
+    shell = finished(shell_of(layout), layout)
+    folder = room.folder or Path()
+    lying = lying_in(alignment.objects, shell, room.room, room.seed, room.clutter, folder)
+    described = named_objects(alignment.objects)
+    names = {name: name for name, _ in described}
+    found = [
+        row_of(name, item, carrier, (carrier, below) if below else None)
+        for name, item, carrier, below in rows(lying, list(names))
+    ]
+    data: dict[str, Any] = room.model_dump(by_alias=True, exclude_unset=True)
+    data["clutter"] = 0
+    own = data.setdefault("alignment", {"from": "objects"}).get("objects", ())
+    kept = [{**row, "name": name} for row, name in zip(own, names, strict=True)]
+    data["alignment"]["objects"] = [*kept, *found]
+    return Room.model_validate(data).located(folder) if room.folder else Room.model_validate(data)
 
 
 def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) -> Room:

@@ -136,6 +136,10 @@ class Shapes:
     seed: int
     _known: dict[tuple[str, Size, str, Order], Shape] = field(default_factory=dict)
 
+    def know(self, category: str, size: Size, style: str, shape: Shape) -> None:
+        """Take the form of an object of people's own."""
+        self._known[category, size, style, NOTHING_ORDERED] = shape
+
     def of(self, category: str, size: Size, style: str, order: Order = NOTHING_ORDERED) -> Shape:
         """The form of an object."""
         key = (category, size, style, order)

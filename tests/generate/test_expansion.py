@@ -101,3 +101,31 @@ def test_a_room_that_is_written_out_needs_no_generator(tmp_path: Path) -> None:
     runs = [subprocess.run(command, cwd=tmp_path, capture_output=True, text=True) for _ in "ab"]
     assert [run.returncode for run in runs] == [0, 0], runs[0].stderr
     assert runs[1].stdout.strip() == "set()"
+
+
+DESCRIBED = """\
+room: office
+seed: 2
+clutter: 2
+layout: {polygon: [[0, 0], [3, 0], [3, 3], [0, 3]]}
+alignment:
+  objects:
+    - {category: table, at: [1.5, 2.5], size: [1.6, 0.8, 0.74], style: four_legs}
+"""
+
+
+def test_things_lie_about_in_described_rooms_too() -> None:
+    room = expanded(parse_room(DESCRIBED))
+    assert isinstance(room.alignment, ObjectList)
+    table, *others = room.alignment.objects
+    assert room.clutter == 0 and table.name == "table_0" and others
+    assert any(other.on == other.relative_to == "table_0" for other in others)
+    assert expanded(room) == room
+    bare = parse_room(DESCRIBED.replace("clutter: 2", "clutter: 0"))
+    assert expanded(bare) == bare
+
+
+def test_nothing_is_laid_into_captured_rooms() -> None:
+    text = "clutter: 1\nlayout: {from: roomplan, file: room.json}\n"
+    with pytest.raises(DescriptionError, match="not in captured ones"):
+        expanded(parse_room(text + "alignment: {from: roomplan, file: room.json}\n"))

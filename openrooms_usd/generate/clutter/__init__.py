@@ -4,5 +4,5 @@
 - `spots`, `amounts`, `making`: what surfaces are used for, how much lies there, of which makes;
 - `laying`, `scatter`: where it lies, on tops and boards, in stacks and rows; `soft`: on seats and
   beds; `ground`: on the floor and the walls;
-- `living`: all of it, level by level.
+- `living`: all of it, level by level; `described`: in a room that people described.
 """

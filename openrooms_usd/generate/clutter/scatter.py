@@ -1,5 +1,6 @@
 """Things on the surfaces of a room, drawn by the records of what lies there, level by level."""
 
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -39,6 +40,8 @@ _STACK_TURN_DEG: Final = 7.0
 _STACK_SHIFT_M: Final = 0.006
 # How much likelier things become whose company lies there already.
 _COMPANY: Final = 4.0
+# How much less likely, where there are such already.
+_SAME_AGAIN: Final = 2.0
 _HIGHEST_ON_SEAT_M: Final = 0.6
 _TRIES_ON_SEAT: Final = 5
 _MAX_STACK_M: Final = 0.4
@@ -66,7 +69,7 @@ class Scatter:
     taken: Taken
     room_type: str
     added: list[tuple[int, Item]] = field(default_factory=list)
-    _company: dict[int, list[tuple[str, Array]]] = field(default_factory=dict)
+    _company: dict[int, list[tuple[str, Array, str]]] = field(default_factory=dict)
     _used: dict[tuple[str, Lies], int] = field(default_factory=dict)
     _keys: dict[str, int] = field(default_factory=dict)
 
@@ -111,7 +114,7 @@ class Scatter:
                 box = thing.standing((item.x, item.y, item.yaw), item.z + float(thing.low[2]))
                 if not len(self.taken.near(box, seat.carrier.key)):
                     self._used[drawn] = self._used.get(drawn, 0) + 1
-                    self._company.setdefault(number, []).append((lies.cluster, np.zeros(2)))
+                    self._company.setdefault(number, []).append((lies.cluster, np.zeros(2), name))
                     self.add(seat.group, item, box)
                     break
 
@@ -161,10 +164,11 @@ class Scatter:
         if not rows:
             return None
         company = self._company.get(number, [])
-        clusters = {lies for lies, _ in company}
+        clusters = {cluster for cluster, _, _ in company}
+        here = Counter(name for _, _, name in company)
         weights = [
             lies.weight * (_COMPANY if lies.cluster and lies.cluster in clusters else 1.0)
-            / (1.0 + self._used.get((name, lies), 0))
+            / (1.0 + self._used.get((name, lies), 0) + _SAME_AGAIN * here[name])
             for name, lies in rows
         ]  # fmt: skip
         share = np.cumsum(weights) / np.sum(weights)
@@ -280,7 +284,7 @@ class Scatter:
         if spot.around:
             yaws = yaws + 90.0 * self.rng.integers(0, 4, 16)
         mates = [
-            middle for cluster, middle in self._company.get(number, [])
+            middle for cluster, middle, _ in self._company.get(number, [])
             if lies.cluster and cluster == lies.cluster
         ]  # fmt: skip
         near = np.array(mates).reshape(-1, 2)
@@ -294,7 +298,7 @@ class Scatter:
         self.add(spot.group, item, thing.standing((item.x, item.y, item.yaw), z))
         back = (0.0, 0.0, -spot.pose[2])
         local = placed(back, middle[0] - spot.pose[0], middle[1] - spot.pose[1])
-        self._company.setdefault(number, []).append((lies.cluster, np.array(local)))
+        self._company.setdefault(number, []).append((lies.cluster, np.array(local), thing.name))
 
     def add(self, group: int, item: Item, boxes: Array) -> None:
         """Take in what was laid."""
