@@ -25,6 +25,7 @@ def render_path(
     seed: int = 0,
     bounces: int | None = None,
     method: str | None = None,
+    tone: str = "photograph",
     denoise: bool = False,
     renderer: str = "mitsuba",
     options: Mapping[str, str] | None = None,
@@ -45,6 +46,7 @@ def render_path(
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and the camera; 7 by default.
         method: As of `render`; ``cache`` by default where the renderer has it.
+        tone: As of `render`, one for the whole film.
         denoise: Whether frames are denoised (extra ``denoise``).
         renderer: A registered renderer that gives light.
         options: What is asked of the renderer, by name.
@@ -77,6 +79,7 @@ def render_path(
             seed=seed,
             bounces=DEFAULT_BOUNCES if bounces is None else bounces,
             method=method,
+            tone=tone,
             renderer=renderer,
             options=options or {},
             denoise=denoise,

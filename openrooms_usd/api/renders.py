@@ -189,6 +189,7 @@ def render(
     seed: int = 0,
     bounces: int | None = None,
     method: str | None = None,
+    tone: str = "photograph",
     grid: tuple[int, int] | None = None,
     error_maps: bool = False,
     denoise: bool | Literal["all"] = False,
@@ -212,6 +213,8 @@ def render(
         bounces: At most this many scatterings between a light and the camera; 7 by default.
         method: ``reference`` follows every path to its end, without bias; ``cache`` computes what
             is smooth once for the room. By default what takes less time.
+        tone: How PNGs show light: ``photograph`` as a camera, ``film`` by the curve alone, ``srgb``
+            with nothing but the encoding. Data is never toned.
         grid: Columns and rows of hemispheres, where channels of them are asked for; (160, 120).
         error_maps: Whether to write the estimated standard error of each pixel too.
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``); ``"all"``:
@@ -254,6 +257,7 @@ def render(
             seed=seed,
             bounces=DEFAULT_BOUNCES if bounces is None else bounces,
             method=method,
+            tone=tone,
             renderer=renderer,
             denoise=denoise,
             options=options or {},

@@ -16,6 +16,8 @@ from openrooms_usd.render.contract import (
     DEFAULT_RATE,
     DEFAULT_SAMPLES,
     METHODS,
+    PHOTOGRAPH,
+    TONES,
 )
 
 if TYPE_CHECKING:
@@ -68,6 +70,11 @@ def _resolution(
     variant="The backend: auto, cuda, llvm or scalar.",
     bsdf="How surfaces reflect: auto, openrooms or preview.",
 )
+@click.option(
+    "--tone", type=click.Choice(TONES), default=PHOTOGRAPH, show_default=True,
+    help="How PNGs show light: photograph as a camera does, film by the curve alone, srgb with "
+    "nothing but the encoding. EXRs are never toned.",
+)  # fmt: skip
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @click.option(
     "--denoise-light", is_flag=True,
@@ -99,6 +106,7 @@ def render(
     seed: int,
     bounces: int,
     method: str | None,
+    tone: str,
     renderer: str,
     options: dict[str, str],
     denoise: bool,
@@ -129,7 +137,7 @@ def render(
         film(
             stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
             resolution=resolution, samples=spp, seed=seed, bounces=bounces, method=method,
-            renderer=renderer, options=options, denoise=denoise, keep_frames=frames,
+            tone=tone, renderer=renderer, options=options, denoise=denoise, keep_frames=frames,
         )  # fmt: skip
         return
     if duration is not None or fps is not None or frames:
@@ -152,6 +160,7 @@ def render(
             seed=seed,
             bounces=bounces,
             method=method,
+            tone=tone,
             renderer=renderer,
             options=options,
             denoise="all" if denoise_light else denoise,

@@ -55,7 +55,7 @@ def fitted_exposure(radiance: Array) -> float:
     Returns:
         The factor; 1 for a picture without light.
     """
-    luminance = _block_means(radiance @ _LUMINANCE)
+    luminance = block_means(radiance @ _LUMINANCE)
     lit = luminance[np.isfinite(luminance) & (luminance > 0)]
     if not lit.size:
         return 1.0
@@ -64,7 +64,7 @@ def fitted_exposure(radiance: Array) -> float:
     return float(KEY / np.exp(np.clip(logarithms, low, high).mean()))
 
 
-def _block_means(values: Array) -> Array:
+def block_means(values: Array) -> Array:
     """(height, width) to its blocks' means; what is left over at two edges does not count."""
     rows, columns = (max(1, size // _BLOCK_PIXELS) for size in values.shape)
     high, wide = (min(size, _BLOCK_PIXELS) for size in values.shape)

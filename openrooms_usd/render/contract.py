@@ -29,6 +29,11 @@ CACHE: Final = "cache"
 """What is smooth is computed once for the room, and looked up by every view."""
 METHODS: Final[tuple[Method, ...]] = (CACHE, REFERENCE)
 
+ToneName = Literal["photograph", "film", "srgb"]
+PHOTOGRAPH: Final = "photograph"
+TONES: Final[tuple[ToneName, ...]] = ("photograph", "film", "srgb")
+"""How pictures for people show light (`openrooms_usd.render.tone`)."""
+
 GUIDES: Final = ("base_color", "normal")
 """What a denoiser is guided by, named as the channels that tell it of pixels' centres."""
 
@@ -57,6 +62,7 @@ class RenderRequest:
         bounces: At most this many scatterings on the way from a light to the camera.
         grid: Columns and rows of hemispheres for channels of the scope ``grid``.
         halves: Whether images shall have their two halves.
+        tone: How pictures for people show light; data is never toned.
         method: How light is computed; one of those that the session has (`MethodicalSession`).
         measure_bias: Whether images shall have their bias where the method is not `REFERENCE`.
         guides: Whether the view shall have what a denoiser is guided by (`GUIDES`).
@@ -73,6 +79,7 @@ class RenderRequest:
     bounces: int = DEFAULT_BOUNCES
     grid: tuple[int, int] = DEFAULT_GRID
     halves: bool = False
+    tone: ToneName = PHOTOGRAPH
     method: Method = REFERENCE
     measure_bias: bool = True
     guides: bool = False

@@ -16,6 +16,7 @@ from openrooms_usd.render.contract import (
     DEFAULT_BOUNCES,
     DEFAULT_GRID,
     NO_OPTIONS,
+    PHOTOGRAPH,
     Renderer,
     View,
 )
@@ -67,6 +68,7 @@ def render_stage(
     seed: int = 0,
     bounces: int = DEFAULT_BOUNCES,
     method: str | None = None,
+    tone: str = PHOTOGRAPH,
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: Denoise = False,
@@ -96,6 +98,7 @@ def render_stage(
         bounces: At most this many scatterings on the way from a light to the camera.
         method: One of `openrooms_usd.render.contract.METHODS`; None for what the renderer takes
             where nobody asks.
+        tone: How pictures for people show light; one of `openrooms_usd.render.contract.TONES`.
         renderer: A registered renderer.
         options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to write the denoised radiance beside the raw one; ``all``: also denoised
@@ -129,6 +132,7 @@ def render_stage(
         seed=seed,
         bounces=bounces,
         grid=grid,
+        tone=tone,
     )
     named = check_method(method)
     denoiser = load_denoiser() if denoise else None

@@ -10,7 +10,13 @@ from typing import Final, SupportsFloat, SupportsIndex
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE
-from openrooms_usd.render.contract import DEFAULT_GRID, DEFAULT_SAMPLES, RenderRequest
+from openrooms_usd.render.contract import (
+    DEFAULT_GRID,
+    DEFAULT_SAMPLES,
+    PHOTOGRAPH,
+    TONES,
+    RenderRequest,
+)
 from openrooms_usd.render.denoise import DENOISED
 from openrooms_usd.render.given import remedy_for
 
@@ -60,6 +66,7 @@ def plan(
     seed: int,
     bounces: int,
     grid: tuple[int, int] = DEFAULT_GRID,
+    tone: str = PHOTOGRAPH,
 ) -> RenderRequest:
     """The request that all views share, still without a camera.
 
@@ -72,9 +79,11 @@ def plan(
         seed: See there.
         bounces: See there.
         grid: See there.
+        tone: See there.
 
     Raises:
-        InputError: A number is absurd, or samples, error and seconds contradict each other.
+        InputError: The tone is unknown, a number is absurd, or samples, error and seconds
+            contradict each other.
     """
     given = {"samples (--spp)": samples, "error (--error)": error, "seconds (--time)": seconds}
     stops = [name for name, value in given.items() if value is not None]
@@ -82,6 +91,11 @@ def plan(
         raise InputError(
             f"{' and '.join(stops)} are given, but a render stops by one of them",
             remedy="give one of them",
+        )
+    found = next((name for name in TONES if name == tone), None)
+    if found is None:
+        raise InputError(
+            f"there is no tone {tone!r}", place="tone", remedy=f"one of: {', '.join(TONES)}"
         )
     if not stops:
         samples = DEFAULT_SAMPLES
@@ -96,6 +110,7 @@ def plan(
         seed=_whole("seed", seed),
         bounces=_whole("bounces", bounces),
         grid=(_whole("grid's width", grid[0]), _whole("grid's height", grid[1])),
+        tone=found,
     )
     return sized(request, resolution) if resolution else request
 

@@ -14,6 +14,8 @@ from openrooms_usd.channels import definition
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.geometry.hemisphere import tiled, untiled
 from openrooms_usd.render import color
+from openrooms_usd.render.contract import PHOTOGRAPH, ToneName
+from openrooms_usd.render.tone import Balance, Tone, fitted_tone
 
 Pixels = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
@@ -35,20 +37,33 @@ class Preview:
     shows: str
 
 
-def preview(name: str, pixels: Pixels, exposure: float | None = None) -> Preview:
+def preview(
+    name: str,
+    pixels: Pixels,
+    exposure: float | None = None,
+    tone: ToneName | Tone = PHOTOGRAPH,
+    balance: Balance | None = None,
+) -> Preview:
     """Make a picture of a channel.
 
     Args:
         name: The channel's name in the table.
         pixels: (height, width, components).
         exposure: What light is multiplied by; None fits it to the picture.
+        tone: How light is shown; a name fits the rest to the picture.
+        balance: The white balance of the tone; None fits it to the picture.
     """
     channel = definition(name)
     if channel.scope == "grid":
         pixels = _sparse(pixels)
     finite = np.asarray(np.isfinite(pixels).all(axis=-1))
     known = np.where(finite[..., None], pixels, np.float32(0))
-    shown = _SHOWN[channel.unit, "".join(channel.components)](known, exposure)
+    if channel.unit in _LIGHT:
+        # A camera's exposure is for radiance.
+        camera = exposure if channel.unit == "nit" else None
+        shown = _light(known, camera, tone, balance)
+    else:
+        shown = _SHOWN[channel.unit, "".join(channel.components)](known)
     return shown if finite.all() else Preview(_marked(shown.pixels, ~finite), shown.shows)
 
 
@@ -65,14 +80,19 @@ def _marked(pixels: Bytes, bad: NDArray[np.bool_]) -> Bytes:
     return colored
 
 
-def _light(pixels: Pixels, exposure: float | None) -> Preview:
-    factor = color.fitted_exposure(pixels) if exposure is None else exposure
-    whose = "fitted" if exposure is None else "of the camera"
-    graded = srgb_from_linear(color.film(pixels * np.float32(factor)))
-    return Preview(color.quantize(graded), f"AgX, exposure {factor:.3g} ({whose})")
+def _light(
+    pixels: Pixels, exposure: float | None, tone: ToneName | Tone, balance: Balance | None
+) -> Preview:
+    if isinstance(tone, Tone):
+        fitted, whose = tone, "given"
+    else:
+        fitted = fitted_tone(tone, pixels, exposure, balance)
+        whose = "fitted" if exposure is None else "of the camera"
+    picture = color.quantize(srgb_from_linear(fitted.shown(pixels)))
+    return Preview(picture, f"{fitted.told()}, exposure {fitted.exposure:.3g} ({whose})")
 
 
-def _length(pixels: Pixels, exposure: float | None) -> Preview:
+def _length(pixels: Pixels) -> Preview:
     lengths = pixels[..., 0]
     surface = lengths > 0
     near, far = np.percentile(lengths[surface], (0.5, 99.5)) if surface.any() else (0.0, 1.0)
@@ -81,7 +101,7 @@ def _length(pixels: Pixels, exposure: float | None) -> Preview:
     return Preview(picture, f"{near:.2f} m (bright) to {far:.2f} m (dark)")
 
 
-def _position(pixels: Pixels, exposure: float | None) -> Preview:
+def _position(pixels: Pixels) -> Preview:
     surface = (pixels != 0).any(axis=-1)
     seen = pixels[surface] if surface.any() else np.zeros((1, 3), np.float32)
     low, high = np.percentile(seen, (0.5, 99.5), axis=0)
@@ -91,33 +111,27 @@ def _position(pixels: Pixels, exposure: float | None) -> Preview:
     return Preview(picture, ", ".join(spans))
 
 
-def _direction(pixels: Pixels, exposure: float | None) -> Preview:
+def _direction(pixels: Pixels) -> Preview:
     picture = color.quantize(0.5 * (pixels + 1))
     picture[(pixels == 0).all(axis=-1)] = 0
     return Preview(picture, "0.5 (n + 1)")
 
 
-def _reflectance(pixels: Pixels, exposure: float | None) -> Preview:
+def _reflectance(pixels: Pixels) -> Preview:
     return Preview(color.quantize(srgb_from_linear(pixels)), "sRGB")
 
 
-def _ratio(pixels: Pixels, exposure: float | None) -> Preview:
+def _ratio(pixels: Pixels) -> Preview:
     return Preview(color.quantize(pixels), "black 0, white 1")
 
 
-def _label(pixels: Pixels, exposure: float | None) -> Preview:
+def _label(pixels: Pixels) -> Preview:
     return Preview(color.palette(pixels[..., 0].astype(np.int64)), "a colour for every number")
 
 
-def _lux(pixels: Pixels, exposure: float | None) -> Preview:
-    # A camera's exposure is for radiance.
-    return _light(pixels, None)
-
-
-_Show = Callable[[Pixels, float | None], Preview]
+_LIGHT: Final = frozenset({"nit", "lux"})
+_Show = Callable[[Pixels], Preview]
 _SHOWN: Final[dict[tuple[str, str], _Show]] = {
-    ("nit", "RGB"): _light,
-    ("lux", "RGB"): _lux,
     ("m", "Y"): _length,
     ("m", "XYZ"): _position,
     ("1", "XYZ"): _direction,

@@ -183,7 +183,9 @@ def _write(
         probes = []
         for place, image in zip(places, images, strict=True):
             exr.write_rgb(beside / f"{place.name}.exr", image.pixels)
-            write_png(beside / f"{place.name}.png", preview("radiance", image.pixels).pixels)
+            write_png(
+                beside / f"{place.name}.png", preview("radiance", image.pixels, tone="film").pixels
+            )
             probes.append(_entry(place, image))
         entry = {
             "format": 1,

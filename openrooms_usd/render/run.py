@@ -19,10 +19,11 @@ from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.ledger import Ledger
 from openrooms_usd.render import exr, folder, manifest, sheet
-from openrooms_usd.render.contract import RenderRequest, View
+from openrooms_usd.render.contract import PHOTOGRAPH, RenderRequest, ToneName, View
 from openrooms_usd.render.fits import write_fits
 from openrooms_usd.render.previews import Preview, preview
 from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.render.tone import white_balance
 
 # The channel whose hemispheres are also fitted.
 FITTED: Final = "environment"
@@ -110,7 +111,7 @@ class Run:
             atomic.filling(self._out) as lists,
             atomic.appearing(self._out / name) as beside,
         ):
-            previews = write_view(beside, view, check)
+            previews = write_view(beside, view, request.tone, check)
             check()
             entry = manifest.view_entry(name, view, previews, self._lights, photograph)
             if FITTED in view.images:
@@ -188,13 +189,14 @@ def _check(name: str, view: View, request: RenderRequest, lights: int) -> None:
 
 
 def write_view(
-    target: Path, view: View, check: Callable[[], None] = lambda: None
+    target: Path, view: View, tone: ToneName = PHOTOGRAPH, check: Callable[[], None] = lambda: None
 ) -> dict[str, Preview]:
     """Write the files of a view into an empty folder.
 
     Args:
         target: The folder.
         view: What was rendered.
+        tone: How pictures show light.
         check: Called before every file; it raises where no more shall be written.
 
     Returns:
@@ -212,11 +214,13 @@ def write_view(
     if by_scope["light"]:
         (target / folder.LIGHTS_FOLDER).mkdir()
 
+    # One white for all pictures of a view: what a single lamp sends keeps its hue.
+    balance = white_balance(pixels["radiance"]) if "radiance" in pixels else None
     on_sheet = sheet.chosen(pixels)
 
     def picture(name: str) -> Preview:
         check()
-        shown = preview(name, pixels[name], view.exposure)
+        shown = preview(name, pixels[name], view.exposure, tone, balance)
         write_png(target / folder.preview_file(name), shown.pixels)
         return shown if name in on_sheet else replace(shown, pixels=shown.pixels[:0])
 

@@ -41,4 +41,4 @@ def photograph(
     if denoiser:
         view = denoiser.complete(view)
     shown = view.images[DENOISED if denoiser else SOURCE].pixels
-    return preview(SOURCE, shown, view.exposure).pixels
+    return preview(SOURCE, shown, view.exposure, "film").pixels

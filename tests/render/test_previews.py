@@ -48,7 +48,7 @@ def test_normals_are_coded_as_everybody_does():
 def test_exposure_of_the_camera_counts():
     radiance = np.full((4, 4, 3), 180.0, np.float32)
     for exposure in (0.0005, 0.001, 0.004):
-        shown = preview("radiance", radiance, exposure=exposure)
+        shown = preview("radiance", radiance, exposure=exposure, tone="film")
         grey = color.film(np.full(3, 180 * exposure))
         expected = color.quantize(srgb_from_linear(grey)).astype(int)
         assert np.abs(shown.pixels.astype(int) - expected).max() <= 1

@@ -187,7 +187,7 @@ def _write_pictures(
             exr.write_rgb(out / file, picture)
             total += picture
         exr.write_rgb(out / files.total, total.astype(np.float32))
-        shown = preview("irradiance", total.astype(np.float32)).pixels
+        shown = preview("irradiance", total.astype(np.float32), tone="film").pixels
         write_png((out / files.total).with_suffix(".png"), shown)
         written.append(files)
     return tuple(written)

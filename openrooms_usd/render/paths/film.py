@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render import color
 from openrooms_usd.render.contract import RenderRequest, View
 from openrooms_usd.render.denoise import Denoiser
 from openrooms_usd.render.estimates import Halves
@@ -18,6 +17,7 @@ from openrooms_usd.render.paths.accumulation import Accumulation, divisor_of
 from openrooms_usd.render.paths.camera_path import CameraPath
 from openrooms_usd.render.paths.reprojection import Surfaces, reproject
 from openrooms_usd.render.paths.steadiness import flicker
+from openrooms_usd.render.tone import Tone, fitted_tone
 
 Pixels = NDArray[np.float32]
 
@@ -114,10 +114,8 @@ def frames(
         )  # fmt: skip
 
 
-def fitted_exposure(opened: OpenedStage, path: CameraPath, request: RenderRequest) -> float:
-    """One exposure for all frames: the camera's, or one fitted to small frames along the path."""
-    if path.exposure is not None:
-        return path.exposure
+def path_tone(opened: OpenedStage, path: CameraPath, request: RenderRequest) -> Tone:
+    """One tone for all frames, fitted to small ones along the path; with the camera's exposure."""
     scale = min(1.0, _EXPOSURE_PIXELS_WIDE / request.width)
     small = [max(2, round(side * scale)) for side in (request.width, request.height)]
     K = np.diag([small[0] / request.width, small[1] / request.height, 1.0]) @ path.K
@@ -132,7 +130,7 @@ def fitted_exposure(opened: OpenedStage, path: CameraPath, request: RenderReques
             named = replace(asked, camera=f"{path.frame_name(number)}/exposure")
             view = opened.picture(replace(camera, K=K), named)
             strip.append(view.images[LIGHT].pixels)
-    return color.fitted_exposure(np.concatenate(strip))
+    return fitted_tone(request.tone, np.concatenate(strip), path.exposure)
 
 
 def _divisible(base_color: Pixels, view: View) -> Pixels:

@@ -21,6 +21,7 @@ from openrooms_usd.render.contract import (
     DEFAULT_BOUNCES,
     DEFAULT_RATE,
     NO_OPTIONS,
+    PHOTOGRAPH,
     Method,
     MethodicalSession,
     Renderer,
@@ -37,11 +38,12 @@ from openrooms_usd.render.paths.film import (
     EXACT,
     LIGHT,
     Frame,
-    fitted_exposure,
     frames,
+    path_tone,
 )
 from openrooms_usd.render.plan import plan, sized
 from openrooms_usd.render.previews import preview
+from openrooms_usd.render.tone import Tone
 from openrooms_usd.untrusted import read_text
 
 DEFAULT_RESOLUTION: Final = (320, 240)
@@ -55,6 +57,7 @@ CONVENTIONS: Final = {
     "mean there and M that of the picture",
     "new": "the part of the pixels that the frame before did not see",
     "exposure": "what radiance in nits is multiplied by in the video, the same for all frames",
+    "shows": "how light is shown in the video, the same for all frames",
 }
 
 
@@ -99,6 +102,7 @@ def render_path(
     seed: int = 0,
     bounces: int = DEFAULT_BOUNCES,
     method: str | None = None,
+    tone: str = PHOTOGRAPH,
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: bool = False,
@@ -121,6 +125,7 @@ def render_path(
         seed: Fixes every random number.
         bounces: At most this many scatterings on the way from a light to the camera.
         method: How light is computed; by default ``cache`` where the renderer has it.
+        tone: How the video shows light; one of `openrooms_usd.render.contract.TONES`.
         renderer: A registered renderer that gives radiance.
         options: What is asked of it, by the names that it declares.
         denoise: Whether frames are denoised.
@@ -147,7 +152,7 @@ def render_path(
         raise InputError(f"the renderer {renderer} gives no light", place="renderer")
     request = plan(
         (LIGHT,), size, samples=samples or DEFAULT_SAMPLES, error=None, seconds=None, seed=seed,
-        bounces=bounces,
+        bounces=bounces, tone=tone,
     )  # fmt: skip
     named = check_method(method)
     denoiser = load_denoiser() if denoise else None
@@ -165,18 +170,18 @@ def render_path(
 
     # 3. Render frame by frame.
     with claims.claimed(out, ledger.RENDER_FILE):
-        exposure = fitted_exposure(opened, camera_path, request)
+        shown_by = path_tone(opened, camera_path, request)
         told, spent, bias = [], [], None
         with files.writing(size, rate) as writer:
             for number, frame in enumerate(frames(opened, camera_path, request, denoiser)):
                 if found := frame.view.images[LIGHT].bias:
                     bias = asdict(found)
-                writer.add(number, frame, exposure, denoiser is not None)
+                writer.add(number, frame, shown_by, denoiser is not None)
                 told.append(_told(frame))
                 spent.append(frame.seconds)
                 progress(camera_path.name, (number + 1) / len(camera_path))
             shared = manifest.run_entry(path, renderer, opened, replace(request, channels=()))
-            entry = shared | _entry(camera_path, request, exposure, denoiser, told)
+            entry = shared | _entry(camera_path, request, shown_by, denoiser, told)
             entry["bias"] = bias
             timing = {step: float(np.mean([s[step] for s in spent])) for step in spent[0]}
             writer.tell(entry, timing)
@@ -212,7 +217,7 @@ def _told(frame: Frame) -> dict[str, Any]:
 def _entry(
     path: CameraPath,
     request: RenderRequest,
-    exposure: float,
+    tone: Tone,
     denoiser: Denoiser | None,
     told: list[dict[str, Any]],
 ) -> dict[str, Any]:
@@ -223,7 +228,8 @@ def _entry(
         "rate": path.rate,
         "resolution": [request.width, request.height],
         "K": path.K.tolist(),
-        "exposure": exposure,
+        "exposure": tone.exposure,
+        "shows": tone.told(),
         "denoiser": denoiser.entry() if denoiser else None,
         "estimated_error": error,
         "flicker": {
@@ -288,8 +294,8 @@ class _Writer:
     cameras: Path
     timing: Path
 
-    def add(self, number: int, frame: Frame, exposure: float, is_denoised: bool) -> None:
-        shown = preview(LIGHT, frame.pixels, exposure).pixels
+    def add(self, number: int, frame: Frame, tone: Tone, is_denoised: bool) -> None:
+        shown = preview(LIGHT, frame.pixels, tone=tone).pixels
         self.encoder.add(shown)
         if self.frames is not None:
             planes = {name: frame.view.images[name].pixels for name in (LIGHT, *EXACT)}
