@@ -33,11 +33,6 @@ def _other(**said: Any) -> Category:
 
 
 OTHERS: Final[dict[str, Category]] = {
-    "bag": _other(
-        classes=Classes("bag", "bag"),
-        synsets=("02773838",),
-        makes=(makes.row(ANY, makes.filled(100), "common"),),
-    ),
     "beam": _other(fixed=True, classes=Classes("ceiling", "otherstructure")),
     "bicycle": _other(
         classes=Classes("bike", "otherprop"),
@@ -48,11 +43,6 @@ OTHERS: Final[dict[str, Category]] = {
         support="wall",
         fixed=True,
         makes=(makes.row("slat", makes.filled(400), "common"),),
-    ),
-    "cap": _other(
-        classes=Classes("cap", "otherprop"),
-        synsets=("02954340",),
-        makes=(makes.row(ANY, makes.filled(100), "common"),),
     ),
     "ceiling": _other(
         fixed=True,
@@ -66,9 +56,6 @@ OTHERS: Final[dict[str, Category]] = {
         support="ceiling",
     ),
     "cladding": _other(fixed=True, classes=Classes("wall", "wall")),
-    "clothes": _other(
-        makes=(makes.row(ANY, makes.filled(150), "common"),),
-    ),
     "column": _other(
         fixed=True,
     ),

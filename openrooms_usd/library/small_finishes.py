@@ -112,4 +112,37 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
         "specular_stone", colors=((0.55, 0.56, 0.58), (0.08, 0.1, 0.14), (0.6, 0.5, 0.46)),
         roughness=(0.1, 0.3), choices=2,
     ),
+    "garment": Finish(
+        "fabric", {"twill": 2, "denim": 1.5, "jersey_knit": 2, "rib_knit": 1, "felt": 1,
+                   "herringbone": 0.7, "corduroy": 0.5},
+        colors=((0.045, 0.05, 0.065), (0.05, 0.075, 0.13), (0.2, 0.19, 0.18), (0.36, 0.31, 0.24),
+                (0.1, 0.12, 0.085), (0.3, 0.06, 0.05), (0.55, 0.54, 0.5)),
+        choices=6, each=True,
+    ),
+    "shoe_upper": Finish(
+        "fabric", {"canvas": 2, "twill": 1, "jersey_knit": 1},
+        colors=((0.62, 0.61, 0.58), (0.05, 0.055, 0.065), (0.06, 0.09, 0.17), (0.32, 0.32, 0.33)),
+        choices=3,
+    ),
+    "white_sole": Finish("rubber", colors=((0.66, 0.65, 0.61),), roughness=(0.5, 0.65)),
+    "shoe_leather": Finish(
+        "leather", {"nappa": 2, "full_grain_leather": 2, "suede": 1},
+        colors=((0.03, 0.028, 0.027), (0.16, 0.075, 0.03), (0.075, 0.035, 0.02)), choices=3,
+    ),
+    "bag_cloth": Finish(
+        "fabric", {"canvas": 3, "linen": 1},
+        colors=((0.6, 0.56, 0.46), (0.06, 0.065, 0.075), (0.12, 0.17, 0.14), (0.4, 0.16, 0.09)),
+        choices=3,
+    ),
+    "plush": Finish(
+        "fabric", {"boucle": 1}, colors=((0.36, 0.21, 0.1), (0.5, 0.39, 0.26), (0.5, 0.49, 0.47)),
+        choices=2,
+    ),
+    "plush_pad": Finish("fabric", {"felt": 1}, colors=((0.6, 0.5, 0.37),)),
+    "coat_cloth": Finish(
+        "fabric", {"twill": 2, "denim": 1.5, "felt": 1.5, "herringbone": 1, "corduroy": 0.5},
+        colors=((0.045, 0.05, 0.065), (0.05, 0.06, 0.1), (0.16, 0.155, 0.15), (0.33, 0.25, 0.15),
+                (0.09, 0.11, 0.075), (0.2, 0.04, 0.035)),
+        choices=4,
+    ),
 }  # fmt: skip

@@ -33,7 +33,8 @@ def _pair(width: float, height: float, cup: float) -> tuple[Mesh, list[Mesh], li
     arch = np.stack([r * np.cos(a), np.zeros(13), z],
                     axis=1)  # fmt: skip
     band = tube(arch, 0.0055, segments=8).transformed(np.diag([1.0, 2.2, 1.0]))
-    cups, pads = [], []
+    cups: list[Mesh] = []
+    pads: list[Mesh] = []
     for side in (-1.0, 1.0):
         shell = lathe([(0.0, 0.0), (0.9, 0.0), (1.0, 0.15), (1.0, 0.5), (0.0, 0.5)], segments=24)
         pad = lathe([(0.35, 0.45), (0.95, 0.45), (1.02, 0.6), (0.98, 0.9), (0.8, 1.0),

@@ -25,7 +25,7 @@ def between(front: Array, back: Array) -> Mesh:
     return metric(with_normals(replace(plain, points=points), crease=60.0))[0]
 
 
-def _boxed(mesh: Mesh, size: Size) -> Mesh:
+def boxed(mesh: Mesh, size: Size) -> Mesh:
     """A mesh stretched to its box, its base on the ground."""
     low, high = mesh.extent
     scale = np.asarray(size) / (high - low)
@@ -70,7 +70,7 @@ def folded_pile(size: Size, layers: int, rng: np.random.Generator) -> Mesh:
     bow = 1.0 + 0.01 * ripples(front[..., 0], front[..., 2], 0.2, rng)
     made = [np.stack([grid[..., 0], grid[..., 1] * bow, grid[..., 2] * sag], axis=-1)
             for grid in (front, back)]  # fmt: skip
-    return _boxed(between(made[1][:, ::-1], made[0][:, ::-1]), size)
+    return boxed(between(made[1][:, ::-1], made[0][:, ::-1]), size)
 
 
 def rolled(size: Size, rng: np.random.Generator) -> Mesh:
@@ -86,7 +86,7 @@ def rolled(size: Size, rng: np.random.Generator) -> Mesh:
     line = np.stack([radius * np.cos(a) * depth / height, 0.5 * height + radius * np.sin(a)], 1)
     x = np.linspace(-0.5 * width, 0.5 * width, 3)
     front, back = _along(line, thick, x)
-    return _boxed(between(back[:, ::-1], front[:, ::-1]), size)
+    return boxed(between(back[:, ::-1], front[:, ::-1]), size)
 
 
 def over_bar(size: Size, rng: np.random.Generator) -> Mesh:
@@ -147,4 +147,4 @@ def hung_cloth(size: Size, rng: np.random.Generator, folds: int = 5) -> Mesh:
         (0.03 * np.cos(angle), 0.03 * np.sin(angle), np.full(count, inside * height + 0.06)),
     ]
     points = np.array([np.stack(ring, axis=1) for ring in rings])
-    return _boxed(loft(points[::-1], crease=70.0), size)
+    return boxed(loft(points[::-1], crease=70.0), size)

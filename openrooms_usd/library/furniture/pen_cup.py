@@ -9,7 +9,7 @@ from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.lofts import vessel
-from openrooms_usd.geometry.mesh import joined
+from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, frustum, lathe
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -26,7 +26,8 @@ from openrooms_usd.library.furniture.posing import turned
 def _filled(size: Size, r: float, rng: np.random.Generator) -> Parts:
     """Pens that lean in a cup of an inner radius, up to the top of the box."""
     high = size[2]
-    pens, tips = [], []
+    pens: list[Mesh] = []
+    tips: list[Mesh] = []
     count = int(rng.integers(5, 8))
     for k in range(count):
         heading = 360.0 * k / count + float(rng.uniform(-12.0, 12.0))

@@ -36,7 +36,8 @@ def _brush(long: float) -> tuple[Mesh, Mesh]:
 
 def _leaning(size: Size, wall: float, count: int, rng: np.random.Generator) -> Parts:
     """Brushes that lean outwards in a cup, heads up."""
-    sticks, heads = [], []
+    sticks: list[Mesh] = []
+    heads: list[Mesh] = []
     r = 0.5 * size[1] - wall - 0.008
     lean = float(np.degrees(np.arctan2(0.5 * size[0] - 0.0095 + 0.2 * r, size[2])))
     for k in range(count):

@@ -1,0 +1,129 @@
+"""Bags: a tote that stands, one that hangs, a paper bag, a handbag."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.categories import makes
+from openrooms_usd.categories.makes import ANY
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.geometry.cloth import pillow, ripples
+from openrooms_usd.geometry.lofts import loft, ring, superellipse, vessel
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.uv import metric
+from openrooms_usd.library.furniture.built import (
+    HANGS_NOT,
+    NO_APPLIANCE,
+    NO_LAMP,
+    USUAL,
+    BuiltCategory,
+)
+from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
+from openrooms_usd.library.furniture.lying import Lies
+
+
+def _open_bag(size: Size, sag: float, rng: np.random.Generator) -> Mesh:
+    """A soft bag, open above, its middle a little drawn in."""
+    width, depth, height = size
+    rows = [(0.94, 0.0), (1.0, 0.06), (1.0, 0.35), (0.97, 0.7), (0.98, 1.0)]
+    outer = []
+    for a, z in rows:
+        flat = superellipse(a * width, depth * a * (1.0 - sag * z), 4.0, 32)
+        wave = 1.0 - 0.05 * sag * np.abs(ripples(flat[:, 0], flat[:, 1] + z, 0.15, rng))
+        outer.append(ring(flat * wave[:, None], z * height))
+    thin = 1.0 - 2 * 0.003 / depth
+    inner = [row * [1.0 - 0.006 / width, thin, 1.0] for row in outer[:0:-1]]
+    floor = ring(superellipse(0.9 * width, 0.86 * depth, 4.0, 32), 0.004)
+    return metric(loft(np.array([*outer, *inner, floor]), crease=60.0))[0]
+
+
+def _loop(half: float, y: float, low: float, top: float, thick: float) -> Mesh:
+    t = np.linspace(np.pi, 0.0, 11)
+    z = low + (top - thick - low) * np.sin(t) ** 0.8
+    arch = np.stack([half * np.cos(t), np.full(11, y), z], axis=1)
+    return tube(arch, thick, segments=8)
+
+
+def tote(size: Size, rng: np.random.Generator) -> Parts:
+    """A bag of cloth that stands, its loops up."""
+    width, depth, height = size
+    tall = 0.7 * height
+    loops = [_loop(0.24 * width, s * 0.36 * depth, 0.9 * tall, height, 0.005) for s in (-1, 1)]
+    return {"bag": _open_bag((width, depth, tall), 0.25, rng), **numbered("handle", loops)}
+
+
+def hung(size: Size, rng: np.random.Generator) -> Parts:
+    """A flat bag that hangs from its loops."""
+    width, depth, height = size
+    tall = 0.58 * height
+    loops = [_loop(0.26 * width, y, 0.92 * tall, height, 0.005) for y in (0.1 * depth, 0.3 * depth)]
+    body = filled_case(width, tall, depth, rng)
+    return {"bag": body.moved((0.0, 0.0, 0.5 * tall)), **numbered("handle", loops)}
+
+
+def filled_case(width: float, tall: float, depth: float, rng: np.random.Generator) -> Mesh:
+    """A soft case that stands on its edge, about the origin."""
+    up = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    case = pillow(width, tall, depth, rng, divisions=12)
+    return metric(case.transformed(up))[0]
+
+
+def paper(size: Size, rng: np.random.Generator) -> Parts:
+    """A bag of paper with cords."""
+    width, depth, height = size
+    tall = 0.8 * height
+    x, y = 0.5 * width, 0.5 * depth
+    w = 0.0015
+    body = vessel((-x, -y, 0.0, x, y, tall), (-x + w, -y + w, 0.002, x - w, y - w),
+                  wall_edge=0.0004)  # fmt: skip
+    loops = [_loop(0.2 * width, s * (y - 0.004), 0.9 * tall, height, 0.0025) for s in (-1, 1)]
+    return {"sack": body, **numbered("cord", loops)}
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a bag to carry things",
+    size=(0.38, 0.16, 0.5),
+    least=(0.12, 0.05, 0.15),
+    most=(0.9, 0.5, 1.0),
+    styles={
+        "tote": Style(tote),
+        "hung": Style(hung, lambda size: size[2] > 1.5 * size[0], (0.36, 0.11, 0.68)),
+        "paper": Style(paper, size=(0.32, 0.16, 0.42)),
+    },
+    spread=USUAL,
+    round=False,
+    alike=False,
+    support="floor",
+    also=("surface", "wall"),
+    level=HANGS_NOT,
+    lumen=NO_LAMP,
+    weighs={ANY: (0.05, 4)},
+    worktop=NO_APPLIANCE,
+    fixed=False,
+    words="handbag tote purse shopping_bag bags paper_bag tote_bag",
+    classes=Classes("bag", "bag"),
+    synsets=("02773838",),
+    schemes=(
+        Scheme({ANY: "bag_cloth", "handle": "bag_cloth"}, weight=2.0),
+        Scheme({ANY: "hide", "handle": "hide"}),
+        Scheme({ANY: "cardboard", "cord": "white_paper"}, needs="sack", weight=100.0),
+    ),
+    makes=(
+        makes.row("sack", makes.walls(0.3, 800), "common"),
+        makes.row("bag", makes.filled(120), "common"),
+        makes.row(ANY, makes.filled(300), "common"),
+    ),
+    hinges=PLAIN_HINGES,
+    yields=RIGID,
+    lies=(
+        Lies(on=("hook",), styles=("hung",), pose="hung", weight=0.8, most=2),
+        Lies(on=("floor_by_door", "floor_by_wall"), styles=("tote", "paper"), weight=0.5, most=2),
+        Lies(on=("floor_under_desk", "floor_beside_sofa"), styles=("tote",), weight=0.3, most=1),
+        Lies(on=("chair_seat",), styles=("tote",), clutter=2, weight=0.3, most=1),
+        Lies(
+            on=("worktop",), rooms=("kitchen",), styles=("paper",), clutter=3, weight=0.25, most=1
+        ),
+    ),
+)
