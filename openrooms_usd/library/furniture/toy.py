@@ -156,6 +156,6 @@ CATEGORY: Final = BuiltCategory(
         ),
         Lies(on=("in_basket", "in_box"), weight=0.6, count=(1, 3)),
         Lies(on=("bed_head", "bed_foot", "armchair_seat"), styles=("teddy",), weight=0.25, most=1),
-        Lies(on=("shelf", "low_shelf"), rooms=("bedroom"), weight=0.4, most=3),
+        Lies(on=("shelf", "low_shelf"), rooms=("bedroom",), weight=0.4, most=3),
     ),
 )
