@@ -36,12 +36,18 @@ _CLOSE_M: Final = 0.6
 _CLOSE_SHARE: Final = 0.03
 _FOREGROUND_M: Final = 1.2
 _FOREGROUND_SHARE: Final = 0.25
-# Of the floor, and of one bare wall or back of a cupboard: what is more than this is too much.
+# Of the floor, of the ceiling, and of one bare wall or back of a cupboard: what is more than this is too much.
 _FLOOR_SHARE: Final = 0.4
+_CEILING_SHARE: Final = 0.12
 _FLAT_SHARE: Final = 0.35
 _TOO_MUCH_SHARE: Final = 0.12
 # Steeper than this, a normal is that of a floor.
 _LEVEL_COSINE: Final = 0.8
+# A picture is full when its subjects fill this share of it; pictures lose a factor e for each such
+# share of the frame's edge that cuts through one, by the subject's weight.
+_FULL_SHARE: Final = 0.3
+_LEAST_FULL: Final = 0.2
+_CUT_SHARE: Final = 1.2
 # A picture is deep when its median depth is this share of the room's diagonal in plan.
 _DEEP_SHARE: Final = 0.4
 # A camera stands where people can when at most so much stands on the floor below it, metres.
@@ -79,6 +85,7 @@ def photographic_rating(
     def rating(look: Look) -> Array:
         return np.asarray(
             _shown(caster, subjects, look)
+            * _full(subjects, look)
             * _uncluttered(look)
             * _not_bare(look)
             * np.sqrt(np.clip(_median_depth(look) / (_DEEP_SHARE * diagonal), 0.05, 1.0))
@@ -123,6 +130,19 @@ def _extent(values: Array) -> Array:
     return np.where(known.any(axis=-1), high - low, 0.0)
 
 
+def _full(subjects: Subjects, look: Look) -> Array:
+    """(C,) much of the picture shows subjects, and its frame cuts through few of them."""
+    subject = np.where(look.seen, subjects.of_triangle[look.triangles], NO_SUBJECT)
+    filled = (subject != NO_SUBJECT).mean(axis=(1, 2))
+    edge = np.concatenate(
+        [subject[:, 0], subject[:, -1], subject[:, :, 0], subject[:, :, -1]], axis=1
+    )
+    # The last weight is that of `NO_SUBJECT`.
+    cut = np.append(subjects.weights, 0.0)[edge].mean(axis=1)
+    full = np.sqrt(np.clip(filled / _FULL_SHARE, _LEAST_FULL, 1.0))
+    return np.asarray(full * np.exp(-cut / _CUT_SHARE))
+
+
 def _uncluttered(look: Look) -> Array:
     """(C,) little of the picture is taken by what is right before the lens."""
     close = (look.seen & (look.depth < _CLOSE_M)).mean(axis=(1, 2))
@@ -131,9 +151,14 @@ def _uncluttered(look: Look) -> Array:
 
 
 def _not_bare(look: Look) -> Array:
-    """(C,) neither the floor nor one upright plane fills the picture."""
+    """(C,) neither the floor nor the ceiling nor one upright plane fills the picture."""
     floor = (look.normals[..., 2] > _LEVEL_COSINE).mean(axis=(1, 2))
-    return np.asarray(_bearable(floor, _FLOOR_SHARE) * _bearable(_largest_plane(look), _FLAT_SHARE))
+    ceiling = (look.normals[..., 2] < -_LEVEL_COSINE).mean(axis=(1, 2))
+    return np.asarray(
+        _bearable(floor, _FLOOR_SHARE)
+        * _bearable(ceiling, _CEILING_SHARE)
+        * _bearable(_largest_plane(look), _FLAT_SHARE)
+    )
 
 
 def _bearable(share: Array, most: float) -> Array:

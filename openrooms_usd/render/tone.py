@@ -55,8 +55,8 @@ _LOWERED: Final = 0.15
 _MAX_LOWERED_STOPS: Final = 0.4
 _MIN_SLOPE: Final = 0.3
 
-_CONTRAST: Final = 1.12
-_SATURATION: Final = 1.15
+_CONTRAST: Final = 1.45
+_SATURATION: Final = 1.25
 
 
 @dataclass(frozen=True)
