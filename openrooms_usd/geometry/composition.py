@@ -36,7 +36,7 @@ _CLOSE_M: Final = 0.6
 _CLOSE_SHARE: Final = 0.03
 _FOREGROUND_M: Final = 1.2
 _FOREGROUND_SHARE: Final = 0.25
-# Of the floor, of the ceiling, and of one bare wall or back of a cupboard: what is more than this is too much.
+# Of the floor, of the ceiling, and of one bare wall or back of a cupboard: more is too much.
 _FLOOR_SHARE: Final = 0.4
 _CEILING_SHARE: Final = 0.12
 _FLAT_SHARE: Final = 0.35

@@ -47,7 +47,7 @@ _MOST_CAST: Final = 1.45
 # Stops above middle grey: what is brighter is compressed where the brightest part of the picture is
 # above the second; the width of the bend.
 _KNEE_STOPS: Final = 1.5
-_BRIGHT_STOPS: Final = 4.3
+_BRIGHT_STOPS: Final = 3.9
 _BEND_STOPS: Final = 0.5
 _BRIGHT_PERCENTILE: Final = 98.5
 # The exposure is lowered by so many stops for every one that the brightest part is too bright.
