@@ -11,7 +11,8 @@ from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Shell
 
-_THICK_M: Final = 0.008
+# What is screwed on through tiles is flush to the wall, and may sink in by so much.
+_THICK_M: Final = 0.004
 # What windows keep for their casing and sill, metres.
 _CASING_M: Final = 0.12
 # No strip is narrower or lower, metres.

@@ -8,6 +8,7 @@ from openrooms_usd.generate.clutter.living import ABOUT
 from openrooms_usd.generate.finishlooks import shell_looks
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.rooms import (
+    FITTINGS,
     LIGHT,
     ON_WALLS,
     Furnishing,
@@ -44,7 +45,7 @@ def objects(furnishing: Furnishing) -> list[tuple[str, Section]]:
     groups = [index for index, (_, items) in enumerate(furnishing.groups) for _ in items]
     for index, (title, name, item, carrier) in zip(groups, named(furnishing.groups), strict=True):
         root = roots.setdefault(index, (name, item))
-        alone = root[1] is item or title in (ON_WALLS, LIGHT, ABOUT)
+        alone = root[1] is item or title in (ON_WALLS, FITTINGS, LIGHT, ABOUT)
         rows.append((title, row_of(name, item, carrier, None if alone else root)))
     return rows
 

@@ -54,7 +54,7 @@ def _door(
             continue
         gap = Gap("opening" if passage else "door", side, at, width, 0.0,
                   min(2.1 if shell.height > 2.6 else 2.05, shell.height - 0.15),
-                  "out" if out else "in")  # fmt: skip
+                  "out" if out else "in", "right" if near_start else "left")  # fmt: skip
         grown = _with(shell, gap)
         if grown is None:
             continue
@@ -64,7 +64,7 @@ def _door(
         }  # fmt: skip
         if not passage:
             # The leaf turns to the nearer corner: seen from inside, the start is on the right.
-            row |= {"hinge": "right" if near_start else "left", "swing": gap.swing}
+            row |= {"hinge": gap.hinge, "swing": gap.swing}
             row["open"] = float(rng.choice((0, 0, 0, 15, 35, 60)))
         rows.append(row)
         return grown

@@ -12,7 +12,8 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.generate.backsplashes import backsplashes
 from openrooms_usd.generate.boxes import Pose
 from openrooms_usd.generate.clutter.living import lived_in
-from openrooms_usd.generate.finishing import Finishing, finished, finishing
+from openrooms_usd.generate.finishing import Finishing, finished, finishing, shell_style
+from openrooms_usd.generate.fittings import Fitter
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.openings import openings
@@ -31,6 +32,7 @@ _MAX_DRAFTS: Final = 6
 _MODESTY: Final = {True: (0.0, 0.3, 0.6, 0.9), False: (0.0, 0.6)}
 # Groups of things that have nothing to do with each other.
 ON_WALLS: Final = "on the walls"
+FITTINGS: Final = "fittings"
 LIGHT: Final = "light"
 USUAL_CLUTTER: Final = 2
 """How much lies about in rooms from nothing where nobody says: they are lived in."""
@@ -207,11 +209,15 @@ def _furnished(
         count = _count(want, shell.area, kit)
         placed = sum(_place(room, kit, want, number < want.least) for number in range(count))
         missing += max(0, want.least - placed)
+    own = replace(kit, rng=generator(shapes.seed, "generate", room_type, "fittings", attempt))
+    fitter = Fitter(room, own, shell_style(style), room_type)
+    heaters = fitter.heating()
     lamps = ceiling_lamps(room, kit)
     cloths = curtains(room, kit, program.curtains)
     hung = hang(room, kit, program.hangs)
     tiles = backsplashes(room, kit)
-    groups = [*room.items, (ON_WALLS, [*tiles, *cloths, *hung]), (LIGHT, lamps)]
+    fitted = [*heaters, *fitter.wiring(lamps)]
+    groups = [*room.items, (ON_WALLS, [*tiles, *cloths, *hung]), (FITTINGS, fitted), (LIGHT, lamps)]
     missing += not lamps
     return Furnishing([group for group in groups if group[1]], missing), room
 

@@ -80,6 +80,7 @@ class Gap:
         sill: Height of its lower edge, metres.
         top: Height of its upper edge, metres.
         swing: Where a door's leaf goes.
+        hinge: The hinge side of a door, seen from inside.
     """
 
     kind: Literal["window", "door", "opening"]
@@ -89,6 +90,7 @@ class Gap:
     sill: float
     top: float
     swing: Literal["in", "out"] = "in"
+    hinge: Literal["left", "right"] = "left"
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,4 +250,5 @@ def _gap(opening: Opening, shell: Shell) -> Gap:
     )
     at = 0.5 * length if opening.at is None else opening.at
     at = length - at if shell.clockwise else at
-    return Gap(opening.kind, index, at, width, sill, sill + height, opening.swing)
+    swing, hinge = opening.swing, opening.hinge
+    return Gap(opening.kind, index, at, width, sill, sill + height, swing, hinge)

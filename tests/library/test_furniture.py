@@ -188,8 +188,8 @@ def test_styles_suit_the_size() -> None:
     [
         ("chiar", "slat", (1, 1, 1), "did you mean 'chair'"),
         ("chair", "slats", (1, 1, 1), "did you mean 'slat'"),
-        ("chair", "slat", (1e9, 1, 1), "between 0.005 m and 20 m"),
-        ("chair", "slat", (float("nan"), 1, 1), "between 0.005 m and 20 m"),
+        ("chair", "slat", (1e9, 1, 1), "between 0.004 m and 20 m"),
+        ("chair", "slat", (float("nan"), 1, 1), "between 0.004 m and 20 m"),
     ],
 )
 def test_refuses_what_it_cannot_build(name: str, style: str, size: Size, said: str) -> None:

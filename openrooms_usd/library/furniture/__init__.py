@@ -39,7 +39,7 @@ __all__ = [
 ]
 
 # Sides of boxes that can be built, metres.
-MIN_SIDE: Final = 0.005
+MIN_SIDE: Final = 0.004
 MAX_SIDE: Final = 20.0
 
 
