@@ -204,4 +204,6 @@ def _author_shell(stage: Usd.Stage, plan: Plan) -> None:
     built = Built(plan.corners, plan.walls, plan.height, plan.cuts, plan.clockwise)
     for name, category, mesh in trim_meshes(built, plan.finish):
         UsdGeom.Scope.Define(stage, names.TRIM)
+        if "/" in name:
+            UsdGeom.Scope.Define(stage, f"{names.TRIM}/{name.partition('/')[0]}")
         author_mesh(stage, f"{names.TRIM}/{name}", mesh, category=category)

@@ -66,7 +66,7 @@ def check_walls(context: StageContext) -> None:
         group = context.stage.GetPrimAtPath(scope)
         known = [prim.GetName() for prim in group.GetChildren()] if group else []
         if key == "cladding":
-            known = [name for name in known if _is_cladding(context.stage, f"{scope}/{name}")]
+            known = [name for name in known if not _is_mesh(context.stage, f"{scope}/{name}")]
         for name in given:
             if name not in known and not is_deactivated(context.stage, f"{scope}/{name}"):
                 what = "wall" if key == "accents" else "cladding"
@@ -77,15 +77,16 @@ def check_walls(context: StageContext) -> None:
                 )
 
 
-def _is_cladding(stage: Usd.Stage, path: str) -> bool:
-    return read_label(stage.GetPrimAtPath(path), names.CATEGORY) == "cladding"
+def _is_mesh(stage: Usd.Stage, path: str) -> bool:
+    """Whether it is one surface: a cladding has one for each wall."""
+    return bool(stage.GetPrimAtPath(path).IsA(UsdGeom.Gprim))
 
 
 def _surface(context: StageContext, chooser: Chooser, prim: Usd.Prim, category: str) -> Swatch:
     if category in _FIXED:
         return _fixed(context, chooser, category)
     if category == "cladding":
-        return _clad(context, chooser, prim.GetName())
+        return _clad(context, chooser, prim.GetParent().GetName())
     place = next((place for place in _FIELDS if place == category), None)
     if place is None:
         return chooser.finish(UNKNOWN, category)

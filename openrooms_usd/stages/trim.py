@@ -4,7 +4,7 @@
 
     /World/Room/Trim            Scope
         Skirting                Mesh, like Cornice, PictureRail, Wainscot and Beams
-        cladding_0              Mesh
+        cladding_0              Scope: a Mesh for each wall
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -96,8 +96,8 @@ def trim_meshes(built: Built, finish: Finish) -> Iterator[tuple[str, str, Mesh]]
     if finish.ceiling.kind != "plain":
         yield from _beams(built, finish.ceiling)
     for name, one in named_claddings(finish.claddings):
-        if mesh := _cladding(built, finish, one):
-            yield name, "cladding", mesh
+        for wall, mesh in _cladding(built, finish, one):
+            yield f"{name}/{wall}", "cladding", mesh
 
 
 def named_claddings(claddings: Sequence[Cladding]) -> list[tuple[str, Cladding]]:
@@ -163,11 +163,10 @@ def _beams(built: Built, ceiling: Ceiling) -> Iterator[tuple[str, str, Mesh]]:
         yield "Beams", "ceiling_grid" if ceiling.kind == "grid" else "beam", mesh
 
 
-def _cladding(built: Built, finish: Finish, one: Cladding) -> Mesh | None:
+def _cladding(built: Built, finish: Finish, one: Cladding) -> Iterator[tuple[str, Mesh]]:
     outline = [wall for wall in built.walls if not wall.partition]
     chosen = outline if one.walls is None else [w for w in outline if w.number in one.walls]
     top = built.height if one.top is None else min(one.top, built.height)
-    meshes = []
     for wall in chosen:
         # Described from the wall's start; walls run to the right, seen from inside.
         low, high = one.span or (0.0, wall.length)
@@ -175,8 +174,9 @@ def _cladding(built: Built, finish: Finish, one: Cladding) -> Mesh | None:
             low, high = wall.length - high, wall.length - low
         holes = [with_casing(cut, finish) for cut in built.cuts if cut.wall is wall]
         ends = _turns(built.corners, wall) if one.span is None else (0.0, 0.0)
-        meshes += cladding(wall, (low, high), (one.bottom, top), one.depth, holes, ends)
-    return joined(meshes) if meshes else None
+        pieces = cladding(wall, (low, high), (one.bottom, top), one.depth, holes, ends)
+        if pieces:
+            yield wall.name, joined(pieces)
 
 
 def _turns(corners: Array, wall: Wall) -> tuple[float, float]:

@@ -93,7 +93,8 @@ def read(path: Path) -> Scene:
     shell = [_body(p, cache) for p in stage.GetPrimAtPath("/World/Room/Walls").GetChildren()]
     shell += [_body(stage.GetPrimAtPath(f"/World/Room/{n}"), cache) for n in ("Floor", "Ceiling")]
     if trim := stage.GetPrimAtPath("/World/Room/Trim"):
-        shell += [_body(prim, cache) for prim in trim.GetChildren()]
+        meshes = [prim for prim in Usd.PrimRange(trim) if prim.IsA(UsdGeom.Mesh)]
+        shell += [_body(prim, cache) for prim in meshes]
     scene = Scene(
         objects, shell, [], [], [],
         np.array(room.GetAttribute("openrooms:room:floor").Get(), dtype=float),

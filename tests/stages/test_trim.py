@@ -77,11 +77,14 @@ def test_trim_is_labelled_and_stays_below_the_ceiling() -> None:
     trim = stage.GetPrimAtPath("/World/Room/Trim")
     kinds = {prim.GetName(): read_label(prim, "category") for prim in trim.GetChildren()}
     assert kinds == {
-        "Skirting": "skirting", "Cornice": "cornice", "Beams": "beam", "cladding_0": "cladding",
+        "Skirting": "skirting", "Cornice": "cornice", "Beams": "beam", "cladding_0": None,
     }  # fmt: skip
     assert read_number(trim.GetChild("Skirting"), "openrooms45") == 43
     assert read_number(trim.GetChild("Beams"), "nyu40") == 38
-    for prim in trim.GetChildren():
+    tiles = trim.GetChild("cladding_0").GetChildren()
+    assert [prim.GetName() for prim in tiles] == [f"wall_{i}" for i in range(6)]
+    assert {read_label(prim, "category") for prim in tiles} == {"cladding"}
+    for prim in (prim for prim in Usd.PrimRange(trim) if prim.IsA(UsdGeom.Mesh)):
         assert points(stage, str(prim.GetPath()))[:, 2].min() >= -0.003
         assert points(stage, str(prim.GetPath()))[:, 2].max() <= 2.6 + 0.003
     casing = points(stage, "/World/Room/Openings/door_0/Casing")
@@ -106,7 +109,7 @@ def test_materials_reach_walls_trim_and_cladding(tmp_path: Path) -> None:
         path: bound_material(stage.GetPrimAtPath(f"/World/Room/{path}")).GetPath().name
         for path in (
             "Walls/wall_0", "Walls/wall_1", "Walls/wall_3", "Trim/Skirting", "Trim/Cornice",
-            "Trim/tiles",
+            "Trim/tiles/wall_2",
         )
     }  # fmt: skip
     assert worn["Walls/wall_0"] == worn["Walls/wall_1"]
