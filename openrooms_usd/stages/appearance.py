@@ -33,6 +33,14 @@ class Appearance:
     brightest: Color
     roughest: float
 
+    def times(self, color: Color, roughness: float) -> "Appearance":
+        """What it is when it is brighter, tinted or rougher, and still nowhere above one."""
+        albedo, brightest = (
+            _color(np.multiply(values, color)) for values in (self.albedo, self.brightest)
+        )
+        rougher = (self.roughness * roughness, self.roughest * roughness)
+        return Appearance(albedo, rougher[0], brightest, rougher[1])
+
 
 def appearance_of(surface: PreviewSurface) -> Appearance:
     """Look at the base colour and the roughness of a surface whose files are absolute.

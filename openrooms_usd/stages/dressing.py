@@ -4,12 +4,13 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.materials import Look
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.substances import Substance
+from openrooms_usd.draws import generator
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library.assignment.annotations import Annotation, read_annotation
 from openrooms_usd.library.finishes import (
@@ -26,6 +27,18 @@ from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.semantics import read_label
 
 ALL: Final = "all"
+# Repeats of an object are of so many pieces of their materials, if they are as large, metres.
+_PIECES: Final = 3
+_SMALL_M: Final = 0.3
+# How much lighter and warmer one piece is than another, at most, as shares: boards differ, and
+# lots of cloth hardly do.
+_SHIFTS: Final[Mapping[Substance, tuple[float, float]]] = {
+    "wood": (0.06, 0.02),
+    "leather": (0.05, 0.015),
+    "fabric": (0.02, 0.006),
+    "specular_stone": (0.02, 0.004),
+    "rough_stone": (0.04, 0.01),
+}
 # What an annotated lamp is made of.
 _LAMP: Final = "bulb"
 
@@ -49,13 +62,14 @@ class Dresser:
 
     def objects(self, roots: Iterable[Usd.Prim]) -> dict[str, Dressed]:
         """What each object wears, by its path; those that need nothing are left out."""
-        known: dict[Sdf.Path, Dressed] = {}
+        known: dict[tuple[Sdf.Path, int], Dressed] = {}
         objects: dict[str, Dressed] = {}
         for root in roots:
             own = self._is_named(root.GetName()) or not root.IsInstance()
-            key = root.GetPath() if own else root.GetPrototype().GetPath()
+            piece = 0 if own else self._piece(root)
+            key = (root.GetPath() if own else root.GetPrototype().GetPath(), piece)
             if key not in known:
-                known[key] = self.dressed(root)
+                known[key] = self.dressed(root, piece)
             if known[key].looks[0]:
                 objects[str(root.GetPath())] = known[key]
         return objects
@@ -63,15 +77,29 @@ class Dresser:
     def _is_named(self, name: str) -> bool:
         return name in self.context.room.materials.overrides or name in self.annotations
 
-    def dressed(self, root: Usd.Prim) -> Dressed:
-        """What one object wears in each look."""
+    def _piece(self, root: Usd.Prim) -> int:
+        """Which of its few pieces an instance is; small things, and rooms of no style, have one."""
+        if not self.context.room.style:
+            return 0
+        extent = UsdGeom.ModelAPI(root).GetExtentsHint()
+        if not extent or max(b - a for a, b in zip(*extent[:2], strict=True)) < _SMALL_M:
+            return 0
+        return int(self.context.rng("materials", "piece", root.GetName()).integers(_PIECES))
+
+    def dressed(self, root: Usd.Prim, piece: int = 0) -> Dressed:
+        """What one object wears in each look.
+
+        Args:
+            root: The object.
+            piece: Which of its repeats: each is cut from elsewhere.
+        """
         name, category = root.GetName(), read_label(root, names.CATEGORY) or ""
         parts, overrides = parts_of(root), self.context.room.materials.overrides.get(name, {})
         _check_parts(self.context, root, overrides, parts)
         annotation = self.annotations.get(name) or self.annotations.get(category) or Annotation()
-        outfit = _Outfit(name, category, overrides, annotation)
         free = [part for part in parts if not part.bound]
         asset = str(root.GetAssetInfo().get("name", "")) or name
+        outfit = _Outfit(name, category, overrides, annotation, f"{asset}/{piece}")
         forced = frozenset(part.path for part in parts if part.bound)
         looks = tuple(outfit.worn(chooser, parts, free) for chooser in self.choosers)
         return Dressed(asset, category, looks, forced)
@@ -85,6 +113,7 @@ class _Outfit:
     category: str
     overrides: Mapping[str, Look]
     annotation: Annotation
+    piece: str
 
     def worn(self, chooser: Chooser, parts: list[Part], free: list[Part]) -> dict[str, Swatch]:
         """The material of each part in one look, by its path; what keeps its own is left out."""
@@ -96,9 +125,19 @@ class _Outfit:
             swatch = self._overridden(chooser, part) or self._annotated(chooser, part)
             if swatch is None and not part.bound:
                 swatch = self._usual(chooser, part, finishes[part.kind], suite)
+                swatch = self._cut(swatch, suite) if chooser.ensemble else swatch
             if swatch is not None:
                 worn[part.path] = swatch
         return worn
+
+    def _cut(self, swatch: Swatch, suite: str) -> Swatch:
+        """The material as this piece has it; what is made to match keeps its colour."""
+        rng = generator(0, "piece", self.piece, swatch.family or "")
+        s, t = (round(float(value), 3) for value in rng.random(2))
+        value, hue = rng.uniform(-1.0, 1.0, 2) * _SHIFTS.get(swatch.substance, (0.0, 0.0))
+        warm = 0.0 if suite else float(hue)
+        light = 1.0 if suite else 1.0 + float(value)
+        return swatch.cut((s, t), (light * (1.0 + warm), light, light * (1.0 - warm)))
 
     def _overridden(self, chooser: Chooser, part: Part) -> Swatch | None:
         """The override for the part, for its kind, or for all."""

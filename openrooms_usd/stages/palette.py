@@ -13,7 +13,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library import textures
 from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.ownmaterials import OwnMaterial, publish, read_material
-from openrooms_usd.stages.appearance import Appearance, appearance_of
+from openrooms_usd.stages.appearance import Appearance, Color, appearance_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.swatches import F0, Swatch
 from openrooms_usd.usd import physics
@@ -125,11 +125,16 @@ class Palette:
         return (sets.size or 1.0,) * 2 if sets else None
 
     def _appearance(self, swatch: Swatch) -> Appearance:
-        alike = replace(swatch, across=False)
+        alike = replace(swatch, across=False, place=(0.0, 0.0))
         if alike not in self._seen:
-            folder = str(self._context.folder / TEXTURES)
-            self._seen[alike] = appearance_of(self._surface(alike, folder))
+            self._seen[alike] = self._looked_at(alike)
         return self._seen[alike]
+
+    def _looked_at(self, swatch: Swatch) -> Appearance:
+        if swatch.is_scaled:
+            plain = self._appearance(replace(swatch, tint=(1.0, 1.0, 1.0), wear=1.0))
+            return plain.times(*_factors(swatch, plain))
+        return appearance_of(self._surface(swatch, str(self._context.folder / TEXTURES)))
 
     def _surface(self, swatch: Swatch, folder: str) -> PreviewSurface:
         if swatch.is_scaled:
@@ -165,6 +170,7 @@ def _textured(swatch: Swatch, sets: textures.Material, folder: str) -> PreviewSu
             f"{folder}/{textures.map_file(Path(), _stem(sets), item).name}",
             uv_scale=(repeats, repeats),
             uv_rotation=90.0 if swatch.across else 0.0,
+            uv_translation=swatch.place,
         )
         for item in textures.rendered_maps(sets.name)
     }
@@ -188,11 +194,7 @@ def _ours(own: PreviewSurface) -> PreviewSurface:
 
 def _scaled(surface: PreviewSurface, swatch: Swatch, seen: Appearance) -> PreviewSurface:
     """A surface times the factors of its swatch, as far as it stays below one everywhere."""
-    red, green, blue = (
-        min(factor, 1.0 / max(top, 1e-3))
-        for factor, top in zip(swatch.tint, seen.brightest, strict=True)
-    )
-    wear = min(swatch.wear, 1.0 / max(seen.roughest, 1e-3))
+    (red, green, blue), wear = _factors(swatch, seen)
     color, roughness = surface.base_color, surface.roughness
     if isinstance(color, Texture):
         color = _times(color, (red, green, blue, 1.0))
@@ -203,6 +205,15 @@ def _scaled(surface: PreviewSurface, swatch: Swatch, seen: Appearance) -> Previe
     else:
         roughness = roughness * wear
     return replace(surface, base_color=color, roughness=roughness)
+
+
+def _factors(swatch: Swatch, seen: Appearance) -> tuple[Color, float]:
+    """Of base colour and roughness, so that neither is above one anywhere."""
+    red, green, blue = (
+        min(factor, 1.0 / max(top, 1e-3))
+        for factor, top in zip(swatch.tint, seen.brightest, strict=True)
+    )
+    return (red, green, blue), min(swatch.wear, 1.0 / max(seen.roughest, 1e-3))
 
 
 def _times(texture: Texture, factors: tuple[float, float, float, float]) -> Texture:

@@ -34,6 +34,7 @@ class Swatch:
         transmission: Part of the light that passes diffusely.
         tint: Factors of the base colour.
         wear: Factor of the roughness.
+        place: Where on the material it is cut from, in repeats along s and t.
     """
 
     substance: Substance
@@ -49,12 +50,20 @@ class Swatch:
     transmission: float = 0.0
     tint: Color = (1.0, 1.0, 1.0)
     wear: float = 1.0
+    place: tuple[float, float] = (0.0, 0.0)
 
     @property
     def turned(self) -> "Swatch":
         """The same with its grain along s, where it has a grain."""
         grain = self.family is not None and textures.family_of(self.family).grain
         return replace(self, across=True) if grain else self
+
+    def cut(self, place: tuple[float, float], tint: Color) -> "Swatch":
+        """The same of another piece: cut from elsewhere, a little lighter or redder."""
+        if self.family is None:
+            return self
+        red, green, blue = (round(a * b, 4) for a, b in zip(self.tint, tint, strict=True))
+        return replace(self, place=place, tint=(red, green, blue))
 
     @property
     def is_scaled(self) -> bool:

@@ -7,9 +7,9 @@ import pytest
 
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
-from openrooms_usd.render.scene import surfaces
+from openrooms_usd.render.scene import codes
 from openrooms_usd.render.scene.codes import load_picture
-from openrooms_usd.render.scene.pictures import evaluate, load
+from openrooms_usd.render.scene.pictures import Picture, evaluate, load
 from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
 from orusd_mitsuba import MitsubaRenderer, variants
@@ -85,7 +85,8 @@ def test_codes_mean_what_the_values_are(
             file, channel, space, scale=(1.2, 0.5, 2.0, 0.7), bias=(0.0, 0.1, -0.3, 0.2),
             wrap_s="clamp", wrap_t="mirror",
         )  # fmt: skip
-        coded, plain = (f(texture, wanted, (0.0, 1.0), np.eye(3)) for f in (load_picture, load))
+        coded = load_picture(texture, wanted, (0.0, 1.0), np.eye(3), {})
+        plain = load(texture, wanted, (0.0, 1.0), np.eye(3))
         assert coded.coding is not None and coded.texels.dtype == np.uint8
         np.testing.assert_allclose(coded.pixels, plain.pixels, atol=6e-4)
         assert (coded.wrap, coded.losses) == (plain.wrap, plain.losses)
@@ -151,7 +152,25 @@ def test_each_picture_is_read_once(
     build: Any, save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
 ) -> None:
     stage, read = room(build, save_picture, tmp_path), []
-    once = surfaces._load
-    monkeypatch.setattr(surfaces, "_load", lambda need: read.append(need) or once(need))
+    once = codes.read_codes
+    monkeypatch.setattr(codes, "read_codes", lambda file: read.append(file) or once(file))
     open_with(MitsubaRenderer(), stage, {"variant": "llvm"})
-    assert len(read) == len(set(read)) == 9
+    # Four colours and four normals; the roughness is another channel of one of them.
+    assert len(read) == 9 and len(set(read)) == 8
+
+
+def test_tints_and_places_of_one_picture_share_its_codes(save_picture: Any, tmp_path: Any) -> None:
+    file = noise(save_picture, tmp_path / "t.png", 8, 8)
+    reader = SurfaceReader()
+    previews = [
+        PreviewSurface(
+            base_color=Texture(file, scale=(1.0, tint, tint, 1.0), uv_translation=(tint, 0.0)),
+            f0=0.05,
+        )
+        for tint in (1.0, 0.9, 0.8)
+    ]
+    reader.prefetch(previews)
+    pictures = [reader.read(preview).base_color for preview in previews]
+    assert all(isinstance(picture, Picture) for picture in pictures)
+    assert len({id(picture.texels) for picture in pictures}) == 1  # type: ignore[union-attr]
+    assert len({picture.coding for picture in pictures}) == 3  # type: ignore[union-attr]

@@ -2,13 +2,14 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pxr import Usd
 
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.library.interiors import INTERIORS
-from openrooms_usd.usd.materials import bound_material
+from openrooms_usd.usd.materials import Texture, bound_material, read_preview_surface
 from tests.stages.dressed import compose
 
 CATEGORIES = ("table", "chair", "cabinet", "desk", "bookshelf", "side_table", "floor_lamp", "sofa")
@@ -53,3 +54,51 @@ def test_parts_match_across_objects(style: str, tmp_path: Path) -> None:
     assert max(len(things) for things in woods.values()) >= 3
     metals = {family for family, _ in families(stage, "metal")}
     assert len(metals) <= 2
+
+
+def chairs(style: str, seed: int) -> Room:
+    objects = [
+        {"name": f"chair_{i}", "category": "chair", "at": [1 + i, 2], "style": "slat"}
+        for i in range(6)
+    ]
+    return Room.model_validate(
+        {"seed": seed, "style": style, "layout": {"polygon": [[0, 0], [8, 0], [8, 5], [0, 5]]},
+         "alignment": {"objects": objects}, "materials": {"resolution": 16}}
+    )  # fmt: skip
+
+
+def test_repeats_are_of_a_few_pieces_of_the_same_wood(tmp_path: Path) -> None:
+    stage = compose(tmp_path, chairs("rustic", 3))
+    things = stage.GetPrimAtPath(names.FURNITURE).GetChildren()
+    assert all(thing.IsInstance() for thing in things)
+    assert 2 <= len({thing.GetPrototype().GetPath() for thing in things}) <= 3
+    places, files, scales = set(), set(), set()
+    for thing in things:
+        for prim in Usd.PrimRange(thing, Usd.TraverseInstanceProxies()):
+            if prim.GetName().startswith("leg"):
+                surface, _ = read_preview_surface(bound_material(prim))
+                color = surface.base_color
+                assert isinstance(color, Texture)
+                places.add(color.uv_translation)
+                files.add(Path(color.file).name)
+                scales.add(color.scale)
+                normal = surface.normal
+                assert isinstance(normal, Texture)
+                assert normal.uv_translation == color.uv_translation
+    assert len(files) == 1 and len(places) == len(scales) >= 2
+    factors = np.array([scale[:3] for scale in scales])
+    assert factors.min() > 0.9 and factors.max() < 1.1 and np.ptp(factors, axis=0).min() > 0.002
+
+
+def test_equal_seeds_give_equal_bytes(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        compose(tmp_path / name, chairs("industrial", 5))
+    files = {
+        name: {
+            str(file.relative_to(tmp_path / name)): file.read_bytes()
+            for file in sorted((tmp_path / name).rglob("*"))
+            if file.is_file()
+        }
+        for name in ("a", "b")
+    }
+    assert files["a"] == files["b"]

@@ -24,12 +24,30 @@ from openrooms_usd.usd.textures import read_codes
 _OPAQUE_CODE: Final = 255
 
 
-def load_picture(texture: Texture, channels: int, limits: Limits, uv: Array) -> Picture:
-    """Read a texture as `pictures.load` does, in 8 bits where that loses nothing."""
-    codes = read_codes(texture.file)
-    if codes is None or max(codes.shape[:2]) > MAX_SIDE:
+# A picture's codes by its file, the channel that is asked for, and how many are needed; with the
+# numbers of its channels. None: it is not stored so.
+Known = dict[tuple[str, str, int], tuple[NDArray[np.uint8], tuple[int, ...]] | None]
+
+
+def load_picture(
+    texture: Texture, channels: int, limits: Limits, uv: Array, known: Known
+) -> Picture:
+    """Read a texture as `pictures.load` does, in 8 bits where that loses nothing.
+
+    Args:
+        texture: What the material says.
+        channels: 1 or 3: what the input needs.
+        limits: The least and the greatest value that make sense.
+        uv: (3, 3) from the mesh's texture coordinates to the picture's.
+        known: What was read before: materials that differ in tint and place share their codes.
+    """
+    key = (texture.file, texture.channel, channels)
+    if key not in known:
+        known[key] = _read(*key)
+    found = known[key]
+    if found is None:
         return load(texture, channels, limits, uv)
-    picked, which = _picked(codes, texture.channel, channels)
+    picked, which = found
     if limits[0] < 0.0 and not _is_normal_map(texture, picked):
         return load(texture, channels, limits, uv)
     coding = Coding(
@@ -39,7 +57,18 @@ def load_picture(texture: Texture, channels: int, limits: Limits, uv: Array) -> 
         limits,
     )
     wrap, losses = wrapping(texture)
-    return Picture(np.ascontiguousarray(picked[::-1]), wrap, uv, losses, coding)
+    return Picture(picked, wrap, uv, losses, coding)
+
+
+def _read(
+    file: str, channel: str, channels: int
+) -> tuple[NDArray[np.uint8], tuple[int, ...]] | None:
+    """The codes of the channels that are asked for, the lowest row first, and which these are."""
+    codes = read_codes(file)
+    if codes is None or max(codes.shape[:2]) > MAX_SIDE:
+        return None
+    picked, which = _picked(codes, channel, channels)
+    return np.ascontiguousarray(picked[::-1]), which
 
 
 def _picked(

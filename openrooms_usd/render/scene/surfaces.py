@@ -10,7 +10,7 @@ import numpy as np
 
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.render.scene.codes import load_picture
+from openrooms_usd.render.scene.codes import Known, load_picture
 from openrooms_usd.render.scene.pictures import Array, Limits, Picture, Value
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 
@@ -90,14 +90,17 @@ class SurfaceReader:
     def __init__(self) -> None:
         self._surfaces: dict[PreviewSurface, Surface] = {}
         self._pictures: dict[_Need, Picture] = {}
+        self._codes: Known = {}
 
     def prefetch(self, previews: Iterable[PreviewSurface]) -> None:
         """Read the pictures of surfaces that will be read, on all cores."""
         wanted = dict.fromkeys(need for preview in previews for need in _pictures_of(preview))
         missing = [need for need in wanted if need not in self._pictures]
+        # One of each file at the same time; what shares its codes follows.
+        files = list({(need[0].file, need[0].channel, need[1]): need for need in missing}.values())
         with ThreadPoolExecutor() as pool:
-            pictures = list(pool.map(_load, missing))
-        self._pictures |= zip(missing, pictures, strict=True)
+            self._pictures |= zip(files, pool.map(self._load, files), strict=True)
+        self._pictures |= {need: self._load(need) for need in missing if need not in self._pictures}
 
     def read(self, preview: PreviewSurface) -> Surface:
         """The surface of a preview surface; equal ones share one object."""
@@ -144,13 +147,18 @@ class SurfaceReader:
         if isinstance(source, Texture):
             need = _need(source, name, uv)
             if need not in self._pictures:
-                self._pictures[need] = _load(need)
+                self._pictures[need] = self._load(need)
             return self._pictures[need]
         clipped = np.clip(np.asarray(source, dtype=np.float64), *limits)
         if channels == 1:
             return float(clipped)
         red, green, blue = np.broadcast_to(clipped, 3).tolist()
         return red, green, blue
+
+    def _load(self, need: "_Need") -> Picture:
+        texture, channels, limits, mapping = need
+        uv = np.frombuffer(mapping).reshape(3, 3)
+        return load_picture(texture, channels, limits, uv, self._codes)
 
     def _opacity(self, preview: PreviewSurface, uv: Array) -> Value:
         opacity = self._value(preview, "opacity", uv)
@@ -177,11 +185,6 @@ def _pictures_of(preview: PreviewSurface) -> Iterator[_Need]:
 
 def _need(texture: Texture, name: str, uv: Array) -> _Need:
     return texture, *_NEEDS[name], _relative(texture, uv).tobytes()
-
-
-def _load(need: _Need) -> Picture:
-    texture, channels, limits, mapping = need
-    return load_picture(texture, channels, limits, np.frombuffer(mapping).reshape(3, 3))
 
 
 def _textures(preview: PreviewSurface) -> list[Texture]:
