@@ -134,6 +134,7 @@ GENERAL: Final[tuple[Row, ...]] = (
     row("leg foot post rail slat seat back arm shelf step frame door drawer_front drawer_box "
          "lid bar_stretcher footboard headboard", solid(), "common", "wood"),
     row("mirror", walls(2.5, 2500), "common"),
+    row("pane", solid(2500), "common"),
     row("wheel caster", solid(), "common"),
     row("label mat", solid(), "common"),
     # Anything, by what it shows.

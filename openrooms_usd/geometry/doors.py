@@ -12,7 +12,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.leaves import GAP, LEAF, PIVOT, STYLES, handle, swept
+from openrooms_usd.geometry.leaves import GAP, LEAF, PIVOT, STYLES, glass_of, handle, swept
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.geometry.windows import EMBED, Span, bar
@@ -39,6 +39,7 @@ class Leaf:
         hinge: (2,) where the leaf's vertical axis stands in the opening's x and y.
         sense: +1 where the leaf opens counter-clockwise seen from above, -1 otherwise.
         swept: (2, 4, 2) rectangles in the leaf's x and y that the leaf and its handles cover.
+        pane: Its glass, in the leaf's frame; None without.
     """
 
     panel: Mesh
@@ -46,6 +47,7 @@ class Leaf:
     hinge: Array
     sense: float
     swept: Array
+    pane: Mesh | None = None
 
     def mirrored(self, x: float, y: float, across: float) -> "Leaf":
         """The leaf mirrored by the signs ``x`` and ``y``, then moved along y, metres."""
@@ -56,6 +58,7 @@ class Leaf:
             hinge=self.hinge * [x, y] + [0.0, across],
             sense=self.sense * x * y,
             swept=self.swept @ mirror[:2, :2],
+            pane=self.pane.transformed(mirror) if self.pane else None,
         )
 
 
@@ -109,6 +112,7 @@ def door(
         hinge=np.array([-0.5 * width + lining, -PIVOT]),
         sense=-1.0,
         swept=swept(leaf_width),
+        pane=glass_of(style, leaf_width, z),
     )
     leaves = [first]
     if double:

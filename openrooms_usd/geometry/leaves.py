@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, rounded_box
-from openrooms_usd.geometry.windows import EMBED, Span, bar
+from openrooms_usd.geometry.windows import EMBED, Span, bar, pane
 
 Array = NDArray[np.float64]
 
@@ -85,10 +85,8 @@ def _flush(width: float, z: Span) -> Mesh:
 
 
 def _glazed(width: float, z: Span) -> Mesh:
-    """Stiles, rails and slim bars around open lights: no glass, as in windows."""
-    small = _small(width, z)
-    rails = [(z[0], z[0] + small * _KICK_RAIL), (z[1] - small * _TOP_RAIL, z[1])]
-    made = _ladder(width, z, 1, rails)
+    """Stiles, rails and slim bars around open lights, whose glass is `glass_of`."""
+    small, made = _small(width, z), _glazed_ladder(width, z)
     left, right, low, high = made.fields[0]
     half = 0.5 * small * _GLAZING_BAR
     slim = (made.y[0] + 0.006, made.y[1] - 0.006)
@@ -99,6 +97,27 @@ def _glazed(width: float, z: Span) -> Mesh:
     slim = (slim[0] + 0.0015, slim[1] - 0.0015)  # no face lies in another
     bars += [bar((left - EMBED, right + EMBED), slim, (p - half, p + half)) for p in levels]
     return joined([*made.bars, *bars])
+
+
+def _glazed_ladder(width: float, z: Span) -> _Ladder:
+    small = _small(width, z)
+    rails = [(z[0], z[0] + small * _KICK_RAIL), (z[1] - small * _TOP_RAIL, z[1])]
+    return _ladder(width, z, 1, rails)
+
+
+def glass_of(style: str, width: float, z: Span) -> Mesh | None:
+    """The pane of a leaf, a thin box whose edges stand in its stiles and rails; None without.
+
+    Args:
+        style: One of `STYLES`.
+        width: Of the leaf, metres.
+        z: Its lower and upper edge.
+    """
+    if style != "glazed":
+        return None
+    made = _glazed_ladder(width, z)
+    left, right, low, high = made.fields[0]
+    return pane((left, right), made.y, (low, high))
 
 
 STYLES: Final[dict[str, Callable[[float, Span], Mesh]]] = {

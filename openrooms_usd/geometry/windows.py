@@ -1,7 +1,6 @@
 """Windows: an outer frame with a sill board, and sashes that turn or slide.
 
-No glass: a pane would only dim and bend what enters, and every renderer's direct light would have
-to look through it. The light of the outside enters by the opening itself.
+Panes are thin boxes whose edges stand in the bars around them; each sash takes its own along.
 
 Frames are in their opening's frame: x to the right seen from inside, y outwards, z up, the origin
 in the middle of the opening on the wall's inner face.
@@ -15,10 +14,12 @@ import numpy as np
 
 from openrooms_usd.geometry.faces import prism
 from openrooms_usd.geometry.mesh import Mesh, joined
-from openrooms_usd.geometry.solids import rounded_box
+from openrooms_usd.geometry.solids import box, rounded_box
 
 # How far parts reach into the wall and into each other, so that no seam lets light pass, metres.
 EMBED = 0.005
+
+_GLASS = 0.004  # thickness of a pane
 
 Span = tuple[float, float]
 
@@ -41,6 +42,7 @@ class Sash:
 
     Attributes:
         mesh: Its bars, about its own origin.
+        pane: Its glass, about the same.
         kind: Whether it turns or slides.
         origin: A point of its axis in the opening's frame, metres.
         axis: Of its movement: into the room where it turns, upwards or downwards where it slides.
@@ -48,6 +50,7 @@ class Sash:
     """
 
     mesh: Mesh
+    pane: Mesh
     kind: Literal["hinge", "rail"]
     origin: tuple[float, float, float]
     axis: tuple[float, float, float]
@@ -61,14 +64,16 @@ class Window:
     Attributes:
         frame: What stands fast, in the opening's frame: closed solids that overlap each other and
             the wall.
+        panes: The glass that stands fast, a piece each.
         sashes: What moves, from the left or from below.
     """
 
     frame: Mesh
+    panes: tuple[Mesh, ...]
     sashes: tuple[Sash, ...]
 
     def closed(self) -> Mesh:
-        """All of it in the opening's frame, shut."""
+        """All of it but the glass in the opening's frame, shut."""
         return joined([self.frame, *(sash.mesh.moved(sash.origin) for sash in self.sashes)])
 
 
@@ -89,10 +94,27 @@ class _Box:
     slim: float
 
 
+# Bars and glass that stand fast, and what moves.
+_Filling = tuple[list[Mesh], list[Mesh], list[Sash]]
+
+
 def bar(x: Span, y: Span, z: Span, radius: float = 0.002) -> Mesh:
     """A box with softened edges between two values of each coordinate, metres."""
     low, high = np.sort(np.array([x, y, z], dtype=np.float64), axis=1).T
     return rounded_box(high - low, radius, center=0.5 * (low + high))
+
+
+def pane(x: Span, y: Span, z: Span) -> Mesh:
+    """Glass within an opening between bars, in the middle of their thickness.
+
+    Args:
+        x: Left and right edge of the opening, metres.
+        y: Front and back of the bars.
+        z: Lower and upper edge.
+    """
+    (left, right), (low, high) = _wider(x, EMBED), _wider(z, EMBED)
+    middle = (0.5 * (left + right), 0.5 * (y[0] + y[1]), 0.5 * (low + high))
+    return box((right - left, _GLASS, high - low), middle)
 
 
 def rectangle(x: Span, z: Span, y: Span, width: float) -> list[Mesh]:
@@ -132,11 +154,11 @@ def window(
     x, z = (-0.5 * width, 0.5 * width), (-0.5 * height, 0.5 * height)
     bars = rectangle(_wider(x, EMBED), _wider(z, EMBED), y, profile + EMBED)
     clear = _Box(_wider(x, -profile), y, _wider(z, -profile), slim)
-    more, sashes = STYLES[style](clear)
+    more, panes, sashes = STYLES[style](clear)
     bars += more
     if board:
         bars.append(_sill_board(width, z[0], y[0], beyond))
-    return Window(joined(bars), tuple(sashes))
+    return Window(joined(bars), tuple(panes), tuple(sashes))
 
 
 def _lights(clear: _Box, usual: float) -> tuple[list[Mesh], list[Span]]:
@@ -154,19 +176,17 @@ def _lights(clear: _Box, usual: float) -> tuple[list[Mesh], list[Span]]:
     return posts, spans
 
 
-def _casement(clear: _Box) -> tuple[list[Mesh], list[Sash]]:
+def _casement(clear: _Box) -> _Filling:
     """Sashes side by side that turn into the room."""
     return _turning(clear, lambda x, z, y: [])
 
 
-def _grid(clear: _Box) -> tuple[list[Mesh], list[Sash]]:
+def _grid(clear: _Box) -> _Filling:
     """The same with small panes between bars."""
     return _turning(clear, _panes)
 
 
-def _turning(
-    clear: _Box, between: Callable[[Span, Span, Span], list[Mesh]]
-) -> tuple[list[Mesh], list[Sash]]:
+def _turning(clear: _Box, between: Callable[[Span, Span, Span], list[Mesh]]) -> _Filling:
     bars, spans = _lights(clear, _LIGHT)
     sashes = []
     inner, sash = clear.y[1] - 0.4 * _DEPTH, clear.slim * _SASH
@@ -179,13 +199,16 @@ def _turning(
         x, z = _wider(span, -clear.slim * _GAP), _wider(clear.z, -clear.slim * _GAP)
         y = (clear.y[0] - 0.004, inner)
         leaf = rectangle(x, z, y, sash)
-        leaf += between(_wider(x, -sash), _wider(z, -sash), y)
+        inside = _wider(x, -sash), _wider(z, -sash)
+        leaf += between(*inside, y)
         right = i % 2 == 1  # neighbours open away from each other
         axis = (x[1] if right else x[0], y[0], z[0])
         turn = (0.0, 0.0, 1.0 if right else -1.0)
-        mesh = joined(leaf).moved(-np.array(axis))
-        sashes.append(Sash(mesh, "hinge", axis, turn, _WIDE_OPEN))
-    return bars, sashes
+        mesh, glass = (
+            made.moved(-np.array(axis)) for made in (joined(leaf), pane(inside[0], y, inside[1]))
+        )
+        sashes.append(Sash(mesh, glass, "hinge", axis, turn, _WIDE_OPEN))
+    return bars, [], sashes
 
 
 def _panes(x: Span, z: Span, y: Span) -> list[Mesh]:
@@ -202,7 +225,7 @@ def _panes(x: Span, z: Span, y: Span) -> list[Mesh]:
     ]
 
 
-def _sliding(clear: _Box) -> tuple[list[Mesh], list[Sash]]:
+def _sliding(clear: _Box) -> _Filling:
     """Two sashes above each other, the lower one before the upper one; both slide."""
     bars, spans = _lights(clear, 1.1)
     sashes = []
@@ -220,23 +243,27 @@ def _sliding(clear: _Box) -> tuple[list[Mesh], list[Sash]]:
             tracks, ((z[0], middle + half), (middle - half, z[1])), (1.0, -1.0), strict=True
         ):
             origin = (0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]), 0.5 * (edges[0] + edges[1]))
-            mesh = joined(rectangle(x, edges, y, rail)).moved(-np.array(origin))
-            sashes.append(Sash(mesh, "rail", origin, (0.0, 0.0, up), travel))
-    return bars, sashes
+            glass = pane(_wider(x, -rail), y, _wider(edges, -rail))
+            mesh, glass = (
+                made.moved(-np.array(origin))
+                for made in (joined(rectangle(x, edges, y, rail)), glass)
+            )
+            sashes.append(Sash(mesh, glass, "rail", origin, (0.0, 0.0, up), travel))
+    return bars, [], sashes
 
 
-def _fixed(clear: _Box) -> tuple[list[Mesh], list[Sash]]:
+def _fixed(clear: _Box) -> _Filling:
     """Large lights that do not open, with a bead around each."""
     bars, spans = _lights(clear, 1.4)
     y = (clear.y[0] + 0.3 * _DEPTH, clear.y[1] - 0.3 * _DEPTH)
+    bead, panes = 0.6 * clear.slim * _SASH, []
     for span in spans:
-        bars += rectangle(
-            _wider(span, EMBED), _wider(clear.z, EMBED), y, 0.6 * clear.slim * _SASH + EMBED
-        )
-    return bars, []
+        bars += rectangle(_wider(span, EMBED), _wider(clear.z, EMBED), y, bead + EMBED)
+        panes.append(pane(_wider(span, -bead), y, _wider(clear.z, -bead)))
+    return bars, panes, []
 
 
-STYLES: Final[dict[str, Callable[[_Box], tuple[list[Mesh], list[Sash]]]]] = {
+STYLES: Final[dict[str, Callable[[_Box], _Filling]]] = {
     "casement": _casement,
     "grid": _grid,
     "sliding": _sliding,

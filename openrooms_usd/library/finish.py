@@ -21,6 +21,7 @@ class Finish:
         choices: How many different ones a room has; more objects share them.
         transmission: Part of the light that passes diffusely through a face. Base colour R and
             it, T, are together at most 1; cloth of two faces passes T^2 / (1 - R^2).
+        pane: What the glass of a clear pane lets through, by primary; None where it is none.
         each: Whether every instance of a part draws its own, as books do.
     """
 
@@ -31,4 +32,5 @@ class Finish:
     metallic: float = 0.0
     choices: int = 1
     transmission: float = 0.0
+    pane: Color | None = None
     each: bool = False

@@ -232,6 +232,11 @@ FINISHES: Final[dict[str, Finish]] = {
         "fabric", {"basket_weave": 2, "sisal": 1},
         colors=((0.5, 0.38, 0.23), (0.42, 0.4, 0.36)), choices=2,
     ),
+    # Float glass of 4 mm: a little green.
+    "glass": Finish(
+        "specular_stone", colors=((0.86, 0.9, 0.88),), roughness=(0.01, 0.011),
+        pane=(0.978, 0.989, 0.981),
+    ),
     "bulb": Finish("specular_stone", colors=((0.8, 0.8, 0.79),), roughness=(0.2, 0.3)),
     **SMALL_THINGS,
 }  # fmt: skip
@@ -292,6 +297,7 @@ PARTS: Final = {
     "mark": "print",
     "mirror": "mirror",
     "pages": "paper",
+    "pane": "glass",
     "plant": "leaf",
     "rack": "chrome",
     "roller": "plastic",

@@ -82,7 +82,7 @@ class Chooser:
         swatch = Swatch(
             finish.substance, family, int(rng.integers(NUMBERS_PER_FAMILY)) if family else 0, name,
             color,
-            roughness, finish.metallic, transmission=finish.transmission,
+            roughness, finish.metallic, transmission=finish.transmission, pane=finish.pane,
         )  # fmt: skip
         return self._scaled(swatch, name, number)
 

@@ -162,6 +162,8 @@ def _author_door(
         author_joint(prim, "hinge", (0.0, 0.0, leaf.sense), (0.0, most))
         author_mesh(stage, f"{prim.GetPath()}/Panel", leaf.panel, part="panel")
         author_mesh(stage, f"{prim.GetPath()}/Handle", leaf.handle, part="handle")
+        if leaf.pane:
+            author_mesh(stage, f"{prim.GetPath()}/Pane", leaf.pane, part="pane")
 
 
 def _author_sashes(stage: Usd.Stage, made: Window, path: str) -> None:
@@ -170,6 +172,9 @@ def _author_sashes(stage: Usd.Stage, made: Window, path: str) -> None:
         author_placement(prim, Gf.Vec3d(*sash.origin), 0.0)
         author_joint(prim, sash.kind, sash.axis, (0.0, sash.upper))
         author_mesh(stage, f"{prim.GetPath()}/Bars", sash.mesh, part="sash")
+        author_mesh(stage, f"{prim.GetPath()}/Pane", sash.pane, part="pane")
+    for number, glass in enumerate(made.panes):
+        author_mesh(stage, f"{path}/Pane_{number}", glass, part="pane")
 
 
 def _around(walls: Sequence[Wall], cut: Cut) -> list[NDArray[np.float64]]:

@@ -20,6 +20,9 @@ from openrooms_usd.usd import physics
 from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
 
+# Soda-lime glass (M. Rubin, Solar Energy Materials 12, 1985).
+_GLASS_IOR: Final = 1.52
+
 TEXTURES: Final = "textures"
 _Types = Sdf.ValueTypeNames
 
@@ -158,7 +161,9 @@ def _constant(swatch: Swatch) -> PreviewSurface:
         roughness=usual.roughness if swatch.roughness is None else swatch.roughness,
         metallic=swatch.metallic,
         transmission=swatch.transmission,
-        f0=F0,
+        f0=F0 if swatch.pane is None else None,
+        ior=PreviewSurface.ior if swatch.pane is None else _GLASS_IOR,
+        pane=swatch.pane,
     )
 
 

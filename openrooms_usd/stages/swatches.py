@@ -32,6 +32,7 @@ class Swatch:
         file: The user's own material, relative to the description.
         across: Whether its grain runs along s rather than t.
         transmission: Part of the light that passes diffusely.
+        pane: What the glass of a clear pane lets through, by primary; None where it is none.
         tint: Factors of the base colour.
         wear: Factor of the roughness.
         place: Where on the material it is cut from, in repeats along s and t.
@@ -48,6 +49,7 @@ class Swatch:
     file: str | None = None
     across: bool = False
     transmission: float = 0.0
+    pane: Color | None = None
     tint: Color = (1.0, 1.0, 1.0)
     wear: float = 1.0
     place: tuple[float, float] = (0.0, 0.0)

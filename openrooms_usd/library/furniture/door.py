@@ -44,6 +44,8 @@ def build(size: Size, rng: np.random.Generator, style: str) -> Furniture:
     for leaf in made.leaves:
         at = np.array([*leaf.hinge, 0.0]) + up
         names = parts.add("door", leaf.panel.moved(at)) + parts.add("handle", leaf.handle.moved(at))
+        if leaf.pane:
+            names += parts.add("pane", leaf.pane.moved(at))
         parts.hinge("door", names, at, "left" if leaf.sense < 0.0 else "right", _WIDE_OPEN)
     return parts.furniture()
 

@@ -169,7 +169,7 @@ def hang_door(
     if look.glass:
         names = made.add("door", _sash(width, height, thickness).moved(at))
         inset = 0.055
-        names += made.add("glass", board((left + inset, y - 0.7 * thickness, low + inset),
+        names += made.add("pane", board((left + inset, y - 0.7 * thickness, low + inset),
                                          (right - inset, y - 0.4 * thickness, high - inset),
                                          0.001))  # fmt: skip
     else:

@@ -34,9 +34,12 @@ def build(size: Size, rng: np.random.Generator, style: str) -> Furniture:
     up = np.array([0.0, 0.0, 0.5 * tall])
     parts = Assembly()
     parts.add("frame", made.frame.moved(up))
+    for glass in made.panes:
+        parts.add("pane", glass.moved(up))
     for number, sash in enumerate(made.sashes):
         x, y, z = (np.array(sash.origin) + up).tolist()
         names = parts.add("sash", sash.mesh.moved((x, y, z)))
+        names += parts.add("pane", sash.pane.moved((x, y, z)))
         parts.joints.append(
             Joint(f"sash_{number}", sash.kind, names, (x, y, z), sash.axis, (0.0, sash.upper))
         )
