@@ -75,6 +75,28 @@ def test_a_grid_has_bars_between_its_panes() -> None:
     assert _free([grid.closed()], 1.5, 1.3) < _free([plain.closed()], 1.5, 1.3) - 0.04
 
 
+@pytest.mark.parametrize("style", windows.STYLES)
+def test_glass_fills_what_is_free_of_a_shut_window(style: str) -> None:
+    made = window(1.5, 1.3, 0.2, board=True, style=style)
+    glass = [*made.panes, *(sash.pane.moved(sash.origin) for sash in made.sashes)]
+    assert _free([made.closed()], 1.5, 1.3) > 0.4
+    # Sliding sashes overlap, and keep a gap between their tracks.
+    assert _free([made.closed(), *glass], 1.5, 1.3) == 0.0
+    for pane in glass:
+        assert np.ptp(pane.points, axis=0).min() == pytest.approx(0.004)
+
+
+@pytest.mark.parametrize("style", leaves.STYLES)
+def test_glass_fills_glazed_doors(style: str) -> None:
+    made = door(1.6, 2.05, 0.2, style=style, hinge="right", swing="out")
+    shut = [made.frame]
+    for leaf in made.leaves:
+        assert (leaf.pane is not None) == (style == "glazed")
+        parts = [leaf.panel, *([leaf.pane] if leaf.pane else [])]
+        shut += [_turned(part, 0.0, leaf.hinge) for part in parts]
+    assert _free(shut, 1.6 - 0.06, 2.05 - 0.08) == 0.0
+
+
 @pytest.mark.parametrize("style", leaves.STYLES)
 def test_only_glazed_doors_let_light_through_while_shut(style: str) -> None:
     made = door(0.9, 2.05, 0.2, style=style)
