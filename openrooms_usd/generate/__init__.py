@@ -2,8 +2,8 @@
 
 - `boxes`, `polygons`, `shell`, `openings`, `finishing`: the empty room; `sizes`, `shapes`, `items`,
   `kit`: what may stand in it; `groups`, `programs`: what belongs together, and what rooms want;
-- `standing`, `floor`, `placement`, `walls`, `backsplashes`, `fittings`: where it stands and hangs;
-  `rooms`: all of it;
+- `standing`, `floor`, `placement`, `walls`, `curtains`, `backsplashes`, `fittings`: where it stands
+  and hangs; `rooms`: all of it;
 - `outside`, `moments`, `lighting`: where it lies, when it is seen, and which lamps are on;
 - `clutter`: what lies about; `describing` (`finishlooks`), `writing`, `folders`: as text;
   `expansion`: inside a description; `statistics`.

@@ -142,6 +142,7 @@ PROGRAMS: Final[dict[str, Program]] = {
               before=0.4), chance=0.5), BASKET, BIN),
         _PLAIN, (1.0, 1.9), (2.4, 2.6), (1, 1), (0, 1), high_windows=True, swing_out=0.3,
         hangs=(("towel_rail", 0, 1), ("wall_lamp", 0, 2), ("picture", 0, 1)), lux=(150, 300),
+        curtains=0.5,
     ),
     "bedroom": Program(
         (9, 14, 26),
@@ -185,7 +186,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (Want(working.classroom, 1), CABINET, SHELF, BIN, PLANT),
         {"rectangle": 8, "L": 1, "slant": 1}, (1.05, 1.5), (2.8, 3.4), (1, 2), (2, 5),
         hangs=_CLASS, lux=(250, 400),
-        curtains=0.2,
+        curtains=0.4,
     ),
     "closet": Program(
         (2.4, 4.5, 9),
@@ -201,6 +202,7 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_of(working.workstations, 5), 0, 4, each=16.0), COPIER, FILES, BIN, PLANT),
         {"rectangle": 8, "L": 1}, (1.1, 1.6), (2.6, 3.2), (1, 2), (1, 4), hangs=_WORK,
         lux=(250, 400),
+        curtains=0.5,
     ),
     "conference_room": Program(
         (18, 30, 55),
@@ -208,13 +210,14 @@ PROGRAMS: Final[dict[str, Program]] = {
               most=4)), PLANT, BIN),
         {"rectangle": 8, "L": 1, "slant": 1, "chamfer": 1}, (1.2, 1.8), (2.6, 3.2), (1, 2), (1, 4),
         hangs=(("whiteboard", 1, 1), ("clock", 0, 1), ("picture", 0, 2)), lux=(200, 350),
-        curtains=0.2,
+        curtains=0.6,
     ),
     "copy_room": Program(
         (7, 12, 22),
         (COPIER, TABLE_AT_WALL, Want(_of(storing.row, "bookshelf", 3), 1), FILES,
          Want(storing.boxes, 1, 3), BIN, BIN),
         _PLAIN, (1.0, 1.7), doors=(1, 2), windows=(0, 1), hangs=_WORK, lux=(200, 300),
+        curtains=0.3,
     ),
     "mail_room": Program(
         (9, 16, 28),
@@ -264,7 +267,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (KITCHEN, Want(kitchen.island, chance=0.35), Want(_of(sitting.dining, (2, 4)), chance=0.85),
          Want(_piece("cabinet", width=(0.6, 1.0), height=1.9), chance=0.25), BIN, PLANT),
         windows=(1, 2), doors=(1, 2), lux=(180, 300), sills=(1.05, 1.1, 1.15), glazed=0.0,
-        curtains=0.2,
+        curtains=0.5,
     ),
     "laundry_room": Program(
         (4.5, 8, 15),
@@ -307,7 +310,7 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_of(sitting.dining, (2, 4), "chair", False, ("laptop", "bottle"), "meeting"),
               chance=0.4), CABINET, COPIER, PLANT, BIN),
         hangs=_WORK, lux=(220, 350),
-        curtains=0.15,
+        curtains=0.6,
     ),
     "stairs": Program(
         (9, 15, 26),

@@ -12,6 +12,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.generate.backsplashes import backsplashes
 from openrooms_usd.generate.boxes import Pose
 from openrooms_usd.generate.clutter.living import lived_in
+from openrooms_usd.generate.curtains import curtains
 from openrooms_usd.generate.finishing import Finishing, finished, finishing, shell_style
 from openrooms_usd.generate.fittings import Fitter
 from openrooms_usd.generate.items import Item
@@ -22,7 +23,7 @@ from openrooms_usd.generate.polygons import floor_plan
 from openrooms_usd.generate.programs import PROGRAMS, Program, Want
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.shell import Shell
-from openrooms_usd.generate.walls import ceiling_lamps, curtains, hang
+from openrooms_usd.generate.walls import ceiling_lamps, hang
 from openrooms_usd.library.assignment.weights import drawn
 from openrooms_usd.library.interiors import INTERIORS, Interior
 
@@ -213,7 +214,7 @@ def _furnished(
     fitter = Fitter(room, own, shell_style(style), room_type)
     heaters = fitter.heating()
     lamps = ceiling_lamps(room, kit)
-    cloths = curtains(room, kit, program.curtains)
+    cloths = curtains(room, kit, room_type, program.curtains)
     hung = hang(room, kit, program.hangs)
     tiles = backsplashes(room, kit)
     fitted = [*heaters, *fitter.wiring(lamps)]

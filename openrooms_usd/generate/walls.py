@@ -17,9 +17,6 @@ from openrooms_usd.library.furniture import Size, category, styles
 # Between what hangs and anything else, metres.
 _HANGING_GAP_M: Final = 0.08
 _MAX_TRIES: Final = 30
-# Curtains hang clear of what stands out at a window's sill; these styles keep to their front.
-_CURTAIN_DEPTH: Final = 0.2
-_CURTAINS: Final = ("drapes", "sheer")
 # One ceiling lamp for this much floor, square metres; and the least height to walk below it.
 _FLOOR_PER_LAMP_M2: Final = 14.0
 _LAMP_HEADROOM_M: Final = 2.05
@@ -77,37 +74,6 @@ def _is_free(room: Arrangement, item: Item) -> bool:
     away |= len(room.solids) > 0 and overlap(box, room.solids, _HANGING_GAP_M).any()
     away |= overlap(box, room.shell.attached, 0.01).any()
     return not away and not overlap(box, room.shell.walls, -0.002).any()
-
-
-def curtains(room: Arrangement, kit: Kit, chance: float) -> list[Item]:
-    """Curtains of one make before the windows, to the floor or to below the sill."""
-    if not kit.chance(chance):
-        return []
-    style = kit.pick(_CURTAINS)
-    beyond = kit.between(0.16, 0.3)
-    made: list[Item] = []
-    for gap in room.shell.gaps:
-        if gap.kind != "window":
-            continue
-        side = room.shell.sides[gap.side]
-        top = min(gap.top + 0.16, room.shell.clear_height - 0.03)
-        x, y = side.point(gap.at, 0.5 * _CURTAIN_DEPTH).tolist()
-        for low in (0.02, gap.sill - 0.12):
-            size = (round(gap.width + 2 * beyond, 2), _CURTAIN_DEPTH, round(top - low, 2))
-            item = kit.item("curtain", x, y, side.yaw, size=size, style=style, z=round(low, 2),
-                            on="wall")  # fmt: skip
-            if size[2] > 0.5 and _is_free_before(room, item) and room.add(item):
-                made.append(item)
-                break
-    return made
-
-
-def _is_free_before(room: Arrangement, item: Item) -> bool:
-    """Whether a curtain disturbs nothing but the window that it is for."""
-    box = item.box[None]
-    doors = room.shell.kept[room.shell.kept[:, 6] == 0.0]
-    away = overlap(box, doors, 0.02).any() or overlap(box, room.shell.walls, -0.002).any()
-    return not away and not (len(room.solids) and overlap(box, room.solids, 0.03).any())
 
 
 def ceiling_lamps(room: Arrangement, kit: Kit) -> list[Item]:

@@ -86,6 +86,12 @@ FINISHES: Final[dict[str, Finish]] = {
         colors=((0.43, 0.41, 0.37), (0.38, 0.35, 0.32), (0.29, 0.33, 0.36)), choices=2,
         transmission=0.1,
     ),
+    # A roller blind lets a sixth through.
+    "blind": Finish(
+        "fabric", {"canvas": 2, "linen": 1},
+        colors=((0.44, 0.43, 0.4), (0.42, 0.39, 0.33), (0.3, 0.32, 0.34)), choices=2,
+        transmission=0.37,
+    ),
     "sheer": Finish(
         "fabric", colors=((0.28, 0.277, 0.27),), roughness=(0.8, 0.9), transmission=0.66,
     ),

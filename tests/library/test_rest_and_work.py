@@ -136,6 +136,9 @@ def test_sheers_are_sheer_and_drapes_leave_the_window_free() -> None:
     assert len(drapes) == 2
     left, right = sorted(mesh.extent[:, 0].tolist() for mesh in drapes.values())
     assert right[0] - left[1] > 0.4
+    drawn = _all(_made("curtain", "drawn").parts, "curtain")
+    left, right = sorted(mesh.extent[:, 0].tolist() for mesh in drawn.values())
+    assert right[0] - left[1] < 0.26
     # The sheer hangs between the drapes and the wall.
     sheer = layered["sheer"].extent
     assert all(mesh.extent[1, 1] < sheer[0, 1] for mesh in _all(layered, "curtain").values())
@@ -146,12 +149,12 @@ def test_curtains_reach_the_wall(style: str) -> None:
     parts = _made("curtain", style).parts
     back = max(mesh.extent[1, 1] for mesh in parts.values())
     assert max(m.extent[1, 1] for m in _all(parts, "bracket").values()) == pytest.approx(back)
-    cloth = _all(parts, "curtain", "sheer", "slat")
+    cloth = _all(parts, "curtain", "sheer", "slat", "blind")
     assert min(mesh.extent[0, 2] for mesh in cloth.values()) < 0.08
 
 
 def test_blinds_suit_shallow_boxes() -> None:
-    assert set(styles("curtain", (1.2, 0.08, 1.5))) == {"sheer", "roller", "venetian"}
+    assert set(styles("curtain", (1.2, 0.08, 1.5))) == {"sheer", "sheers", "roller", "venetian"}
     assert "roller" not in styles("curtain", (2.0, 0.2, 2.3))
 
 

@@ -1,5 +1,6 @@
-"""Curtains and blinds: heavy drapes on rings, a sheer, both in layers, a roller, and slats."""
+"""Curtains and blinds: drapes on rings, open or drawn, sheers, layers, a roller, and slats."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -26,6 +27,11 @@ from openrooms_usd.library.furniture.joinery import (
 ROD: Final = 0.0125
 RING: Final = 0.024
 _TO_X: Final = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+
+
+# How much of the width curtains leave free: those that stand open or half open, and drawn ones.
+_APART: Final = (0.35, 0.8)
+_DRAWN: Final = (0.0, 0.12)
 
 
 def _rod(size: Size, y: float) -> Parts:
@@ -62,13 +68,13 @@ def _spans(half: float, open_: float) -> list[tuple[float, float]]:
     return [(-half, -inner), (inner, half)]
 
 
-def drapes(size: Size, rng: np.random.Generator) -> Parts:
+def drapes(size: Size, rng: np.random.Generator, apart: tuple[float, float] = _APART) -> Parts:
     """Heavy curtains drawn apart, on rings that slide on a rod."""
     width, depth, height = size
     deep = min(0.13, 0.8 * depth)
     y = -0.5 * depth + 0.5 * deep
     half = 0.5 * width - 0.03
-    spans = _spans(half, float(rng.uniform(0.35, 0.72)))
+    spans = _spans(half, float(rng.uniform(*apart)))
     top = height - 2.0 * RING
     pitch = float(rng.uniform(0.07, 0.1))
     cloths = [folded(span, (0.0, top), y, deep, pitch, 0.004, rng) for span in spans]
@@ -104,6 +110,17 @@ def sheer(size: Size, rng: np.random.Generator) -> Parts:
     cloth = folded((-half, half), (0.0, height - 0.018), y, deep,
                    float(rng.uniform(0.085, 0.11)), 0.0015, rng)  # fmt: skip
     return {"sheer": cloth, **_track(size, y)}
+
+
+def sheers(size: Size, rng: np.random.Generator) -> Parts:
+    """Two thin curtains in fine folds, drawn apart on a rail."""
+    width, depth, height = size
+    deep = min(0.09, 0.8 * depth)
+    y, half = -0.5 * depth + 0.5 * deep, 0.5 * width - 0.01
+    pitch = float(rng.uniform(0.07, 0.09))
+    cloths = [folded(span, (0.0, height - 0.018), y, deep, pitch, 0.0015, rng)
+              for span in _spans(half, float(rng.uniform(*_APART)))]  # fmt: skip
+    return {**numbered("sheer", cloths), **_track(size, y)}
 
 
 def layered(size: Size, rng: np.random.Generator) -> Parts:
@@ -143,7 +160,7 @@ def roller(size: Size, rng: np.random.Generator) -> Parts:
     brackets = [board((min(s * inner, s * half), y - r, z - r), (max(s * inner, s * half),
                        0.5 * depth, height), 0.004) for s in (-1.0, 1.0)]  # fmt: skip
     return {
-        "curtain": board((0.004 - inner, behind - 0.0008, 0.012), (inner - 0.004, behind + 0.0008,
+        "blind": board((0.004 - inner, behind - 0.0008, 0.012), (inner - 0.004, behind + 0.0008,
                                                                   z), 0.0004),
         "rod": cylinder(r - 0.002, 2.0 * inner, segments=24).transformed(_TO_X).moved(
             (-inner, y, z)
@@ -187,6 +204,8 @@ def _thin(size: Size) -> bool:
 
 STYLES: Final = {
     "drapes": Style(drapes, lambda size: not _thin(size)),
+    "drawn": Style(partial(drapes, apart=_DRAWN), lambda size: not _thin(size)),
+    "sheers": Style(sheers, lambda size: size[1] > 0.06),
     "sheer": Style(sheer, lambda size: size[1] > 0.06),
     "layered": Style(layered, lambda size: size[1] > 0.15 and size[0] > 1.2),
     "roller": Style(roller, _thin),
@@ -219,6 +238,7 @@ CATEGORY: Final = BuiltCategory(
             {
                 ANY: "drape",
                 "sheer": "sheer",
+                "blind": "blind",
                 "rod": METAL,
                 "ring": METAL,
                 "finial": METAL,
@@ -231,7 +251,7 @@ CATEGORY: Final = BuiltCategory(
     ),
     makes=(
         makes.row("sheer", makes.filled(60), "common"),
-        makes.row(f"curtain cord {ANY}", makes.filled(80), "common", "fabric"),
+        makes.row(f"curtain blind cord {ANY}", makes.filled(80), "common", "fabric"),
         makes.row("slat", makes.filled(400), "common"),
     ),
     hinges=PLAIN_HINGES,
