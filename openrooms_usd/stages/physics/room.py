@@ -28,6 +28,8 @@ from openrooms_usd.usd.semantics import read_label
 
 # A floor and a ceiling are treated as convex: no seam stops sliding objects, and nothing is beyond.
 _LEVEL: Final = frozenset({"floor", "ceiling"})
+# Parts of openings that are thinner than what shapes are true to.
+_BOARDS: Final = frozenset({"casing", "threshold"})
 _DECIMALS: Final = 3
 
 
@@ -51,7 +53,7 @@ def read_room(stage: Usd.Stage, objects: Objects) -> BuiltIn | None:
         return None
     openings = stage.GetPrimAtPath(names.OPENINGS)
     paths = [prim.GetPath() for prim in openings.GetChildren()] if openings else []
-    assets = [_built_in(objects.asset(stage, path, room)) for path in paths]
+    assets = [_bare(_built_in(objects.asset(stage, path, room))) for path in paths]
     found = tuple(asset for asset in assets if any(link.solids for link in asset.links))
     return BuiltIn(_built_in(objects.asset(stage, room, room)), found)
 
@@ -70,14 +72,26 @@ def _built_in(asset: RigidAsset) -> RigidAsset:
     return replace(asset, fixed=True, settings=replace(asset.settings, shapes="auto"))
 
 
+def _bare(opening: RigidAsset) -> RigidAsset:
+    """An opening without the thin boards around it, which carry nothing."""
+    links = tuple(
+        replace(link, solids=tuple(solid for solid in link.solids if solid.name not in _BOARDS))
+        for link in opening.links
+    )
+    return replace(opening, links=links)
+
+
 def _author_shell(context: StageContext, room: RigidAsset) -> None:
-    inside = f"{names.OPENINGS.removeprefix(names.ROOM + '/')}/"
+    # So are boards along the walls and tiles.
+    apart = tuple(
+        f"{path.removeprefix(names.ROOM + '/')}/" for path in (names.OPENINGS, names.TRIM)
+    )
     solids = [
         _with_floor_friction(context, solid)
         for link in room.links
         if link.joint is None
         for solid in link.solids
-        if not solid.path.startswith(inside)
+        if not solid.path.startswith(apart)
     ]
     colliders = [
         Collider(f"{solid.path.rpartition('/')[2]}_{number}", shape, solid)
