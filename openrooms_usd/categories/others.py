@@ -67,11 +67,6 @@ OTHERS: Final[dict[str, Category]] = {
     "floor_mat": _other(
         makes=(makes.row(ANY, makes.filled(220), "common"),),
     ),
-    "guitar": _other(
-        classes=Classes("guitar", "otherprop"),
-        synsets=("03467517",),
-        makes=(makes.row(ANY, makes.walls(2.5, 500), "common"),),
-    ),
     "lamp": _other(
         classes=Classes("lamp", "lamp"),
         schemes=(
@@ -87,12 +82,6 @@ OTHERS: Final[dict[str, Category]] = {
     ),
     "pendant_lamp": _other(
         support="ceiling",
-    ),
-    "piano": _other(
-        classes=Classes("piano", "otherfurniture"),
-        synsets=("03928116",),
-        schemes=(Scheme({ANY: "wood"}, weight=3.0),),
-        makes=(makes.row(ANY, makes.filled(200), "weight"),),
     ),
     "picture_rail": _other(fixed=True, classes=Classes("wall", "otherstructure")),
     "shelf": _other(

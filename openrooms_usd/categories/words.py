@@ -76,6 +76,7 @@ _KIN: Final[dict[str, tuple[str, ...]]] = {
     "office_chair": ("chair", "armchair"),
     "oven": ("stove", "microwave"),
     "picture": ("whiteboard",),
+    "rack": ("bookshelf",),
     "side_table": ("night_stand", "cabinet", "dresser", "table"),
     "sofa": ("armchair",),
     "stool": ("side_table",),

@@ -146,7 +146,8 @@ PROGRAMS: Final[dict[str, Program]] = {
     ),
     "bedroom": Program(
         (9, 14, 26),
-        (Want(_of(sleeping.bed_place, 0.7), 1), Want(sleeping.clothes, 0, 1, chance=0.95), DRAWERS,
+        (Want(sleeping.built_in, chance=0.4), Want(_of(sleeping.bed_place, 0.7), 1),
+         Want(sleeping.clothes, chance=0.6), DRAWERS,
          Want(_of(working.desk_place, "chair"), chance=0.45), READING, SHELF, PLANT, BASKET),
         windows=(1, 2), hangs=(("picture", 0, 3), ("clock", 0, 1), ("wall_lamp", 0, 1)),
         lux=(80, 180),

@@ -49,6 +49,11 @@ FINISHES: Final[dict[str, Finish]] = {
         {"subway_tiles": 4, "zellige": 1, "porcelain_tiles": 1, "hexagon_mosaic": 0.7,
          "fish_scale_tiles": 0.5},
     ),
+    "piano_lacquer": Finish(
+        "paint", {"high_gloss_lacquer": 1}, colors=((0.02, 0.02, 0.021),), roughness=(0.06, 0.12),
+    ),
+    "ivory": Finish("plastic", colors=((0.72, 0.7, 0.64),), roughness=(0.2, 0.3)),
+    "ebony": Finish("wood", colors=((0.035, 0.026, 0.02),), roughness=(0.35, 0.45)),
     "shower_glass": Finish(
         "specular_stone", colors=((0.3, 0.31, 0.305),), roughness=(0.2, 0.3), transmission=0.64,
     ),

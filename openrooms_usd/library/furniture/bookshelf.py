@@ -142,8 +142,8 @@ CATEGORY: Final = BuiltCategory(
     weighs={ANY: (40, 140)},
     worktop=NO_APPLIANCE,
     fixed=False,
-    words="bookcase bookshelves book_shelf shelf shelves shelving rack book_rack kitchen_rack "
-    "magazine_rack shoe_rack storage_rack shelve",
+    words="bookcase bookshelves book_shelf shelf shelves shelving book_rack kitchen_rack "
+    "magazine_rack storage_rack shelve",
     classes=Classes("bookshelf", "bookshelf"),
     synsets=("02871439",),
     schemes=STORAGE,

@@ -1,5 +1,6 @@
-"""Wardrobes: hinged doors over drawers, sliding doors on two tracks, an open frame for clothes."""
+"""Wardrobes: hinged doors over drawers, built in, sliding on two tracks, an open frame."""
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -9,7 +10,7 @@ from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
 from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
-from openrooms_usd.library.furniture.assembly import Assembly
+from openrooms_usd.library.furniture.assembly import Assembly, Side
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
     MADE_TO_MEASURE,
@@ -22,10 +23,12 @@ from openrooms_usd.library.furniture.fronts import (
     BOARD,
     GAP,
     Cell,
+    Look,
     columns,
     doors,
     drawer,
     drawn_look,
+    hang_door,
     leaf,
     rows,
 )
@@ -34,6 +37,9 @@ from openrooms_usd.library.furniture.joinery import Furniture, Size, Style, boar
 PLINTH: Final = 0.07
 # Of the panels that slide, metres.
 PANEL: Final = 0.022
+# Of those that are built in: how wide a door is, from which height on there are two rows of them,
+# and where they divide; metres.
+_LEAF_M, _TOP_DOORS_FROM_M, _TOP_DOORS_AT_M = 0.5, 2.45, 2.15
 
 
 def _clothes_rail(made: Assembly, cell: Cell, y: float, drop: float = 0.06) -> None:
@@ -75,6 +81,40 @@ def hinged(size: Size, rng: np.random.Generator) -> Furniture:
         if chest:
             for cell in rows((column[0], column[1], low, upper), [1.0, 1.0]):
                 drawer(cabinet.made, cell, cabinet.face, cabinet.back - 0.03, look)
+    return cabinet.made.furniture()
+
+
+def built_in(size: Size, rng: np.random.Generator) -> Furniture:
+    """Equal doors from wall to wall, a second row of them below a high ceiling; one is a mirror."""
+    cabinet = closed(size, PLINTH)
+    cabinet.plinth()
+    left, right, low, high = cabinet.overlay
+    look = Look("bar", 0.06 if rng.uniform() < 0.4 else 0.0)
+    split = [low, high] if high < _TOP_DOORS_FROM_M else [low, _TOP_DOORS_AT_M, high]
+    count = max(1, round(size[0] / _LEAF_M))
+    mirrored = int(rng.integers(2 * count))
+    for j, (a, b) in enumerate(pairwise(split)):
+        for i, cell in enumerate(columns((left, right, a, b), count)):
+            side: Side = "left" if i % 2 == 0 else "right"
+            x = cell[1] - 0.04 if side == "left" else cell[0] + 0.04
+            glass: tuple[str, ...] = ()
+            if i == mirrored and not j:
+                front, inset = cabinet.face - BOARD, 0.075
+                glass = cabinet.made.add("mirror", board(
+                    (cell[0] + 0.005, front - 0.004, a + 0.005),
+                    (cell[1] - inset if side == "left" else cell[1] - 0.005, front + 0.001,
+                     b - 0.005), 0.001,
+                ))  # fmt: skip
+            hang_door(cabinet.made, cell, cabinet.face, side, look,
+                      handle=(x, a + 0.14 if j else 1.05), length=0.16, riders=glass)  # fmt: skip
+        if j:
+            cabinet.shelf(cabinet.inside, a)
+    top = split[1] - 0.5 * BOARD if len(split) > 2 else high - BOARD
+    for i, column in enumerate(columns(cabinet.overlay, max(1, round(size[0] / (2 * _LEAF_M))))):
+        if i:
+            cabinet.divider(column[0], low + BOARD, high - BOARD)
+        cell = (column[0] + BOARD, column[1] - BOARD, low + BOARD, top)
+        _interior(cabinet, cell, i % 2 == 1)
     return cabinet.made.furniture()
 
 
@@ -136,6 +176,7 @@ def open_frame(size: Size, rng: np.random.Generator) -> Furniture:
 STYLES: Final = {
     "hinged": Style(hinged),
     "sliding": Style(sliding, lambda size: size[0] > 1.2 and size[1] > 0.45, (1.8, 0.62, 2.15)),
+    "built_in": Style(built_in, lambda size: size[0] > 1.4 and size[2] > 2.25, (2.4, 0.62, 2.45)),
     "open": Style(open_frame, lambda size: size[0] > 0.7),
 }
 
@@ -153,7 +194,7 @@ CATEGORY: Final = BuiltCategory(
     also=(),
     level=HANGS_NOT,
     lumen=NO_LAMP,
-    weighs={ANY: (70, 190)},
+    weighs={ANY: (70, 190), "built_in": (100, 320)},
     worktop=NO_APPLIANCE,
     fixed=False,
     words="closet armoire wardrobe_closet wardrobe_cabinet",
