@@ -36,6 +36,7 @@ class Kit:
         height: Floor to ceiling, metres.
         span: Width and depth of the room, the longer first; metres.
         interior: The style of the room, if it has one.
+        clear_height: Up to where nothing is fixed along walls or below the ceiling, metres.
         modesty: 0 at the first try; grows when a group did not fit, and asks for less.
     """
 
@@ -44,6 +45,7 @@ class Kit:
     height: float = ROOM_HEIGHT
     span: tuple[float, float] = (5.0, 4.0)
     interior: Interior | None = None
+    clear_height: float = ROOM_HEIGHT
     modesty: float = 0.0
     _count: dict[str, int] = field(default_factory=dict)
     _makes: dict[str, tuple[Size, str]] = field(default_factory=dict)

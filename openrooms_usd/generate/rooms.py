@@ -204,6 +204,7 @@ def _furnished(
     kit = Kit(
         generator(shapes.seed, "generate", room_type, "furniture", attempt), shapes, shell.height,
         (float(sides.max()), float(sides.min())), INTERIORS[style] if style else None,
+        shell.clear_height,
     )  # fmt: skip
     missing = 0
     for want in program.wants:

@@ -25,7 +25,7 @@ BASE_M: Final = 0.872
 LEVEL_M: Final = 0.91
 # The lower edge of what hangs on the wall, of hoods, and the upper edge of all that is tall.
 WALL_LOW_M, _HOOD_LOW_M, _TALL_M = 1.46, 1.6, 2.16
-_BELOW_CEILING_M: Final = 0.12
+_BELOW_CEILING_M: Final = 0.06
 # From the wall to the backs and to the fronts of units, and to the worktop's edge; metres.
 _BEHIND_M, _FRONT_M, _WORKTOP_M = 0.02, 0.6, 0.63
 _WALL_DEPTH_M: Final = 0.34
@@ -178,7 +178,7 @@ class _Leg:
             size = (width - 0.004, 0.36, 0.07)
             self.wall(x, width, "doors", round(_HOOD_LOW_M + size[2] + _SEAM_M, 3))
         else:
-            size = (width - 0.004, 0.46, round(self.kit.height - _HOOD_LOW_M - 0.004, 3))
+            size = (width - 0.004, 0.46, round(self.kit.clear_height - _HOOD_LOW_M - 0.004, 3))
         self.above.append(
             self.item("hood", x, size, style, front=size[1] - 0.001, z=_HOOD_LOW_M, on="wall",
                       ordered=False, optional=True)
@@ -188,7 +188,7 @@ class _Leg:
 def kitchen(kit: Kit) -> Group:
     """A kitchen along one wall, or along two that meet; where it may, its sink below a window."""
     fronts = drawn(kit.rng, kit.interior.fronts if kit.interior else _FRONTS)
-    tall = round(min(_TALL_M, kit.height - _BELOW_CEILING_M), 2)
+    tall = round(min(_TALL_M, kit.clear_height - _BELOW_CEILING_M), 2)
     space, other = (side * (1.0 - 0.35 * kit.modesty) for side in kit.span)
     bent = kit.modesty < 0.5 and other > 2.9 and space > 3.3 and kit.chance(0.6)
     main = _Leg(kit, fronts, tall)

@@ -9,6 +9,8 @@ _SINGLE, _DOUBLE = (0.9, 1.0, 1.2), (1.4, 1.6, 1.8)
 
 # Higher rooms have something else above what is built in, metres.
 _MOST_BUILT_IN_M = 2.8
+# Skirting boards run behind and beside what is built in, metres.
+_AT_WALL_M = 0.016
 
 
 def bed_place(kit: Kit, double: float = 0.7) -> Group:
@@ -44,16 +46,16 @@ def bed_place(kit: Kit, double: float = 0.7) -> Group:
 
 def built_in(kit: Kit) -> Group | None:
     """A wardrobe from wall to wall, or from a corner, as high as the room."""
-    high = round(min(kit.height, _MOST_BUILT_IN_M) - 0.03, 2)
+    high = round(min(kit.clear_height, _MOST_BUILT_IN_M) - 0.03, 2)
     least, most = 1.5, min(3.0, kit.span[0] - 1.2)
     if high < 2.25 or most < least or kit.span[1] < 2.8:
         return None
     whole = kit.modesty < 0.3 and kit.span[1] < 4.0 and kit.chance(0.6)
-    width = round(kit.span[1] - 0.01 if whole else kit.between(least, most), 2)
+    width = round(kit.span[1] - 2 * _AT_WALL_M - 0.005 if whole else kit.between(least, most), 2)
     piece = kit.item("wardrobe", size=(width, 0.62, high), style="built_in")
     return Group("clothes", (piece,), zones([front_zone(piece, 0.7)]),
-                 ((0.0, -0.5 * piece.size[1] - 0.4),), back=0.5 * piece.size[1], gap=0.004,
-                 beside=0.004)  # fmt: skip
+                 ((0.0, -0.5 * piece.size[1] - 0.4),), back=0.5 * piece.size[1], gap=_AT_WALL_M,
+                 beside=_AT_WALL_M)  # fmt: skip
 
 
 def clothes(kit: Kit, name: str = "wardrobe", width: tuple[float, float] = (0.9, 2.2)) -> Group:
