@@ -75,6 +75,7 @@ _KIN: Final[dict[str, tuple[str, ...]]] = {
     "night_stand": ("side_table", "cabinet"),
     "office_chair": ("chair", "armchair"),
     "oven": ("stove", "microwave"),
+    "ottoman": ("stool",),
     "picture": ("whiteboard",),
     "rack": ("bookshelf",),
     "side_table": ("night_stand", "cabinet", "dresser", "table"),

@@ -54,6 +54,25 @@ FINISHES: Final[dict[str, Finish]] = {
     ),
     "ivory": Finish("plastic", colors=((0.72, 0.7, 0.64),), roughness=(0.2, 0.3)),
     "ebony": Finish("wood", colors=((0.035, 0.026, 0.02),), roughness=(0.35, 0.45)),
+    "bag_cloth": Finish(
+        "fabric", {"canvas": 2, "twill": 2},
+        colors=((0.03, 0.035, 0.05), (0.025, 0.025, 0.026), (0.1, 0.11, 0.07), (0.3, 0.05, 0.04),
+                (0.06, 0.12, 0.2), (0.25, 0.2, 0.13)),
+        choices=3,
+    ),
+    "luggage_shell": Finish(
+        "plastic",
+        colors=((0.05, 0.055, 0.06), (0.03, 0.07, 0.12), (0.35, 0.36, 0.36), (0.3, 0.06, 0.05),
+                (0.18, 0.26, 0.22)),
+        roughness=(0.3, 0.45), choices=2,
+    ),
+    "soft_vinyl": Finish(
+        "rubber", colors=((0.12, 0.2, 0.3), (0.3, 0.3, 0.31), (0.3, 0.09, 0.12), (0.1, 0.22, 0.18)),
+        roughness=(0.45, 0.6), choices=2,
+    ),
+    "water_bottle": Finish(
+        "plastic", colors=((0.2, 0.32, 0.45),), roughness=(0.1, 0.18), transmission=0.4,
+    ),
     "shower_glass": Finish(
         "specular_stone", colors=((0.3, 0.31, 0.305),), roughness=(0.2, 0.3), transmission=0.64,
     ),
