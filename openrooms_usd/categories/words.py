@@ -65,6 +65,7 @@ _KIN: Final[dict[str, tuple[str, ...]]] = {
     "chair": ("stool",),
     "coffee_table": ("table", "side_table"),
     "counter": ("cabinet", "kitchen_cabinet"),
+    "crib": ("bed",),
     "desk": ("table",),
     "dresser": ("cabinet", "side_table"),
     "file_cabinet": ("cabinet",),

@@ -1,6 +1,7 @@
 """From a generated room to the sections of a description, as plain data."""
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, Final
 
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
@@ -19,6 +20,9 @@ from openrooms_usd.library.assignment.rooms import surface_of
 from openrooms_usd.library.ensembles import ensemble_of
 from openrooms_usd.library.furniture import category
 from openrooms_usd.library.interiors import Color
+
+# What hangs is placed so far before its wall, whose face is rounded to the millimetre, metres.
+_BEFORE_WALL_M: Final = 0.005
 
 Section = dict[str, Any]
 
@@ -52,6 +56,10 @@ def objects(furnishing: Furnishing) -> list[tuple[str, Section]]:
 
 def row_of(name: str, item: Item, carrier: str, root: tuple[str, Item] | None) -> Section:
     """One object of a description; in the frame of another where there is one."""
+    if item.on == "wall":
+        # It hangs on the wall nearest to its place: that of its back, also beside a corner.
+        x, y = item.at(0.0, 0.5 * item.size[1] - _BEFORE_WALL_M)
+        item = replace(item, x=x, y=y)
     x, y, yaw = item.x, item.y, item.yaw
     row: Section = {"name": name, "category": item.category}
     if root is not None:

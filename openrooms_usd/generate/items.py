@@ -32,7 +32,8 @@ class Item:
         on: What carries it: ``floor``, ``ceiling``, ``wall`` or the key of another item.
         optional: Whether the group makes sense without it.
         order: What is ordered with it.
-        sunk: Whether it is let into what carries it: its height follows from no top.
+        sunk: Whether it is let into what carries it, or lies on more than that: its height is said,
+            and follows from no top.
         tilt: Degrees that it leans forward, and then to its right, before it is turned by yaw.
         lies: Whether its height is its own, not that of the top below its middle.
     """

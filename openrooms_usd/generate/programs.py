@@ -104,6 +104,17 @@ def _thing(name: str) -> Callable[[Kit], Any]:
     return _of(storing.thing, name)
 
 
+def _shoe_rack(kit: Kit) -> Group:
+    size = kit.size("rack", kit.between(0.6, 0.9), style="shoe")
+    item = kit.item("rack", size=size, style="shoe")
+    return Group("besides", (item,), back=0.5 * size[1])
+
+
+PIANO = Want(_piece("piano", before=0.9, tops=(), title="music"), chance=0.12)
+GUITAR, FAN = Want(_thing("guitar"), chance=0.12), Want(_thing("fan"), chance=0.1)
+CRIB = Want(_piece("crib", before=0.6, tops=(), title="child"), chance=0.06)
+SUITCASE, LADDER = Want(_thing("suitcase"), 0, 2, chance=0.5), Want(_thing("ladder"), chance=0.4)
+OTTOMAN = Want(_of(storing.thing, "ottoman", "free"), chance=0.25)
 SOFA, MEDIA = Want(sitting.sofa_place, 1, 1), Want(sitting.media, 0, 1, chance=0.9, faces="sitting")
 PLANT, BIN = Want(_thing("plant_pot"), 0, 2), Want(_thing("trash_bin"), 0, 1)
 BASKET, FLOOR_LAMP = Want(_thing("basket"), 0, 1), Want(_thing("floor_lamp"), 0, 1)
@@ -147,7 +158,7 @@ PROGRAMS: Final[dict[str, Program]] = {
     "bedroom": Program(
         (9, 14, 26),
         (Want(sleeping.built_in, chance=0.4), Want(_of(sleeping.bed_place, 0.7), 1),
-         Want(sleeping.clothes, chance=0.6), DRAWERS,
+         Want(sleeping.clothes, chance=0.6), DRAWERS, CRIB, GUITAR, FAN,
          Want(_of(working.desk_place, "chair"), chance=0.45), READING, SHELF, PLANT, BASKET),
         windows=(1, 2), hangs=(("picture", 0, 3), ("clock", 0, 1), ("wall_lamp", 0, 1)),
         lux=(80, 180),
@@ -193,7 +204,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (2.4, 4.5, 9),
         (Want(_of(sleeping.clothes, "wardrobe", (0.8, 2.0)), 1),
          Want(_piece("bookshelf", before=0.45), chance=0.5), DRAWERS, Want(storing.boxes, 0, 2),
-         BASKET),
+         SUITCASE, BASKET),
         {"rectangle": 8, "chamfer": 1, "slant": 0.5}, (1.0, 1.8), (2.3, 2.6), (1, 1), (0, 0),
         swing_out=1.0, hangs=(), lux=(100, 200),
     ),
@@ -249,7 +260,9 @@ PROGRAMS: Final[dict[str, Program]] = {
         (30, 60, 120),
         (Want(_of(storing.row, "bench", 3, 0.6), 0, 2),
          Want(_of(storing.standalone, "bench"), 2, 6, each=14),
-         Want(storing.mat, 2, 8, each=10.0), Want(_of(storing.row, "wardrobe", 3), chance=0.5),
+         Want(_of(storing.row, "treadmill", 3, 1.0), chance=0.8),
+         Want(storing.mat, 2, 8, each=10.0), Want(_thing("exercise_ball"), 0, 3),
+         Want(_of(storing.row, "wardrobe", 3), chance=0.5),
          Want(_piece("cabinet", width=(0.9, 1.6), tops=("bottle", "speaker"), height=0.9)),
          Want(_of(storing.boxes, 3), 0, 2), Want(_thing("speaker"), 0, 2), BASKET, BIN, PLANT),
         _PLAIN, (1.1, 1.8), (2.8, 4.0), (1, 2), (1, 5), glazed=0.4, hangs=_CLASS, lux=(200, 350),
@@ -257,7 +270,7 @@ PROGRAMS: Final[dict[str, Program]] = {
     "hallway": Program(
         (6, 11, 24),
         (Want(_piece("cabinet", width=(0.6, 1.0), before=0.45, height=0.85), chance=0.7),
-         Want(_piece("bench", before=0.4, tops=()), chance=0.5),
+         Want(_piece("bench", before=0.4, tops=()), chance=0.5), Want(_shoe_rack, chance=0.5),
          Want(_of(sleeping.clothes, "wardrobe", (0.8, 1.2)), chance=0.4), PLANT, BASKET,
          FLOOR_LAMP),
         {"rectangle": 5, "L": 3, "T": 1}, (1.8, 4.0), doors=(2, 3), windows=(0, 1),
@@ -275,6 +288,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (WASHING, Want(_of(wet.fixture, "sink", beside=0.05), chance=0.6),
          Want(_piece("cabinet", width=(0.6, 1.2), before=0.5, tops=("basket", "bottle"))),
          Want(_of(wet.counters, ("counter",), ("basket", "bottle", "jar")), chance=0.6),
+         Want(_piece("ironing_board", before=0.5, tops=()), chance=0.5),
          Want(_thing("basket"), 1, 2), BIN),
         _PLAIN, (1.0, 1.8), doors=(1, 2), windows=(0, 1), hangs=_BARE, lux=(150, 250),
     ),
@@ -289,9 +303,10 @@ PROGRAMS: Final[dict[str, Program]] = {
     ),
     "living_room": Program(
         (15, 24, 45),
-        (SOFA, MEDIA, Want(_of(sitting.dining, (4, 6)), chance=0.45), READING,
+        (SOFA, MEDIA, Want(_of(sitting.dining, (4, 6)), chance=0.45), READING, PIANO,
          Want(_piece("fireplace", before=0.7, width=(1.1, 1.5), title="fireplace"), chance=0.2),
-         SHELF, CABINET, Want(_thing("plant_pot"), 0, 3), FLOOR_LAMP, BASKET),
+         SHELF, CABINET, Want(_thing("plant_pot"), 0, 3), FLOOR_LAMP, GUITAR, FAN, OTTOMAN,
+         BASKET),
         glazed=0.3, windows=(1, 3), hangs=(("picture", 0, 4), ("clock", 0, 1)),
         curtains=0.7,
     ),
@@ -309,7 +324,8 @@ PROGRAMS: Final[dict[str, Program]] = {
         (9, 16, 32),
         (Want(_of(working.desk_place), 1, 3, each=8.0), FILES, SHELF,
          Want(_of(sitting.dining, (2, 4), "chair", False, ("laptop", "bottle"), "meeting"),
-              chance=0.4), CABINET, COPIER, PLANT, BIN),
+              chance=0.4), CABINET, COPIER, Want(_thing("water_cooler"), chance=0.25), FAN,
+         PLANT, BIN),
         hangs=_WORK, lux=(220, 350),
         curtains=0.6,
     ),
@@ -324,7 +340,7 @@ PROGRAMS: Final[dict[str, Program]] = {
     "storage": Program(
         (5, 11, 26),
         (RACKS, Want(_of(storing.aisle, "bookshelf", 3), 0, 2, each=14.0), STACKS,
-         Want(_of(storing.row, "file_cabinet", 3), chance=0.4),
+         Want(_of(storing.row, "file_cabinet", 3), chance=0.4), LADDER, SUITCASE,
          Want(_piece("cabinet", width=(0.8, 1.2), height=1.9), chance=0.4), BASKET, BIN),
         _PLAIN, (1.0, 1.9), doors=(1, 1), windows=(0, 1), high_windows=True, hangs=(),
     ),
@@ -344,7 +360,7 @@ PROGRAMS: Final[dict[str, Program]] = {
               title="workbench"), 1), Want(_of(storing.row, "bookshelf", 4), 1, 2),
          Want(_of(storing.row, "cabinet", 3), chance=0.6), Want(_of(storing.boxes, 5), 1, 5,
               each=6.0), Want(_piece("refrigerator", before=0.6, tops=()), chance=0.3),
-         Want(_thing("stool"), 0, 2), BIN, BASKET),
+         Want(_thing("stool"), 0, 2), LADDER, BIN, BASKET),
         {"rectangle": 8, "L": 1}, (1.0, 1.7), (2.4, 2.9), (1, 1), (0, 2), high_windows=True,
         gate=0.8, hangs=_BARE, lux=(120, 220),
     ),

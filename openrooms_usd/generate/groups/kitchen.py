@@ -147,7 +147,7 @@ class _Leg:
         below = next(item for item in self.items if item.on == "floor" and first < item.x < last)
         top = self.kit.item("worktop", round(middle, 4), -0.5 * _WORKTOP_M, size=size,
                             style="slab", z=BASE_M, on=below.key,
-                            order=Order(cutouts=tuple(holes)))  # fmt: skip
+                            order=Order(cutouts=tuple(holes)), sunk=True)  # fmt: skip
         self.items += [top, *(replace(thing, on=top.key) for thing in made)]
 
     def _sunk(self, name: str, x: float, width: float) -> tuple[Item, tuple[float, float]]:

@@ -105,7 +105,7 @@ def shower(kit: Kit) -> Group:
     items = [stall, _mat(kit, depth)]
     clear = [zone(0.0, -0.5 * depth - 0.3, 0.9 * width, 0.6)]
     return Group("bathing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
-                 back=0.5 * depth, gap=0.003, corner=corner)  # type: ignore[arg-type]  # fmt: skip
+                 back=0.5 * depth, gap=0.006, corner=corner)  # type: ignore[arg-type]  # fmt: skip
 
 
 def _mat(kit: Kit, depth: float) -> Item:
