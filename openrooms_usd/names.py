@@ -19,6 +19,7 @@ MATERIALS: Final = "/World/Materials"  # materials
 LIGHTS: Final = "/World/Lights"  # lights
 ENVIRONMENT: Final = "/World/Lights/Environment"
 PORTALS: Final = "/World/Lights/Portals"
+SCREENS: Final = "/World/Lights/Screens"
 CAMERAS: Final = "/World/Cameras"  # cameras
 PHYSICS: Final = "/World/Physics"  # physics
 PHYSICS_SCENE: Final = "/World/Physics/Scene"
@@ -93,6 +94,9 @@ UNKNOWN_LICENCE: Final = "unknown"
 
 # The variant set that chooses what an object is made of.
 LOOK: Final = "look"
+
+# From a light to the surface of a thing that it is the glow of.
+SURFACE_OF: Final = "openrooms:light:surface"
 
 # The part of a lamp that emits.
 LIGHT_BULB: Final = "light_bulb"

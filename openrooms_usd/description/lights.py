@@ -151,6 +151,17 @@ class Lamp(CheckedModel):
             yield Found(("kelvin",), "color and kelvin both say its hue; give one of them")
 
 
+class Screen(Model):
+    """A screen that shows something."""
+
+    on: Switch = True
+    """Whether it is on; screens that are not listed are off."""
+    nits: Positive = 200.0
+    """Luminance of its white, cd/m2."""
+    shows: Literal["desktop", "film"] | None = None
+    """A desktop with windows, or a still of a film; by default televisions show films."""
+
+
 class Lights(Model):
     """The environment and the lamps."""
 
@@ -158,3 +169,5 @@ class Lights(Model):
     """What shines in through the openings."""
     lamps: dict[str, Lamp] = Field(default_factory=dict)
     """By the object's name; lamps that are not listed take their defaults."""
+    screens: dict[str, Screen] = Field(default_factory=dict)
+    """Televisions, monitors and laptops that are on, by the object's name."""

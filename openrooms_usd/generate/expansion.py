@@ -11,7 +11,7 @@ from openrooms_usd.errors import DescriptionError
 from openrooms_usd.generate.clutter.described import lying_in, rows
 from openrooms_usd.generate.describing import layout_section, objects, row_of
 from openrooms_usd.generate.finishing import finished
-from openrooms_usd.generate.lighting import lamps
+from openrooms_usd.generate.lighting import lamps, screens
 from openrooms_usd.generate.moments import environment
 from openrooms_usd.generate.rooms import Generated, furnish, generate, style_of
 from openrooms_usd.generate.shell import shell_of
@@ -99,4 +99,6 @@ def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) 
             lights.setdefault("environment", environment(made))
         seen = lights.get("environment") == environment(made)
         lights["lamps"] = lamps(made, seen=seen) | lights.get("lamps", {})
+        if seen:
+            lights["screens"] = screens(made) | lights.get("screens", {})
     return Room.model_validate(data)

@@ -18,6 +18,10 @@ _DIMMED_SHARE: Final = (0.25, 0.7)
 _DIMMED_KELVIN: Final = -300
 # How much of the lamps' flux reaches the floor, roughly.
 _FLUX_ON_FLOOR_SHARE: Final = 0.5
+# What shows pictures, but for what is bent; and the luminance of its white, cd/m2.
+_SCREENS: Final = frozenset({"laptop", "monitor", "television"})
+_DARK_STYLES: Final = frozenset({"curved", "tube"})
+_NITS: Final = (100.0, 300.0)
 # How often a lamp that stands somewhere at home shines in a colour in the evening, and the colours.
 _COLORED_SHARE: Final = 0.04
 _COLORS: Final = ([1.0, 0.25, 0.6], [0.3, 0.4, 1.0], [1.0, 0.35, 0.1], [0.5, 0.25, 1.0])
@@ -75,4 +79,17 @@ def _switched(
         elif name not in ceiling and not at_work and is_dark and rng.random() < _COLORED_SHARE:
             del lamp["kelvin"]
             lamp["color"] = _COLORS[int(rng.integers(len(_COLORS)))]
+    return found
+
+
+def screens(room: Generated) -> dict[str, Section]:
+    """The screens that are on at a room's moment."""
+    rng = generator(room.seed, "generate", room.room_type, "screens")
+    often = MOMENTS[moment_of(room)].screens[room.room_type in WORK_ROOMS]
+    found: dict[str, Section] = {}
+    for _, name, item, _ in named(room.furnishing.groups):
+        if item.category in _SCREENS and item.style not in _DARK_STYLES:
+            # Drawn for each, so that one that is on changes no other.
+            is_on, nits = rng.random() < often, 10.0 * round(float(rng.uniform(*_NITS)) / 10.0)
+            found |= {name: {"nits": nits}} if is_on else {}
     return found

@@ -10,7 +10,7 @@ from openrooms_usd.generate.describing import (
     materials_section,
     objects,
 )
-from openrooms_usd.generate.lighting import lamps
+from openrooms_usd.generate.lighting import lamps, screens
 from openrooms_usd.generate.moments import environment, moment_of
 from openrooms_usd.generate.rooms import Generated
 
@@ -103,6 +103,10 @@ def _lamp_lines(room: Generated) -> Iterator[str]:
     if rows:
         yield "  lamps:"
     yield from (f"    {name}: {flow(row)}" for name, row in rows.items())
+    shown = screens(room)
+    if shown:
+        yield "  screens:"
+    yield from (f"    {name}: {flow(row)}" for name, row in shown.items())
 
 
 def flow(value: Any) -> str:

@@ -33,6 +33,7 @@ from openrooms_usd.stages.base import StageContext, file_digest
 from openrooms_usd.stages.beyond import author_beyond_lamps
 from openrooms_usd.stages.daylight import author_portals, author_sky
 from openrooms_usd.stages.glow import author_glow
+from openrooms_usd.stages.screens import author_screens
 from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.photometry import nits_from_lumen, world_area
@@ -97,6 +98,7 @@ class LightsStage:
         author_beyond_lamps(context.stage)
         for name, lamp in lamps.items():
             _author_lamp(context, lamp, context.room.lights.lamps.get(name, Lamp()))
+        author_screens(context)
 
 
 def _author_constant(context: StageContext, environment: ConstantEnvironment) -> None:

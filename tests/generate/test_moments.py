@@ -8,9 +8,9 @@ import pytest
 
 from openrooms_usd.description.lights import OutsideEnvironment
 from openrooms_usd.generate import moments
-from openrooms_usd.generate.lighting import lamps
+from openrooms_usd.generate.lighting import lamps, screens
 from openrooms_usd.generate.moments import MOMENTS, environment, moment_of
-from openrooms_usd.generate.rooms import Furnishing, Generated, draw_shell, generate
+from openrooms_usd.generate.rooms import Furnishing, Generated, draw_shell, generate, named
 from openrooms_usd.library.lamplight import WORK_ROOMS
 from openrooms_usd.library.sky import sun_direction
 from openrooms_usd.library.solar import sun_position
@@ -73,3 +73,14 @@ def test_a_room_without_lamps_or_windows_is_described_too() -> None:
     assert room.furnishing == Furnishing([], 0) or not room.furnishing.groups
     assert lamps(room) == {}
     assert np.isfinite(environment(room)["north"])
+
+
+def test_screens_that_are_on_are_there_and_flat() -> None:
+    rooms = [generate("office", seed) for seed in range(5)]
+    found = {(room.seed, name): row for room in rooms for name, row in screens(room).items()}
+    assert found
+    for (seed, name), row in found.items():
+        items = {n: item for _, n, item, _ in named(rooms[seed].furnishing.groups)}
+        assert items[name].category in {"laptop", "monitor", "television"}
+        assert items[name].style not in {"curved", "tube"}
+        assert 100 <= row["nits"] <= 300

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from pxr import Usd, UsdGeom, UsdShade
 
+from openrooms_usd import names
 from openrooms_usd.convert import Report
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene import lamps
@@ -46,6 +47,14 @@ from openrooms_usd.usd.surfaces import PreviewSurface
 _Part = tuple[np.ndarray, UsdShade.Material | None]
 _Parts = list[_Part]
 _BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
+
+
+def _surface_of(light: Usd.Prim) -> Usd.Prim:
+    """The prim whose pixels the light's are: a screen's glass, or the light itself."""
+    relationship = light.GetRelationship(names.SURFACE_OF)
+    targets = relationship.GetTargets() if relationship else []
+    surface = light.GetStage().GetPrimAtPath(targets[0]) if len(targets) == 1 else None
+    return surface or light
 
 
 def translate(stage: Usd.Stage) -> Scene:
@@ -155,7 +164,8 @@ class _Translation:
                 self.report.add(light.path, "skipped", "its transform is singular")
                 return
             radiance, lost = lamps.radiance(light)
-            row = self._labels.row(light.path, stage.GetPrimAtPath(light.path), None)
+            surface = _surface_of(stage.GetPrimAtPath(light.path))
+            row = self._labels.row(str(surface.GetPath()), surface, None)
             self._group(light.path, _BLACK, radiance).parts.append(lamps.shape(light, row))
             losses += lost
         else:
