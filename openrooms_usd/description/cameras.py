@@ -57,14 +57,26 @@ class Exposed(Model):
     """EV100 of the previews (data is never exposed); by default fitted to each picture."""
 
 
-class Viewed(Exposed):
+class Viewed(Exposed, CheckedModel):
     """A camera whose lens is described."""
 
     fov: FieldOfView = 60.0
     """Horizontal field of view."""
+    f_stop: Annotated[Number, Field(ge=0.5, le=128)] | None = None
+    """F-number of a lens before film 36 mm wide: what is not in focus is blurred; by default all is
+    sharp."""
+    focus: PositiveLength | None = None
+    """How far away things are sharp, along the optical axis; by default at the target."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """A lens that is focused on nothing."""
+        targeted = peek(given, "target") is not None
+        if peek(given, "f_stop") is not None and not targeted and peek(given, "focus") is None:
+            yield Found(("f_stop",), "with an f_stop it needs a focus, such as `focus: 2.5 m`")
 
 
-class LookAtCamera(Viewed, CheckedModel):
+class LookAtCamera(Viewed):
     """A camera at one point that looks at another."""
 
     source: Literal["look_at"] = Field(default="look_at", alias="from")
@@ -78,6 +90,7 @@ class LookAtCamera(Viewed, CheckedModel):
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """A camera that looks nowhere."""
+        yield from super().disagreements(given)
         eye = peek(given, "eye")
         if eye is not None and eye == peek(given, "target"):
             yield Found(("target",), "eye and target are the same point")

@@ -44,6 +44,8 @@ CONVENTIONS: Final = {
     "world_from_camera": "4x4, row-major, multiplies column vectors; camera frame of OpenCV: "
     "x right, y down, z forward; metres",
     "K": "3x3 intrinsics in pixels; the centre of the top-left pixel is at (0.5, 0.5)",
+    "lens": "light is seen through the camera's lens where it has one (fStop "
+    "and focusDistance); geometry, materials, labels and grids of hemispheres by a pinhole",
     "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
     "estimated_error": "what the mean over pixels and components of (x - t)^2 / (t^2 + 0.01 T^2) "
     "is likely to be, x the picture, t what it would be with endless samples, T the mean of t in a "

@@ -69,6 +69,7 @@ class CamerasStage:
                 K=_intrinsics(shot, resolution),
                 exposure=_exposure(shot.view),
                 estimate=estimate,
+                lens=_lens(shot.view),
             )
             if shot.frame and capture:
                 name_photograph(camera.GetPrim(), shot.frame, capture)
@@ -107,6 +108,16 @@ def _intrinsics(shot: _Shot, resolution: tuple[int, int]) -> Array:
         return intrinsics_for(shot.frame, resolution)
     assert isinstance(shot.view, Viewed)
     return intrinsics(shot.view.fov, *resolution)
+
+
+def _lens(view: View) -> tuple[float, float] | None:
+    """F-number and focus, metres; None where all is sharp."""
+    if not isinstance(view, Viewed) or view.f_stop is None:
+        return None
+    if view.focus is not None:
+        return view.f_stop, view.focus
+    assert isinstance(view, LookAtCamera), "the description asks for a focus"
+    return view.f_stop, float(np.linalg.norm(np.subtract(view.target, view.eye)))
 
 
 def _exposure(view: View) -> float | None:

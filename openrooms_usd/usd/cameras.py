@@ -72,6 +72,7 @@ def define_camera(
     K: Array | None = None,
     exposure: float | None = None,
     estimate: float | None = None,
+    lens: tuple[float, float] | None = None,
 ) -> UsdGeom.Camera:
     """Define a camera on a Z-up stage in metres, below prims without transforms.
 
@@ -85,6 +86,7 @@ def define_camera(
         exposure: What previews multiply luminance in nits by.
         estimate: A guess at it, where ``exposure`` is None: other programs begin with it, and
             `read_camera` reads it as none, so that previews are fitted as ever.
+        lens: Its f-number, and metres to what is in focus; None: all is sharp.
     """
     width, height = resolution
     camera = UsdGeom.Camera.Define(stage, path)
@@ -99,6 +101,9 @@ def define_camera(
         camera.CreateVerticalApertureOffsetAttr(_FILM_WIDTH_TENTHS * up / width)
     camera.CreateFocalLengthAttr(_FILM_WIDTH_TENTHS * K[0, 0] / width)
     camera.CreateClippingRangeAttr(Gf.Vec2f(*_CLIPPING_M))
+    if lens is not None:
+        camera.CreateFStopAttr(lens[0])
+        camera.CreateFocusDistanceAttr(lens[1])
     if exposure is not None:
         camera.CreateExposureAttr(math.log2(exposure))
     elif estimate is not None:

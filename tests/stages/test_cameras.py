@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, Vt
 
 from openrooms_usd import names
+from openrooms_usd.description.cameras import Cameras
 from openrooms_usd.description.room import Room
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
@@ -224,3 +225,25 @@ def test_every_prim_is_owned_and_written_once() -> None:
     assert layer.GetPrimAtPath("/World").specifier == Sdf.SpecifierOver
     assert layer.GetPrimAtPath(names.CAMERAS).typeName == "Scope"
     assert layer.GetPrimAtPath(names.RENDER).typeName == "Scope"
+
+
+def test_a_lens_is_focused_on_its_target_or_as_described() -> None:
+    stage = room_stage()
+    eye, target = [0.5, 0.5, 1.5], [2.5, 2.0, 1.0]
+    looks = {"eye": eye, "target": target, "f_stop": 2.8}
+    author(stage, {"name": "aimed", **looks}, {"name": "near", "focus": 0.9, **looks},
+           {"name": "sharp", "eye": eye, "target": target})  # fmt: skip
+    aimed, near, sharp = (
+        read_camera(stage.GetPrimAtPath(f"{names.CAMERAS}/{name}"), 640, 480)
+        for name in ("aimed", "near", "sharp")
+    )
+    assert aimed.focus_distance == pytest.approx(np.linalg.norm(np.subtract(target, eye)))
+    assert near.focus_distance == pytest.approx(0.9) and sharp.lens_radius == 0.0
+    # Film 36 mm wide, 60 degrees: a focal length of 31.2 mm.
+    assert aimed.lens_radius == pytest.approx(0.018 / np.tan(np.radians(30)) / 2.8 / 2, rel=1e-5)
+
+
+def test_a_lens_without_a_target_needs_a_focus() -> None:
+    with pytest.raises(ValueError, match="needs a focus"):
+        Cameras.model_validate({"views": [{"from": "select", "f_stop": 2.8}]})
+    Cameras.model_validate({"views": [{"from": "select", "f_stop": 2.8, "focus": 2.0}]})
