@@ -8,6 +8,20 @@ from typing import Final
 
 from openrooms_usd.library.finish import Finish
 
+TONES: Final = ("sky", "light", "far", "middle", "near", "ground")
+"""The sheets of a landscape's print, from behind to before."""
+
+_PALETTES: Final = {
+    "dawn": ((0.7, 0.53, 0.4), (0.85, 0.74, 0.52), (0.46, 0.4, 0.44), (0.27, 0.28, 0.36),
+             (0.11, 0.14, 0.19), (0.045, 0.06, 0.07)),
+    "meadow": ((0.5, 0.62, 0.7), (0.8, 0.8, 0.74), (0.32, 0.43, 0.48), (0.19, 0.31, 0.25),
+               (0.09, 0.18, 0.09), (0.21, 0.23, 0.08)),
+    "silver": ((0.66, 0.66, 0.65), (0.8, 0.8, 0.79), (0.41, 0.41, 0.405), (0.24, 0.24, 0.237),
+               (0.1, 0.1, 0.099), (0.04, 0.04, 0.04)),
+    "ochre": ((0.64, 0.56, 0.41), (0.68, 0.28, 0.09), (0.48, 0.34, 0.19), (0.3, 0.17, 0.085),
+              (0.15, 0.085, 0.055), (0.065, 0.046, 0.037)),
+}  # fmt: skip
+
 SMALL_THINGS: Final[dict[str, Finish]] = {
     "porcelain": Finish(
         "specular_stone", colors=((0.8, 0.79, 0.76), (0.78, 0.75, 0.68), (0.42, 0.47, 0.5),
@@ -145,4 +159,23 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
                 (0.09, 0.11, 0.075), (0.2, 0.04, 0.035)),
         choices=4,
     ),
+    **{
+        f"{name}_{tone}": Finish("paint", colors=(color,), roughness=(0.5, 0.7))
+        for name, colors in _PALETTES.items()
+        for tone, color in zip(TONES, colors, strict=True)
+    },
+    "petal": Finish(
+        "plastic", colors=((0.66, 0.12, 0.14), (0.72, 0.5, 0.06), (0.72, 0.7, 0.66),
+                           (0.62, 0.3, 0.4), (0.4, 0.2, 0.48), (0.7, 0.28, 0.08)),
+        roughness=(0.5, 0.65), choices=3,
+    ),
+    "dried_grass": Finish("wood", colors=((0.5, 0.4, 0.26), (0.36, 0.26, 0.15)),
+                          roughness=(0.8, 0.95), choices=2),
+    "binder": Finish(
+        "paint", colors=((0.05, 0.05, 0.055), (0.05, 0.1, 0.22), (0.5, 0.5, 0.49),
+                         (0.35, 0.05, 0.04), (0.07, 0.18, 0.1)),
+        roughness=(0.4, 0.55), choices=4,
+    ),
+    "lit_digit": Finish("plastic", colors=((0.7, 0.12, 0.06),), roughness=(0.3, 0.4)),
+    "cork": Finish("wood", {"birch_plywood": 1}, colors=((0.4, 0.27, 0.16),), roughness=(0.8, 0.9)),
 }  # fmt: skip

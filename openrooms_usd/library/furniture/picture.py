@@ -9,7 +9,17 @@ from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, WIDE, BuiltCategory
 from openrooms_usd.library.furniture.joinery import Style
 from openrooms_usd.library.furniture.lying import Lies
-from openrooms_usd.library.furniture.wall_board import canvas, framed, triptych
+from openrooms_usd.library.furniture.paintings import botanical, landscape, shapes, skyline
+from openrooms_usd.library.furniture.wall_board import canvas, framed, framed_as, triptych
+from openrooms_usd.library.small_finishes import TONES
+
+
+def _palette(name: str, frame: str) -> Scheme:
+    """The scheme of a landscape in tones that fit together."""
+    tones = {tone: f"{name}_{tone}" for tone in TONES if tone != "sky"}
+    return Scheme({ANY: frame, "mat": "white_paper", "canvas": f"{name}_sky", **tones},
+                  needs="ground", weight=100.0)  # fmt: skip
+
 
 CATEGORY: Final = BuiltCategory(
     description="a picture on a wall",
@@ -19,6 +29,18 @@ CATEGORY: Final = BuiltCategory(
     styles={
         "framed": Style(framed, lambda size: size[0] < 2.2 * size[2]),
         "canvas": Style(canvas, lambda size: size[0] < 2.2 * size[2], (0.8, 0.03, 0.6)),
+        "landscape": Style(
+            framed_as(landscape, (0.1, 0.18)), lambda size: size[0] > size[2], (0.7, 0.022, 0.5)
+        ),
+        "skyline": Style(
+            framed_as(skyline, (0.12, 0.2)), lambda size: size[0] > size[2], (0.6, 0.022, 0.42)
+        ),
+        "botanical": Style(
+            framed_as(botanical, (0.06, 0.12)), lambda size: size[0] < size[2], (0.36, 0.02, 0.5)
+        ),
+        "abstract": Style(
+            framed_as(shapes, (0.02, 0.1)), lambda size: size[0] < 2.0 * size[2], (0.5, 0.022, 0.7)
+        ),
         "triptych": Style(triptych, lambda size: size[0] > 1.4 * size[2], (1.2, 0.03, 0.6)),
     },
     spread=WIDE,
@@ -32,7 +54,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="painting poster pictures photo picture_frame art artwork bulletin_board calendar "
-    "corkboard map notice_board photo_frame photograph pin_board tapestry wall_art "
+    "corkboard map notice_board photograph pin_board tapestry wall_art "
     "wall_hanging",
     classes=Classes(UNLABELED, "picture"),
     synsets=NO_SYNSET,
@@ -40,6 +62,16 @@ CATEGORY: Final = BuiltCategory(
         Scheme({ANY: "wood", "mat": "white_paper"}, weight=2.0),
         Scheme({ANY: "black", "mat": "white_paper"}),
         Scheme({ANY: "white", "mat": "white_paper"}),
+        _palette("dawn", "wood"),
+        _palette("meadow", "white"),
+        _palette("silver", "black"),
+        _palette("ochre", "wood"),
+        Scheme({ANY: "wood", "mat": "white_paper", "canvas": "paper"}, needs="stem", weight=100.0),
+        Scheme(
+            {ANY: "black", "mat": "white_paper", "canvas": "white_paper"},
+            needs="stem",
+            weight=100.0,
+        ),
     ),
     makes=(makes.row("canvas", makes.filled(200), "common"),),
     hinges=PLAIN_HINGES,

@@ -1,4 +1,4 @@
-"""Plants in pots: broad leaves, swords, a palm, a cactus. Leaves are thin closed sheets."""
+"""Plants in pots: broad leaves, swords, a palm, a cactus, and those of `houseplants`."""
 
 from dataclasses import replace
 from typing import Final
@@ -13,7 +13,7 @@ from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import cylinder, lathe
-from openrooms_usd.geometry.sweeps import sheet, tube
+from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
     NO_APPLIANCE,
@@ -21,77 +21,13 @@ from openrooms_usd.library.furniture.built import (
     WIDE,
     BuiltCategory,
 )
+from openrooms_usd.library.furniture.foliage import grown_over, held, pointed_leaf, potted
+from openrooms_usd.library.furniture.houseplants import fern, ivy, monstera, succulent
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
 from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
 
 Array = NDArray[np.float64]
-
-_THICK: Final = 0.0014
-
-
-def _pot(radius: float, height: float, rng: np.random.Generator, lift: float = 0.0) -> Parts:
-    """A tapered pot with a rim, filled with soil almost to its edge."""
-    low = float(rng.uniform(0.68, 0.86)) * radius
-    wall = float(np.clip(0.06 * radius, 0.003, 0.012))
-    edge = float(rng.choice([0.0, 0.16])) * height
-    outer = [(low, 0.0), (low + 0.004, 0.006)]
-    if edge:
-        shoulder = 0.92 * radius
-        outer += [(shoulder, height - edge), (radius, height - edge), (radius, height)]
-    else:
-        outer += [(radius, height)]
-    soil = height - max(0.1 * height, 0.012)
-    inside = [(radius - 1.2 * wall - 0.08 * radius * bool(edge), soil - 0.01), (0.0, soil - 0.01)]
-    pot = lathe([(0.0, 0.0), *outer, (radius - wall, height), *inside], segments=40, crease=50.0)
-    mound = 0.97 * inside[0][0]
-    earth = lathe([(0.0, soil - 0.014), (mound, soil - 0.014), (mound, soil - 0.002),
-                   (0.5 * mound, soil + 0.003), (0.0, soil + 0.005)], segments=28)  # fmt: skip
-    move = (0.0, 0.0, lift)
-    return {"pot": pot.moved(move), "soil": earth.moved(move)}
-
-
-def _leaf(
-    long: float, wide: float, *, droop: float, fold: float, widest: float = 0.4, rows: int = 7
-) -> Mesh:
-    """A pointed leaf along +X from the origin, its upper side up.
-
-    Args:
-        long: Its length, metres.
-        wide: Its greatest width, metres.
-        droop: Degrees by which its tip hangs below its foot.
-        fold: How far its sides rise above its midrib, in parts of their width.
-        widest: Where along it that is, 0 to 1.
-        rows: Points along it.
-    """
-    t = np.linspace(0.0, 1.0, rows)
-    power = np.log(0.5) / np.log(widest)
-    half = 0.5 * wide * np.sin(np.pi * np.clip(t, 0.012, 0.988) ** power)
-    bend = np.radians(droop) * t
-    step = long / (rows - 1)
-    x = np.concatenate([[0.0], np.cumsum(step * np.cos(bend[:-1]))])
-    z = -np.concatenate([[0.0], np.cumsum(step * np.sin(bend[:-1]))])
-    u = np.array([-1.0, 0.0, 1.0])
-    grid = np.stack([np.broadcast_to(x[:, None], (rows, 3)), -half[:, None] * u,
-                     z[:, None] + fold * half[:, None] * np.abs(u)], axis=-1)  # fmt: skip
-    return sheet(grid[:, ::-1].transpose(1, 0, 2), _THICK)
-
-
-def _posed(leaf: Mesh, pitch: float, heading: float, at: Array) -> Mesh:
-    """A leaf raised by ``pitch`` and turned to ``heading`` (degrees), its foot at a point."""
-    return turned(turned(leaf, "y", -pitch), "z", heading).moved(at)
-
-
-def _filled(parts: Parts, plant: dict[str, list[Mesh]], size: Size, pot: float) -> Parts:
-    """Fit what grows into the box above the pot's rim, without touching the pot."""
-    grown = joined([mesh for meshes in plant.values() for mesh in meshes])
-    low, high = grown.extent
-    middle = 0.5 * (low + high)
-    scale = np.array([size[0], size[1], size[2] - pot]) / [*(high - low)[:2], high[2] - pot]
-    offset = np.array([-middle[0] * scale[0], -middle[1] * scale[1], pot * (1.0 - scale[2])])
-    fit = np.column_stack([np.diag(scale), offset])
-    # Stems are thin enough to keep their place in the soil.
-    return {**parts, **{name: joined(meshes).transformed(fit) for name, meshes in plant.items()}}
 
 
 def leafy(size: Size, rng: np.random.Generator) -> Parts:
@@ -99,7 +35,7 @@ def leafy(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     radius = 0.5 * min(width, depth)
     rim = min(0.28 * height, 1.3 * radius)
-    pot = _pot(min(0.62 * radius, rim), rim, rng)
+    pot = potted(min(0.62 * radius, rim), rim, rng)
     tall = 0.9 * (height - rim)
     plant: dict[str, list[Mesh]] = {"stem": [], "leaf": []}
     for k in range(int(rng.integers(2, 4))):
@@ -115,16 +51,16 @@ def leafy(size: Size, rng: np.random.Generator) -> Parts:
             share = 0.16 + 0.84 * (i + 0.5) / count
             at = np.array([np.interp(share, t[:, 0], stem[:, j]) for j in range(3)])
             long = radius * float(rng.uniform(0.62, 0.9)) * (1.1 - 0.45 * share)
-            leaf = _leaf(long, 0.5 * long, droop=float(rng.uniform(20, 60)), fold=0.18)
+            leaf = pointed_leaf(long, 0.5 * long, droop=float(rng.uniform(20, 60)), fold=0.18)
             plant["leaf"].append(
-                _posed(
+                held(
                     leaf,
                     18.0 + 45.0 * share,
                     137.5 * i + 40.0 * k + float(rng.uniform(-15, 15)),
                     at,
                 )
             )
-    return _filled(pot, plant, size, rim)
+    return grown_over(pot, plant, size, rim)
 
 
 def swords(size: Size, rng: np.random.Generator) -> Parts:
@@ -133,20 +69,20 @@ def swords(size: Size, rng: np.random.Generator) -> Parts:
     radius = 0.5 * min(width, depth)
     rim = min(0.34 * height, 1.5 * radius)
     base = min(0.95 * radius, rim)
-    pot = _pot(base, rim, rng)
+    pot = potted(base, rim, rng)
     blades = []
     for i in range(int(rng.integers(11, 17))):
         away = 0.62 * base * np.sqrt((i + 0.5) / 16.0)
         heading = np.radians(137.5 * i)
         long = (height - rim) * float(rng.uniform(0.62, 1.0)) * (1.05 - 0.4 * away / base)
-        blade = _leaf(long, float(rng.uniform(0.1, 0.14)) * (height - rim), droop=-4.0, fold=0.35,
-                      widest=0.45, rows=8)  # fmt: skip
+        wide = float(rng.uniform(0.1, 0.14)) * (height - rim)
+        blade = pointed_leaf(long, wide, droop=-4.0, fold=0.35, widest=0.45, rows=8)
         at = np.array([away * np.cos(heading), away * np.sin(heading), rim - 0.02])
         tilt = 86.0 - 16.0 * away / base
         spun = turned(blade, "x", float(rng.uniform(-80, 80)))
-        blades.append(_posed(spun, tilt, float(np.degrees(heading)), at))
+        blades.append(held(spun, tilt, float(np.degrees(heading)), at))
     # Blades widen the box only above the pot.
-    return _filled(pot, {"leaf": blades}, size, rim)
+    return grown_over(pot, {"leaf": blades}, size, rim)
 
 
 def palm(size: Size, rng: np.random.Generator) -> Parts:
@@ -154,7 +90,7 @@ def palm(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     radius = 0.5 * min(width, depth)
     rim = min(0.24 * height, 0.9 * radius)
-    pot = _pot(min(0.5 * radius, rim), rim, rng)
+    pot = potted(min(0.5 * radius, rim), rim, rng)
     plant: dict[str, list[Mesh]] = {"stem": [], "leaf": []}
     count = int(rng.integers(9, 12))
     for i in range(count):
@@ -170,12 +106,12 @@ def palm(size: Size, rng: np.random.Generator) -> Parts:
             at = np.array([np.interp(s, t, arch[:, j]) for j in range(3)])
             long = radius * (0.5 - 1.2 * (s - 0.6) ** 2)
             for side in (-1.0, 1.0):
-                leaf = _leaf(max(long, 0.1 * radius), 0.06 * radius + 0.006, droop=38.0, fold=0.3,
-                             rows=4)  # fmt: skip
+                wide = 0.06 * radius + 0.006
+                leaf = pointed_leaf(max(long, 0.1 * radius), wide, droop=38.0, fold=0.3, rows=4)
                 spread = side * (62.0 - 30.0 * s) + float(rng.uniform(-6, 6))
-                posed = _posed(leaf, 22.0, spread, at)
+                posed = held(leaf, 22.0, spread, at)
                 plant["leaf"].append(turned(posed, "z", heading))
-    return _filled(pot, plant, size, rim)
+    return grown_over(pot, plant, size, rim)
 
 
 def cactus(size: Size, rng: np.random.Generator) -> Parts:
@@ -183,7 +119,7 @@ def cactus(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     radius = 0.5 * min(width, depth)
     rim = min(0.36 * height, 1.1 * radius)
-    pot = _pot(radius, rim, rng)
+    pot = potted(radius, rim, rng)
     ribs = int(rng.integers(8, 12))
     thick = 0.42 * radius
     column = _ribbed(thick, height - rim + 0.03, ribs).moved((0.0, 0.0, rim - 0.03))
@@ -228,13 +164,17 @@ STYLES: Final = {
     "swords": Style(swords, size=(0.34, 0.34, 0.72)),
     "palm": Style(palm, lambda size: size[2] > 0.6, (0.9, 0.9, 1.4)),
     "cactus": Style(cactus, lambda size: size[2] < 0.7, (0.15, 0.15, 0.28)),
+    "succulent": Style(succulent, lambda size: size[2] < 0.25, (0.13, 0.13, 0.115)),
+    "monstera": Style(monstera, lambda size: size[2] > 0.4, (0.75, 0.75, 0.85)),
+    "fern": Style(fern, lambda size: size[2] < 0.9, (0.55, 0.55, 0.45)),
+    "ivy": Style(ivy, lambda size: size[2] < 0.4, (0.3, 0.3, 0.17)),
 }
 
 
 CATEGORY: Final = BuiltCategory(
     description="a plant in a pot",
     size=(0.5, 0.5, 0.9),
-    least=(0.08, 0.08, 0.12),
+    least=(0.06, 0.06, 0.06),
     most=(1.6, 1.6, 2.6),
     styles=STYLES,
     spread=WIDE,
@@ -244,7 +184,7 @@ CATEGORY: Final = BuiltCategory(
     also=(),
     level=HANGS_NOT,
     lumen=NO_LAMP,
-    weighs={ANY: (0.5, 60)},
+    weighs={"succulent": (0.1, 2), "ivy": (0.3, 6), ANY: (0.5, 60)},
     worktop=NO_APPLIANCE,
     fixed=False,
     words="plant plants flowerpot flower_pot potted_plant houseplant flower flowers tree",
@@ -264,7 +204,7 @@ CATEGORY: Final = BuiltCategory(
     lies=(
         Lies(
             on=("shelf", "cabinet_top", "dresser_top", "mantel", "media_top", "side_table"),
-            styles=("cactus",),
+            styles=("cactus", "succulent", "ivy", "fern"),
             weight=0.7,
             makes=3,
         ),

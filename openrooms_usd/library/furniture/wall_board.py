@@ -7,6 +7,7 @@ from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.joinery import (
     FRONT,
+    Build,
     Furniture,
     Joint,
     Parts,
@@ -15,10 +16,8 @@ from openrooms_usd.library.furniture.joinery import (
     numbered,
     profiled,
 )
+from openrooms_usd.library.furniture.paintings import Painter, Rectangle
 from openrooms_usd.library.furniture.posing import facing, turned
-
-Rectangle = tuple[float, float, float, float]
-"""Left, right, low, high, metres."""
 
 
 def mitred(outer: Rectangle, bar: float, front: float, back: float) -> Mesh:
@@ -93,20 +92,29 @@ def _print(inside: Rectangle, front: float, rng: np.random.Generator) -> Parts:
     return {"canvas": ground, **numbered("field", fields), **numbered("accent", accents)}
 
 
-def framed(size: Size, rng: np.random.Generator) -> Parts:
-    """A print behind a mat in a mitred frame."""
-    width, depth, height = size
-    whole = (-0.5 * width, 0.5 * width, 0.0, height)
-    small = min(width, height)
-    bar = float(rng.uniform(0.025, 0.045)) * small + 0.006
-    front, back = -0.5 * depth, 0.5 * depth
-    inner = _shrunk(whole, bar - 0.002)
-    mat = float(rng.uniform(0.09, 0.15)) * small
-    sheet = front + 0.35 * depth
-    window = mitred(inner, mat, sheet, sheet + 0.0022)
-    rear = _slab(_shrunk(whole, 0.5 * bar), back - 0.004, back - 0.0005)
-    image = _print(_shrunk(inner, mat - 0.003), sheet + 0.0026, rng)
-    return {"frame": mitred(whole, bar, front, back), "mat": window, "back": rear, **image}
+def framed_as(paint: Painter, mat: tuple[float, float]) -> Build:
+    """A picture behind a mat in a mitred frame.
+
+    Args:
+        paint: What is to be seen.
+        mat: Least and greatest width of the mat, in parts of the picture's smaller side.
+    """
+
+    def build(size: Size, rng: np.random.Generator) -> Parts:
+        width, depth, height = size
+        whole = (-0.5 * width, 0.5 * width, 0.0, height)
+        small = min(width, height)
+        bar = float(rng.uniform(0.025, 0.045)) * small + 0.006
+        front, back = -0.5 * depth, 0.5 * depth
+        inner = _shrunk(whole, bar - 0.002)
+        wide = float(rng.uniform(*mat)) * small
+        sheet = front + 0.35 * depth
+        window = mitred(inner, wide, sheet, sheet + 0.0022)
+        rear = _slab(_shrunk(whole, 0.5 * bar), back - 0.004, back - 0.0005)
+        image = paint(_shrunk(inner, wide - 0.003), sheet + 0.0026, rng)
+        return {"frame": mitred(whole, bar, front, back), "mat": window, "back": rear, **image}
+
+    return build
 
 
 def canvas(size: Size, rng: np.random.Generator) -> Parts:
@@ -136,6 +144,9 @@ def triptych(size: Size, rng: np.random.Generator) -> Parts:
         for name, mesh in _print(_shrunk(panel, 0.011), front + 0.3 * depth, rng).items():
             parts[name.split("_")[0]].append(mesh)
     return {name: joined(meshes) for name, meshes in parts.items()}
+
+
+framed = framed_as(_print, (0.09, 0.15))
 
 
 def _board(outer: Rectangle, front: float, back: float) -> Parts:
