@@ -35,8 +35,8 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
     ),
     "coffee": Finish("specular_stone", colors=((0.028, 0.022, 0.02),), roughness=(0.03, 0.05)),
     "clear_glass": Finish(
-        "specular_stone", colors=((0.12, 0.125, 0.125),), roughness=(0.02, 0.03),
-        transmission=0.8,
+        "specular_stone", colors=((0.88, 0.9, 0.9),), roughness=(0.01, 0.011),
+        pane=(0.955, 0.965, 0.96),
     ),
     "cutlery_steel": Finish(
         "metal", {"polished_metal": 1}, colors=((0.6, 0.59, 0.57),), roughness=(0.12, 0.22),
