@@ -56,6 +56,7 @@ class Surfaces:
     def __init__(self, rng: np.random.Generator) -> None:
         """Draw them."""
         self.rough = fractal_tile(rng, 1.0, 3)
+        self.smooth = fractal_tile(rng, 2.3, 2)
         self.white = fractal_tile(rng, 0.0, 1)
         self.chance = rng.random((_TABLE, _TABLE)).astype(np.float32)
 
@@ -174,7 +175,10 @@ class Facade:
         cloth = (drawn | lowered).astype(np.float32)
         light = hit.irradiance(0.8 * sun) / math.pi
         inside = light * (_INSIDE_ALBEDO + 0.24 * cloth)[..., None]
-        lamp = (draw(i, j, self.number + 2) < 0.16)[..., None] * _LAMP_NITS
+        # Lit rooms differ, and are brighter towards their ceilings; blinds glow.
+        bright = (0.25 + 0.75 * draw(i, j, self.number + 4)) * (0.55 + 0.45 * b / tall)
+        bright = bright * (draw(i, j, self.number + 2) < 0.2) * (0.6 + 0.4 * cloth)
+        lamp = bright[..., None] * _LAMP_NITS
         far = np.sqrt(hit.x**2 + hit.y**2 + (hit.z - hit.world.eye) ** 2)
         cosine = np.abs(hit.x * hit.normal[0] + hit.y * hit.normal[1]) / far
         low, high = _MIRRORED

@@ -15,7 +15,7 @@ from openrooms_usd.library.outside.noise import Floats, nearest, sampled, step
 # differ from that.
 _KINDS: Final = {
     "lawn": ((0.058, 0.088, 0.026), 0.16, 0.3),
-    "meadow": ((0.085, 0.1, 0.038), 0.3, 0.35),
+    "meadow": ((0.078, 0.098, 0.036), 0.2, 0.22),
     "field": ((0.19, 0.155, 0.075), 0.12, 0.2),
     "asphalt": ((0.088, 0.088, 0.09), 0.08, 0.1),
     "paving": ((0.27, 0.255, 0.235), 0.08, 0.08),
@@ -121,7 +121,7 @@ def hills(
         patch = canvas.whole(-0.01, ridge.high + 0.02)
         azimuth = np.arctan2(patch.x, -patch.y) / (2.0 * np.pi)
         row = float(rng.random())
-        line = _wave(surfaces.rough, azimuth, row)
+        line = _wave(surfaces.smooth, azimuth, row)
         woods = sampled(surfaces.rough, azimuth * 9.0, np.float32(row + 0.3) + 0.0 * azimuth)
         woods = woods + sampled(surfaces.white, azimuth * 4.0, np.float32(row) + 0.0 * azimuth)
         top = ridge.low + (ridge.high - ridge.low) * line

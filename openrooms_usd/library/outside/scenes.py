@@ -40,6 +40,8 @@ _DOORS: Final[tuple[Color, ...]] = (
 _LEAVES: Final[tuple[Color, ...]] = (
     (0.05, 0.083, 0.022), (0.062, 0.09, 0.026), (0.042, 0.07, 0.024), (0.078, 0.095, 0.03),
 )  # fmt: skip
+# Of trees on open land, how many stand apart from others.
+_ALONE_SHARE: Final = 0.35
 _NEEDLES: Final[Color] = (0.026, 0.044, 0.022)
 
 
@@ -170,12 +172,21 @@ class Nursery:
     def scattered(
         self, count: int, near: float, far: float, low: float, high: float
     ) -> list[Plant]:
-        """Trees anywhere between two distances."""
-        rng, made = self.rng, []
+        """Trees anywhere between two distances, most of them in groups."""
+        rng = self.rng
+        made: list[Plant] = []
+        x, y = 0.0, 0.0
         for _ in range(count):
-            away = math.sqrt(float(rng.uniform(near**2, far**2)))
-            angle = float(rng.uniform(0.0, 2.0 * math.pi))
-            made.append(self.tree(away * math.cos(angle), away * math.sin(angle), low, high))
+            if rng.random() < _ALONE_SHARE or not made:
+                away = math.sqrt(float(rng.uniform(near**2, far**2)))
+                angle = float(rng.uniform(0.0, 2.0 * math.pi))
+                x, y = away * math.cos(angle), away * math.sin(angle)
+            else:
+                x, y = (
+                    place + float(rng.normal(0.0, 0.5 * high)) for place in (made[-1].x, made[-1].y)
+                )
+            if near <= math.hypot(x, y):
+                made.append(self.tree(x, y, low, high))
         return made
 
 
@@ -205,7 +216,7 @@ def _street(grown: Nursery) -> Scene:
             things.append(grown.tree(x, back + float(rng.uniform(-7, 4)), 4.0, 9.0))
         things.append(grown.bush(x + float(rng.uniform(-4, 4)), front - 1.2))
         things.append(grown.bush(x + float(rng.uniform(-4, 4)), back + 1.5))
-    things += grown.scattered(26, 55.0, 120.0, 7.0, 13.0)
+    things += grown.scattered(60, 50.0, 130.0, 7.0, 13.0)
     zones = (
         Zone("meadow", _ALL, _ALL),
         Zone("lawn", (-90.0, 90.0), (-60.0, 60.0)),
@@ -242,8 +253,8 @@ def _garden(grown: Nursery) -> Scene:
     for side in (-1.0, 1.0):
         things.append(grown.house(side * (wide + 9.0), float(rng.uniform(-6.0, 8.0)),
                                   math.pi / 2.0 * side, 10.0))  # fmt: skip
-    things += grown.scattered(12, wide + 9.0, 45.0, 5.0, 10.0)
-    things += grown.scattered(36, 50.0, 130.0, 7.0, 14.0)
+    things += grown.scattered(22, wide + 6.0, 45.0, 5.0, 10.0)
+    things += grown.scattered(90, 50.0, 140.0, 7.0, 14.0)
     zones = (
         Zone("meadow", _ALL, _ALL),
         Zone("lawn", (-70.0, 70.0), (-60.0, 60.0)),
@@ -262,8 +273,8 @@ def _hills(grown: Nursery) -> Scene:
     rng = grown.rng
     things: list[House | Plant | Hedge] = []
     things += grown.scattered(5, 14.0, 32.0, 4.0, 9.0)
-    things += grown.scattered(34, 40.0, 140.0, 6.0, 13.0)
-    things += grown.scattered(60, 150.0, 330.0, 8.0, 15.0)
+    things += grown.scattered(60, 40.0, 140.0, 6.0, 13.0)
+    things += grown.scattered(150, 150.0, 360.0, 8.0, 15.0)
     for _ in range(5):
         angle, away = float(rng.uniform(0.0, 2.0 * math.pi)), float(rng.uniform(60.0, 160.0))
         things.append(grown.house(away * math.cos(angle), away * math.sin(angle),

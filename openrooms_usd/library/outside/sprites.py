@@ -14,6 +14,10 @@ from openrooms_usd.library.outside.noise import Floats
 
 # Rows of a picture; how many kinds of leaf clusters there are, their side in pixels, their leaves.
 _ROWS: Final = 448
+# How much of a hedge's height its top differs by.
+_RAGGED_SHARE: Final = 0.055
+# Trees whose crowns begin lower show no boughs.
+_STEM_ONLY_SHARE: Final = 0.1
 _CLUSTERS, _CLUSTER_SIDE, _LEAVES = 12, 26, 16
 
 
@@ -87,7 +91,13 @@ def hedge(rng: np.random.Generator) -> Sprite:
     )
     out = rng.standard_normal((4200, 3)) * 0.55 + np.array([0.0, 0.35, 1.0])
     middle, size = np.array([0.0, 0.5, -0.35]), np.array([9.0, 9.0, 0.44])
-    return _stamped(rng, 1.0, at, _unit(out), middle, size, 0.0, scale=0.8, around=True)
+    made = _stamped(rng, 1.0, at, _unit(out), middle, size, 0.0, scale=0.8, around=True)
+    # Shoots stand out at the top.
+    steps = rng.random(_ROWS)
+    shoots = sum(np.roll(steps, k) for k in range(-3, 4)) / 7.0 + 0.25 * rng.random(_ROWS)
+    top = (_RAGGED_SHARE * _ROWS * shoots).astype(int)
+    made.pixels[np.arange(_ROWS)[:, None] < top[None, :], 0] = 0.0
+    return made
 
 
 def _on_lobes(
@@ -161,7 +171,7 @@ def _wood(
     """A stem and its boughs, from the foot into the crown."""
     height, width = pixels.shape[:2]
     boughs = [((0.0, 0.0), (0.0, middle[1]), 0.022, 0.012)]
-    for _ in range(7):
+    for _ in range(7 if trunk > _STEM_ONLY_SHARE else 0):
         start = float(rng.uniform(trunk * 0.85, middle[1]))
         way = rng.uniform(-1.0, 1.0)
         end = (way * size[0] * 0.9, start + size[1] * float(rng.uniform(0.5, 1.0)))
