@@ -36,10 +36,10 @@ DARK_TAP: Final = {"body": METAL, "switch": METAL, "spout": METAL, "drain": META
 _HOT: Final = {"container": "cavity", "base": "black", "rack": "chrome", "handle": "steel"}
 
 CHAIRS: Final = (
-    Scheme({ANY: "wood"}, weight=3.0),
-    Scheme({ANY: "lacquer", "leg": "wood", "frame": "wood"}),
+    Scheme({ANY: "bent_wood"}, weight=3.0),
+    Scheme({ANY: "lacquer", "leg": "bent_wood", "frame": "bent_wood"}),
     Scheme({ANY: "lacquer"}),
-    Scheme({ANY: "upholstery", "leg": "wood"}, needs="arm", weight=100.0),
+    Scheme({ANY: "upholstery", "leg": "bent_wood"}, needs="arm", weight=100.0),
 )
 TABLES: Final = (
     Scheme({ANY: "wood"}, weight=3.0),

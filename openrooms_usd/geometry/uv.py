@@ -38,6 +38,22 @@ def cube_projection(mesh: Mesh) -> Mesh:
     return replace(mesh, st=np.stack([s, t], axis=1).astype(np.float32))
 
 
+def centred(mesh: Mesh, *, across: bool = True, along: bool = True) -> Mesh:
+    """A mesh whose texture begins in its middle, as tilers begin: what is cut at edges is equal.
+
+    Args:
+        mesh: With texture coordinates.
+        across: Whether s is 0 in the middle; else it stays.
+        along: Whether t is 0 in the middle; else it is 0 at the lower end, where whole pieces lie.
+    """
+    if mesh.st is None or not len(mesh.st):
+        return mesh
+    low, high = mesh.st.min(axis=0), mesh.st.max(axis=0)
+    middle = 0.5 * (low + high)
+    start = (middle[0] if across else 0.0, middle[1] if along else low[1])
+    return replace(mesh, st=(mesh.st - np.array(start)).astype(np.float32))
+
+
 def metric(mesh: Mesh) -> tuple[Mesh, str]:
     """A mesh whose texture coordinates are in metres: its own ones to scale, or projected ones.
 

@@ -15,7 +15,7 @@ from openrooms_usd.library.assignment.rooms import Place, families_of, substance
 from openrooms_usd.library.assignment.weights import drawn
 from openrooms_usd.library.finish import Finish
 from openrooms_usd.library.finishes import FINISHES
-from openrooms_usd.library.interiors import Color, Interior
+from openrooms_usd.library.interior import Color, Interior
 
 Role = Literal["light", "deep", "accent"]
 
@@ -31,6 +31,17 @@ _DYED: Final[Mapping[str, tuple[tuple[Role, float], ...]]] = {
     "carpet_border": (("light", 0.7), ("deep", 0.5)),
     "ceramic": (("light", 1.0), ("accent", 1.0)),
     "glaze": (("light", 1.0), ("accent", 1.0), ("deep", 1.0)),
+}
+# Wood in one piece where that of the room is glued of staves: another family of its colour.
+_WOODS: Final[Mapping[str, Mapping[str, tuple[str, Color | None]]]] = {
+    "wood": {},
+    "bent_wood": {
+        "beech_staves": ("ash_veneer", (0.50, 0.315, 0.185)),
+        "brushed_larch": ("ash_veneer", (0.44, 0.26, 0.125)),
+        "butcher_block": ("ash_veneer", (0.50, 0.315, 0.185)),
+        "knotty_pine": ("ash_veneer", (0.56, 0.365, 0.175)),
+        "pine_staves": ("ash_veneer", (0.56, 0.365, 0.175)),
+    },
 }
 _MAX_ALBEDO: Final = 0.8
 
@@ -62,8 +73,9 @@ class Ensemble:
     def finish(self, name: str) -> Finish:
         """A finish of `FINISHES` as this room has it."""
         usual = FINISHES[name]
-        if name == "wood":
-            return replace(usual, families=dict.fromkeys(self.woods, 1.0), choices=self._kinds)
+        if name in _WOODS:
+            woods = [_WOODS[name].get(wood, (wood, None))[0] for wood in self.woods]
+            return replace(usual, families=dict.fromkeys(woods, 1.0), choices=self._kinds)
         finish = replace(usual, families=self.interior.weighted(usual.families))
         if name in _DYED:
             finish = replace(finish, colors=(), choices=len(_DYED[name]))
@@ -73,10 +85,17 @@ class Ensemble:
     def _kinds(self) -> int:
         return len(set(self.woods))
 
+    def lot(self, name: str) -> str:
+        """The finish that one of the same lot has: bent wood is of the wood of boards."""
+        return "wood" if name in _WOODS else name
+
     def family(self, name: str, variant: int, rng: np.random.Generator) -> str | None:
         """The family of textures of one of the variants of a finish; None for a constant."""
+        if name in _WOODS:
+            wood = self.woods[variant]
+            return _WOODS[name].get(wood, (wood, None))[0]
         families = self.finish(name).families
-        return self.woods[variant] if name == "wood" else drawn(rng, families) if families else None
+        return drawn(rng, families) if families else None
 
     def color(self, name: str, variant: int, rng: np.random.Generator) -> Color | None:
         """The mean base colour of one of the variants of a finish; None: the family's own."""
@@ -86,6 +105,8 @@ class Ensemble:
                 round(min(factor * value, _MAX_ALBEDO), 3) for value in getattr(self, role)
             )
             return red, green, blue
+        if name in _WOODS:
+            return _WOODS[name].get(self.woods[variant], ("", None))[1]
         colors = FINISHES[name].colors
         return colors[int(rng.integers(len(colors)))] if colors else None
 

@@ -33,6 +33,13 @@ FINISHES: Final[dict[str, Finish]] = {
          "bamboo_strips": 0.3},
         choices=3,
     ),
+    # Shells and legs in one piece: no joints of boards run across what is bent or turned.
+    "bent_wood": Finish(
+        "wood",
+        {"quartered_oak": 3, "walnut_veneer": 2.5, "ash_veneer": 2, "birch_plywood": 1,
+         "sapele_ribbon": 0.7},
+        choices=3,
+    ),
     "lacquer": Finish(
         "paint", {"sprayed_satin": 6, "high_gloss_lacquer": 1, "chalk_paint": 0.3},
         colors=((0.76, 0.75, 0.72), (0.42, 0.41, 0.39), (0.065, 0.07, 0.075), (0.27, 0.33, 0.27),
@@ -204,19 +211,6 @@ FINISHES: Final[dict[str, Finish]] = {
         colors=((0.68, 0.68, 0.69), (0.45, 0.45, 0.46)), roughness=(0.32, 0.42),
     ),
     "white_paper": Finish("wood", colors=((0.8, 0.8, 0.785),), roughness=(0.8, 0.95)),
-    "bottle_label": Finish(
-        "wood", colors=((0.74, 0.71, 0.63), (0.12, 0.12, 0.13), (0.35, 0.09, 0.07)),
-        roughness=(0.5, 0.7), choices=2,
-    ),
-    "bottle_glass": Finish(
-        "specular_stone", colors=((0.02, 0.05, 0.025), (0.075, 0.032, 0.01)),
-        roughness=(0.04, 0.08), choices=2,
-    ),
-    "felt_pen": Finish(
-        "plastic", colors=((0.45, 0.03, 0.03), (0.03, 0.08, 0.35), (0.03, 0.25, 0.08),
-                           (0.03, 0.03, 0.03)),
-        roughness=(0.3, 0.4), choices=4, each=True,
-    ),
     "print_ground": Finish(
         "paint", colors=((0.7, 0.66, 0.57), (0.62, 0.64, 0.62), (0.55, 0.3, 0.18),
                          (0.1, 0.16, 0.22), (0.3, 0.36, 0.3)),
@@ -244,19 +238,9 @@ FINISHES: Final[dict[str, Finish]] = {
                                   (0.5, 0.27, 0.14)),
         roughness=(0.08, 0.22), choices=3,
     ),
-    "fruit": Finish(
-        "plastic", colors=((0.5, 0.05, 0.035), (0.62, 0.26, 0.03), (0.32, 0.42, 0.07)),
-        roughness=(0.25, 0.4), choices=6, each=True,
-    ),
     "felt": Finish(
         "fabric", {"felt": 1}, colors=((0.03, 0.16, 0.075), (0.04, 0.11, 0.2), (0.26, 0.035, 0.04)),
         choices=2,
-    ),
-    "billiard": Finish(
-        "plastic", colors=((0.62, 0.36, 0.02), (0.02, 0.06, 0.3), (0.5, 0.03, 0.02),
-                           (0.12, 0.03, 0.2), (0.6, 0.16, 0.02), (0.02, 0.2, 0.07),
-                           (0.22, 0.03, 0.04), (0.02, 0.02, 0.02)),
-        roughness=(0.04, 0.08), choices=16, each=True,
     ),
     "rope": Finish(
         "fabric", {"basket_weave": 2, "sisal": 1},

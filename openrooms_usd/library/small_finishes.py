@@ -23,6 +23,29 @@ _PALETTES: Final = {
 }  # fmt: skip
 
 SMALL_THINGS: Final[dict[str, Finish]] = {
+    "billiard": Finish(
+        "plastic", colors=((0.62, 0.36, 0.02), (0.02, 0.06, 0.3), (0.5, 0.03, 0.02),
+                           (0.12, 0.03, 0.2), (0.6, 0.16, 0.02), (0.02, 0.2, 0.07),
+                           (0.22, 0.03, 0.04), (0.02, 0.02, 0.02)),
+        roughness=(0.04, 0.08), choices=16, each=True,
+    ),
+    "felt_pen": Finish(
+        "plastic", colors=((0.45, 0.03, 0.03), (0.03, 0.08, 0.35), (0.03, 0.25, 0.08),
+                           (0.03, 0.03, 0.03)),
+        roughness=(0.3, 0.4), choices=4, each=True,
+    ),
+    "bottle_label": Finish(
+        "wood", colors=((0.74, 0.71, 0.63), (0.12, 0.12, 0.13), (0.35, 0.09, 0.07)),
+        roughness=(0.5, 0.7), choices=2,
+    ),
+    "bottle_glass": Finish(
+        "specular_stone", colors=((0.02, 0.05, 0.025), (0.075, 0.032, 0.01)),
+        roughness=(0.04, 0.08), choices=2,
+    ),
+    "fruit": Finish(
+        "plastic", colors=((0.5, 0.05, 0.035), (0.62, 0.26, 0.03), (0.32, 0.42, 0.07)),
+        roughness=(0.25, 0.4), choices=6, each=True,
+    ),
     "porcelain": Finish(
         "specular_stone", colors=((0.8, 0.79, 0.76), (0.78, 0.75, 0.68), (0.42, 0.47, 0.5),
                                   (0.17, 0.19, 0.2)),

@@ -71,8 +71,9 @@ class Chooser:
         """
         shared = self.ensemble
         finish = shared.finish(name) if shared else FINISHES[name]
-        variant = self._choice(finish, name, key)
-        number, rng = str(variant), self.rng("finish", name, str(variant))
+        lot = shared.lot(name) if shared else name
+        variant = self._choice(finish, lot, key)
+        number, rng = str(variant), self.rng("finish", lot, str(variant))
         if shared:
             family, color = shared.family(name, variant, rng), shared.color(name, variant, rng)
         else:

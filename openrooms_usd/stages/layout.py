@@ -16,6 +16,7 @@ from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from openrooms_usd.geometry.shell import slab, wall_solid
+from openrooms_usd.geometry.uv import centred
 from openrooms_usd.geometry.walls import Wall, walls_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.beyond import author_beyond
@@ -190,7 +191,7 @@ def _author_room(stage: Usd.Stage, plan: Plan, room_type: str) -> None:
 def _author_shell(stage: Usd.Stage, plan: Plan) -> None:
     below = slab(plan.corners, plan.thickness, -plan.thickness, 0.0)
     above = slab(plan.corners, plan.thickness, plan.height, plan.height + plan.thickness)
-    author_mesh(stage, names.FLOOR, below, category="floor")
+    author_mesh(stage, names.FLOOR, centred(below), category="floor")
     author_mesh(stage, names.CEILING, above, category="ceiling")
     UsdGeom.Xform.Define(stage, names.WALLS)
     for wall in plan.walls:
@@ -206,4 +207,6 @@ def _author_shell(stage: Usd.Stage, plan: Plan) -> None:
         UsdGeom.Scope.Define(stage, names.TRIM)
         if "/" in name:
             UsdGeom.Scope.Define(stage, f"{names.TRIM}/{name.partition('/')[0]}")
+        if category == "cladding":
+            mesh = centred(mesh, along=False)
         author_mesh(stage, f"{names.TRIM}/{name}", mesh, category=category)

@@ -7,7 +7,7 @@ import pytest
 
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import box, sphere
-from openrooms_usd.geometry.uv import cube_projection, metric
+from openrooms_usd.geometry.uv import centred, cube_projection, metric
 from openrooms_usd.geometry.uvquality import uv_quality
 
 
@@ -88,3 +88,17 @@ def test_a_million_triangles_some_of_them_degenerate() -> None:
     quality = uv_quality(mesh)
     assert quality.folded == 0.0
     assert quality.density == pytest.approx(np.sqrt(1e6 / mesh.areas().sum()), rel=1e-6)
+
+
+def test_what_is_centred_is_cut_equally_at_its_edges() -> None:
+    plate = Mesh(
+        np.array([[1.0, 2.0, 0.0], [4.0, 2.0, 0.0], [4.0, 6.2, 0.0], [1.0, 6.2, 0.0]]),
+        np.array([4], dtype=np.int32),
+        np.arange(4, dtype=np.int32),
+        st=np.array([[1, 2], [4, 2], [4, 6.2], [1, 6.2]], dtype=np.float32),
+    )
+    middle, risen = centred(plate), centred(plate, along=False)
+    assert middle.st is not None and risen.st is not None
+    np.testing.assert_allclose(middle.st.min(axis=0), -middle.st.max(axis=0), atol=1e-6)
+    np.testing.assert_allclose(np.ptp(middle.st, axis=0), (3.0, 4.2), rtol=1e-6)
+    assert risen.st[:, 1].min() == 0.0 and risen.st[:, 0].max() == pytest.approx(1.5)

@@ -359,9 +359,9 @@ def test_every_finish_can_be_made_and_every_rule_names_one() -> None:
 def test_schemes_are_drawn_by_their_weights() -> None:
     rng = np.random.Generator(np.random.PCG64(0))
     drawn = [finishes_of("chair", ["seat", "leg"], rng)["seat"] for _ in range(500)]
-    share = drawn.count("wood") / 500
+    share = drawn.count("bent_wood") / 500
     fitting = [s for s in category("chair").schemes if s.needs is None]
-    expected = sum(s.weight for s in fitting if s.finishes[ANY] == "wood")
+    expected = sum(s.weight for s in fitting if s.finishes[ANY] == "bent_wood")
     assert share == pytest.approx(expected / sum(s.weight for s in fitting), abs=0.07)
     assert finishes_of("thing", ["knob"], rng) == {"knob": "lacquer"}
     assert finishes_of("sofa", ["rail", "seat_cushion"], rng)["seat_cushion"] == "upholstery"

@@ -137,7 +137,9 @@ def leaf(
     rings = [outline(edge, 0.0), outline(0.0, edge), outline(0.0, thickness - edge),
              outline(edge, thickness)]  # fmt: skip
     if 0.0 < frame < 0.3 * min(width, height):
-        rings += [outline(frame, thickness), outline(frame + 0.003, thickness - recess)]
+        # The frame's inner edge is eased, too.
+        rings += [outline(frame, thickness), outline(frame + edge, thickness - 0.6 * edge),
+                  outline(frame + edge + 0.5 * recess, thickness - recess)]  # fmt: skip
     return loft(rings).transformed(FRONT)
 
 
