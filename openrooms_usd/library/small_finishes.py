@@ -187,6 +187,7 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
         for name, colors in _PALETTES.items()
         for tone, color in zip(TONES, colors, strict=True)
     },
+    "picture_ink": Finish("paint", colors=((0.03, 0.03, 0.032),), roughness=(0.6, 0.8)),
     "petal": Finish(
         "plastic", colors=((0.66, 0.12, 0.14), (0.72, 0.5, 0.06), (0.72, 0.7, 0.66),
                            (0.62, 0.3, 0.4), (0.4, 0.2, 0.48), (0.7, 0.28, 0.08)),

@@ -24,20 +24,22 @@ _LAYER_M: Final = 0.0003
 _DEEP_M: Final = 0.0008
 
 
-def _sheet(outline: np.ndarray, front: float, level: int) -> Mesh:
+def sheet_of(outline: np.ndarray, front: float, level: int) -> Mesh:
     """A sheet of colour over a polygon (x, z) before a plane y = ``front``; higher ones before."""
     proud = _LAYER_M * (1 + level)
     thick = proud + _DEEP_M
     return profiled(outline, thick, FRONT, 0.0).moved((0.0, front - proud + 0.5 * thick, 0.0))
 
 
-def _canvas(inside: Rectangle, front: float) -> Mesh:
+def canvas_of(inside: Rectangle, front: float) -> Mesh:
+    """What is painted on: a sheet whose front is the plane y = ``front``."""
     left, right, low, high = inside
     size = (right - left, 0.003, high - low)
     return box(size, (0.5 * (left + right), front + 0.0015, 0.5 * (low + high)))
 
 
-def _disc(at: tuple[float, float], radius: float, front: float, level: int) -> Mesh:
+def disc_of(at: tuple[float, float], radius: float, front: float, level: int) -> Mesh:
+    """A disc of colour about a point (x, z)."""
     proud = _LAYER_M * (1 + level)
     disc = turned(cylinder(radius, proud + _DEEP_M, segments=30), "x", 90.0)
     return disc.moved((at[0], front + _DEEP_M, at[1]))
@@ -60,7 +62,7 @@ def _ridge(
     x = np.linspace(right, left, len(crest))
     z = low + (high - low) * (base + rise * crest)
     outline = np.concatenate([[(left, low), (right, low)], np.stack([x, z], axis=1)])
-    return _sheet(outline, front, level)
+    return sheet_of(outline, front, level)
 
 
 def landscape(inside: Rectangle, front: float, rng: np.random.Generator) -> Parts:
@@ -69,10 +71,10 @@ def landscape(inside: Rectangle, front: float, rng: np.random.Generator) -> Part
     wide, tall = right - left, high - low
     horizon = float(rng.uniform(0.36, 0.52))
     names, steps = ("far", "middle", "near", "ground"), (0.0, 0.12, 0.24, 0.34)
-    parts = {"canvas": _canvas(inside, front)}
+    parts = {"canvas": canvas_of(inside, front)}
     r = float(rng.uniform(0.05, 0.1)) * min(wide, tall)
     sun = (left + float(rng.uniform(0.2, 0.8)) * wide, low + float(rng.uniform(0.66, 0.8)) * tall)
-    parts["light"] = _disc(sun, r, front, 0)
+    parts["light"] = disc_of(sun, r, front, 0)
     for level, (name, below) in enumerate(zip(names, steps, strict=True)):
         base = max(horizon - below, 0.03)
         rise = float(rng.uniform(0.1, 0.2)) * (1.0 - 0.12 * level)
@@ -84,10 +86,10 @@ def landscape(inside: Rectangle, front: float, rng: np.random.Generator) -> Part
 
 def skyline(inside: Rectangle, front: float, rng: np.random.Generator) -> Parts:
     """Houses and towers in two rows before a pale sky, over water."""
-    parts = {"canvas": _canvas(inside, front)}
+    parts = {"canvas": canvas_of(inside, front)}
     for level, (name, base, rise) in enumerate((("far", 0.34, 0.34), ("near", 0.3, 0.26))):
-        # Seven points to a roof: walls are all but upright.
-        roofs = np.repeat(rng.uniform(0.15, 1.0, 11 - 2 * level), 7)
+        # So many points to a roof that walls are all but upright.
+        roofs = np.repeat(rng.uniform(0.15, 1.0, 9 - 2 * level), 14)
         parts[name] = _ridge(inside, base, rise, roofs, front, 1 + level)
     flat = np.zeros(3)
     parts["ground"] = _ridge(inside, 0.3, 0.0, flat, front, 3)
@@ -120,8 +122,8 @@ def botanical(inside: Rectangle, front: float, rng: np.random.Generator) -> Part
         turn = np.pi / 2 - side * np.radians(float(rng.uniform(42, 58))) * (i < 2 * pairs)
         c, s = np.cos(turn), np.sin(turn)
         at = np.array([np.interp(share, t, x), np.interp(share, t, z)])
-        leaves.append(_sheet(shape @ np.array([[c, s], [-s, c]]) + at, front, 1))
-    return {"canvas": _canvas(inside, front), "stem": _sheet(stem, front, 0),
+        leaves.append(sheet_of(shape @ np.array([[c, s], [-s, c]]) + at, front, 1))
+    return {"canvas": canvas_of(inside, front), "stem": sheet_of(stem, front, 0),
             "leaf": joined(leaves)}  # fmt: skip
 
 
@@ -135,11 +137,20 @@ def shapes(inside: Rectangle, front: float, rng: np.random.Generator) -> Parts:
         blob = superellipse(float(a), float(b), float(rng.uniform(1.8, 3.5)), 26)
         room = np.array([wide - a, tall - b]) * 0.44
         at = np.array([0.5 * (left + right), 0.5 * (low + high)]) + rng.uniform(-1.0, 1.0, 2) * room
-        fields.append(_sheet(blob + at, front, k))
+        fields.append(sheet_of(blob + at, front, k))
     t = np.linspace(0.0, np.pi, 13)
     r, x = float(rng.uniform(0.14, 0.2)) * wide, left + float(rng.uniform(0.3, 0.7)) * wide
     z, thick = low + float(rng.uniform(0.1, 0.3)) * tall, 0.035 * wide
     around = np.stack([np.cos(t), np.sin(t)], axis=1)
     arch = np.concatenate([r * around, ((r - thick) * around)[::-1]]) + np.array([x, z])
-    return {"canvas": _canvas(inside, front), **numbered("field", fields),
-            "accent": _sheet(arch, front, 5)}  # fmt: skip
+    return {"canvas": canvas_of(inside, front), **numbered("field", fields),
+            "accent": sheet_of(arch, front, 5)}  # fmt: skip
+
+
+def any_of(*painters: Painter) -> Painter:
+    """One of several, drawn for each picture."""
+
+    def paint(inside: Rectangle, front: float, rng: np.random.Generator) -> Parts:
+        return painters[int(rng.integers(len(painters)))](inside, front, rng)
+
+    return paint

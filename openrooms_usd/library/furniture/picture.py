@@ -5,11 +5,12 @@ from typing import Final
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
-from openrooms_usd.categories.schemes import Scheme
+from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, WIDE, BuiltCategory
 from openrooms_usd.library.furniture.joinery import Style
 from openrooms_usd.library.furniture.lying import Lies
-from openrooms_usd.library.furniture.paintings import botanical, landscape, shapes, skyline
+from openrooms_usd.library.furniture.paintings import any_of, botanical, landscape, shapes, skyline
+from openrooms_usd.library.furniture.posters import brushed_circle, line_drawing, poster, street_map
 from openrooms_usd.library.furniture.wall_board import canvas, framed, framed_as, triptych
 from openrooms_usd.library.small_finishes import TONES
 
@@ -38,8 +39,15 @@ CATEGORY: Final = BuiltCategory(
         "botanical": Style(
             framed_as(botanical, (0.06, 0.12)), lambda size: size[0] < size[2], (0.36, 0.02, 0.5)
         ),
-        "abstract": Style(
-            framed_as(shapes, (0.02, 0.1)), lambda size: size[0] < 2.0 * size[2], (0.5, 0.022, 0.7)
+        "drawing": Style(
+            framed_as(any_of(line_drawing, brushed_circle), (0.08, 0.18)),
+            lambda size: size[0] < 1.3 * size[2],
+            (0.42, 0.02, 0.52),
+        ),
+        "poster": Style(
+            framed_as(any_of(poster, street_map, shapes), (0.0, 0.03)),
+            lambda size: size[0] < size[2],
+            (0.5, 0.022, 0.7),
         ),
         "triptych": Style(triptych, lambda size: size[0] > 1.4 * size[2], (1.2, 0.03, 0.6)),
     },
@@ -66,6 +74,27 @@ CATEGORY: Final = BuiltCategory(
         _palette("meadow", "white"),
         _palette("silver", "black"),
         _palette("ochre", "wood"),
+        Scheme({ANY: METAL, "mat": "white_paper"}),
+        *(
+            Scheme(
+                {
+                    ANY: frame,
+                    "mat": "white_paper",
+                    "canvas": ground,
+                    "ink": "picture_ink",
+                    "street": street,
+                    "river": river,
+                },
+                needs=needs,
+                weight=100.0,
+            )
+            for frame, ground, street, river in (
+                ("black", "white_paper", "picture_ink", "meadow_far"),
+                ("wood", "paper", "dawn_near", "dawn_far"),
+                ("white", "print_ground", "white_paper", "silver_near"),
+            )
+            for needs in ("ink", "river")
+        ),
         Scheme({ANY: "wood", "mat": "white_paper", "canvas": "paper"}, needs="stem", weight=100.0),
         Scheme(
             {ANY: "black", "mat": "white_paper", "canvas": "white_paper"},

@@ -1,5 +1,7 @@
 """Pictures and whiteboards: flat things on a wall; one board stands on wheels."""
 
+from typing import Final
+
 import numpy as np
 
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -16,8 +18,9 @@ from openrooms_usd.library.furniture.joinery import (
     numbered,
     profiled,
 )
-from openrooms_usd.library.furniture.paintings import Painter, Rectangle
+from openrooms_usd.library.furniture.paintings import Painter, Rectangle, any_of, landscape, shapes
 from openrooms_usd.library.furniture.posing import facing, turned
+from openrooms_usd.library.furniture.posters import brushed_circle, poster
 
 
 def mitred(outer: Rectangle, bar: float, front: float, back: float) -> Mesh:
@@ -117,15 +120,18 @@ def framed_as(paint: Painter, mat: tuple[float, float]) -> Build:
     return build
 
 
+_ON_CANVAS: Final = any_of(_print, shapes, landscape, brushed_circle)
+
+
 def canvas(size: Size, rng: np.random.Generator) -> Parts:
     """A stretched canvas without a frame: its paint goes to the edge."""
     width, depth, height = size
     whole = (-0.5 * width, 0.5 * width, 0.0, height)
     front, back = -0.5 * depth, 0.5 * depth
     bars = mitred(_shrunk(whole, 0.001), min(0.035, 0.12 * min(width, height)), front + 0.004, back)
-    block = _slab(whole, front + 0.0004, front + 0.006)
+    block = _slab(whole, front + 0.0014, front + 0.006)
     edges = mitred(whole, 0.0025, front + 0.004, back - 0.003)
-    image = _print(whole, front + 0.0004, rng)
+    image = _ON_CANVAS(whole, front + 0.0014, rng)
     image["canvas"] = joined([block, edges])
     return {"frame": bars, **image}
 
@@ -146,7 +152,7 @@ def triptych(size: Size, rng: np.random.Generator) -> Parts:
     return {name: joined(meshes) for name, meshes in parts.items()}
 
 
-framed = framed_as(_print, (0.09, 0.15))
+framed = framed_as(any_of(_print, shapes, poster, brushed_circle, landscape), (0.02, 0.16))
 
 
 def _board(outer: Rectangle, front: float, back: float) -> Parts:
