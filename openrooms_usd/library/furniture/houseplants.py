@@ -134,7 +134,10 @@ def ivy(size: Size, rng: np.random.Generator) -> Parts:
         plant["stem"].append(tube(path, 0.0012, segments=5))
         for i, at in enumerate(path[1:]):
             long = float(rng.uniform(0.16, 0.24)) * radius
-            leaf = pointed_leaf(long, 0.85 * long, droop=40.0, fold=0.2, widest=0.36, rows=4)
+            # Near the ground leaves lie flatter.
+            high = at[2] > 0.4 * rim
+            droop, pitch = (40.0, rng.uniform(-20, 35)) if high else (15.0, rng.uniform(8, 35))
+            leaf = pointed_leaf(long, 0.85 * long, droop=droop, fold=0.2, widest=0.36, rows=4)
             side = heading + (-1.0) ** i * float(rng.uniform(30, 80))
-            plant["leaf"].append(held(leaf, float(rng.uniform(-20, 35)), side, at))
+            plant["leaf"].append(held(leaf, float(pitch), side, at))
     return grown_over(pot, plant, size, 0.0)
