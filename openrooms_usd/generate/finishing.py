@@ -35,6 +35,8 @@ _GRID_SHARE: Final = 0.6
 # Beams and cornices stay above this; a rail needs this much wall above openings, metres.
 _HEADROOM_M: Final = 2.15
 _ABOVE_OPENINGS_M: Final = 0.25
+_BELOW_SILL_M: Final = 0.03
+_LOW_SILL_M: Final = 0.6
 # Heights of tiles in wet rooms with their shares; None: up to the ceiling, metres.
 _TILED: Final = (((1.15, 1.35), 0.4), ((2.0, 2.15), 0.25), (None, 0.35))
 
@@ -141,7 +143,9 @@ def _trim(
     if railed < taste.picture_rail and rail + 0.3 < shell.height:
         trim["picture_rail"] = {"at": rail, "depth": _DEPTH_M}
     if panelled < taste.wainscot and room_type in _PANELLED:
-        trim["wainscot"] = {"height": 0.9}
+        # Below sill boards it runs on.
+        sills = [gap.sill - _BELOW_SILL_M for gap in shell.gaps if gap.sill > _LOW_SILL_M]
+        trim["wainscot"] = {"height": round(min([0.9, *sills]), 2)}
     trim["threshold"] = True
     return trim
 

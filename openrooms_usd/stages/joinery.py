@@ -17,14 +17,12 @@ from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.geometry.windows import BOARD, EMBED, NOSE, Window, bar, window
 from openrooms_usd.library.timber import follow_grain
 from openrooms_usd.stages.openings import Cut
-from openrooms_usd.stages.trim import REVEAL_M, Finish
+from openrooms_usd.stages.trim import REVEAL_M, Finish, has_board
 from openrooms_usd.usd.joints import author_joint
 from openrooms_usd.usd.meshes import define_mesh
 from openrooms_usd.usd.semantics import label, label_part
 from openrooms_usd.usd.transforms import author_placement
 
-# Windows that begin lower than this have no sill board, metres.
-_BOARD_FROM_M: Final = 0.3
 # How far a sill board reaches beyond casings, metres.
 _BESIDE_CASING_M: Final = 0.02
 # How far a door's leaf turns where nothing stops it, degrees.
@@ -92,7 +90,7 @@ def author_opening(
             width,
             height,
             cut.wall.thickness,
-            board=_has_board(cut),
+            board=has_board(cut),
             style=cut.style or "casement",
             beyond=beyond,
         )
@@ -107,16 +105,12 @@ def author_opening(
         author_mesh(stage, f"{path}/Threshold", strip, part="threshold")
 
 
-def _has_board(cut: Cut) -> bool:
-    return cut.kind == "window" and cut.hole.bottom >= _BOARD_FROM_M
-
-
 def _casing(cut: Cut, described: Casing) -> Mesh:
     """Boards around an opening, in its frame: on both sides where both are in the room."""
     half, tall = 0.5 * (cut.hole.right - cut.hole.left), 0.5 * (cut.hole.top - cut.hole.bottom)
     x, top = half + REVEAL_M, tall + REVEAL_M
-    stands = cut.hole.bottom == 0.0 or _has_board(cut)
-    foot = -tall + (BOARD - EMBED if _has_board(cut) else 0.0 if stands else -REVEAL_M)
+    stands = cut.hole.bottom == 0.0 or has_board(cut)
+    foot = -tall + (BOARD - EMBED if has_board(cut) else 0.0 if stands else -REVEAL_M)
     path = np.array([[-x, foot], [-x, top], [x, top], [x, foot]])
     # From the opening outwards, the profile's foot first; its back is on the wall.
     shape = section(described.profile, described.depth, described.width)

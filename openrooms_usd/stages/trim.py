@@ -24,12 +24,15 @@ from openrooms_usd.geometry.panelling import panelling
 from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.geometry.wallruns import Run, free_rings, runs
 from openrooms_usd.geometry.walls import Wall
+from openrooms_usd.geometry.windows import EMBED
 from openrooms_usd.stages.openings import Cut
 
 Array: TypeAlias = NDArray[np.float64]
 
 # How far a door's own casing reaches beyond its opening, metres.
 _DOOR_CASING_M: Final = 0.06
+# Windows that begin lower than this have no sill board, metres.
+_BOARD_FROM_M: Final = 0.3
 # From the edge of an opening outwards to that of its casing, which covers the reveal's, metres.
 REVEAL_M: Final = -0.001
 
@@ -135,11 +138,18 @@ def _gaps(cut: Cut, finish: Finish, low: float, high: float) -> Iterator[tuple[A
             yield ends[0], ends[1]
 
 
+def has_board(cut: Cut) -> bool:
+    """Whether an opening has a sill board."""
+    return cut.kind == "window" and cut.hole.bottom >= _BOARD_FROM_M
+
+
 def with_casing(cut: Cut, finish: Finish) -> Hole:
     """The hole of an opening, grown by what stands around it on the wall."""
     cased = cut.kind == "door" or finish.trim.casing is not None
     margin = finish.beside if cased else 0.0
     below = 0.0 if cut.hole.bottom == 0.0 else margin
+    if has_board(cut):
+        below = EMBED
     return Hole(
         cut.hole.left - margin,
         cut.hole.right + margin,
