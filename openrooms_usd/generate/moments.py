@@ -62,8 +62,8 @@ MOMENTS: Final[Mapping[str, Moment]] = {
     "day": Moment(0.1, (25.0, 60.0), (0.2, 0.7), 0.2),
     "overcast": Moment(0.2, (15.0, 50.0), (0.45, 0.95), 0.45, overcast=True),
     "golden": Moment(0.12, (4.0, 10.0), (0.3, 0.9), 0.6, shines_in=True, dimmed=0.4),
-    "dusk": Moment(0.12, (-5.0, -2.5), (0.6, 0.95), 0.95, dimmed=0.5, screens=(0.5, 0.6)),
-    "night": Moment(0.08, (-50.0, -14.0), (0.65, 0.95), 0.95, dimmed=0.5, screens=(0.5, 0.4)),
+    "dusk": Moment(0.12, (-5.0, -2.5), (0.45, 0.95), 0.95, dimmed=0.5, screens=(0.5, 0.6)),
+    "night": Moment(0.08, (-50.0, -14.0), (0.45, 0.95), 0.95, dimmed=0.5, screens=(0.5, 0.4)),
 }
 
 

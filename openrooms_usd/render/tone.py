@@ -12,13 +12,13 @@ stays as it is.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.colorimetry import LUMINANCE
+from openrooms_usd.colorimetry import LUMINANCE, srgb_from_linear
 from openrooms_usd.render.color import MIDDLE_GREY, block_means, film, fitted_exposure
 from openrooms_usd.render.contract import ToneName
 
@@ -54,6 +54,10 @@ _BRIGHT_PERCENTILE: Final = 98.5
 _LOWERED: Final = 0.15
 _MAX_LOWERED_STOPS: Final = 0.4
 _MIN_SLOPE: Final = 0.3
+# And raised where the mean of the picture, encoded, would be less than this; a stop for so much.
+_LEAST_LEVEL: Final = 0.47
+_LEVEL_OF_A_STOP: Final = 0.13
+_MAX_RAISED_STOPS: Final = 0.6
 
 _CONTRAST: Final = 1.45
 _SATURATION: Final = 1.25
@@ -117,8 +121,27 @@ def fitted_tone(
     if exposure is None:
         lowered = float(np.clip(_LOWERED * (bright - _BRIGHT_STOPS), 0.0, _MAX_LOWERED_STOPS))
         factor, bright = factor * 2.0**-lowered, bright - lowered
-    slope = (_BRIGHT_STOPS - _KNEE_STOPS) / (max(bright, _BRIGHT_STOPS) - _KNEE_STOPS)
-    return Tone(name, factor, balance, max(slope, _MIN_SLOPE))
+    found = Tone(name, factor, balance, _slope(bright))
+    if exposure is not None:
+        return found
+    short = (_LEAST_LEVEL - _mean_level(found, radiance)) / _LEVEL_OF_A_STOP
+    raised = float(np.clip(short, 0.0, _MAX_RAISED_STOPS))
+    return replace(found, exposure=factor * 2.0**raised, slope=_slope(bright + raised))
+
+
+def _slope(bright: float) -> float:
+    """Stops for each stop above the knee that bring the brightest part to `_BRIGHT_STOPS`."""
+    wanted = (_BRIGHT_STOPS - _KNEE_STOPS) / (max(bright, _BRIGHT_STOPS) - _KNEE_STOPS)
+    return max(wanted, _MIN_SLOPE)
+
+
+def _mean_level(tone: Tone, radiance: Array) -> float:
+    """The mean of what is shown, encoded; 1 where nothing is lit."""
+    blocks = np.stack([block_means(radiance[..., i]) for i in range(3)], axis=-1)
+    lit = blocks[np.isfinite(blocks).all(axis=-1)]
+    if not (lit > 0.0).any():
+        return 1.0
+    return float(srgb_from_linear(tone.shown(lit) @ LUMINANCE).mean())
 
 
 def white_balance(radiance: Array) -> Balance:

@@ -69,6 +69,15 @@ def test_a_room_without_bright_windows_is_left_alone() -> None:
     assert tone.exposure == pytest.approx(fitted_tone("film", room(0.0)).exposure, rel=1e-6)
 
 
+def test_a_picture_with_much_shade_is_not_dark_in_the_mean() -> None:
+    picture = room(5.0).astype(np.float32)
+    picture[96:] *= 0.1
+    before = fitted_tone("photograph", picture, fitted_tone("film", picture).exposure)
+    shown = preview("radiance", picture).pixels.astype(np.float64)
+    assert (shown @ LUMINANCE).mean() / 255.0 > 0.44
+    assert fitted_tone("photograph", picture).exposure <= 2.0**0.61 * before.exposure
+
+
 def test_lamps_look_warm_and_not_orange() -> None:
     picture = room(0.0, USUAL * WARM)
     factors = np.array(white_balance(picture))
