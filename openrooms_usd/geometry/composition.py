@@ -22,7 +22,7 @@ NO_SUBJECT: Final = -1
 # What a view without any subject is worth: rooms without furniture are photographed, too.
 _BARE_WORTH: Final = 0.1
 # How much a subject that is cut loses: its share in the picture to this power.
-_WHOLE_POWER: Final = 3.0
+_WHOLE_POWER: Final = 2.0
 # The part of the picture in which a thing counts as whole: it shall not touch the frame.
 _FRAME_SHARE: Final = 0.98
 # The width of the picture that a subject shall fill for each unit of its weight, and at most.
