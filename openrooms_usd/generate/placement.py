@@ -30,6 +30,8 @@ _CHECKED_PLACES: Final = 8
 _BELOW_WINDOW_TASTE, _BELOW_WINDOW_M = 1.5, 0.3
 # Two walls are square to each other from this sine of the turn between them on.
 _SQUARE_CORNER_SINE: Final = 0.9999
+# Where the wall must be behind what hangs on it, metres.
+_BEHIND_M: Final = 0.03
 # Carriers that are parts of the room.
 _ROOM: Final = ("floor", "wall", "ceiling")
 # Narrower groups belong into corners, metres.
@@ -116,6 +118,9 @@ class Arrangement:
         free &= ~on_top | ~overlap(boxes, self.shell.kept_on_tops).any(axis=-1)
         if len(self.shell.attached):
             free &= ~overlap(boxes, self.shell.attached).any(axis=-1)
+        on_wall = np.array([item.on == "wall" for item in group.items])
+        if on_wall.any():
+            free &= ~on_wall | self._backed(boxes)
         free &= boxes[..., 7] <= self.shell.height - 0.02 + 0.02 * hung
         if len(self.solids):
             free &= ~overlap(boxes, self.solids, _GROUP_GAP_M).any(axis=-1)
@@ -131,6 +136,14 @@ class Arrangement:
                 clear &= ~overlap(needed, self.solids).any(axis=-1)
             possible = possible & clear.all(axis=1)
         return kept, possible
+
+    def _backed(self, boxes: Array) -> NDArray[np.bool_]:
+        """(P, N) which boxes have a wall behind all of their width, none that ends before."""
+        c, s, half, deep = (boxes[..., axis] for axis in (2, 3, 4, 5))
+        back = boxes[..., :2] + (deep + _BEHIND_M)[..., None] * np.stack([-s, c], axis=-1)
+        along = half[..., None] * np.stack([c, s], axis=-1)
+        room = self.shell.contains
+        return np.asarray(~room(back - along) & ~room(back) & ~room(back + along))
 
     def _standing(self, group: Group, free: NDArray[np.bool_]) -> NDArray[np.bool_]:
         if free.all():

@@ -80,7 +80,7 @@ FINISHES: Final[dict[str, Finish]] = {
     "water_bottle": Finish(
         "plastic", colors=((0.2, 0.32, 0.45),), roughness=(0.1, 0.18), transmission=0.4,
     ),
-    "shower_glass": Finish(
+    "frosted_glass": Finish(
         "specular_stone", colors=((0.3, 0.31, 0.305),), roughness=(0.2, 0.3), transmission=0.64,
     ),
     "back_painted_glass": Finish(

@@ -162,8 +162,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(UNLABELED, "otherstructure"),
     synsets=Without("ShapeNetCore has no such models"),
     schemes=(
-        Scheme({ANY: "chrome", "tray": "sanitary", "pane": "shower_glass"}, weight=3.0),
-        Scheme({ANY: "black", "tray": "sanitary", "pane": "shower_glass", "spout": "black",
+        Scheme({ANY: "chrome", "tray": "sanitary"}, weight=3.0),
+        Scheme({ANY: "chrome", "tray": "sanitary", "pane": "frosted_glass"}),
+        Scheme({ANY: "black", "tray": "sanitary", "spout": "black",
                 "switch": "black", "handle": "black", "bracket": "black"}),
     ),
     makes=(

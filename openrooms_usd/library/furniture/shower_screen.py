@@ -54,8 +54,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(UNLABELED, "otherstructure"),
     synsets=NO_SYNSET,
     schemes=(
-        Scheme({ANY: "chrome", "pane": "shower_glass", "seal": "plastic"}, weight=3.0),
-        Scheme({ANY: "black", "pane": "shower_glass", "seal": "plastic"}),
+        Scheme({ANY: "chrome", "seal": "plastic"}, weight=3.0),
+        Scheme({ANY: "chrome", "pane": "frosted_glass", "seal": "plastic"}),
+        Scheme({ANY: "black", "seal": "plastic"}),
     ),
     makes=(
         makes.row("pane", makes.solid(2500), "common"),
