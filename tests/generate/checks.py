@@ -36,6 +36,12 @@ BELOW = 0.015
 LET_IN = {("sink", "worktop"), ("hob", "worktop")}
 # How much of what lies on several others must have something below it.
 LAID = 0.8
+# What carries a thing that hangs is seen above this share of the thing's height.
+HUNG_SHARE = 0.6
+# In a stack the middle of each is at least so far within what holds it, metres.
+MIDDLE = 0.01
+# Points within a triangle, by its corners.
+INNER = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2], [3, 3, 0], [0, 3, 3]]) / 6.0
 DIRECTIONS = np.concatenate([np.eye(3), -np.eye(3)])
 
 
@@ -116,8 +122,38 @@ def _floating(scene: Scene, supports: dict[str, str]) -> Iterator[str]:
                 yield f"{body.name} lies on too little"
         elif (body.category, named[on].category if on in named else "") in LET_IN:
             continue  # by its rim, which is what touches
-        elif on in named and named[on].category != "rug" and not _held(body, named[on]).all():
+        elif on in named and not _stands(body, named[on]):
             yield f"{body.name} stands over the edge of {on}"
+
+
+def _stands(body: Body, support: Body) -> bool:
+    """Whether a body stands on its support with all of its lowest points.
+
+    Rugs give way. What hangs down over an edge has that edge within its bounds, high above its own
+    lowest points. In a stack of its own kind it may reach over the one below, if its middle and
+    most of its lower side do not.
+    """
+    if support.category == "rug" or _hangs(body, support):
+        return True
+    base, held = _held(body, support)
+    if held.all() or body.category != support.category:
+        return bool(held.all())
+    base, held = _held(body, support, np.concatenate(INNER @ body.points[body.triangles]))
+    if not held.any():
+        return False
+    (x0, y0), (x1, y1) = base[held, :2].min(axis=0), base[held, :2].max(axis=0)
+    x, y = 0.5 * (body.low + body.high)[:2]
+    within = x0 + MIDDLE < x < x1 - MIDDLE and y0 + MIDDLE < y < y1 - MIDDLE
+    return bool(within and held.mean() > 0.5)
+
+
+def _hangs(body: Body, support: Body) -> bool:
+    low, high = body.low + 0.001, body.high - 0.001
+    low[2] += HUNG_SHARE * (body.high[2] - body.low[2])
+    ends = np.roll(support.triangles, -1, axis=1)
+    steps = np.linspace(0.0, 1.0, 9)[:, None, None, None]
+    points = support.points[support.triangles] * (1.0 - steps) + support.points[ends] * steps
+    return bool(((points > low) & (points < high)).all(axis=-1).any())
 
 
 def _length_held(body: Body, units: Sequence[Body]) -> float:
@@ -129,9 +165,12 @@ def _length_held(body: Body, units: Sequence[Body]) -> float:
     return float(np.any(held, axis=0).mean()) if held else 0.0
 
 
-def _held(body: Body, support: Body) -> np.ndarray:
-    """Which of a body's lowest points have something of a support close below them."""
-    base = body.points[body.points[:, 2] < body.low[2] + DEEPEST]
+def _held(
+    body: Body, support: Body, points: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """A body's lowest points, and which of them have something of a support close below them."""
+    points = body.points if points is None else points
+    base = points[points[:, 2] < body.low[2] + DEEPEST]
     base = base[:: 1 + len(base) // 64]
     a, b, c = np.moveaxis(support.points[support.triangles], 1, 0)
     e, f = b - a, c - a
@@ -143,7 +182,7 @@ def _held(body: Body, support: Body) -> np.ndarray:
         over = (v >= -1e-6) & (w >= -1e-6) & (v + w <= 1.0 + 1e-6) & (across != 0.0)
         height = a[:, 2] + v * e[:, 2] + w * f[:, 2]
         held = over & (np.abs(height - base[:, 2:3]) < BELOW)
-    return np.asarray(held.any(axis=1))
+    return base, np.asarray(held.any(axis=1))
 
 
 def _swings(scene: Scene) -> Iterator[str]:

@@ -24,41 +24,44 @@ class Amount:
     each: float
     most: int
     chance: float = 1.0
-    shares: tuple[float, float, float] = (0.45, 0.55, 0.9)
+    shares: tuple[float, float, float] = (0.55, 0.6, 0.7)
 
 
-_BOARD: Final = Amount(14.0, 5, 0.8)
+_BOARD: Final = Amount(30.0, 7, 0.95)
 _HIDDEN: Final = Amount(8.0, 2, 0.4, (0.5, 0.5, 0.5))
 _ELSEWHERE: Final = Amount(5.0, 4)
 
 AMOUNTS: Final[Mapping[Place, Amount]] = {
-    "worktop": Amount(7.0, 6),
-    "sink_edge": Amount(7.0, 4),
+    "worktop": Amount(11.0, 9),
+    "sink_edge": Amount(12.0, 5),
     "hob": Amount(6.0, 2, 0.7),
-    "dining_table": Amount(3.0, 7),
-    "coffee_table": Amount(9.0, 6),
-    "side_table": Amount(16.0, 3),
-    "desk": Amount(8.0, 9),
-    "bedside": Amount(26.0, 4),
-    "dresser_top": Amount(10.0, 6),
-    "cabinet_top": Amount(8.0, 6),
-    "media_top": Amount(6.0, 5),
-    "appliance_top": Amount(7.0, 3),
-    "shop_counter": Amount(4.0, 4),
-    "mantel": Amount(14.0, 5),
-    "basin_edge": Amount(24.0, 6),
-    "bath_rim": Amount(10.0, 4),
-    "cistern": Amount(24.0, 2),
+    "dining_table": Amount(4.0, 8),
+    "coffee_table": Amount(12.0, 7),
+    "side_table": Amount(22.0, 4),
+    "desk": Amount(13.0, 12),
+    "bedside": Amount(34.0, 5),
+    "dresser_top": Amount(18.0, 9),
+    "cabinet_top": Amount(14.0, 9),
+    "media_top": Amount(9.0, 7),
+    "appliance_top": Amount(9.0, 4),
+    "shop_counter": Amount(5.0, 6),
+    "mantel": Amount(18.0, 6),
+    "basin_edge": Amount(34.0, 7),
+    "bath_rim": Amount(14.0, 5),
+    "cistern": Amount(30.0, 2),
     "shelf": _BOARD,
-    "low_shelf": Amount(10.0, 4, 0.8),
-    "wardrobe_shelf": Amount(9.0, 3, 0.8),
+    "low_shelf": Amount(20.0, 5, 0.9),
+    "wardrobe_shelf": Amount(12.0, 4, 0.9),
     "cupboard": _HIDDEN,
     "drawer": _HIDDEN,
     "bed_head": Amount(1.6, 3),
-    "bed_foot": Amount(1.2, 2, 0.8),
+    "bed_foot": Amount(2.5, 2, 0.95),
     "sofa_seat": Amount(2.5, 4),
     "armchair_seat": Amount(2.4, 1, 0.5),
     "chair_seat": Amount(2.0, 1, 0.15),
+    "in_basket": Amount(30.0, 3, 0.8, (0.8, 0.4, 0.4)),
+    "on_tray": Amount(40.0, 4, 1.0, (0.8, 0.4, 0.4)),
+    "on_stack": Amount(40.0, 1, 0.4),
 }
 
 
@@ -66,6 +69,15 @@ def amount_of(place: Place) -> Amount:
     """What is usual on a kind of surface."""
     return AMOUNTS.get(place, _ELSEWHERE)
 
+
+# How often a cloth is hung over an edge, by level.
+DRAPED: Final[Mapping[Place, tuple[float, ...]]] = {
+    "towel_rail": (0.95, 0.3, 0.0),
+    "sofa_arm": (0.25, 0.3, 0.2),
+    "chair_back": (0.03, 0.05, 0.1),
+}
+# How often a table is laid, by room type; elsewhere the last.
+LAID: Final[Mapping[str, float]] = {"dining_room": 0.6, "kitchen": 0.45, "": 0.3}
 
 # On the floor and on the walls of a room: least and greatest number by level.
 ROOM_AMOUNTS: Final[Mapping[Place, tuple[tuple[int, int], ...]]] = {

@@ -150,7 +150,7 @@ def places_on(
     jitter = rng.uniform(0.0, 1.0, (_PLACES, 2))
     local = level.origin + CELL_M * (np.stack([columns[drawn], rows[drawn]], axis=1) + jitter)
     turns = yaws[rng.integers(0, len(yaws), _PLACES)]
-    good = _fits(spot, size, local, turns)
+    good = fits(spot, size, local, turns)
     local, turns = local[good], turns[good]
     if not len(local):
         return None
@@ -171,7 +171,7 @@ def places_on(
     return x, y, yaw
 
 
-def _fits(
+def fits(
     spot: Spot, size: tuple[float, float, float], local: Array, turns: Array
 ) -> NDArray[np.bool_]:
     """(N,) whether a box stands on free cells wholly."""

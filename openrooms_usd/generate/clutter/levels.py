@@ -170,6 +170,15 @@ def edge_cells(
     return j * columns + i, points[:, 2]
 
 
+def along_edges(corners: Array, step: float = CELL_M) -> Array:
+    """(N, 3) points along all edges of triangles, no farther apart than a step; metres."""
+    starts, ends = corners.reshape(-1, 3), np.roll(corners, -1, axis=1).reshape(-1, 3)
+    steps = np.ceil(np.linalg.norm(ends - starts, axis=1) / step).astype(int) + 1
+    t = np.repeat(np.arange(len(steps)), steps)
+    k = np.arange(steps.sum()) - np.repeat(np.cumsum(steps) - steps, steps)
+    return np.asarray(starts[t] + (k / np.maximum(steps[t] - 1, 1))[:, None] * (ends - starts)[t])
+
+
 def _seen(height: float, clear: Array, low: Array, corners: Array) -> Level:
     """A level: of a board that is open to the front only what can be seen, and reached, counts."""
     free = clear > 0.0

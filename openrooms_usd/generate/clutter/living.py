@@ -4,18 +4,23 @@ from collections.abc import Sequence
 from typing import Final
 
 from openrooms_usd.draws import generator
-from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS
+from openrooms_usd.generate.clutter.amounts import LAID, ROOM_AMOUNTS
+from openrooms_usd.generate.clutter.arrangements import MOUSE
+from openrooms_usd.generate.clutter.draping import edges
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.laying import taken_by
 from openrooms_usd.generate.clutter.making import Makes
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.clutter.soft import seats
-from openrooms_usd.generate.clutter.spots import spots
+from openrooms_usd.generate.clutter.spots import Spot, spots, spots_of
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shapes import Shapes
+from openrooms_usd.library.furniture import CATEGORIES
 
+# The level from which on tables are laid for a meal.
+_MEALS_FROM: Final = 2
 # The title of what stands on the floor and hangs on the walls by itself.
 ABOUT: Final = "lying about"
 
@@ -47,23 +52,64 @@ def lived_in(
     surfaces = Surfaces(shapes)
     items = [item for _, group in groups for item in group]
     rng = generator(seed, "generate", room_type, "clutter")
-    scatter = Scatter(rng, surfaces, Makes(rng), taken_by(items, surfaces), room_type)
+    scatter = Scatter(
+        rng, surfaces, Makes(rng), taken_by(items, surfaces), room_type, room.shell.height
+    )
     kept = room.shell.kept
     # What stands out at windows, and the ways of doors.
     scatter.taken.add(kept[(kept[:, 5] <= _NOSE_M) | (kept[:, 6] <= 0.0)], "room")
     tops = list(enumerate(spots(groups, surfaces, room_type)))
     soft = list(enumerate(seats(groups, surfaces), len(tops)))
+    hems = list(enumerate(edges(groups, surfaces), len(tops) + len(soft)))
     ground = Ground(room, items, scatter.taken, rng)
     for step in range(1, level + 1):
         drawn = generator(seed, "generate", room_type, "clutter", step)
         scatter.rng = scatter.makes.rng = ground.rng = drawn
+        if step == 1:
+            _put_mice(scatter, [spot for _, spot in tops], items)
         for number, spot in tops:
             scatter.fill(number, spot, step)
+        inner = _inside(scatter, surfaces, known=len(tops) + len(soft) + len(hems))
+        for number, spot in inner:
+            scatter.fill(number, spot, step)
+        if step == _MEALS_FROM:
+            _lay_tables(scatter, [spot for _, spot in tops], groups, room_type)
         for number, seat in soft:
             scatter.sit(number, seat, step)
+        for number, edge in hems:
+            scatter.drape(number, edge, step)
         for place in ROOM_AMOUNTS:
             scatter.stand(ground, place, len(groups), step)
     full.append((ABOUT, []))
     for group, item in scatter.added:
         full[group][1].append(item)
     return [group for group in full if group[1]]
+
+
+def _put_mice(scatter: Scatter, tops: Sequence[Spot], items: Sequence[Item]) -> None:
+    """A mouse beside each keyboard."""
+    for item in items:
+        if item.category == "keyboard":
+            below = next((spot for spot in tops if spot.carrier.key == item.on), None)
+            if below is not None:
+                scatter.put_beside(below, item, MOUSE)
+
+
+def _lay_tables(
+    scatter: Scatter, tops: Sequence[Spot], groups: Groups, room_type: str
+) -> None:  # fmt: skip
+    """Tables where people eat are laid now and then."""
+    for spot in tops:
+        if spot.place == "dining_table" and scatter.rng.random() < LAID.get(room_type, LAID[""]):
+            scatter.lay_table(spot, groups[spot.group][1])
+
+
+def _inside(scatter: Scatter, surfaces: Surfaces, known: int) -> list[tuple[int, Spot]]:
+    """What small things carry themselves: baskets, trays, stacks."""
+    carriers = [(group, item) for group, item in scatter.added if CATEGORIES[item.category].carries]
+    found = (
+        spot
+        for group, item in carriers
+        for spot in spots_of(item, group, CATEGORIES[item.category].carries, surfaces)
+    )
+    return list(enumerate(found, known))

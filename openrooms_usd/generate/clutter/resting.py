@@ -5,12 +5,17 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.generate.boxes import Array
+from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.levels import crossings, edge_cells
 from openrooms_usd.generate.shapes import Shape
+from openrooms_usd.geometry.rotations import about_z
 
 # Of a relief's cells, metres.
 RELIEF_CELL_M: Final = 0.005
+# Things touch each other within this of their lowest and highest points, metres.
+_CONTACT_M: Final = 0.03
+_MOST_CONTACTS: Final = 500
+_UPSIDE_DOWN: Final = np.diag([1.0, 1.0, -1.0])
 # No more points of a thing than this are looked at.
 _MOST_POINTS: Final = 5000
 
@@ -63,16 +68,26 @@ def relief_of(shape: Shape) -> Relief:
     return Relief(low, heights.reshape(rows, columns))
 
 
-def rest_on(below: Shape, points: Array, x: float, y: float) -> float:
-    """How high an object's origin is that comes down on another, by their corners and faces.
+def rest_on(below: Shape, below_skin: Array, upper: Shape, upper_skin: Array, pose: Pose) -> float:
+    """How high an object's origin is that comes down on another: points of each on faces of both.
 
     Args:
         below: What carries it.
-        points: (N, 3) corners of the object, turned as it lies in the carrier's frame; metres.
-        x: Of its origin in the carrier's frame, metres.
-        y: Likewise.
+        below_skin: (N, 3) points of its surface, metres.
+        upper: The object.
+        upper_skin: (M, 3) points of its surface, metres.
+        pose: Of the object in the carrier's frame.
     """
-    low = points[points[:, 2] < points[:, 2].min() + 0.03]
-    low = low[:: 1 + len(low) // _MOST_POINTS]
-    heights = below.tops(x + low[:, 0], y + low[:, 1])
-    return float((heights - low[:, 2]).max())
+    x, y, yaw = pose
+    low = _few(upper_skin[upper_skin[:, 2] < upper_skin[:, 2].min() + _CONTACT_M])
+    points = low @ about_z(np.radians(yaw)).T
+    found = below.tops(x + points[:, 0], y + points[:, 1]) - points[:, 2]
+    high = _few(below_skin[below_skin[:, 2] > below_skin[:, 2].max() - _CONTACT_M])
+    local = (high - np.array([x, y, 0.0])) @ about_z(np.radians(yaw))
+    over = Shape(tuple(mesh.transformed(_UPSIDE_DOWN) for mesh in upper.meshes))
+    other = over.tops(local[:, 0], local[:, 1]) + high[:, 2]
+    return float(max(found.max(), other.max()))
+
+
+def _few(points: Array) -> Array:
+    return points[:: 1 + len(points) // _MOST_CONTACTS]

@@ -1,20 +1,30 @@
 """Things on the surfaces of a room, drawn by the records of what lies there, level by level."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from openrooms_usd.categories.record import given
-from openrooms_usd.generate.boxes import Array, Pose
-from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS, amount_of
+from openrooms_usd.generate.boxes import Array, Pose, overlap
+from openrooms_usd.generate.clutter.amounts import DRAPED, ROOM_AMOUNTS, amount_of
+from openrooms_usd.generate.clutter.arrangements import (
+    PLATE,
+    SETTING,
+    Part,
+    laid,
+    seats_at,
+)
+from openrooms_usd.generate.clutter.draping import Edge, hang_over
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.laying import (
     Taken,
     Thing,
     Tilt,
+    fits,
     item_at,
     places_on,
     thing_of,
@@ -24,8 +34,7 @@ from openrooms_usd.generate.clutter.resting import rest_on
 from openrooms_usd.generate.clutter.soft import Seat, drop, lean
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
-from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.library.furniture import Size, category
+from openrooms_usd.library.furniture import CATEGORIES, Size, category
 from openrooms_usd.library.furniture.lying import Lies, Place
 from openrooms_usd.library.furniture.lying import Pose as Lying
 
@@ -36,7 +45,7 @@ _TILTS: Final[dict[Lying, Tilt]] = {"on_back": (-90.0, 0.0), "on_side": (0.0, 90
 # Between the things of a row, metres.
 _ROW_GAP_M: Final = 0.006
 # How much a stack's things are turned and shifted against each other.
-_STACK_TURN_DEG: Final = 7.0
+_STACK_TURN_DEG: Final = 6.0
 _STACK_SHIFT_M: Final = 0.006
 # How much likelier things become whose company lies there already.
 _COMPANY: Final = 4.0
@@ -44,8 +53,9 @@ _COMPANY: Final = 4.0
 _SAME_AGAIN: Final = 2.0
 _HIGHEST_ON_SEAT_M: Final = 0.6
 _TRIES_ON_SEAT: Final = 5
+# Nothing reaches higher: there may be beams, cornices and lamps.
+_BELOW_CEILING_M: Final = 0.3
 _MAX_STACK_M: Final = 0.4
-_STACK_ROOM_M: Final = 0.03
 # A thing that falls this far below the top of what it is stacked on lies beside it, metres.
 _MAX_SINK_M: Final = 0.03
 
@@ -60,6 +70,7 @@ class Scatter:
         makes: What the room has.
         taken: What takes up space already.
         room_type: One of the 27.
+        ceiling: Height of the room, metres.
         added: What was laid, with the group of its carrier.
     """
 
@@ -68,6 +79,7 @@ class Scatter:
     makes: Makes
     taken: Taken
     room_type: str
+    ceiling: float
     added: list[tuple[int, Item]] = field(default_factory=list)
     _company: dict[int, list[tuple[str, Array, str]]] = field(default_factory=dict)
     _used: dict[tuple[str, Lies], int] = field(default_factory=dict)
@@ -117,6 +129,88 @@ class Scatter:
                     self._company.setdefault(number, []).append((lies.cluster, np.zeros(2), name))
                     self.add(seat.group, item, box)
                     break
+
+    def drape(self, number: int, edge: Edge, level: int) -> None:
+        """Hang a cloth over an edge, as often as a level has it.
+
+        Args:
+            number: The edge's, the same at all levels.
+            edge: The edge.
+            level: 1, 2 or 3.
+        """
+        drawn = self._drawn(number, edge.place, level)
+        wanted = self.rng.random() < DRAPED[edge.place][level - 1]
+        make = self.makes.draw(*drawn) if drawn and wanted else None
+        if drawn is None or make is None:
+            return
+        (width, _, height), style = make
+        fit = hang_over(edge, width, height, self.rng)
+        spec, carrier = category(drawn[0]), edge.carrier
+        if fit is None or not all(
+            low <= side <= high
+            for low, side, high in zip(spec.least, fit.size, spec.most, strict=True)
+        ):
+            return
+        thing = thing_of(self.surfaces, drawn[0], (fit.size, style))
+        pose = (*carrier.at(fit.x, fit.y), carrier.yaw + fit.yaw)
+        box = thing.standing(pose, carrier.z + fit.z)
+        if not len(self.taken.near(box, carrier.key)):
+            item = item_at(thing, self.key(drawn[0]), pose, carrier.z + fit.z, carrier.key)
+            self._used[drawn] = self._used.get(drawn, 0) + 1
+            self.add(edge.group, item, box)
+
+    def lay_table(self, spot: Spot, items: Sequence[Item]) -> None:
+        """Lay a table for those who sit at it.
+
+        Args:
+            spot: Its top.
+            items: What stands with it.
+        """
+        known = {part: self._part(part) for part in (PLATE, *SETTING)}
+        plate = known[PLATE]
+        for seat in seats_at(spot.carrier, items) if plate else ():
+            assert plate is not None
+            for part, thing in known.items():
+                if thing is None or self.rng.random() > part.chance:
+                    continue
+                middle = laid(seat, plate.size[0], part, thing.size)
+                if not self._put_at(spot, thing, middle) and part is PLATE:
+                    break
+
+    def put_beside(self, spot: Spot, other: Item, part: Part) -> None:
+        """Put a thing beside another, to whose use it belongs.
+
+        Args:
+            spot: What both lie on.
+            other: The other one.
+            part: The thing.
+        """
+        thing = self._part(part)
+        if thing is not None and self.rng.random() < part.chance:
+            back = (0.0, 0.0, -spot.carrier.yaw)
+            x = part.side * (0.5 * (other.size[0] + thing.size[0]) + part.gap)
+            local = placed(back, *np.subtract(other.at(x, 0.0), spot.pose[:2]).tolist())
+            self._put_at(spot, thing, (*local, other.yaw - spot.carrier.yaw))
+
+    def _part(self, part: Part) -> Thing | None:
+        if part.category not in CATEGORIES:
+            return None
+        lies = Lies(on=("dining_table",), styles=part.styles, makes=1)
+        make = self.makes.draw(part.category, lies)
+        return thing_of(self.surfaces, part.category, make) if make else None
+
+    def _put_at(self, spot: Spot, thing: Thing, local: Pose) -> bool:
+        """Put a thing on a surface at a place in its carrier's frame, if it is free."""
+        if not fits(spot, thing.size, np.array([local[:2]]), np.array([local[2]]))[0]:
+            return False
+        pose = (*spot.carrier.at(*local[:2]), spot.carrier.yaw + local[2])
+        box = thing.standing(pose, spot.z)
+        lifted = box + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.001, 0.0])
+        if overlap(lifted, self.taken.near(spot.box, spot.carrier.key), 0.002).any():
+            return False
+        item = item_at(thing, self.key(thing.name), pose, spot.z, spot.carrier.key)
+        self.add(spot.group, item, box)
+        return True
 
     def stand(self, ground: Ground, place: Place, group: int, level: int) -> None:
         """Put on the floor, or hang on the walls, what a level adds.
@@ -235,25 +329,26 @@ class Scatter:
         """Several on top of each other, none larger than the one below."""
         width, depth, height = thing.size
         clear = min(room[2], _MAX_STACK_M, count * (height + 0.01))
-        size = (width + _STACK_ROOM_M, depth + _STACK_ROOM_M, max(clear, height))
-        middle = self._place(number, spot, size, lies)
-        if middle is None:
+        more = 2 * _STACK_SHIFT_M + np.hypot(width, depth) * np.sin(np.radians(_STACK_TURN_DEG))
+        size = (width + more, depth + more, max(clear, height))
+        base = self._place(number, spot, size, lies)
+        if base is None:
             return []
         laid: list[Item] = []
-        z, carrier, below = spot.z, spot.carrier.key, thing
+        z, carrier, below, middle = spot.z, spot.carrier.key, thing, base
         for index in range(count):
             upper = thing if index == 0 else self._next(below, lies, room[2])
             if upper is None:
                 break
             if index:
                 turn = float(self.rng.uniform(-_STACK_TURN_DEG, _STACK_TURN_DEG))
-                turn += 90.0 * ((upper.size[0] > upper.size[1]) != (below.size[0] > below.size[1]))
+                turn += 90.0 * ((upper.size[0] > upper.size[1]) != (width > depth))
                 shift = self.rng.uniform(-_STACK_SHIFT_M, _STACK_SHIFT_M, 2).tolist()
-                rise = self._rise(below, upper, (shift[0], shift[1], turn))
+                there = (*placed(base, shift[0], shift[1]), base[2] + turn)
+                rise = self._rise(below, upper, _within(middle, there))
                 if rise < below.size[2] - _MAX_SINK_M or z + rise + upper.size[2] > spot.z + clear:
                     break
-                middle = (*placed(middle, *shift), middle[2] + turn)
-                z += rise
+                middle, z = there, z + rise
             item = item_at(upper, self.key(thing.name), middle, z, carrier)
             self._take(number, spot, item, upper, middle, z, lies)
             laid.append(item)
@@ -268,9 +363,9 @@ class Scatter:
 
     def _rise(self, below: Thing, upper: Thing, pose: Pose) -> float:
         """How far above the lowest point of a thing that of another comes to rest on it."""
-        points = upper.points @ about_z(np.radians(pose[2])).T
-        shape = self.surfaces.shapes.of(below.name, *below.make)
-        origin = rest_on(shape, points, pose[0], pose[1])
+        shapes = self.surfaces.shapes
+        low, high = (shapes.of(thing.name, *thing.make) for thing in (below, upper))
+        origin = rest_on(low, below.skin, high, upper.skin, pose)
         return origin + float(upper.low[2]) - float(below.low[2])
 
     def _place(
@@ -278,6 +373,8 @@ class Scatter:
     ) -> Pose | None:
         (x0, y0), (x1, y1) = spot.reach
         if min(size[:2]) > min(x1 - x0, y1 - y0):
+            return None
+        if spot.z + size[2] > self.ceiling - _BELOW_CEILING_M:
             return None
         spread = _TURNED.get(lies.pose, _JITTER_DEG)
         yaws = self.rng.uniform(-spread, spread, 16)
@@ -309,3 +406,9 @@ class Scatter:
         """A new key."""
         self._keys[name] = self._keys.get(name, 0) + 1
         return f"{name} lying {self._keys[name]}"
+
+
+def _within(frame: Pose, pose: Pose) -> Pose:
+    """A pose in the frame of another."""
+    x, y = placed((0.0, 0.0, -frame[2]), pose[0] - frame[0], pose[1] - frame[1])
+    return x, y, pose[2] - frame[2]

@@ -18,8 +18,10 @@ from openrooms_usd.library.furniture.lying import Place
 _BOARDS: Final[tuple[Place, ...]] = (
     "shelf", "low_shelf", "wardrobe_shelf", "cupboard", "drawer",
 )  # fmt: skip
-_SOFT: Final[tuple[Place, ...]] = (
-    "bed_head", "bed_foot", "sofa_seat", "armchair_seat", "chair_seat",
+# What is no level top: seats and beds, edges and hooks.
+_NO_TOPS: Final[tuple[Place, ...]] = (
+    "bed_head", "bed_foot", "sofa_seat", "armchair_seat", "chair_seat", "sofa_arm", "chair_back",
+    "towel_rail", "clothes_rail", "hook", "wall", "wall_over_basin",
 )  # fmt: skip
 # Tops above this are out of reach, metres; boards below that are low ones.
 _HIGHEST_TOP_M: Final = 1.75
@@ -95,7 +97,7 @@ def spots(
             if item.category not in CATEGORIES or not CATEGORIES[item.category].carries:
                 continue
             carries = _meant(item, items, everything, room_type)
-            yield from _of(item, number, carries, surfaces)
+            yield from spots_of(item, number, carries, surfaces)
 
 
 def _meant(
@@ -121,9 +123,12 @@ def _meant(
     return tuple(meaning.get(place, place) for place in CATEGORIES[item.category].carries)
 
 
-def _of(item: Item, group: int, carries: tuple[Place, ...], surfaces: Surfaces) -> Iterator[Spot]:
+def spots_of(
+    item: Item, group: int, carries: tuple[Place, ...], surfaces: Surfaces
+) -> Iterator[Spot]:
+    """The surfaces of one object, by what they are used for."""
     levels = [level for level in surfaces.levels(item) if level.area >= _LEAST_BOARD_M2]
-    tops = [place for place in carries if place not in _BOARDS and place not in _SOFT]
+    tops = [place for place in carries if place not in _BOARDS and place not in _NO_TOPS]
     top = _top(levels) if tops else None
     if top is not None and item.z + top.z <= _HIGHEST_TOP_M:
         around = tops[0] in ("dining_table", "coffee_table")

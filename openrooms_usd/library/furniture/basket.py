@@ -187,6 +187,7 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(250), "weight", "fabric"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("in_basket",),
     lies=(
         Lies(on=("low_shelf", "wardrobe_shelf", "appliance_top"), weight=0.8),
         Lies(on=("shelf", "cabinet_top"), weight=0.3),

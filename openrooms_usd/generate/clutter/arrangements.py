@@ -1,0 +1,91 @@
+"""Things that belong together in one way only: a place laid for a meal, a mouse at its keyboard."""
+
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from openrooms_usd.generate.boxes import Pose
+from openrooms_usd.generate.items import Item, placed
+
+# How far a chair stands from the edge of the table that it belongs to, metres.
+_AT_TABLE_M: Final = 0.6
+# A plate's rim lies this far from the edge of the table, metres.
+_FROM_EDGE_M: Final = 0.025
+
+
+class Part(NamedTuple):
+    """One thing of an arrangement.
+
+    Attributes:
+        category: Of the library.
+        styles: Its styles; any by default.
+        side: -1 to the left, 0 in the middle, 1 to the right.
+        gap: From what is in the middle, metres.
+        ahead: Where its middle is: 0 beside the middle, 1 beyond it.
+        chance: How often it is there.
+        yaw: Degrees.
+    """
+
+    category: str
+    styles: tuple[str, ...]
+    side: int
+    gap: float
+    ahead: float
+    chance: float
+    yaw: float = 0.0
+
+
+PLATE: Final = Part("plate", (), 0, 0.0, 0.0, 1.0)
+SETTING: Final = (
+    Part("cutlery", ("fork",), -1, 0.03, 0.0, 0.95),
+    Part("cutlery", ("knife",), 1, 0.025, 0.0, 0.95),
+    Part("cutlery", ("spoon",), 1, 0.065, 0.0, 0.4),
+    Part("napkin", (), -1, 0.075, 0.0, 0.5),
+    Part("drinking_glass", (), 1, 0.0, 1.0, 0.9),
+)
+"""What lies around a plate, as one sits before it."""
+
+MOUSE: Final = Part("mouse", (), 1, 0.05, 0.0, 0.9)
+
+
+def seats_at(table: Item, items: Sequence[Item]) -> Iterator[Pose]:
+    """Where people sit at a table: the middle of the edge before each chair, looking across it.
+
+    Args:
+        table: The table.
+        items: What stands with it.
+
+    Yields:
+        Place in the table's frame, metres, and the direction to look in: 0 is the table's +y.
+    """
+    half = 0.5 * np.array(table.size[:2])
+    for item in items:
+        if item.category not in ("chair", "bench") or item.on not in ("floor", table.on):
+            continue
+        back = (0.0, 0.0, -table.yaw)
+        x, y = placed(back, item.x - table.x, item.y - table.y)
+        away = np.abs([x, y]) - half
+        if away.max() > _AT_TABLE_M or away.max() < -0.25:
+            continue
+        if away[1] >= away[0]:
+            near = float(np.clip(x, -half[0] + 0.3, half[0] - 0.3)) if half[0] > 0.3 else 0.0
+            yield near, float(np.sign(y) * half[1]), 0.0 if y < 0 else 180.0
+        else:
+            yield float(np.sign(x) * half[0]), 0.0, -90.0 if x < 0 else 90.0
+
+
+def laid(seat: Pose, middle: float, part: Part, size: tuple[float, float, float]) -> Pose:
+    """Where a part of a setting lies, in the table's frame.
+
+    Args:
+        seat: Where one sits, as `seats_at` says.
+        middle: Width of what is in the middle, metres.
+        part: The part.
+        size: What it takes up, metres.
+    """
+    x = part.side * (0.5 * middle + part.gap + 0.5 * size[0]) if part.side else 0.0
+    y = _FROM_EDGE_M + max(0.5 * middle, 0.5 * size[1])
+    if part.ahead:
+        x, y = part.side * 0.4 * middle, _FROM_EDGE_M + middle + 0.03 + 0.5 * size[1]
+    return (*placed(seat, x, y), seat[2] + part.yaw)
