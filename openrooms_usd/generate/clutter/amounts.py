@@ -28,7 +28,7 @@ class Amount:
 
 
 _BOARD: Final = Amount(30.0, 7, 0.95)
-_HIDDEN: Final = Amount(8.0, 2, 0.4, (0.5, 0.5, 0.5))
+_HIDDEN: Final = Amount(5.0, 1, 0.3, (0.5, 0.5, 0.5))
 _ELSEWHERE: Final = Amount(5.0, 4)
 
 AMOUNTS: Final[Mapping[Place, Amount]] = {
