@@ -3,6 +3,6 @@
 - `levels`, `resting`, `forms`: level tops and boards of furniture, and its upper sides;
 - `spots`, `amounts`, `making`: what surfaces are used for, how much lies there, of which makes;
 - `laying`, `scatter`: where it lies, on tops and boards, in stacks and rows; `soft`: on seats and
-  beds; `ground`: on the floor and the walls;
+  beds; `draping`: over edges; `ground`: on the floor and the walls; `arrangements`: laid tables;
 - `living`: all of it, level by level; `described`: in a room that people described.
 """

@@ -5,8 +5,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from openrooms_usd.generate.boxes import Pose
+from openrooms_usd.generate.boxes import Pose, overlap
+from openrooms_usd.generate.clutter.laying import Thing, fits, item_at, thing_of
+from openrooms_usd.generate.clutter.scatter import Scatter
+from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
+from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.library.furniture.lying import Lies
 
 # How far a chair stands from the edge of the table that it belongs to, metres.
 _AT_TABLE_M: Final = 0.6
@@ -89,3 +94,62 @@ def laid(seat: Pose, middle: float, part: Part, size: tuple[float, float, float]
     if part.ahead:
         x, y = part.side * 0.4 * middle, _FROM_EDGE_M + middle + 0.03 + 0.5 * size[1]
     return (*placed(seat, x, y), seat[2] + part.yaw)
+
+
+def lay_table(scatter: Scatter, spot: Spot, items: Sequence[Item]) -> None:
+    """Lay a table for those who sit at it.
+
+    Args:
+        scatter: Lays things in this room.
+        spot: Its top.
+        items: What stands with it.
+    """
+    known = {part: _part(scatter, part) for part in (PLATE, *SETTING)}
+    plate = known[PLATE]
+    for seat in seats_at(spot.carrier, items) if plate else ():
+        assert plate is not None
+        for part, thing in known.items():
+            if thing is None or scatter.rng.random() > part.chance:
+                continue
+            middle = laid(seat, plate.size[0], part, thing.size)
+            if not _put_at(scatter, spot, thing, middle) and part is PLATE:
+                break
+
+
+def put_beside(scatter: Scatter, spot: Spot, other: Item, part: Part) -> None:
+    """Put a thing beside another, to whose use it belongs.
+
+    Args:
+        scatter: Lays things in this room.
+        spot: What both lie on.
+        other: The other one.
+        part: The thing.
+    """
+    thing = _part(scatter, part)
+    if thing is not None and scatter.rng.random() < part.chance:
+        back = (0.0, 0.0, -spot.carrier.yaw)
+        x = part.side * (0.5 * (other.size[0] + thing.size[0]) + part.gap)
+        local = placed(back, *np.subtract(other.at(x, 0.0), spot.pose[:2]).tolist())
+        _put_at(scatter, spot, thing, (*local, other.yaw - spot.carrier.yaw))
+
+
+def _part(scatter: Scatter, part: Part) -> Thing | None:
+    if part.category not in CATEGORIES:
+        return None
+    lies = Lies(on=("dining_table",), styles=part.styles, makes=1)
+    make = scatter.makes.draw(part.category, lies)
+    return thing_of(scatter.surfaces, part.category, make) if make else None
+
+
+def _put_at(scatter: Scatter, spot: Spot, thing: Thing, local: Pose) -> bool:
+    """Put a thing on a surface at a place in its carrier's frame, if it is free."""
+    if not fits(spot, thing.size, np.array([local[:2]]), np.array([local[2]]))[0]:
+        return False
+    pose = (*spot.carrier.at(*local[:2]), spot.carrier.yaw + local[2])
+    box = thing.standing(pose, spot.z)
+    lifted = box + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.001, 0.0])
+    if overlap(lifted, scatter.taken.near(spot.box, spot.carrier.key), 0.002).any():
+        return False
+    item = item_at(thing, scatter.key(thing.name), pose, spot.z, spot.carrier.key)
+    scatter.add(spot.group, item, box)
+    return True

@@ -5,7 +5,7 @@ from typing import Final
 
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.clutter.amounts import LAID, ROOM_AMOUNTS
-from openrooms_usd.generate.clutter.arrangements import MOUSE
+from openrooms_usd.generate.clutter.arrangements import MOUSE, lay_table, put_beside
 from openrooms_usd.generate.clutter.draping import edges
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
@@ -92,7 +92,7 @@ def _put_mice(scatter: Scatter, tops: Sequence[Spot], items: Sequence[Item]) -> 
         if item.category == "keyboard":
             below = next((spot for spot in tops if spot.carrier.key == item.on), None)
             if below is not None:
-                scatter.put_beside(below, item, MOUSE)
+                put_beside(scatter, below, item, MOUSE)
 
 
 def _lay_tables(
@@ -101,7 +101,7 @@ def _lay_tables(
     """Tables where people eat are laid now and then."""
     for spot in tops:
         if spot.place == "dining_table" and scatter.rng.random() < LAID.get(room_type, LAID[""]):
-            scatter.lay_table(spot, groups[spot.group][1])
+            lay_table(scatter, spot, groups[spot.group][1])
 
 
 def _inside(scatter: Scatter, surfaces: Surfaces, known: int) -> list[tuple[int, Spot]]:

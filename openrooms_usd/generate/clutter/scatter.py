@@ -1,22 +1,14 @@
 """Things on the surfaces of a room, drawn by the records of what lies there, level by level."""
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
 from openrooms_usd.categories.record import given
-from openrooms_usd.generate.boxes import Array, Pose, overlap
+from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.amounts import DRAPED, ROOM_AMOUNTS, amount_of
-from openrooms_usd.generate.clutter.arrangements import (
-    PLATE,
-    SETTING,
-    Part,
-    laid,
-    seats_at,
-)
 from openrooms_usd.generate.clutter.draping import Edge, hang_over
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
@@ -24,7 +16,6 @@ from openrooms_usd.generate.clutter.laying import (
     Taken,
     Thing,
     Tilt,
-    fits,
     item_at,
     places_on,
     thing_of,
@@ -34,7 +25,7 @@ from openrooms_usd.generate.clutter.resting import rest_on
 from openrooms_usd.generate.clutter.soft import Seat, drop, lean
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
-from openrooms_usd.library.furniture import CATEGORIES, Size, category
+from openrooms_usd.library.furniture import Size, category
 from openrooms_usd.library.furniture.lying import Lies, Place
 from openrooms_usd.library.furniture.lying import Pose as Lying
 
@@ -158,59 +149,6 @@ class Scatter:
             item = item_at(thing, self.key(drawn[0]), pose, carrier.z + fit.z, carrier.key)
             self._used[drawn] = self._used.get(drawn, 0) + 1
             self.add(edge.group, item, box)
-
-    def lay_table(self, spot: Spot, items: Sequence[Item]) -> None:
-        """Lay a table for those who sit at it.
-
-        Args:
-            spot: Its top.
-            items: What stands with it.
-        """
-        known = {part: self._part(part) for part in (PLATE, *SETTING)}
-        plate = known[PLATE]
-        for seat in seats_at(spot.carrier, items) if plate else ():
-            assert plate is not None
-            for part, thing in known.items():
-                if thing is None or self.rng.random() > part.chance:
-                    continue
-                middle = laid(seat, plate.size[0], part, thing.size)
-                if not self._put_at(spot, thing, middle) and part is PLATE:
-                    break
-
-    def put_beside(self, spot: Spot, other: Item, part: Part) -> None:
-        """Put a thing beside another, to whose use it belongs.
-
-        Args:
-            spot: What both lie on.
-            other: The other one.
-            part: The thing.
-        """
-        thing = self._part(part)
-        if thing is not None and self.rng.random() < part.chance:
-            back = (0.0, 0.0, -spot.carrier.yaw)
-            x = part.side * (0.5 * (other.size[0] + thing.size[0]) + part.gap)
-            local = placed(back, *np.subtract(other.at(x, 0.0), spot.pose[:2]).tolist())
-            self._put_at(spot, thing, (*local, other.yaw - spot.carrier.yaw))
-
-    def _part(self, part: Part) -> Thing | None:
-        if part.category not in CATEGORIES:
-            return None
-        lies = Lies(on=("dining_table",), styles=part.styles, makes=1)
-        make = self.makes.draw(part.category, lies)
-        return thing_of(self.surfaces, part.category, make) if make else None
-
-    def _put_at(self, spot: Spot, thing: Thing, local: Pose) -> bool:
-        """Put a thing on a surface at a place in its carrier's frame, if it is free."""
-        if not fits(spot, thing.size, np.array([local[:2]]), np.array([local[2]]))[0]:
-            return False
-        pose = (*spot.carrier.at(*local[:2]), spot.carrier.yaw + local[2])
-        box = thing.standing(pose, spot.z)
-        lifted = box + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.001, 0.0])
-        if overlap(lifted, self.taken.near(spot.box, spot.carrier.key), 0.002).any():
-            return False
-        item = item_at(thing, self.key(thing.name), pose, spot.z, spot.carrier.key)
-        self.add(spot.group, item, box)
-        return True
 
     def stand(self, ground: Ground, place: Place, group: int, level: int) -> None:
         """Put on the floor, or hang on the walls, what a level adds.
