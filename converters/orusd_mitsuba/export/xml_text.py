@@ -25,6 +25,7 @@ _TAGS: Final = {
     "mask": "bsdf",
     "blendbsdf": "bsdf",
     "principledthin": "bsdf",
+    "thindielectric": "bsdf",
     "bitmap": "texture",
 }
 _VERSION: Final = "3.0.0"
