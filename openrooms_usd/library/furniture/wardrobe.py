@@ -8,7 +8,7 @@ import numpy as np
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
-from openrooms_usd.categories.schemes import STORAGE
+from openrooms_usd.categories.schemes import STORAGE, Scheme
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly, Side
 from openrooms_usd.library.furniture.built import (
@@ -87,7 +87,9 @@ def hinged(size: Size, rng: np.random.Generator) -> Furniture:
 def built_in(size: Size, rng: np.random.Generator) -> Furniture:
     """Equal doors from wall to wall, a second row of them below a high ceiling; one is a mirror."""
     cabinet = closed(size, PLINTH)
-    cabinet.plinth()
+    half = 0.5 * size[0]
+    cabinet.made.add("kickboard", board((-half, cabinet.front + 0.035, 0.0),
+                                        (half, cabinet.back, PLINTH)))  # fmt: skip
     left, right, low, high = cabinet.overlay
     look = Look("bar", 0.06 if rng.uniform() < 0.4 else 0.0)
     split = [low, high] if high < _TOP_DOORS_FROM_M else [low, _TOP_DOORS_AT_M, high]
@@ -200,7 +202,13 @@ CATEGORY: Final = BuiltCategory(
     words="closet armoire wardrobe_closet wardrobe_cabinet",
     classes=Classes("cabinet", "otherfurniture"),
     synsets=NO_SYNSET,
-    schemes=STORAGE,
+    schemes=(
+        *STORAGE,
+        # Built in, most are painted.
+        Scheme({ANY: "white"}, needs="kickboard", weight=300.0),
+        Scheme({ANY: "kitchen_lacquer", "shelf": "white"}, needs="kickboard", weight=100.0),
+        Scheme({ANY: "wood"}, needs="kickboard", weight=60.0),
+    ),
     makes=makes.STORAGE,
     hinges=Losses(0.3, 0.2),
     yields=RIGID,
