@@ -9,6 +9,8 @@ from openrooms_usd.categories.makes import ANY
 # Schemes say "metal"; one of these is drawn for the whole object.
 METAL: Final = "metal"
 METALS: Final = ("steel", "brass", "black")
+TONES: Final = ("sky", "light", "far", "middle", "near", "ground")
+"""The sheets of a landscape's print, from behind to before."""
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,8 @@ What has no substance of its own among the nine is counted to the one that it fe
 
 from typing import Final
 
+from openrooms_usd.categories.schemes import TONES
 from openrooms_usd.library.finish import Finish
-
-TONES: Final = ("sky", "light", "far", "middle", "near", "ground")
-"""The sheets of a landscape's print, from behind to before."""
 
 _PALETTES: Final = {
     "dawn": ((0.7, 0.53, 0.4), (0.85, 0.74, 0.52), (0.46, 0.4, 0.44), (0.27, 0.28, 0.36),

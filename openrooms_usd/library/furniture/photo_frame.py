@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
-from openrooms_usd.categories.schemes import METAL, Scheme
+from openrooms_usd.categories.schemes import METAL, TONES, Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
     NO_APPLIANCE,
@@ -29,7 +29,6 @@ from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.paintings import landscape, skyline
 from openrooms_usd.library.furniture.posing import turned
 from openrooms_usd.library.furniture.wall_board import framed_as
-from openrooms_usd.library.small_finishes import TONES
 
 _LEAN_DEG: Final = 12.0
 _PORTRAIT: Final = framed_as(landscape, (0.02, 0.1))

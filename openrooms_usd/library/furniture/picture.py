@@ -5,14 +5,13 @@ from typing import Final
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
-from openrooms_usd.categories.schemes import METAL, Scheme
+from openrooms_usd.categories.schemes import METAL, TONES, Scheme
 from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, WIDE, BuiltCategory
 from openrooms_usd.library.furniture.joinery import Style
 from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.paintings import any_of, botanical, landscape, shapes, skyline
 from openrooms_usd.library.furniture.posters import brushed_circle, line_drawing, poster, street_map
 from openrooms_usd.library.furniture.wall_board import canvas, framed, framed_as, triptych
-from openrooms_usd.library.small_finishes import TONES
 
 
 def _palette(name: str, frame: str) -> Scheme:
