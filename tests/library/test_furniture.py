@@ -39,6 +39,7 @@ def _extent(parts: Parts) -> np.ndarray:
     return joined(list(parts.values())).extent
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("name", "style"), STYLES)
 @pytest.mark.parametrize(
     "factor",
@@ -86,7 +87,7 @@ def test_meshes_are_sound(name: str, style: str, seed: int) -> None:
     assert 40 < triangles < 12_000
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(("name", "style"), STYLES)
 def test_follows_from_its_seed(name: str, style: str) -> None:
     first, second = (make(name, usual(name, style), style, _rng(7)).parts for _ in range(2))
