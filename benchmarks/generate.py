@@ -21,6 +21,7 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.programs import PROGRAMS
+from openrooms_usd.generate.rooms import USUAL_CLUTTER
 from openrooms_usd.generate.statistics import RoomNumbers, numbers, summary
 from openrooms_usd.library.furniture import category
 
@@ -41,16 +42,20 @@ class Tally:
 @click.option("--rooms", type=int, default=1000, show_default=True, help="How many are checked.")
 @click.option("--timed", type=int, default=27, show_default=True, help="How many are timed.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the first rooms.")
+@click.option(
+    "--clutter", type=click.IntRange(0, 3), default=USUAL_CLUTTER, show_default=True,
+    help="How much lies about.",
+)  # fmt: skip
 @click.option("--quick", is_flag=True, help="Two rooms only.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
-def main(rooms: int, timed: int, seed: int, quick: bool, target: Path | None) -> None:
+def main(rooms: int, timed: int, seed: int, clutter: int, quick: bool, target: Path | None) -> None:
     tally, began = Tally(), time.perf_counter()
     with click.progressbar(_rooms(2 if quick else rooms, seed), file=sys.stderr) as todo:
         for room_type, number in todo:
             with tempfile.TemporaryDirectory() as folder:
-                check(tally, room_type, number, Path(folder))
+                check(tally, room_type, number, clutter, Path(folder))
     minutes = (time.perf_counter() - began) / 60.0
-    speeds = [_timed(*room) for room in _rooms(1 if quick else timed, seed)]
+    speeds = [_timed(*room, clutter) for room in _rooms(1 if quick else timed, seed)]
     data = {"minutes": minutes, **_results(tally, speeds)}
     publish("generate", data, _markdown(data), target)
 
@@ -61,22 +66,22 @@ def _rooms(count: int, seed: int) -> list[tuple[str, int]]:
     return [(kinds[i % len(kinds)], seed + i // len(kinds)) for i in range(count)]
 
 
-def check(tally: Tally, room_type: str, seed: int, folder: Path) -> None:
+def check(tally: Tally, room_type: str, seed: int, clutter: int, folder: Path) -> None:
     """Generate, compose and check one room."""
     from tests.generate import checks, scenes
 
     began = time.perf_counter()
-    room = generate(room_type, seed)
+    room = generate(room_type, seed, clutter=clutter)
     text = write(room)
     tally.seconds.append(time.perf_counter() - began)
     described = parse_room(text)
     (folder / "room.yaml").write_text(text, encoding="utf-8")
     for stage in ("layout", "alignment"):
         scene = compose_room(folder / "room.yaml", folder / "out", only=stage).scene
-    supports = checks.described_supports(
-        described.alignment.objects, lambda name: category(name).support
-    )
-    wrong = checks.violations(scenes.read(scene), supports)
+    rows = described.alignment.objects
+    supports = checks.described_supports(rows, lambda name: category(name).support)
+    hanging = checks.described_hanging(rows, lambda name: category(name).lies)
+    wrong = checks.violations(scenes.read(scene), supports, hanging)
     for sentence in wrong:
         tally.violations.append(f"{room_type} {seed}: {sentence}")
         click.echo(f"\n{tally.violations[-1]}", err=True)
@@ -86,12 +91,12 @@ def check(tally: Tally, room_type: str, seed: int, folder: Path) -> None:
     tally.assets += len(list((folder / "out/layers/alignment/assets").iterdir()))
 
 
-def _timed(room_type: str, seed: int) -> dict[str, Any]:
+def _timed(room_type: str, seed: int, clutter: int) -> dict[str, Any]:
     """Seconds to generate and to compose a whole room, in this process."""
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "room.yaml"
         began = time.perf_counter()
-        path.write_text(write(generate(room_type, seed)), encoding="utf-8")
+        path.write_text(write(generate(room_type, seed, clutter=clutter)), encoding="utf-8")
         generated = time.perf_counter()
         compose_room(path, Path(name) / "out")
         composed = time.perf_counter()

@@ -36,6 +36,10 @@ BELOW = 0.015
 LET_IN = {("sink", "worktop"), ("hob", "worktop")}
 # How much of what lies on several others must have something below it.
 LAID = 0.8
+# The widest half of a gap between slats over which things stand, metres.
+SLATS = 0.015
+# How things lie that hang, by the records.
+HUNG = {"draped", "hung"}
 # What carries a thing that hangs is seen above this share of the thing's height.
 HUNG_SHARE = 0.6
 # In a stack the middle of each is at least so far within what holds it, metres.
@@ -45,15 +49,19 @@ INNER = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2], [3, 3, 0], [0, 3, 
 DIRECTIONS = np.concatenate([np.eye(3), -np.eye(3)])
 
 
-def violations(scene: Scene, supports: dict[str, str]) -> list[str]:
+def violations(
+    scene: Scene, supports: dict[str, str], hanging: frozenset[str] = frozenset()
+) -> list[str]:
     """Everything that is wrong with a room, one sentence each.
 
     Args:
         scene: The room.
         supports: What carries each object: ``floor``, ``ceiling``, ``wall`` or another's name.
+        hanging: The objects that hang over an edge or from a hook, by their description.
     """
     return [
-        *_penetrations(scene), *_outside(scene), *_floating(scene, supports), *_swings(scene),
+        *_penetrations(scene), *_outside(scene), *_floating(scene, supports, hanging),
+        *_swings(scene),
         *_blocked(scene),
     ]  # fmt: skip
 
@@ -106,7 +114,9 @@ def _inside(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     return crossed.sum(axis=1) % 2 == 1
 
 
-def _floating(scene: Scene, supports: dict[str, str]) -> Iterator[str]:
+def _floating(
+    scene: Scene, supports: dict[str, str], hanging: frozenset[str]
+) -> Iterator[str]:  # fmt: skip
     """What touches nothing that could carry it when it is moved towards that by the tolerance."""
     named = {body.name: body for body in scene.objects}
     for body in scene.objects:
@@ -122,6 +132,9 @@ def _floating(scene: Scene, supports: dict[str, str]) -> Iterator[str]:
                 yield f"{body.name} lies on too little"
         elif (body.category, named[on].category if on in named else "") in LET_IN:
             continue  # by its rim, which is what touches
+        elif body.name in hanging:
+            if on in named and not _hangs(body, named[on]):
+                yield f"{body.name} does not hang on {on}"
         elif on in named and not _stands(body, named[on]):
             yield f"{body.name} stands over the edge of {on}"
 
@@ -129,25 +142,39 @@ def _floating(scene: Scene, supports: dict[str, str]) -> Iterator[str]:
 def _stands(body: Body, support: Body) -> bool:
     """Whether a body stands on its support with all of its lowest points.
 
-    Rugs give way. What hangs down over an edge has that edge within its bounds, high above its own
-    lowest points. In a stack of its own kind it may reach over the one below, if its middle and
-    most of its lower side do not.
+    Rugs give way, and over a gap between slats there is something on both sides. In a stack of its
+    own kind it may reach over the one below, if its middle and most of its lower side do not.
     """
-    if support.category == "rug" or _hangs(body, support):
+    if support.category == "rug":
         return True
     base, held = _held(body, support)
-    if held.all() or body.category != support.category:
-        return bool(held.all())
-    base, held = _held(body, support, np.concatenate(INNER @ body.points[body.triangles]))
+    if held.all() or _between_slats(base[~held], support).all():
+        return True
+    if body.category != support.category:
+        return False
+    corners = body.points[body.triangles]
+    shares = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
+                            axis=1)  # fmt: skip
+    points, shares = np.concatenate(INNER @ corners), np.repeat(shares, len(INNER))
+    low = points[:, 2] < body.low[2] + DEEPEST
+    base, held = _held(body, support, points[low], len(points))
     if not held.any():
         return False
     (x0, y0), (x1, y1) = base[held, :2].min(axis=0), base[held, :2].max(axis=0)
     x, y = 0.5 * (body.low + body.high)[:2]
     within = x0 + MIDDLE < x < x1 - MIDDLE and y0 + MIDDLE < y < y1 - MIDDLE
-    return bool(within and held.mean() > 0.5)
+    return bool(within and shares[low] @ held > 0.5 * shares[low].sum())
+
+
+def _between_slats(base: np.ndarray, support: Body) -> np.ndarray:
+    """Which places have something of a support just beside them, on opposite sides."""
+    ways = SLATS * support.frame[:3, :2].T
+    sides = [[_over(base + sign * way, support) for sign in (1, -1)] for way in ways]
+    return np.asarray(np.array(sides).all(axis=1).any(axis=0))
 
 
 def _hangs(body: Body, support: Body) -> bool:
+    """Whether the edge or hook that carries a body is within its bounds, near its top."""
     low, high = body.low + 0.001, body.high - 0.001
     low[2] += HUNG_SHARE * (body.high[2] - body.low[2])
     ends = np.roll(support.triangles, -1, axis=1)
@@ -166,12 +193,17 @@ def _length_held(body: Body, units: Sequence[Body]) -> float:
 
 
 def _held(
-    body: Body, support: Body, points: np.ndarray | None = None
+    body: Body, support: Body, points: np.ndarray | None = None, most: int = 64
 ) -> tuple[np.ndarray, np.ndarray]:
     """A body's lowest points, and which of them have something of a support close below them."""
     points = body.points if points is None else points
     base = points[points[:, 2] < body.low[2] + DEEPEST]
-    base = base[:: 1 + len(base) // 64]
+    base = base[:: 1 + len(base) // most]
+    return base, _over(base, support)
+
+
+def _over(base: np.ndarray, support: Body) -> np.ndarray:
+    """Which points have something of a support close below them."""
     a, b, c = np.moveaxis(support.points[support.triangles], 1, 0)
     e, f = b - a, c - a
     across = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
@@ -182,7 +214,7 @@ def _held(
         over = (v >= -1e-6) & (w >= -1e-6) & (v + w <= 1.0 + 1e-6) & (across != 0.0)
         height = a[:, 2] + v * e[:, 2] + w * f[:, 2]
         held = over & (np.abs(height - base[:, 2:3]) < BELOW)
-    return base, np.asarray(held.any(axis=1))
+    return np.asarray(held.any(axis=1))
 
 
 def _swings(scene: Scene) -> Iterator[str]:
@@ -311,3 +343,21 @@ def _unreachable(scene: Scene, reachable: np.ndarray, origin: np.ndarray) -> Ite
 def described_supports(rows: Sequence[Any], usual: Callable[[str], str]) -> dict[str, str]:
     """What carries each object of a description; ``usual`` says it for a category."""
     return {row.name: row.on or usual(row.category) for row in rows}
+
+
+def described_hanging(
+    rows: Sequence[Any], lies: Callable[[str], Sequence[Any]]
+) -> frozenset[str]:  # fmt: skip
+    """What hangs, of a description: ``lies`` says how a category lies.
+
+    A thing of a style that hangs and never stands hangs wherever it is.
+    """
+    return frozenset(
+        row.name
+        for row in rows
+        if _poses(row.style, lies(row.category)) and _poses(row.style, lies(row.category)) <= HUNG
+    )
+
+
+def _poses(style: str | None, lies: Sequence[Any]) -> set[str]:
+    return {row.pose for row in lies if style in (row.styles or (style,))}

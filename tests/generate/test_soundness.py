@@ -53,10 +53,10 @@ def found(text: str, folder: Path) -> list[str]:
     (folder / "room.yaml").write_text(text)
     for stage in ("layout", "alignment"):
         scene = compose_room(folder / "room.yaml", folder / "out", only=stage).scene
-    supports = checks.described_supports(
-        parse_room(text).alignment.objects, lambda name: category(name).support
-    )
-    return checks.violations(scenes.read(scene), supports)
+    rows = parse_room(text).alignment.objects
+    supports = checks.described_supports(rows, lambda name: category(name).support)
+    hanging = checks.described_hanging(rows, lambda name: category(name).lies)
+    return checks.violations(scenes.read(scene), supports, hanging)
 
 
 @pytest.mark.slow

@@ -68,6 +68,7 @@ class Ground:
         return bool(
             overlap(box, shell.walls, to_walls).any()
             or overlap(box, shell.kept, gap).any()
+            or overlap(box, shell.attached).any()
             or overlap(box, self.taken.boxes, gap).any()
         )
 
