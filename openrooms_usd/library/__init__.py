@@ -5,8 +5,8 @@
 - styles of rooms: `interior`, `interiors`, `ensembles`, `shellstyles`; their lamps: `lamplight`;
   what screens show: `displays`;
 - materials: `textures`, `assignment`, `friction`, `ownmaterials`;
-- surroundings: `solar`, `sunlight`, `skylight`, `sky`, `outside`, `panorama`, `environments`,
-  `pictures`;
+- surroundings: `solar`, `sunlight`, `skylight`, `sky`, `outside`, `skycache`, `panorama`,
+  `environments`, `pictures`;
 - models of others: `pieces`, `wavefront`, `gltf`, `usdfile`, `urdf` (with
   `urdftree`, `plainxml`), `posture` (their up axis and unit), `meshfile`, `cads`.
 """

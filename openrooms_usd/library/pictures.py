@@ -1,12 +1,15 @@
 """Writing pictures: whole or not at all, and without anything that differs between runs."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, imagefile
+
+# PNG_FILTER_UP of libpng: rows are stored as their differences from those above.
+_PNG_FILTER_UP: Final = 0x20
 
 
 def write_png(
@@ -31,6 +34,8 @@ def write_png(
         "oiio:ColorSpace": "sRGB" if is_color else "data",
         # More effort makes the files hardly smaller.
         "png:compressionLevel": 4,
+        # Trying all filters for each row takes twice the time and saves a hundredth.
+        "png:filter": _PNG_FILTER_UP,
     }
     if description:
         attributes["ImageDescription"] = description

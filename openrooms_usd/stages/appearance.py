@@ -8,13 +8,15 @@ from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.textures import read_codes, read_texture
 
 Color = tuple[float, float, float]
 Field = NDArray[np.floating]
 
 # Texels along each side that are looked at where not all of them must be.
 _SAMPLED_TEXELS: Final = 256
+# Values of a picture of 8 bits.
+_CODES: Final = 256
 
 
 @dataclass(frozen=True)
@@ -48,14 +50,26 @@ def appearance_of(surface: PreviewSurface) -> Appearance:
     Raises:
         InputError: A picture cannot be read.
     """
-    color = _values(surface.base_color).reshape(-1, 3)
-    roughness = _values(surface.roughness).reshape(-1)
-    return Appearance(
-        _color(color.mean(axis=0, dtype=np.float64)),
-        float(roughness.mean(dtype=np.float64)),
-        _color(color.max(axis=0)),
-        float(roughness.max()),
-    )
+    mean, greatest = _extent(surface.base_color)
+    (roughness, *_), (roughest, *_) = _extent(surface.roughness)
+    return Appearance(_color(mean), float(roughness), _color(greatest), float(roughest))
+
+
+def _extent(value: Texture | Color | float) -> tuple[Field, Field]:
+    """(3,) or (1,) mean and greatest of what an input says."""
+    codes = read_codes(value.file) if isinstance(value, Texture) else None
+    if codes is None or not isinstance(value, Texture):
+        shown = _values(value)
+        shown = shown.reshape(-1, 3 if shown.shape[-1:] == (3,) else 1)
+        return shown.mean(axis=0, dtype=np.float64), shown.max(axis=0)
+    # 256 codes stand for all values there are; so these are decoded, and their texels counted.
+    every = np.arange(_CODES, dtype=np.float32)[:, None] * np.float32(1.0 / (_CODES - 1))
+    shown = _shown(every, value).reshape(_CODES, -1)
+    used = [0, 1, 2] if codes.shape[-1] >= 3 else [0, 0, 0]
+    used = used if value.channel == "rgb" else [used["rgb".find(value.channel)]]
+    counts = np.stack([np.bincount(codes[..., k].ravel(), minlength=_CODES) for k in used], axis=1)
+    mean = (counts * shown).sum(axis=0, dtype=np.float64) / codes[..., 0].size
+    return mean, np.where(counts > 0, shown, 0.0).max(axis=0)
 
 
 def texels(surface: PreviewSurface) -> tuple[Field, Field]:
@@ -91,7 +105,11 @@ def _values(value: Texture | Color | float, *, evenly: bool = False) -> Field:
     if not isinstance(value, Texture):
         return np.asarray(value, dtype=np.float32)
     stored = read_texture(value.file)
-    stored = _evenly(stored) if evenly else stored
+    return _shown(_evenly(stored) if evenly else stored, value)
+
+
+def _shown(stored: Field, value: Texture) -> Field:
+    """(..., 3) or (...,) what a picture's stored values stand for."""
     pixels = stored[..., :3] if stored.shape[-1] >= 3 else np.repeat(stored[..., :1], 3, axis=-1)
     decoded = linear_from_srgb(pixels) if value.color_space == "sRGB" else pixels
     shown: Field = np.clip(decoded * value.scale[:3] + value.bias[:3], 0.0, 1.0)

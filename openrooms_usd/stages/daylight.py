@@ -8,12 +8,13 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.codedigest import code_digest
+from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.description.lights import OutsideEnvironment, SkyEnvironment
 from openrooms_usd.library.environments import horizontal_illuminance
 from openrooms_usd.library.outside import outside_panorama
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sky import Air, daylight
+from openrooms_usd.library.skycache import cached_picture
 from openrooms_usd.library.solar import sun_position
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.frames import TIME, local_to_world
@@ -39,13 +40,18 @@ def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
         seed = seed if environment.seed is None else environment.seed
         key = f"{key} {seed}"
     kind = "outside" if isinstance(environment, OutsideEnvironment) else "sky"
-    file = f"{kind}_{hashlib.sha256(key.encode()).hexdigest()[:8]}.exr"
+    file = f"{kind}_{_sum(key)[:8]}.exr"
     target = context.keep(file)
     if not target.is_file():
+        entry = _sum(" ".join([kind, key, *library_versions(__name__)]))
         # 32 bits: the sun is too bright for 16.
-        write_exr(target, _nits(environment, seed))
+        cached_picture(entry, target, lambda path: write_exr(path, _nits(environment, seed)))
     dome = define_dome(context.stage, names.ENVIRONMENT, texture=context.asset(file))
     dome.GetPrim().SetAssetInfoByKey(names.LICENCE_KEY, names.LICENCE)
+
+
+def _sum(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _nits(environment: SkyEnvironment, seed: int) -> NDArray[np.float32]:

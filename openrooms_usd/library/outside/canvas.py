@@ -103,9 +103,11 @@ class Canvas:
 
     def over(self, panorama: Floats) -> None:
         """Put the band over a panorama (H, 2 H, 3)."""
-        color, clear = self._color, self._clear
-        height, width = len(color) // _FINER, self.width // _FINER
-        color = color.reshape(height, _FINER, width, _FINER, 3).mean(axis=(1, 3))
-        clear = clear.reshape(height, _FINER, width, _FINER).mean(axis=(1, 3))
-        panorama[self.band] *= clear[..., None]
-        panorama[self.band] += color
+        height, width = len(self._color) // _FINER, self.width // _FINER
+        color = self._color.reshape(height, _FINER, width, _FINER, 3)
+        clear = self._clear.reshape(height, _FINER, width, _FINER)
+        # Sums of whole planes, which take a third of the time of a mean over two short axes.
+        bright = color[:, 0, :, 0] + color[:, 0, :, 1] + color[:, 1, :, 0] + color[:, 1, :, 1]
+        upper, lower = (clear[:, row, :, 0] + clear[:, row, :, 1] for row in range(_FINER))
+        panorama[self.band] *= (upper + lower)[..., None] / _FINER**2
+        panorama[self.band] += bright / _FINER**2

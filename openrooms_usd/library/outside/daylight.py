@@ -17,6 +17,7 @@ from openrooms_usd.library.sunlight import SUN_RADIUS, direct_normal
 
 # Rows of the sky as the model gives it, and of what lights faces.
 _SKY_ROWS, _LIGHT_ROWS = 360, 60
+_BLOCK_ROWS: Final = 8
 # Of the light on level ground, what the land sends back upwards: part of it lies in shadow.
 _LAND_SHARE: Final = 0.7
 
@@ -135,7 +136,12 @@ def _enlarged(pixels: Floats, height: int, width: int) -> Floats:
     top, left = np.floor(rows).astype(np.int32), np.floor(columns).astype(np.int32)
     down, across = (rows - top)[:, None, None], (columns - left)[None, :, None]
     last = len(pixels) - 1
-    tall = pixels[np.clip(top, 0, last)] * (1.0 - down) + pixels[np.clip(top + 1, 0, last)] * down
     first, second = left % pixels.shape[1], (left + 1) % pixels.shape[1]
-    wide = tall[:, first] * (1.0 - across) + tall[:, second] * across
-    return np.asarray(wide, dtype=np.float32)
+    wide = np.empty((height, width, 3), dtype=np.float32)
+    # So few rows at once as processors keep near them.
+    for start in range(0, height, _BLOCK_ROWS):
+        block = slice(start, start + _BLOCK_ROWS)
+        upper, lower = (pixels[np.clip(top[block] + k, 0, last)] for k in (0, 1))
+        tall = upper * (1.0 - down[block]) + lower * down[block]
+        wide[block] = tall.take(first, axis=1) * (1.0 - across) + tall.take(second, axis=1) * across
+    return wide

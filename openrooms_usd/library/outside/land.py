@@ -95,15 +95,25 @@ def _albedo(
     albedo = np.zeros((*x.shape, 3), dtype=np.float32)
     for zone in zones:
         cover = _between(x, zone.x, pixel) * _between(y, zone.y, pixel)
+        part = _filled(cover)
+        cover = cover[part]
         color, wide, grain = _KINDS[zone.kind]
-        shade = 1.0 + wide * patches + 0.5 * grain * tufts
+        shade = 1.0 + wide * patches[part] + 0.5 * grain * tufts[part]
         if zone.kind == "paving":
-            joint = ((x / _SLAB_M) % 1.0 < 0.03) | ((y / _SLAB_M) % 1.0 < 0.03)
-            shade *= 1.0 - 0.35 * joint * np.clip(0.05 / pixel, 0.0, 1.0)
+            joint = ((x[part] / _SLAB_M) % 1.0 < 0.03) | ((y[part] / _SLAB_M) % 1.0 < 0.03)
+            shade *= 1.0 - 0.35 * joint * np.clip(0.05 / pixel[part[0]], 0.0, 1.0)
         shade = np.maximum(shade, 0.2) * cover
-        albedo *= 1.0 - cover[..., None]
-        albedo += np.array(color, dtype=np.float32) * shade[..., None]
+        albedo[part] *= 1.0 - cover[..., None]
+        albedo[part] += np.array(color, dtype=np.float32) * shade[..., None]
     return albedo
+
+
+def _filled(cover: Floats) -> tuple[slice, slice]:
+    """The rows and columns beyond which nothing is covered."""
+    rows, columns = (np.flatnonzero(cover.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return slice(0), slice(0)
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
 
 
 def _between(places: Floats, ends: tuple[float, float], pixel: Floats) -> Floats:

@@ -99,7 +99,9 @@ def _shadows(day: Daylight, scene: Scene) -> Shadows:
 def _stored(panorama: Floats, day: Daylight) -> Floats:
     """Values as they are kept: what machines' last bits differ in is cut off."""
     kept = _rounded(panorama, _BITS)
-    rows, columns = np.nonzero(day.disk.any(axis=-1))
+    high = np.flatnonzero(day.disk.reshape(len(day.disk), -1).any(axis=1))
+    rows, columns = np.nonzero(day.disk[high].any(axis=-1))
+    rows = high[rows]
     kept[rows, columns] = _rounded(panorama[rows, columns], _SUN_BITS)
     return kept
 
@@ -108,4 +110,7 @@ def _rounded(values: Floats, bits: int) -> Floats:
     """Values to so many significant bits, none below 0."""
     cut = _MANTISSA_BITS - bits
     words = np.maximum(values, 0.0).astype(np.float32).view(np.uint32)
-    return np.asarray((words + np.uint32(1 << (cut - 1))) >> cut << cut).view(np.float32)
+    words += np.uint32(1 << (cut - 1))
+    words >>= np.uint32(cut)
+    words <<= np.uint32(cut)
+    return np.asarray(words.view(np.float32))
