@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -73,8 +74,11 @@ class Kit:
         return choices[int(self.rng.integers(count))]
 
     def style(self, name: str, size: Size | None = None) -> str:
-        """One of a category's styles that suit a size; of all of them when there is none."""
-        suited = tuple(category(name).styles) if size is None else styles(name, size)
+        """One of a category's styles that suit a size; of all of them when there is none.
+
+        What stands on floors is of a style that does so by its record.
+        """
+        suited = _on_floors(name) if size is None else styles(name, size)
         if self.interior is None:
             return self.pick(suited)
         return self.interior.style_of(name, suited, self.rng)
@@ -296,3 +300,21 @@ class Kit:
             if not any(self.clash(near, other) for other in (table, *close)):
                 return self.like(chair, near.x, near.y, near.yaw)
         return None
+
+
+@cache
+def _on_floors(name: str) -> tuple[str, ...]:
+    """A category's styles, without those that lie on furniture and sills alone."""
+    known = category(name)
+    if known.support != "floor":
+        return tuple(known.styles)
+    said = {
+        style: {place for lies in known.lies if style in (lies.styles or (style,))
+                for place in lies.on}
+        for style in known.styles
+    }  # fmt: skip
+    found = tuple(
+        style for style, places in said.items()
+        if not places or any(place.startswith("floor_") for place in places)
+    )  # fmt: skip
+    return found or tuple(known.styles)

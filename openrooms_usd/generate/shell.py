@@ -108,6 +108,7 @@ class Shell:
         fixed: (F, 8) what is fixed along the walls.
         beams: (B, 8) what hangs below the ceiling.
         casing: Width of the boards around openings, metres.
+        thickness: Of the outer walls, metres.
     """
 
     corners: Array
@@ -120,6 +121,7 @@ class Shell:
     fixed: Array = field(default_factory=lambda: NONE)
     beams: Array = field(default_factory=lambda: NONE)
     casing: float = 0.0
+    thickness: float = 0.2
 
     def with_fixed(self, fixed: Array, beams: Array, casing: float) -> "Shell":
         """The same with what is fixed in it."""
@@ -200,7 +202,10 @@ def shell_of(layout: PolygonLayout) -> Shell:
     shell = Shell(corners, layout.height, (), tuple(numbers.tolist()), _turned(numbers.tolist()))
     gaps = tuple(_gap(o, shell) for o in layout.openings if o.wall is not None)
     standing, free = _standing(layout)
-    return Shell(corners, layout.height, gaps, shell.numbers, shell.clockwise, standing, free)
+    return Shell(
+        corners, layout.height, gaps, shell.numbers, shell.clockwise, standing, free,
+        thickness=layout.wall_thickness,
+    )  # fmt: skip
 
 
 def _standing(layout: PolygonLayout) -> tuple[Array, Array]:

@@ -25,6 +25,7 @@ Span = tuple[float, float]
 
 _PROFILE = 0.06  # visible width of the outer frame
 _DEPTH = 0.07
+_SHARE = 0.6  # of a wall's thickness that is before the middle of the frame
 _SASH = 0.05  # visible width of a sash
 _REBATE = 0.012  # how far the frame reaches behind the edges of a sash
 _GAP = 0.003  # between a sash and the frame beside it
@@ -149,8 +150,8 @@ def window(
     """
     slim = min(1.0, width / 0.5, height / 0.5)  # small windows have slim profiles
     profile = slim * _PROFILE
-    middle = max(0.6 * thickness, 0.5 * _DEPTH)
-    y = (middle - 0.5 * _DEPTH, middle + 0.5 * _DEPTH)
+    inner = reveal_depth(thickness)
+    y = (inner, inner + _DEPTH)
     x, z = (-0.5 * width, 0.5 * width), (-0.5 * height, 0.5 * height)
     bars = rectangle(_wider(x, EMBED), _wider(z, EMBED), y, profile + EMBED)
     clear = _Box(_wider(x, -profile), y, _wider(z, -profile), slim)
@@ -159,6 +160,11 @@ def window(
     if board:
         bars.append(_sill_board(width, z[0], y[0], beyond))
     return Window(joined(bars), tuple(panes), tuple(sashes))
+
+
+def reveal_depth(thickness: float) -> float:
+    """How deep a window's frame stands behind the inner face of a wall, metres."""
+    return max(_SHARE * thickness - 0.5 * _DEPTH, 0.0)
 
 
 def _lights(clear: _Box, usual: float) -> tuple[list[Mesh], list[Span]]:

@@ -56,12 +56,17 @@ def _beyond(room: RoomView, thing: Thing) -> float:
     # A room need not be convex: a reflex corner may be inside the box of a thing around it.
     if _beyond_points(room, box) <= _MAX_OUTSIDE_M and not _notched(room, thing):
         return 0.0
-    return _beyond_points(room, thing.points)
+    points = thing.points
+    for reveal in room.reveals:
+        points = points[~reveal.holds(points)]
+    return _beyond_points(room, points)
 
 
 def _beyond_points(room: RoomView, points: Array) -> float:
     import shapely
 
+    if not len(points):
+        return 0.0
     out = [0.0]
     if room.outline is not None:
         out.append(float(shapely.distance(room.outline, shapely.points(points[:, :2])).max()))

@@ -22,6 +22,8 @@ from openrooms_usd.usd.semantics import read_label
 
 Array = NDArray[np.float64]
 
+# How deep things may stand in the hole of a window, metres.
+_MAX_REVEAL_M: Final = 0.6
 _CORNERS: Final = np.indices((2, 2, 2)).reshape(3, -1).T
 
 
@@ -74,6 +76,27 @@ class Thing:
 def _level(frame: Array) -> Array:
     """(2, 2) rows: the two axes of a frame nearest to the horizontal, in the plan."""
     return np.delete(frame.T, int(np.argmax(np.abs(frame[2]))), axis=0)[:, :2]
+
+
+@dataclass(frozen=True, eq=False)
+class Reveal:
+    """The hole of a window in its wall, in which things may stand on the sill.
+
+    Attributes:
+        local_from_world: (4, 4) its middle in the wall's inner face, y to the outside.
+        width: Metres.
+        height: Metres.
+    """
+
+    local_from_world: Array
+    width: float
+    height: float
+
+    def holds(self, points: Array) -> NDArray[np.bool_]:
+        """(N,) which of (N, 3) places are in it."""
+        x, y, z = (points @ self.local_from_world[:3, :3].T + self.local_from_world[:3, 3]).T
+        across = (2.0 * np.abs(x) <= self.width) & (2.0 * np.abs(z) <= self.height)
+        return np.asarray(across & (y >= 0.0) & (y <= _MAX_REVEAL_M))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +173,22 @@ class RoomView:
         prim = self.stage.GetPrimAtPath(path)
         boxes = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
         return boxes.ComputeWorldBound(prim).ComputeAlignedRange() if prim else Gf.Range3d()
+
+    @cached_property
+    def reveals(self) -> tuple[Reveal, ...]:
+        """The holes of all windows."""
+        openings = self.stage.GetPrimAtPath(names.OPENINGS)
+        cache, to_world = UsdGeom.XformCache(TIME), world_from_stage(self.stage)
+        found = []
+        for prim in openings.GetChildren() if openings else ():
+            width, height = (
+                attribute.Get(TIME) if (attribute := prim.GetAttribute(name)) else None
+                for name in (names.OPENING_WIDTH, names.OPENING_HEIGHT)
+            )
+            if read_label(prim, names.CATEGORY) == "window" and width and height:
+                local = np.linalg.inv(to_world @ local_to_world(prim, cache))
+                found.append(Reveal(local, float(width), float(height)))
+        return tuple(found)
 
     @cached_property
     def partitions(self) -> tuple[StandingWall, ...]:

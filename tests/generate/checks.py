@@ -34,6 +34,8 @@ NEAR_SOFA = 1.5
 BELOW = 0.015
 # What hangs in a hole of what carries it.
 LET_IN = {("sink", "worktop"), ("hob", "worktop")}
+# How deep things may stand in the hole of a window, metres.
+REVEAL = 0.1
 # How much of what lies on several others must have something below it.
 LAID = 0.8
 # The widest half of a gap between slats over which things stand, metres.
@@ -92,7 +94,11 @@ def _outside(scene: Scene) -> Iterator[str]:
     corners = scene.polygon
     ahead = np.roll(corners, -1, axis=0) - corners
     for body in scene.objects:
-        plan = body.points[:, :2]
+        points = body.points
+        for window, width in scene.windows:  # on its sill, in the wall
+            x, y, _ = (points @ window[:3, :3].T + window[:3, 3]).T
+            points = points[(np.abs(x) > 0.5 * width) | (y < 0.0) | (y > REVEAL)]
+        plan = points[:, :2]
         inside = _inside(corners, plan)
         if not inside.all():
             out = plan[~inside]

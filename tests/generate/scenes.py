@@ -80,6 +80,7 @@ class Scene:
     widths: list[float]
     polygon: np.ndarray
     height: float
+    windows: list[tuple[np.ndarray, float]]  # (4, 4) window from world, width
 
 
 def read(path: Path) -> Scene:
@@ -98,7 +99,7 @@ def read(path: Path) -> Scene:
     scene = Scene(
         objects, shell, [], [], [],
         np.array(room.GetAttribute("openrooms:room:floor").Get(), dtype=float),
-        float(room.GetAttribute("openrooms:room:height").Get()),
+        float(room.GetAttribute("openrooms:room:height").Get()), [],
     )  # fmt: skip
     for prim in openings.GetChildren():
         _add_opening(scene, prim, cache)
@@ -119,6 +120,8 @@ def _add_opening(scene: Scene, prim: Usd.Prim, cache: UsdGeom.XformCache) -> Non
         body = _body(leaf, cache, local=True)
         scene.leaves.append(Leaf(prim.GetName(), body, matrix, float(turn.Get() if turn else 0.0)))
     middle = _matrix(cache.GetLocalToWorldTransform(prim))
+    if kind == "window":
+        scene.windows.append((np.linalg.inv(middle), width))
     if kind != "window" and middle[2, 3] - 0.5 * height < 0.1:
         scene.approaches.append((prim.GetName(), middle[:2, 3], -middle[:2, 1]))
         scene.widths.append(width)

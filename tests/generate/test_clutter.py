@@ -8,11 +8,14 @@ import pytest
 
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.clutter.levels import levels_of
+from openrooms_usd.generate.clutter.sills import sills
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.rooms import Generated
 from openrooms_usd.generate.shapes import Shape
+from openrooms_usd.generate.shell import Gap, Shell
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box
+from openrooms_usd.geometry.windows import BOARD, reveal_depth, window
 
 
 def shelf(front: bool = False) -> Shape:
@@ -77,3 +80,18 @@ def test_equal_seeds_give_equal_clutter(rooms: list[Generated]) -> None:
 def test_makes_are_few(rooms: list[Generated]) -> None:
     made = {(item.category, item.size, item.style) for item in lying(rooms[3])}
     assert max(Counter(category for category, _, _ in made).values()) <= 6
+
+
+def test_things_stand_on_sills_within_their_reveals() -> None:
+    corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
+    usual, low = Gap("window", 2, 1.5, 1.4, 0.85, 2.15), Gap("window", 3, 1.5, 1.4, 0.1, 2.2)
+    shell = Shell(corners, 2.6, (usual, low))
+    (sill,) = sills(shell, 0)  # the one that begins low has no sill that people use
+    made = window(1.4, 1.3, shell.thickness, board=True)
+    # The board's upper side, from the nose to the frame, as the window itself is built.
+    board = made.frame.points[:, 2] < -0.65 + BOARD + 1e-6
+    assert sill.z == pytest.approx(0.85 + 0.65 + made.frame.points[board, 2].max())
+    (x0, y0), (x1, y1) = sill.reach
+    assert made.frame.points[:, 1].min() <= y0 and y1 <= reveal_depth(shell.thickness)
+    assert x0 >= -0.7 and x1 <= 0.7 and y1 - y0 > 0.1
+    assert sill.pose[:2] == pytest.approx((2.5, 3.0))  # in the wall's inner face

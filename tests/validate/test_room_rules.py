@@ -105,3 +105,10 @@ def test_generated_rooms_break_none(tmp_path: Path, kind: str) -> None:
 def test_the_example_breaks_none(tmp_path: Path) -> None:
     scene = compose_room(copy_example(tmp_path), tmp_path / "out").scene
     assert not CODES.intersection(one.code for one in validate_stage(scene))
+
+
+def test_things_on_sills_are_in_the_room_and_those_in_the_wall_are_not(tmp_path: Path) -> None:
+    mug = "    - {{name: {}, category: mug, at: [{}, -0.06, 0.925], on: floor}}\n"
+    on_sill, walled = mug.format("on_sill", 3), mug.format("walled", 5)
+    rows, _ = found(tmp_path, LAMP + on_sill + walled, WINDOW)
+    assert rows == [("outside-room", "walled")]

@@ -45,6 +45,7 @@ AMOUNTS: Final[Mapping[Place, Amount]] = {
     "media_top": Amount(9.0, 7),
     "appliance_top": Amount(9.0, 4),
     "shop_counter": Amount(5.0, 6),
+    "window_sill": Amount(16.0, 5, 0.75),
     "mantel": Amount(18.0, 6),
     "basin_edge": Amount(34.0, 7),
     "bath_rim": Amount(14.0, 5),

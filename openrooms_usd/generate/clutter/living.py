@@ -12,6 +12,7 @@ from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.laying import taken_by
 from openrooms_usd.generate.clutter.making import Makes
 from openrooms_usd.generate.clutter.scatter import Scatter
+from openrooms_usd.generate.clutter.sills import CARRIER, sills
 from openrooms_usd.generate.clutter.soft import seats
 from openrooms_usd.generate.clutter.spots import Spot, spots, spots_of
 from openrooms_usd.generate.items import Item
@@ -57,8 +58,11 @@ def lived_in(
     )
     kept = room.shell.kept
     # What stands out at windows, and the ways of doors.
-    scatter.taken.add(kept[(kept[:, 5] <= _NOSE_M) | (kept[:, 6] <= 0.0)], "room")
-    tops = list(enumerate(spots(groups, surfaces, room_type)))
+    ways = kept[:, 6] <= 0.0
+    scatter.taken.add(kept[ways], "room")
+    scatter.taken.add(kept[~ways & (kept[:, 5] <= _NOSE_M)], CARRIER)
+    boards = sills(room.shell, len(groups))
+    tops = list(enumerate([*spots(groups, surfaces, room_type), *boards]))
     soft = list(enumerate(seats(groups, surfaces), len(tops)))
     hems = list(enumerate(edges(groups, surfaces), len(tops) + len(soft)))
     ground = Ground(room, items, scatter.taken, rng)

@@ -168,6 +168,8 @@ STYLES: Final = {
     "monstera": Style(monstera, lambda size: size[2] > 0.4, (0.75, 0.75, 0.85)),
     "fern": Style(fern, lambda size: size[2] < 0.9, (0.55, 0.55, 0.45)),
     "ivy": Style(ivy, lambda size: size[2] < 0.4, (0.3, 0.3, 0.17)),
+    "small_cactus": Style(cactus, lambda size: size[0] < 0.13, (0.085, 0.085, 0.15)),
+    "small_succulent": Style(succulent, lambda size: size[0] < 0.13, (0.09, 0.09, 0.085)),
 }
 
 
@@ -184,7 +186,13 @@ CATEGORY: Final = BuiltCategory(
     also=(),
     level=HANGS_NOT,
     lumen=NO_LAMP,
-    weighs={"succulent": (0.1, 2), "ivy": (0.3, 6), ANY: (0.5, 60)},
+    weighs={
+        "succulent": (0.1, 2),
+        "small_cactus": (0.1, 2),
+        "small_succulent": (0.1, 2),
+        "ivy": (0.3, 6),
+        ANY: (0.5, 60),
+    },
     worktop=NO_APPLIANCE,
     fixed=False,
     words="plant plants flowerpot flower_pot potted_plant houseplant flower flowers tree",
@@ -213,6 +221,20 @@ CATEGORY: Final = BuiltCategory(
             styles=("cactus",),
             weight=0.3,
         ),
-        Lies(on=("floor_corner", "floor_by_wall"), weight=0.8, makes=3),
+        Lies(
+            on=("window_sill",),
+            styles=("small_cactus", "small_succulent"),
+            weight=1.6,
+            count=(1, 2),
+            pose="flat",
+            makes=4,
+            most=6,
+        ),
+        Lies(
+            on=("floor_corner", "floor_by_wall"),
+            styles=("leafy", "swords", "palm", "monstera", "fern"),
+            weight=0.8,
+            makes=3,
+        ),
     ),
 )
