@@ -56,7 +56,8 @@ def room(shown: Shown, folder: Path, samples: int, size: str) -> Path:
         orusd("compose", home / "room.yaml", "-o", home / "out")
         orusd("validate", home / "out" / "scene.usda", "--strict")
         orusd("render", home / "out" / "scene.usda", "-o", home / "render", "--camera", "view_0",
-              "--resolution", size, "--spp", samples, "--denoise", "--channels", CHANNELS)  # fmt: skip
+              "--resolution", size, "--spp", samples, "--denoise",
+              "--channels", CHANNELS)  # fmt: skip
     return next((home / "render").glob("*/denoised.png"))
 
 

@@ -44,7 +44,7 @@ def features(pixels: Pixels) -> dict[str, float]:
         - `contrast, stops`: between the 1st and the 99th percentile of luminance;
         - `log skewness`: of the logarithm of luminance;
         - `clipped share`, `black share`: of pixels with a component at the end of its range;
-        - `colourfulness`: Hasler and Suesstrunk, *Measuring colourfulness in natural images* (2003);
+        - `colourfulness`: that of Hasler and Suesstrunk (2003);
         - `warmth`: mean of red minus blue over their sum, of linear values.
     """
     linear = linear_from_srgb(pixels.astype(np.float64) / 255.0)
@@ -97,7 +97,10 @@ def spectral_slope(light: Array) -> float:
 
 
 def colourfulness(pixels: Pixels) -> float:
-    """Hasler and Suesstrunk's measure: 0 none, 15 slight, 33 moderate, 45 average, 59 quite."""
+    """Hasler and Suesstrunk, *Measuring colourfulness in natural images* (2003).
+
+    0 is none, 15 slight, 33 moderate, 45 average, 59 quite colourful.
+    """
     red, green, blue = np.moveaxis(pixels.astype(np.float64), 2, 0)
     opponent = np.stack([red - green, 0.5 * (red + green) - blue])
     spread = np.hypot(*opponent.std(axis=(1, 2)))

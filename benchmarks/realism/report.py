@@ -49,9 +49,7 @@ def picture_rows(sets: Mapping[str, Rows], photographs: Rows) -> list[list[Any]]
     """
     rows: list[list[Any]] = []
     for name in next(iter(sets.values())):
-        row: list[Any] = [name]
-        for columns in sets.values():
-            row.append(_spread(columns[name]))
+        row: list[Any] = [name, *(_spread(columns[name]) for columns in sets.values())]
         if photographs:
             row.append(_spread(photographs[name]))
             row += [distance(columns[name], photographs[name]) for columns in sets.values()]

@@ -58,9 +58,10 @@ def class_shares(views: Sequence[tuple[RenderedView, dict[int, str]]]) -> dict[s
 
 def total_variation(shares: dict[str, float], others: dict[str, float]) -> float:
     """Half of the sum of differences between two sets of percentages: 0 equal, 1 disjoint."""
-    names = shares.keys() | others.keys()
-    a, b = (np.array([table.get(name, 0.0) for name in sorted(names)]) for table in (shares, others))
-    return float(0.5 * np.abs(a / a.sum() - b / b.sum()).sum())
+    names = sorted(shares.keys() | others.keys())
+    ours, theirs = sum(shares.values()), sum(others.values())
+    gaps = [shares.get(name, 0.0) / ours - others.get(name, 0.0) / theirs for name in names]
+    return float(0.5 * np.abs(gaps).sum())
 
 
 def rendered(folder: Path) -> Iterator[tuple[RenderedView, dict[int, str]]]:

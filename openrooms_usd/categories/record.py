@@ -63,6 +63,8 @@ class Category:
         hinges: What resists its hinges.
         yields: How far its collision shapes may be off because it gives way where it is touched,
             metres.
+        photographed: How much a whole one is worth in a picture of a room, out of 5; None where
+            its size decides.
     """
 
     support: Support | Without
@@ -75,6 +77,7 @@ class Category:
     makes: tuple[Row, ...] | Without
     hinges: Losses | Without
     yields: float | Without
+    photographed: float | None = None
 
 
 # What many categories are without.

@@ -1,12 +1,12 @@
 """What a room is photographed for: its main furniture, by category and else by size."""
 
-from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.categories.registry import record
 from openrooms_usd.geometry.composition import NO_SUBJECT, Subjects
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.semantics import read_label
@@ -14,20 +14,7 @@ from openrooms_usd.usd.semantics import read_label
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-# How much a whole one is worth in a picture. Others count by their size.
-_WORTH: Final[Mapping[str, float]] = {
-    "armchair": 1.5, "bathtub": 2.5, "bed": 5.0, "bench": 0.7, "bookshelf": 0.8, "cabinet": 0.6,
-    "chair": 0.4, "coffee_table": 1.5, "counter": 1.0, "desk": 3.0, "dishwasher": 0.5,
-    "dresser": 0.8, "file_cabinet": 0.3, "fireplace": 2.0, "kitchen_cabinet": 0.4, "monitor": 1.0,
-    "office_chair": 0.8, "oven": 0.8, "picture": 0.4, "plant_pot": 0.3, "pool_table": 4.0,
-    "refrigerator": 0.8, "side_table": 0.4, "sink": 1.5, "sofa": 4.0, "stairs": 3.0, "stove": 1.0,
-    "table": 3.0, "television": 1.0, "toilet": 2.5, "wardrobe": 0.6, "washing_machine": 1.5,
-    "whiteboard": 0.7,
-    # What only comes into the picture.
-    "basket": 0.0, "ceiling_lamp": 0.0, "curtain": 0.0, "door": 0.0, "floor_lamp": 0.2, "rug": 0.0,
-    "trash_bin": 0.0, "wall_lamp": 0.0, "window": 0.0,
-}  # fmt: skip
-# Of a thing of no category above, for each metre of its longest side, and at most.
+# Of a thing whose record says nothing, for each metre of its longest side, and at most.
 _WORTH_PER_M: Final = 0.4
 _MOST_WORTH_BY_SIZE: Final = 0.8
 # Things that are shorter than this, metres, are nobody's subject.
@@ -73,8 +60,9 @@ def _root(path: str) -> str:
 
 
 def _worth(category: str, corners: Array) -> float:
-    if category in _WORTH:
-        return _WORTH[category]
+    known = record(category)
+    if known and known.photographed is not None:
+        return known.photographed
     longest = float(np.ptp(corners.reshape(-1, 3), axis=0).max()) if len(corners) else 0.0
     return min(_WORTH_PER_M * longest, _MOST_WORTH_BY_SIZE) if longest > _SMALL_M else 0.0
 

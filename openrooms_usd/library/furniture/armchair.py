@@ -207,4 +207,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("armchair_seat", "chair_back"),
+    photographed=1.5,
 )

@@ -193,4 +193,5 @@ CATEGORY: Final = BuiltCategory(
         Lies(on=("shelf", "cabinet_top"), weight=0.3),
         Lies(on=("floor_corner", "floor_by_wall", "floor_beside_sofa"), weight=0.7, most=1),
     ),
+    photographed=0.0,
 )

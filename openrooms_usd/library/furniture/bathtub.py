@@ -148,4 +148,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("bath_rim",),
+    photographed=2.5,
 )

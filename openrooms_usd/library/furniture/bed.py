@@ -300,4 +300,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("bed_head", "bed_foot"),
+    photographed=5.0,
 )

@@ -183,4 +183,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("cabinet_top",),
+    photographed=0.7,
 )

@@ -151,4 +151,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("cabinet_top", "shelf", "low_shelf", "cupboard"),
+    photographed=0.8,
 )

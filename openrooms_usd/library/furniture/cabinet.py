@@ -152,4 +152,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("cabinet_top", "shelf", "low_shelf", "cupboard", "drawer"),
+    photographed=0.6,
 )

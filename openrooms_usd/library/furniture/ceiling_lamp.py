@@ -231,4 +231,5 @@ CATEGORY: Final = BuiltCategory(
     makes=makes.LAMP,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    photographed=0.0,
 )

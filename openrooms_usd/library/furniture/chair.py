@@ -310,4 +310,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("chair_back", "chair_seat"),
+    photographed=0.4,
 )

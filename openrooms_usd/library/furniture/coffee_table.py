@@ -47,4 +47,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("coffee_table", "low_shelf"),
+    photographed=1.5,
 )

@@ -65,4 +65,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("worktop", "shelf", "low_shelf", "cupboard", "drawer"),
+    photographed=1.0,
 )

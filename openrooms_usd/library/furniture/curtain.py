@@ -256,4 +256,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=0.05,
+    photographed=0.0,
 )

@@ -272,4 +272,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("desk", "drawer", "shelf"),
+    photographed=3.0,
 )

@@ -51,4 +51,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(1.0, 2.0),
     yields=RIGID,
+    photographed=0.5,
 )

@@ -83,4 +83,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(1.0, 1.0),
     yields=RIGID,
+    photographed=0.0,
 )

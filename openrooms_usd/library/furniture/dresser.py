@@ -141,4 +141,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("dresser_top", "drawer", "cupboard"),
+    photographed=0.8,
 )

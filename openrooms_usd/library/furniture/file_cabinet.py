@@ -148,4 +148,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("cabinet_top", "drawer"),
+    photographed=0.3,
 )

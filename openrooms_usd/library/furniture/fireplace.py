@@ -230,4 +230,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("mantel",),
+    photographed=2.0,
 )

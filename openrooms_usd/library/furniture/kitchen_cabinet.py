@@ -39,4 +39,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("shelf", "cupboard"),
+    photographed=0.4,
 )

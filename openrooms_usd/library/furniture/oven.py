@@ -47,4 +47,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(1.0, 2.0),
     yields=RIGID,
+    photographed=0.8,
 )

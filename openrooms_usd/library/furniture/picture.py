@@ -105,4 +105,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     lies=(Lies(on=("wall",), most=5, makes=5),),
+    photographed=0.4,
 )

@@ -237,4 +237,5 @@ CATEGORY: Final = BuiltCategory(
             makes=3,
         ),
     ),
+    photographed=0.3,
 )

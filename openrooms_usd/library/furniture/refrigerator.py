@@ -250,4 +250,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=Losses(0.5, 1.0),
     yields=RIGID,
     carries=("appliance_top",),
+    photographed=0.8,
 )

@@ -170,4 +170,5 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row(ANY, makes.filled(220), "common"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    photographed=0.0,
 )

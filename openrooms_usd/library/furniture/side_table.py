@@ -47,4 +47,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("side_table", "low_shelf", "drawer"),
+    photographed=0.4,
 )

@@ -273,4 +273,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("sofa_seat", "sofa_arm"),
+    photographed=4.0,
 )

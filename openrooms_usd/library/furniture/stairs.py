@@ -161,4 +161,5 @@ CATEGORY: Final = BuiltCategory(
     makes=NO_ROWS,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    photographed=3.0,
 )

@@ -49,4 +49,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=Losses(1.0, 2.0),
     yields=RIGID,
     carries=("hob",),
+    photographed=1.0,
 )

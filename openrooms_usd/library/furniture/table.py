@@ -210,4 +210,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("dining_table",),
+    photographed=3.0,
 )

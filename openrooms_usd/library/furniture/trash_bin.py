@@ -226,4 +226,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(0.02, 0.01),
     yields=RIGID,
+    photographed=0.0,
 )

@@ -213,4 +213,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=Losses(0.3, 0.2),
     yields=RIGID,
     carries=("wardrobe_shelf", "drawer"),
+    photographed=0.6,
 )

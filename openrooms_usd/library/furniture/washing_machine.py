@@ -55,4 +55,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("appliance_top",),
+    photographed=1.5,
 )

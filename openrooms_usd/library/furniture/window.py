@@ -72,4 +72,5 @@ CATEGORY: Final = BuiltCategory(
     makes=NO_ROWS,
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    photographed=0.0,
 )
