@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from openrooms_usd.generate import generate, write
+from openrooms_usd.generate.clutter.draping import edges, hang_over
+from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import levels_of
 from openrooms_usd.generate.clutter.sills import sills
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.rooms import Generated
-from openrooms_usd.generate.shapes import Shape
+from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.shell import Gap, Shell
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box
@@ -95,3 +97,14 @@ def test_things_stand_on_sills_within_their_reveals() -> None:
     assert made.frame.points[:, 1].min() <= y0 and y1 <= reveal_depth(shell.thickness)
     assert x0 >= -0.7 and x1 <= 0.7 and y1 - y0 > 0.1
     assert sill.pose[:2] == pytest.approx((2.5, 3.0))  # in the wall's inner face
+
+
+@pytest.mark.parametrize("width", [0.49, 0.6])
+def test_towels_hang_between_the_posts_of_their_rails(width: float) -> None:
+    rail = Item("rail", "towel_rail", (width, 0.075, 0.05), "bar", z=1.1, on="wall")
+    (edge,) = edges([("bath", [rail])], Surfaces(Shapes(1)))
+    for seed in range(20):
+        fit = hang_over(edge, 0.45, 0.45, np.random.default_rng(seed))
+        assert fit is not None
+        assert abs(fit.x) + 0.5 * fit.size[0] < 0.5 * width - 0.05
+        assert fit.y + 0.5 * fit.size[1] <= 0.5 * 0.075  # clear of the wall

@@ -106,3 +106,19 @@ def test_one_inside_another_is_found(tmp_path: Path) -> None:
         "    - {name: hidden, category: box, at: [3.5, 1, 0.3], size: [0.2, 0.2, 0.2]}\n"
     )
     assert any("penetrates" in problem and "hidden" in problem for problem in found(text, tmp_path))
+
+
+@pytest.mark.slow
+def test_what_is_draped_must_hang(tmp_path: Path) -> None:
+    row = (
+        "    - {name: towel, category: towel, style: draped, size: [0.33, 0.048, 0.45], yaw: 180, "
+    )
+    rail = (
+        "    - {name: rail, category: towel_rail, at: [1.873, 0.01, 1.1], on: wall, style: bar, "
+        "size: [0.54, 0.075, 0.05]}\n"
+    )
+    text = PLAIN.format(**GOOD) + rail
+    assert found(text + row + "at: [1.8548, 0.0667, 0.698], on: rail}\n", tmp_path) == []
+    assert found(text + row + "at: [1.8548, 0.0667, 0.5], on: rail}\n", tmp_path) != []
+    standing = found(text + row + "at: [1.7, 2.5, 0.74], on: table}\n", tmp_path)
+    assert "towel does not hang on table" in standing
