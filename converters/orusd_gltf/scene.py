@@ -1,6 +1,6 @@
 """From a composed USD stage to a GLB file: surfaces, lamps, cameras and a report."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -10,7 +10,7 @@ from pxr import Usd, UsdPhysics
 from openrooms_usd.convert import Report
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.cameras import list_cameras
-from openrooms_usd.usd.lights import MeshLight, read_lights
+from openrooms_usd.usd.lights import Light, MeshLight, read_lights
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import read_portals
 from orusd_gltf.baked import BakedLight
@@ -91,7 +91,7 @@ class _Translation:
     # Light.
 
     def add_lights(self) -> None:
-        for light in read_lights(self.stage):
+        for light in map(_without_shaping, read_lights(self.stage)):
             if isinstance(light, MeshLight):
                 self._emitting[light.path] = light.radiance
                 self._glowing[light.path] = light.losses
@@ -251,3 +251,11 @@ def _is_too_far(mesh: PlacedMesh) -> bool:
 
 def _parent(path: str) -> str:
     return path.rpartition("/")[0]
+
+
+def _without_shaping(light: Light) -> Light:
+    """The light without its profile, which glTF has no word for."""
+    if light.shaping is None:
+        return light
+    lost = "the light does not follow its IES profile"
+    return replace(light, shaping=None, losses=(*light.losses, lost))

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, Tag
 
@@ -25,6 +25,9 @@ Reflectance = Annotated[Number, Field(ge=0, le=1)]
 Scene = Literal["street", "garden", "hills", "city", "courtyard"]
 Storey = Annotated[Whole, Field(ge=0, le=60)]
 Seed = Annotated[Whole, Field(ge=0, lt=2**63)]
+
+WIDEST_BEAMS_DEG: Final = {"downlight": 120.0, "spot": 90.0, "batwing": 140.0}
+"""Profiles that have a beam angle, and the widest of each."""
 
 
 class ConstantEnvironment(Model):
@@ -137,6 +140,13 @@ class Lamp(CheckedModel):
     """The hue of a coloured lamp in place of kelvin, scene-linear Rec.709."""
     radiance: tuple[Radiance, Radiance, Radiance] | None = None
     """Of its bulbs, nits of each primary, scene-linear Rec.709, in place of lumen and kelvin."""
+    profile: str | None = Field(default=None, min_length=1)
+    """Where its light goes: downlight, spot, batwing, bare bulb, or an IES file (LM-63, type C)
+    relative to this description; by default evenly from all of its bulbs. It follows the bulbs' own
+    frame, down where the lamp stands upright, and keeps the lumen."""
+    beam: Number | None = Field(default=None, ge=5, le=140)
+    """Beam angle of a downlight, a spot or a batwing, degrees: where half of the intensity is left;
+    of a batwing between its wings."""
     on: Switch = True
     """A lamp that is off keeps its geometry and is dark."""
 
@@ -144,11 +154,17 @@ class Lamp(CheckedModel):
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """Two brightnesses or two hues at once."""
         if peek(given, "radiance") is not None:
-            for key in ("lumen", "kelvin", "color"):
+            for key in ("lumen", "kelvin", "color", "profile"):
                 if peek(given, key) is not None:
                     yield Found((key,), f"radiance says it already; leave {key} away")
         elif peek(given, "color") is not None and peek(given, "kelvin") is not None:
             yield Found(("kelvin",), "color and kelvin both say its hue; give one of them")
+        widest = WIDEST_BEAMS_DEG.get(str(peek(given, "profile")))
+        beam = peek(given, "beam")
+        if beam is not None and widest is None:
+            yield Found(("beam",), f"only {', '.join(WIDEST_BEAMS_DEG)} have a beam angle")
+        elif isinstance(beam, int | float) and beam > (widest or 0.0):
+            yield Found(("beam",), f"at most {widest:g} degrees")
 
 
 class Screen(Model):

@@ -2,8 +2,8 @@
 
 - furniture: `furniture`, `assets`, `construction`, `timber`, `finishes` (`finish`,
   `small_finishes`);
-- styles of rooms: `interior`, `interiors`, `ensembles`, `shellstyles`; their lamps: `lamplight`;
-  what screens show: `displays`;
+- styles of rooms: `interior`, `interiors`, `ensembles`, `shellstyles`; their lamps: `lamplight`,
+  `beams`; what screens show: `displays`;
 - materials: `textures`, `assignment`, `friction`, `ownmaterials`;
 - surroundings: `solar`, `sunlight`, `skylight`, `sky`, `outside`, `skycache`, `panorama`,
   `environments`, `pictures`;

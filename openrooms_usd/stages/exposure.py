@@ -20,7 +20,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.stages.surroundings import Surroundings, surroundings
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
 from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights
-from openrooms_usd.usd.photometry import world_area
+from openrooms_usd.usd.photometry import flux_share, world_area
 from openrooms_usd.usd.portals import read_portals
 from openrooms_usd.usd.textures import read_texture
 
@@ -55,7 +55,8 @@ def room_exposure(stage: Usd.Stage) -> float | None:
     for light in read_lights(stage):
         if isinstance(light, MeshLight):
             area = world_area(stage.GetPrimAtPath(light.path))
-            flux += math.pi * area * float(luminance(light.radiance))
+            share = flux_share(stage.GetPrimAtPath(light.path), light.shaping)
+            flux += math.pi * area * share * float(luminance(light.radiance))
         elif isinstance(light, DomeLight):
             lux = _illuminances(light, [outwards for outwards, _ in ways])
             flux += _LET_IN * sum(size * found for found, (_, size) in zip(lux, ways, strict=True))

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from openrooms_usd import names
+from openrooms_usd import atomic, names
 from openrooms_usd.categories.record import given
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.colorimetry import luminance
@@ -25,6 +25,7 @@ from openrooms_usd.description.lights import (
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, StageError
+from openrooms_usd.library.beams import BEAMS, beam_profile, profile_text
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.lamplight import lamp_kelvin
 from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
@@ -34,10 +35,13 @@ from openrooms_usd.stages.beyond import author_beyond_lamps
 from openrooms_usd.stages.daylight import author_portals, author_sky
 from openrooms_usd.stages.glow import author_glow
 from openrooms_usd.stages.screens import author_screens
+from openrooms_usd.untrusted import read_text
 from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
-from openrooms_usd.usd.photometry import nits_from_lumen, world_area
+from openrooms_usd.usd.photometry import flux_share, nits_from_lumen, world_area, world_from_prim
+from openrooms_usd.usd.profiles import Profile, parse_profile, shaping
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shaping import define_shaping
 from openrooms_usd.usd.transforms import UPRIGHT, is_upright
 
 # Of a lamp of an unknown category.
@@ -66,16 +70,20 @@ class LightsStage:
     reads: tuple[str, ...] = ("layout", "alignment", "materials")
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
-        """The panorama, if there is one."""
+        """The panorama, if there is one, and the profiles of lamps."""
         environment = room.lights.environment
-        return [environment.file] if isinstance(environment, FileEnvironment) else []
+        if isinstance(environment, FileEnvironment):
+            yield environment.file
+        for lamp in room.lights.lamps.values():
+            if lamp.profile is not None and lamp.profile not in BEAMS:
+                yield lamp.profile
 
     def author(self, context: StageContext) -> None:
         """Write the environment and the lamps.
 
         Raises:
             DescriptionError: A lamp is named that is not there.
-            InputError: The panorama cannot be read or is no radiance.
+            InputError: The panorama cannot be read or is no radiance; a profile is no IES file.
             OutputError: The converted panorama cannot be written.
             StageError: A lamp's bulb has no area, or is inside an instance that stays one.
         """
@@ -185,11 +193,45 @@ def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
     if area <= 0.0:
         raise StageError("the lamp's bulb has no area", place=place)
     paths = [bulb.GetPath() for bulb in lamp.bulbs]
+    file = None
+    if wanted.profile is not None:
+        profile, file = _kept_profile(context, wanted.profile, wanted.beam)
+        area = _shining_area(lamp, profile)
+        if area <= 0.0:
+            raise StageError("the lamp's bulb sends nothing where its profile says", place=place)
     emission = _emission(context, root, wanted, area)
     _open_instance(context.stage, root)
     for path in paths:
         define_mesh_light(context.stage.OverridePrim(path), **emission)
+        if file is not None:
+            define_shaping(context.stage.OverridePrim(path), file)
     context.notes.extend(author_glow(context.stage, place, paths))
+
+
+def _kept_profile(context: StageContext, wanted: str, beam: float | None) -> tuple[Profile, str]:
+    """A profile, and the asset path of the file that holds it."""
+    known = next((name for name in BEAMS if name == wanted), None)
+    if known is None:
+        source = context.input(wanted)
+        text = read_text(source, "table")
+        profile, stem = parse_profile(text, str(source)), source.stem
+    else:
+        profile, stem = beam_profile(known, beam), known
+        text = profile_text(profile, known)
+    stem = re.sub(r"[^A-Za-z0-9]+", "_", stem).strip("_")[:40] or "profile"
+    file = f"{stem}_{hashlib.sha256(text.encode()).hexdigest()[:8]}.ies"
+    target = context.keep(file)
+    if not target.is_file():
+        atomic.write_text(target, text)
+    return profile, context.asset(file)
+
+
+def _shining_area(lamp: Found, profile: Profile) -> float:
+    """The area of the lamp's bulbs that would send as much, if it would emit like Lambert."""
+    return sum(
+        world_area(bulb) * flux_share(bulb, shaping(profile, world_from_prim(bulb), normalize=True))
+        for bulb in lamp.bulbs
+    )
 
 
 def _emission(context: StageContext, root: Usd.Prim, wanted: Lamp, area: float) -> dict[str, Any]:

@@ -4,6 +4,7 @@
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;
 - surfaces: `traversal`, `gprims`, `tessellation`, `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;
-- light: `photometry`, `emitters`, `lightreader`, `lights`, `portals`; `cameras`;
+- light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`),
+  `lights`, `portals`; `cameras`;
 - meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.
 """

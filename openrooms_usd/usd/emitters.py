@@ -3,10 +3,12 @@
 Radiance is scene-linear Rec.709 in nits: ``0.2126 R + 0.7152 G + 0.0722 B`` is luminance, cd/m2.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from openrooms_usd.usd.profiles import Shaping
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,12 +20,14 @@ class Light:
         radiance: (3,) nits of each primary; factor of the texture where there is one.
         world_from_light: (4, 4) for columns, from its local frame to the world, Z up, metres.
         losses: One sentence for each unsupported feature.
+        shaping: What its radiance is multiplied with by direction; None: it is even.
     """
 
     path: str
     radiance: NDArray[np.float64]
     world_from_light: NDArray[np.float64]
     losses: tuple[str, ...]
+    shaping: Shaping | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)

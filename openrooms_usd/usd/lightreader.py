@@ -7,6 +7,7 @@ UsdLux defines the radiance of a light, in nits, as
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -27,6 +28,7 @@ from openrooms_usd.usd.emitters import (
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
 from openrooms_usd.usd.materials import Texture, bound_material, read_preview_surface
 from openrooms_usd.usd.photometry import world_area, world_from_prim
+from openrooms_usd.usd.shaping import read_shaping
 
 Matrix = NDArray[np.float64]
 
@@ -70,11 +72,12 @@ def read_light(prim: Usd.Prim) -> Light:
     Args:
         prim: A prim with ``UsdLux.LightAPI``.
     """
-    light = _Reader(prim)
-    if prim.HasAPI(UsdLux.MeshLightAPI) and prim.IsA(UsdGeom.Mesh):
-        return light.mesh()
-    read = _KINDS.get(prim.GetTypeName(), _Reader.unknown)
-    return read(light)
+    reader = _Reader(prim)
+    is_mesh = prim.HasAPI(UsdLux.MeshLightAPI) and prim.IsA(UsdGeom.Mesh)
+    read = _Reader.mesh if is_mesh else _KINDS.get(prim.GetTypeName(), _Reader.unknown)
+    light = read(reader)
+    found, lost = read_shaping(prim, light)
+    return replace(light, shaping=found, losses=(*light.losses, *lost))
 
 
 class _Reader:
@@ -237,7 +240,6 @@ _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
     "inputs:shadow:enable": (True, "the light casts shadows all the same"),
     "inputs:shaping:focus": (0.0, "the light is not focused"),
     "inputs:shaping:cone:angle": (90.0, "the light is not cut to a cone"),
-    "inputs:shaping:ies:file": (None, "the light does not follow its IES profile"),
 }
 
 # What is smaller in a rotation is rounding.

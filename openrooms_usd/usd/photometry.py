@@ -8,6 +8,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd import frames
+from openrooms_usd.usd.profiles import Shaping
 
 
 def nits_from_lumen(lumen: float, area: float) -> float:
@@ -28,6 +29,23 @@ def world_from_prim(prim: Usd.Prim) -> NDArray[np.float64]:
 
 def world_area(prim: Usd.Prim) -> float:
     """The area of a mesh's surface in the world, square metres; 0 where it has no sound faces."""
+    mesh = _world_mesh(prim)
+    return 0.0 if mesh is None else float(mesh.areas().sum())
+
+
+def flux_share(prim: Usd.Prim, shaping: Shaping | None) -> float:
+    """What the flux of a mesh is multiplied with by a shaping; 1 without one."""
+    mesh = _world_mesh(prim)
+    if shaping is None or mesh is None:
+        return 1.0
+    corners = mesh.points[mesh.indices[mesh.triangles()[0]]]
+    crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled = np.linalg.norm(crosses, axis=1)
+    normals = crosses / np.where(doubled > 0.0, doubled, 1.0)[:, None]
+    return shaping.mean_over(normals, 0.5 * doubled)
+
+
+def _world_mesh(prim: Usd.Prim) -> Mesh | None:
     mesh = UsdGeom.Mesh(prim)
     attributes = (
         mesh.GetPointsAttr(),
@@ -36,11 +54,11 @@ def world_area(prim: Usd.Prim) -> float:
     )
     values = [attribute.Get(Usd.TimeCode.EarliestTime()) for attribute in attributes]
     if not all(values):
-        return 0.0
+        return None
     points, counts, indices = map(np.array, values)
     if counts.min() < 0 or counts.sum() != len(indices):
-        return 0.0
+        return None
     if indices.min() < 0 or indices.max() >= len(points):
-        return 0.0
+        return None
     local = Mesh(points.astype(np.float64), counts.astype(np.int32), indices.astype(np.int32))
-    return float(local.transformed(world_from_prim(prim)).areas().sum())
+    return local.transformed(world_from_prim(prim))

@@ -14,6 +14,7 @@ from openrooms_usd.description.lights import Lamp
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError, StageError
 from openrooms_usd.imagefile import write_png
+from openrooms_usd.library.beams import beam_profile, profile_text
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages import runner
@@ -299,3 +300,31 @@ def test_equal_bytes(tmp_path: Path) -> None:
     assert (one / "lights.usda").read_bytes() == (two / "lights.usda").read_bytes()
     for path in (one / "lights").iterdir():
         assert path.read_bytes() == (two / "lights" / path.name).read_bytes()
+
+
+@pytest.mark.parametrize("profile", ["spot", "bare bulb", "lamp.ies"])
+def test_a_profiled_lamp_keeps_its_lumens(tmp_path: Path, profile: str) -> None:
+    (tmp_path / "lamp.ies").write_text(profile_text(beam_profile("batwing"), "batwing"))
+    lamp = {"lumen": 700, "profile": profile}
+    stage, _ = compose(tmp_path, room(lamps={"reading": lamp}))
+    light = lamps(stage)["reading"]
+    assert light.losses == () and light.shaping is not None
+    mesh = next(mesh for mesh in read_meshes(stage) if mesh.path == light.path)
+    corners = mesh.world_points()[mesh.mesh.triangles]
+    crosses = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    # By chance: the mean over even directions of what all faces send there.
+    ways = np.random.default_rng(0).normal(size=(20_000, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    seen = np.maximum(ways @ crosses.T, 0.0).sum(axis=1)
+    lumen = 4.0 * np.pi * (seen * light.shaping.factor(ways)).mean() * (WEIGHTS @ light.radiance)
+    assert lumen == pytest.approx(700.0, rel=0.05)
+    [file] = (tmp_path / names.LAYERS / "lights").glob("*.ies")
+    assert file.name.startswith(profile.partition(".")[0].replace(" ", "_"))
+
+
+def test_profiles_that_are_none_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none\.ies"):
+        compose(tmp_path / "a", room(lamps={"reading": {"profile": "none.ies"}}))
+    for wrong in ({"beam": 30}, {"profile": "spot", "beam": 120}, {"profile": "x.ies", "beam": 9}):
+        with pytest.raises(ValueError, match="beam"):
+            room(lamps={"reading": wrong})

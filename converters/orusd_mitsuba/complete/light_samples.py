@@ -124,7 +124,7 @@ class LightSamples:
             turned = -dr.dot(self.faces.normal(row), direction)
             front = active & (turned > 0.0) & self._faces_lamp(si, row, point)
             density = self.faces.density(row, lamp, si.p) * squared / turned
-            incident = self.faces.radiance(row, place, front) / density
+            incident = self.faces.radiance(row, place, front, -direction) / density
             front &= density > 0.0
             light, ray = self.faces.light(lamp), si.spawn_ray_to(point)
             found(light, ray, direction, incident, density, mi.Float(1.0), front)
@@ -200,7 +200,7 @@ class LightSamples:
         front = active & (turned > 0.0) & self._faces_lamp(si, row, met.p)
         by_area = self.faces.density(row, lamp, si.p, front)
         other = by_area * dr.squared_norm(met.p - si.p) / turned
-        radiance = self.faces.radiance(row, self.faces.place(row, met.p), front)
+        radiance = self.faces.radiance(row, self.faces.place(row, met.p), front, -direction)
         value = radiance / (1.0 + dr.square(other / density))
         return self.faces.light(lamp), dr.select(front, value, 0.0)
 

@@ -139,7 +139,7 @@ def _from_lamps(
         cosine = at.cosine(direction)
         active = at.active & (squared > 0.0) & (turned > 0.0) & (cosine > 0.0)
         density = faces.density(row, lamp, at.si.p) * squared / turned
-        value = faces.radiance(row, place, active) * (cosine / density)
+        value = faces.radiance(row, place, active, -direction) * (cosine / density)
         value *= heuristic(density, at.density(direction))
         seen = between.unblocked(at.si.spawn_ray_to(point), active)
         sums.add(faces.light(lamp), value, seen, active)
@@ -167,7 +167,7 @@ def _meet_lamps(
         front = hit & (turned > 0.0)
         squared = dr.squared_norm(si.p - at.si.p)
         other = faces.density(row, lamp, at.si.p, front) * squared / turned
-        value = faces.radiance(row, faces.place(row, si.p), front) * (
+        value = faces.radiance(row, faces.place(row, si.p), front, -direction) * (
             at.cosine(direction) / density * heuristic(density, other)
         )
         seen = between.unblocked(at.si.spawn_ray_to(si.p), front)

@@ -39,7 +39,7 @@ class LampFaces:
     Attributes:
         lights: The number of each lamp's light.
         starts: First row of each lamp, and the number of all rows.
-        even: Of each lamp whether all of it has one radiance per patch.
+        even: Of each lamp whether all of it has one radiance per patch, in all directions.
         alone: A Mitsuba scene of nothing but the faces, whose primitives are the rows.
     """
 
@@ -54,7 +54,7 @@ class LampFaces:
         ]
         self.starts = np.concatenate([[0], np.cumsum(per_lamp)]).astype(np.int64)
         self.even = [
-            all(isinstance(scene.patches[number].radiance, tuple) for number in source.patches)
+            all(_is_even(scene.patches[number]) for number in source.patches)
             for _, source in shining
         ]
         corners = np.concatenate(
@@ -67,6 +67,7 @@ class LampFaces:
         self._tabulate(corners, st)
         shapes = built.shapes()
         emitters = [registered(mi.EmitterPtr(shapes[number].emitter()))[0] for number in patches]
+        self._shaped = any(scene.patches[number].shaping is not None for number in patches)
         self._emitters = mi.UInt32(np.repeat(np.array(emitters, dtype=np.uint32), sizes))
         shone = np.repeat([_luminance(scene.patches[number]) for number in patches], sizes)
         self._weigh(corners, shone)
@@ -175,18 +176,22 @@ class LampFaces:
             dr.dot(dr.cross(w, v), normal) / squared, dr.dot(dr.cross(u, w), normal) / squared
         )
 
-    def radiance(self, row: Any, place: Any, active: Any = True) -> Any:
+    def radiance(self, row: Any, place: Any, active: Any = True, towards: Any = None) -> Any:
         """What a point of a row emits to its front.
 
         Args:
             row: Which face.
             place: Barycentric coordinates of its second and third corner.
             active: Where it is wanted.
+            towards: The unit vector along which; None of lamps that are even.
         """
         a, b, c = (dr.gather(mi.Point2f, corner, row, active) for corner in self._st)
         si = dr.zeros(mi.SurfaceInteraction3f, dr.width(row))
         si.uv = a + (b - a) * place.x + (c - a) * place.y
         si.wi = mi.Vector3f(0.0, 0.0, 1.0)
+        if self._shaped and towards is not None:
+            si.sh_frame = mi.Frame3f(self.normal(row, active))
+            si.wi = si.to_local(towards)
         number = dr.gather(mi.UInt32, self._emitters, row, active)
         emitter: Any = dr.reinterpret_array(mi.EmitterPtr, number)
         return emitter.eval(si, active)
@@ -222,6 +227,10 @@ def _flux(scene: Scene, source: Source) -> float:
         area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
         total += float(area) * _luminance(scene.patches[number])
     return total
+
+
+def _is_even(patch: Patch) -> bool:
+    return isinstance(patch.radiance, tuple) and patch.shaping is None
 
 
 def _luminance(patch: Patch) -> float:

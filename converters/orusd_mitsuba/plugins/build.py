@@ -20,6 +20,7 @@ from orusd_mitsuba.plugins.descriptions import (
 )
 from orusd_mitsuba.plugins.light_weights import LightWeights, brightest_beam, light_weights
 from orusd_mitsuba.plugins.material_table import MaterialTable, shape_number
+from orusd_mitsuba.plugins.shaped_area import shaped_area
 
 
 class Builder:
@@ -36,6 +37,7 @@ class Builder:
         self._rows: dict[int, int] = {}
         self._textures: dict[int, Any] = {}
         self._bsdfs: dict[int, Any] = {}
+        self._shaped: dict[str, Any] = {}
 
     def scene(
         self, scene: Scene, weights: LightWeights | None = None, by_portals: bool = True
@@ -89,6 +91,8 @@ class Builder:
                 corners = new.triangles.corners - self._origin
                 arrays[f"{new.name}.vertex_positions"] = _flat(corners)
                 arrays[f"{new.name}.vertex_normals"] = _flat(new.triangles.normals)
+                if new.shaping is not None:
+                    self._shaped[new.name].turn(new.shaping)
         arrays.update()
 
     def _tabulate(self, scene: Scene) -> None:
@@ -115,7 +119,7 @@ class Builder:
         properties["bsdf"] = self.bsdf(patch.surface)
         if patch.radiance is not None:
             area = describe_area(patch.radiance, weights.patches[patch.name])
-            properties["emitter"] = mi.load_dict(self._resolved(area))
+            properties["emitter"] = self._emitter(patch, mi.load_dict(self._resolved(area)))
         triangles = patch.triangles
         count = len(triangles)
         mesh = mi.Mesh(
@@ -132,7 +136,15 @@ class Builder:
         arrays["vertex_texcoords"] = _flat(triangles.st)
         arrays["faces"] = np.arange(3 * count, dtype=np.uint32)
         arrays.update()
+        if patch.name in self._shaped:
+            self._shaped[patch.name].inner.set_shape(mesh)
         return mesh
+
+    def _emitter(self, patch: Patch, inner: Any) -> Any:
+        if patch.shaping is None:
+            return inner
+        self._shaped[patch.name] = shaped_area(inner, patch.shaping)
+        return self._shaped[patch.name]
 
     @property
     def table(self) -> MaterialTable | None:

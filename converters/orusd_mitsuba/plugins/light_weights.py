@@ -91,7 +91,7 @@ def light_weights(scene: Scene) -> LightWeights:
 
 
 def flux_of(patch: Patch) -> float:
-    """Lumen of a patch that emits like Lambert."""
+    """Lumen of a patch."""
     if patch.radiance is None:
         return 0.0
     radiance = patch.radiance
@@ -99,7 +99,7 @@ def flux_of(patch: Patch) -> float:
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     held = radiance.pixels if isinstance(radiance, Picture) else np.array([[radiance]])
     pixels = held.astype(np.float64)
-    return float(np.pi * area * luminance(_three(pixels)).mean())
+    return patch.flux_share() * float(np.pi * area * luminance(_three(pixels)).mean())
 
 
 def _illuminance(environment: Environment) -> float:

@@ -14,6 +14,7 @@ from openrooms_usd.errors import StageError
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.cameras import stage_resolution
 from openrooms_usd.render.scene.light_records import light_records
+from openrooms_usd.render.scene.models import without_shaping
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.cameras import PinholeCamera, list_cameras, read_camera
@@ -54,7 +55,7 @@ def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
     """
     floor_of(stage)
     with atomic.filling(destination) as root:
-        export = _Export(stage, translate(stage), root, name)
+        export = _Export(stage, without_shaping(translate(stage)), root, name)
         export.write()
     return export.report
 

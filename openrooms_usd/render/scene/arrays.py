@@ -14,6 +14,7 @@ from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.render.scene.pictures import Array, Value
 from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.usd.portals import Portal
+from openrooms_usd.usd.profiles import Shaping
 
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
@@ -64,12 +65,31 @@ class Patch:
         triangles: Its triangles.
         surface: What it does to light.
         radiance: What its front side emits, nits; None where it is dark.
+        shaping: What that is multiplied with by direction; None: with nothing.
     """
 
     name: str
     triangles: Triangles
     surface: Surface
     radiance: Value | None = None
+    shaping: Shaping | None = field(default=None, kw_only=True)
+
+    def at(self, triangles: Triangles) -> "Patch":
+        """The same with its triangles elsewhere, after a rigid motion of each of its pieces."""
+        if self.shaping is None or not len(triangles):
+            return replace(self, triangles=triangles)
+        turn = _rotation(self.triangles.corners, triangles.corners)
+        return replace(self, triangles=triangles, shaping=self.shaping.turned(turn))
+
+    def flux_share(self) -> float:
+        """What its flux is multiplied with by its shaping; 1 without one."""
+        if self.shaping is None:
+            return 1.0
+        a, b, c = np.moveaxis(self.triangles.corners, 1, 0)
+        crosses = np.cross(b - a, c - a)
+        doubled = np.linalg.norm(crosses, axis=1)
+        normals = crosses / np.where(doubled > 0.0, doubled, 1.0)[:, None]
+        return self.shaping.mean_over(normals, 0.5 * doubled)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,10 +180,7 @@ class Scene:
                 object.
         """
         pairs = zip((*self.patches, *self.panes), triangles, strict=True)
-        every = [
-            patch if patch.triangles is own else replace(patch, triangles=own)
-            for patch, own in pairs
-        ]
+        every = [patch if patch.triangles is own else patch.at(own) for patch, own in pairs]
         count = len(self.patches)
         panes = tuple(pane for pane in every[count:] if isinstance(pane, Pane))
         found = replace(self, patches=tuple(every[:count]), panes=panes)
@@ -198,3 +215,10 @@ class Scene:
         if not len(self.triangles):
             return np.zeros(3)
         return np.round(np.median(self.triangles.corners[:, 0], axis=0))
+
+
+def _rotation(before: Array, after: Array) -> Array:
+    """(3, 3) of the rigid motion that takes (M, 3, 3) corners to others: Kabsch's."""
+    old, new = (one.reshape(-1, 3) - one.reshape(-1, 3).mean(axis=0) for one in (before, after))
+    u, _, vt = np.linalg.svd(new.T @ old)
+    return np.asarray(u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt)

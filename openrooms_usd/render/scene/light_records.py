@@ -64,7 +64,8 @@ def _lamp(number: int, name: str, stage: Usd.Stage, scene: Scene, source: Source
     patches = [scene.patches[row] for row in source.patches]
     corners = np.concatenate([patch.triangles.corners for patch in patches])
     areas, shone = _areas(corners), np.concatenate([_shone(patch) for patch in patches])
-    flux = np.pi * areas @ shone
+    shares = [np.full(len(patch.triangles), patch.flux_share()) for patch in patches]
+    flux = np.pi * (areas * np.concatenate(shares)) @ shone
     turn = _axes(stage, source.path)
     world_from_box, size = _box(corners.reshape(-1, 3), turn)
     return LightRecord(

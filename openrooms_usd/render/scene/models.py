@@ -3,7 +3,10 @@
 from dataclasses import replace
 from typing import Final, Literal, get_args
 
-from openrooms_usd.render.scene.arrays import Scene
+import numpy as np
+
+from openrooms_usd.render.scene.arrays import Patch, Scene
+from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.usd.surfaces import f0_of
 
@@ -29,6 +32,34 @@ def with_model(scene: Scene, model: Model) -> Scene:
     )
     patches = tuple(replace(patch, surface=shown[id(patch.surface)][0]) for patch in scene.patches)
     return replace(scene, patches=patches)
+
+
+def without_shaping(scene: Scene) -> Scene:
+    """The scene whose lamps shine evenly, with the same flux; its report says which did not."""
+    if all(patch.shaping is None for patch in scene.patches):
+        return scene
+    lost = {}
+    for patch in scene.patches:
+        if patch.shaping is not None:
+            for row in np.unique(patch.triangles.pieces):
+                lost[scene.legend.part[scene.pieces[row].part]] = "it shines evenly, by no profile"
+    scene.report.lose(lost)
+    return replace(scene, patches=tuple(map(_even, scene.patches)))
+
+
+def _even(patch: Patch) -> Patch:
+    if patch.shaping is None or patch.radiance is None:
+        return patch
+    share, radiance = patch.flux_share(), patch.radiance
+    if isinstance(radiance, Picture):
+        pixels = (radiance.pixels * share).astype(np.float32)
+        radiance = Picture(pixels, radiance.wrap, radiance.uv)
+    elif isinstance(radiance, tuple):
+        red, green, blue = (share * value for value in radiance)
+        radiance = (red, green, blue)
+    else:
+        radiance *= share
+    return replace(patch, radiance=radiance, shaping=None)
 
 
 def _shown_as(model: Model, surface: Surface) -> tuple[Surface, str]:

@@ -41,6 +41,7 @@ from openrooms_usd.usd.lights import (
 from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
+from openrooms_usd.usd.profiles import Shaping
 from openrooms_usd.usd.surfaces import PreviewSurface
 
 # Rows of triangles, and the material that they show.
@@ -91,6 +92,7 @@ class _Group:
     surface: Surface
     radiance: Value | None
     is_sheet: bool
+    shaping: Shaping | None = None
     parts: list[Triangles] = field(default_factory=list)
 
 
@@ -105,7 +107,7 @@ class _Translation:
         self._materials: dict[str, Surface] = {}
         self._owners: list[tuple[str, Surface]] = []
         self._groups: dict[tuple[int, str, bool], _Group] = {}
-        self._emitting: dict[str, Array] = {}
+        self._emitting: dict[str, MeshLight] = {}
         self._environment: Environment | None = None
         self._suns: list[Sun] = []
         self._portals: tuple[Portal, ...] = ()
@@ -114,7 +116,13 @@ class _Translation:
         numbers = count(1)
         groups = [(group, Triangles.joined(group.parts)) for group in self._groups.values()]
         patches = tuple(
-            Patch(f"patch_{next(numbers)}", triangles, group.surface, group.radiance)
+            Patch(
+                f"patch_{next(numbers)}",
+                triangles,
+                group.surface,
+                group.radiance,
+                shaping=group.shaping,
+            )
             for group, triangles in groups
             if group.surface.pane is None
         )
@@ -146,7 +154,7 @@ class _Translation:
     def add_light(self, stage: Usd.Stage, light: Light) -> None:
         losses = list(light.losses)
         if isinstance(light, MeshLight):
-            self._emitting[light.path] = light.radiance
+            self._emitting[light.path] = light
             if not losses:
                 return
         elif isinstance(light, DomeLight):
@@ -166,7 +174,8 @@ class _Translation:
             radiance, lost = lamps.radiance(light)
             surface = _surface_of(stage.GetPrimAtPath(light.path))
             row = self._labels.row(str(surface.GetPath()), surface, None)
-            self._group(light.path, _BLACK, radiance).parts.append(lamps.shape(light, row))
+            group = self._group(light.path, _BLACK, radiance, shaping=light.shaping)
+            group.parts.append(lamps.shape(light, row))
             losses += lost
         else:
             self.report.add(light.path, "skipped", "; ".join(losses))
@@ -189,7 +198,8 @@ class _Translation:
         losses: list[str] = []
         corners, normals = _placed(mesh)
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
-        light = None if emitted is None else (*map(float, emitted),)
+        light = None if emitted is None else (*map(float, emitted.radiance),)
+        shaping = None if emitted is None else emitted.shaping
         for rows, material in parts:
             surface = self._surface(mesh, material, losses)
             radiance: Value | None = light if light is not None else surface.emission  # type: ignore[assignment]
@@ -209,16 +219,22 @@ class _Translation:
             if mesh.mirrored:
                 triangles = lamps.flipped(triangles)
             sheet = surface.pane is not None and mesh.double_sided
-            self._group(mesh.path, surface, radiance, sheet).parts.append(triangles)
+            bent = None if radiance is None else shaping
+            self._group(mesh.path, surface, radiance, sheet, bent).parts.append(triangles)
         if losses or whole:
             self._say(mesh.path, losses)
 
     def _group(
-        self, path: str, surface: Surface, radiance: Value | None, is_sheet: bool = False
+        self,
+        path: str,
+        surface: Surface,
+        radiance: Value | None,
+        is_sheet: bool = False,
+        shaping: Shaping | None = None,
     ) -> _Group:
         # What emits is a shape of its own, so that it is sampled as one light.
         key = id(surface), "" if radiance is None else path, is_sheet
-        return self._groups.setdefault(key, _Group(surface, radiance, is_sheet))
+        return self._groups.setdefault(key, _Group(surface, radiance, is_sheet, shaping))
 
     def _surface(
         self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
