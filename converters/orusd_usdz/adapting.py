@@ -17,7 +17,11 @@ from openrooms_usd.package import package
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.diagnostics import reading
 from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.materials import define_preview_surface, read_preview_surface
+from openrooms_usd.usd.materials import (
+    PANE_OPACITY,
+    define_preview_surface,
+    read_preview_surface,
+)
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
 from orusd_usdz.profiles import Profile
 from orusd_usdz.textures import Textures
@@ -147,6 +151,9 @@ class _Adaptation:
             # As it is authored for all who do not know ours.
             preview = replace(preview, opacity=1.0 - preview.transmission, transmission=0.0)
             lost.append("it lets light through: shown as partly clear")
+        if preview.pane is not None:
+            preview = replace(preview, opacity=PANE_OPACITY, pane=None)
+            lost.append("it is a clear pane: shown as partly clear")
         if preview.f0 is not None:
             preview = replace(preview, ior=ior_of(preview.f0), f0=None)
         emissive = preview.emissive

@@ -40,7 +40,7 @@ _INPUTS: Final = {
     "occlusion": ("occlusion", _Types.Float),
 }
 # What a clear pane shows of itself where it is taken for a surface that is mostly absent.
-_PANE_OPACITY: Final = 0.1
+PANE_OPACITY: Final = 0.1
 # What only a constant can say here.
 _UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
 
@@ -88,7 +88,7 @@ def _with_stand_ins(material: UsdShade.Material, surface: PreviewSurface) -> Pre
         surface = replace(surface, ior=ior_of(surface.f0))
     if surface.pane is not None:
         _author_ours(material, names.MATERIAL_PANE, Gf.Vec3f(*surface.pane), _Types.Color3f)
-        surface = replace(surface, opacity=_PANE_OPACITY)
+        surface = replace(surface, opacity=PANE_OPACITY)
     return surface
 
 

@@ -122,7 +122,9 @@ def looked_up(texture: UsdShade.Shader, st: NDArray[np.float64]) -> NDArray[np.f
     for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
         weight = np.abs(1 - i - (x - left)) * np.abs(1 - j - (y - top))
         total += weight[:, None] * image[(top + j) % height, (left + i) % width]
-    return total
+    factors, offsets = value(texture, "scale", (1,) * 4), value(texture, "bias", (0,) * 4)
+    channels = total.shape[1]
+    return total * np.array(factors)[:channels] + np.array(offsets)[:channels]
 
 
 def test_materials_are_those_of_their_textures(shown, seen) -> None:

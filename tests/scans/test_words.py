@@ -49,7 +49,7 @@ def test_bins_of_class_lists_are_never_named_things(word: str) -> None:
         ("trashcan", "trash_bin"),
         ("toaster", "toaster"),
         ("toaster oven", "microwave"),
-        ("night stand", "side_table"),
+        ("night stand", "night_stand"),
         ("office chair", "office_chair"),
         ("laundry basket", "basket"),
         ("flat-screen television", "television"),
@@ -60,19 +60,19 @@ def test_bins_of_class_lists_are_never_named_things(word: str) -> None:
         ("counter top for sink", "counter"),
         ("shower curtain", "curtain"),
         ("shower curtain rod", "box"),
-        ("mirror", "picture"),
+        ("mirror", "mirror"),
         ("floor mat", "rug"),
-        ("guitar", "box"),
+        ("guitar", "guitar"),
         ("guitar case", "box"),
-        ("backpack", "box"),
-        ("shower", "box"),
+        ("backpack", "backpack"),
+        ("shower", "shower"),
         ("scale", "box"),
         ("tissue box", "tissue_box"),
         ("paper towel", "toilet_paper"),
         ("toilet paper", "toilet_paper"),
         ("paper towel dispenser", "box"),
-        ("ironing board", "box"),
-        ("dish rack", "box"),
+        ("ironing board", "ironing_board"),
+        ("dish rack", "dish_rack"),
         ("hair dryer", "box"),
         ("storage bin", "basket"),
     ],
@@ -99,7 +99,7 @@ def test_the_building_is_left_to_the_layout_and_people_are_left_out() -> None:
 
 def test_the_first_word_that_means_something_counts() -> None:
     assert first("poubelle", "ashcan", "otherfurniture") == "trash_bin"
-    assert first("guitar", "table") == "box"
+    assert first("guitar", "table") == "guitar"
     assert first("gibberish", "otherprop") == "box"
 
 

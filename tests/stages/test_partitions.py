@@ -12,6 +12,7 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.generate.expansion import expanded
+from openrooms_usd.library.furniture import category
 from openrooms_usd.stages.surroundings import surroundings
 from openrooms_usd.usd.partitions import read_partitions
 from openrooms_usd.usd.portals import read_portals
@@ -125,7 +126,11 @@ alignment: {from: generate}
 """
     room = expanded(parse_room(text))
     kept = shapely.box(3.45, 0, 3.55, 4).union(shapely.box(2.7, 1.6, 4.3, 2.4))
-    standing = [o for o in room.alignment.objects if o.on in (None, "floor") and o.size]
+    standing = [
+        o
+        for o in room.alignment.objects
+        if (o.on or category(o.category).support) == "floor" and o.size
+    ]
     assert len(standing) >= 3
     for thing in standing:
         if thing.relative_to or thing.category == "rug":

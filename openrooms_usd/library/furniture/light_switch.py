@@ -28,10 +28,10 @@ def _plate(size: Size, thick: float) -> Mesh:
 
 def _rocker(size: Size, x: float, width: float, rng: np.random.Generator) -> Mesh:
     """A key that is tipped to one of its two sides."""
-    front, middle = -0.5 * size[1] + 0.004, 0.5 * size[2]
+    front, middle = -0.5 * size[1] + 0.001, 0.5 * size[2]
     tall = 0.68 * size[2]
     key = board((x - 0.5 * width, front, middle - 0.5 * tall),
-                (x + 0.5 * width, front + 0.005, middle + 0.5 * tall), 0.001)  # fmt: skip
+                (x + 0.5 * width, front + 0.006, middle + 0.5 * tall), 0.001)  # fmt: skip
     tip = float(rng.choice([-1.0, 1.0])) * 2.2
     return turned(key, "x", tip, (0.0, front + 0.0025, middle))
 

@@ -17,6 +17,8 @@ from openrooms_usd.library.furniture.posing import turned
 # Between the wall and what gives the heat, metres: brackets keep it.
 _BEHIND_M: Final = 0.03
 _PIPE_M: Final = 0.008
+# What a valve takes of the width, on the right, metres.
+_VALVE_M: Final = 0.045
 _REST: Final = {"slot": "soot", "base": "soot", "knob": "plastic"}
 
 
@@ -38,9 +40,14 @@ def _fixings(size: Size) -> Parts:
             "knob": knob}  # fmt: skip
 
 
+def _beside_valve(parts: Parts) -> Parts:
+    """What gives the heat, on the left of the valve."""
+    return {name: mesh.moved((-0.5 * _VALVE_M, 0.0, 0.0)) for name, mesh in parts.items()}
+
+
 def panel(size: Size, rng: np.random.Generator) -> Parts:
     """A pressed sheet with upright flutes, closed at its sides, a grille on top."""
-    x, y, height = 0.5 * size[0] - 0.045, 0.5 * size[1], size[2]
+    x, y, height = 0.5 * (size[0] - _VALVE_M), 0.5 * size[1], size[2]
     back = y - _BEHIND_M
     flutes = max(4, round(2 * x / 0.06))
     pitch = (2 * x - 0.04) / flutes
@@ -64,12 +71,12 @@ def panel(size: Size, rng: np.random.Generator) -> Parts:
     ]
     core = board((-x + 0.01, -y + 0.016, 0.02), (x - 0.01, back - 0.014, height - 0.06), 0.0)
     body = joined([*face, rear, *sides, *bars, *across, core])
-    return {"body": body, **_fixings(size)}
+    return {**_beside_valve({"body": body}), **_fixings(size)}
 
 
 def column(size: Size, rng: np.random.Generator) -> Parts:
     """Sections of two upright tubes each, joined by headers, as cast iron or tubes of steel."""
-    x, y, height = 0.5 * size[0] - 0.045, 0.5 * size[1], size[2]
+    x, y, height = 0.5 * (size[0] - _VALVE_M), 0.5 * size[1], size[2]
     back = y - _BEHIND_M
     deep = back + y
     radius = min(0.0125, 0.2 * deep)
@@ -88,12 +95,12 @@ def column(size: Size, rng: np.random.Generator) -> Parts:
     for z in (0.025, height - 0.025):
         tube = turned(cylinder(0.014, 2 * x, segments=10), "y", 90.0)
         made.append(tube.moved((-x, 0.5 * (front + rear), z)))
-    return {"body": joined(made), **_fixings(size)}
+    return {**_beside_valve({"body": joined(made)}), **_fixings(size)}
 
 
 def convector(size: Size, rng: np.random.Generator) -> Parts:
     """A smooth box with slots along its top and its foot."""
-    x, y, height = 0.5 * size[0] - 0.045, 0.5 * size[1], size[2]
+    x, y, height = 0.5 * (size[0] - _VALVE_M), 0.5 * size[1], size[2]
     back, count = y - _BEHIND_M, max(3, round(2 * x / 0.03))
     shell = board((-x, -y, 0.03), (x, back, height - 0.004), 0.006)
     slots = []
@@ -101,7 +108,8 @@ def convector(size: Size, rng: np.random.Generator) -> Parts:
         low, high = (place - 0.009, -0.6 * y, height - 0.005), (place + 0.009, 0.3 * back, height)
         slots.append(board(low, high, 0.0))
     foot = board((-x + 0.02, -y + 0.01, 0.0), (x - 0.02, back - 0.01, 0.035), 0.0)
-    return {"body": shell, "slot": joined(slots), "base": foot, **_fixings(size)}
+    parts = {"body": shell, "slot": joined(slots), "base": foot}
+    return {**_beside_valve(parts), **_fixings(size)}
 
 
 STYLES: Final = {
