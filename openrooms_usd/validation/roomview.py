@@ -186,7 +186,9 @@ class RoomView:
                 for name in (names.OPENING_WIDTH, names.OPENING_HEIGHT)
             )
             if read_label(prim, names.CATEGORY) == "window" and width and height:
-                local = np.linalg.inv(to_world @ local_to_world(prim, cache))
+                local = np.asarray(
+                    np.linalg.inv(to_world @ local_to_world(prim, cache)), dtype=np.float64
+                )
                 found.append(Reveal(local, float(width), float(height)))
         return tuple(found)
 
