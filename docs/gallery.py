@@ -1,4 +1,4 @@
-"""Draws the rooms of docs/gallery.md: ``python -m docs.gallery``.
+"""Draws the rooms of docs/gallery.md and docs/rooms.png: ``python -m docs.gallery``.
 
 Six types of rooms in two styles each go the whole way on the command line: generate, compose,
 validate --strict, render at 960x720. What is finished in the folder is not made again.
@@ -11,7 +11,8 @@ from typing import Final, NamedTuple
 
 from benchmarks.realism.views import read
 from benchmarks.scenes import orusd
-from openrooms_usd.imagefile import write
+from docs.pictures import tiled
+from openrooms_usd.imagefile import write, write_png
 
 
 class Shown(NamedTuple):
@@ -43,6 +44,12 @@ ROOMS: Final = (
 )
 CHANNELS: Final = "radiance,depth,normal_geometric,instance,semantic_nyu40"
 WIDTH, HEIGHT = 960, 720
+# Those of the sheet that the README shows, and their width there.
+SHEET: Final = (
+    "living_room_scandinavian", "kitchen_industrial", "bedroom_mid_century",
+    "dining_room_mid_century", "office_industrial", "bathroom_scandinavian",
+)  # fmt: skip
+_SHEET_WIDTH: Final = 480
 # JPEG's: no blocks can be seen from here on.
 _QUALITY: Final = "jpeg:90"
 
@@ -82,6 +89,9 @@ def main(words: Sequence[str] | None = None) -> None:
             print(shown.name, flush=True)
             picture = room(shown, options.folder, options.spp, options.resolution)
             publish(picture, options.target / f"{shown.name}.jpg")
+    if not options.only:
+        found = [next((options.folder / name / "render").glob("*/denoised.png")) for name in SHEET]
+        write_png(Path("docs/rooms.png"), tiled([read(path, _SHEET_WIDTH) for path in found]))
 
 
 if __name__ == "__main__":

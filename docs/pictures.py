@@ -1,7 +1,8 @@
 """Draws the pictures of the documentation: ``make pictures``.
 
 Every room goes the whole way on the command line: generate, compose, validate --strict, render.
-``python -m docs.pictures --all`` does so for every room type and leaves all files in the folder.
+``python -m docs.pictures --all`` does so for every room type and leaves all files in the folder;
+the rooms of the documentation are drawn by `docs.gallery`.
 """
 
 import argparse
@@ -25,11 +26,6 @@ from openrooms_usd.render.sheet import write_sheet
 
 # Lights of the example whose channels are shown.
 LIGHTS = ("pendant", "window_east")
-# Room types and seeds of the six rooms in the documentation.
-SHOWN = (
-    ("lounge", 1), ("bedroom", 2), ("kitchen", 2),
-    ("game_room", 1), ("office", 2), ("apartment", 1),
-)  # fmt: skip
 COLUMNS = 3
 # The room that is scanned.
 SCANNED = ("bedroom", 2)
@@ -49,10 +45,11 @@ def room(kind: str, seed: int, folder: Path, size: str, *quality: str) -> Path:
     return min(path.parent for path in (home / "render").glob("*/radiance.exr"))
 
 
-def tiled(pictures: Sequence[Path]) -> "np.ndarray[Any, np.dtype[np.uint8]]":
+def tiled(
+    pictures: Sequence["np.ndarray[Any, np.dtype[np.uint8]]"],
+) -> "np.ndarray[Any, np.dtype[np.uint8]]":
     """Pictures of one size side by side, with a little white between them."""
-    tiles = [_read(path) for path in pictures]
-    tiles += [np.full_like(tiles[0], 255)] * (-len(tiles) % COLUMNS)
+    tiles = [*pictures, *[np.full_like(pictures[0], 255)] * (-len(pictures) % COLUMNS)]
     framed = [np.pad(tile, ((3, 3), (3, 3), (0, 0)), constant_values=255) for tile in tiles]
     rows = [framed[i : i + COLUMNS] for i in range(0, len(framed), COLUMNS)]
     return np.concatenate([np.concatenate(row, axis=1) for row in rows], axis=0)
@@ -117,17 +114,16 @@ def main() -> None:
     parser.add_argument("--resolution", default="480x360")
     parser.add_argument("--spp", default="64")
     options = parser.parse_args()
-    rooms = [(kind, 1) for kind in get_args(RoomType)] if options.all else SHOWN
     quality = ("--spp", options.spp, "--denoise")
-    if not options.all:
+    if options.all:
+        views = []
+        for kind in get_args(RoomType):
+            print(kind, flush=True)
+            views.append(room(kind, 1, options.folder, options.resolution, *quality))
+        pictures = [_read(view / "denoised.png") for view in views]
+        write_png(options.folder / "rooms.png", tiled(pictures))
+    else:
         quality += ("--camera", "view_0")
-    views = []
-    for kind, seed in rooms:
-        print(kind, flush=True)
-        views.append(room(kind, seed, options.folder, options.resolution, *quality))
-    target = options.folder / "rooms.png" if options.all else Path("docs/rooms.png")
-    write_png(target, tiled([view / "denoised.png" for view in views]))
-    if not options.all:
         orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise")
         light(options.folder, options.spp)
         robot(options.folder)
