@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from openrooms_usd import adapters
 from openrooms_usd.errors import OrusdError
+from openrooms_usd.usercache import cache_folder
 from openrooms_usd.version import __version__
 
 _DISTRIBUTION: Final = "openrooms-usd"
@@ -76,9 +77,7 @@ def diagnose() -> Diagnosis:
 
 
 def _system() -> dict[str, str]:
-    from openrooms_usd.library.textures import cache_folder
-
-    textures = cache_folder()
+    textures = cache_folder("textures")
     return {
         "openrooms_usd": __version__,
         "python": platform.python_version(),

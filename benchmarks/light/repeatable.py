@@ -10,7 +10,7 @@ from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import OpenedRoom, methods_of
 from benchmarks.light.targets import Target
-from openrooms_usd.library.textures.cache import VARIABLE
+from openrooms_usd.usercache import VARIABLE
 
 _THREADS: Final = (1, 2, 4)
 _AT_ONCE: Final = 4

@@ -13,11 +13,11 @@ import numpy as np
 from benchmarks.light.references import Images
 from benchmarks.light.rooms import Room
 from openrooms_usd import adapters
-from openrooms_usd.library.textures.cache import VARIABLE
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.contract import REFERENCE
 from openrooms_usd.render.opened import OpenedStage
 from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usercache import VARIABLE
 
 # Degrees from one view of a room to the next.
 _TURN_DEG: Final = 18.0

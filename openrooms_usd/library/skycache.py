@@ -13,7 +13,7 @@ from typing import Final
 
 from openrooms_usd import atomic, removal, unfinished
 from openrooms_usd.errors import OutputError
-from openrooms_usd.library.textures.cache import cache_folder
+from openrooms_usd.usercache import cache_folder
 
 FOLDER: Final = "skies"
 """The folder of the entries, beside that of the textures."""
@@ -35,8 +35,8 @@ def cached_picture(key: str, file: Path, write: Callable[[Path], None]) -> None:
     Raises:
         OutputError: The file cannot be written.
     """
-    textures = cache_folder()
-    entry = textures.with_name(FOLDER) / f"{key}{_SUFFIX}" if textures else None
+    folder = cache_folder(FOLDER)
+    entry = folder / f"{key}{_SUFFIX}" if folder else None
     found = _content(entry) if entry else None
     if entry and found is not None:
         atomic.write_bytes(file, found)

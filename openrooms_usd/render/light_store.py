@@ -27,6 +27,7 @@ from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.digest import light_digest
+from openrooms_usd.usercache import cache_folder
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -66,13 +67,11 @@ def places(scene: Scene) -> tuple[Path, ...]:
 
     None where ``$ORUSD_CACHE`` switches caches off.
     """
-    from openrooms_usd.library.textures import cache_folder
-
-    textures = cache_folder()
-    if textures is None:
+    kept = cache_folder(_IN_CACHE)
+    if kept is None:
         return ()
     beside = (scene.folder / FOLDER,) if scene.folder else ()
-    return (*beside, textures.with_name(_IN_CACHE))
+    return (*beside, kept)
 
 
 def load(key: str, folders: Sequence[Path]) -> dict[str, NDArray[Any]] | None:

@@ -58,6 +58,7 @@ RANKS = (
         "removal",
         "scan",
         "unfinished",
+        "usercache",
         "unpickling",
     ),
     ("colorimetry", "errors", "imagefile", "lazy", "lettering", "names", "untrusted", "version"),

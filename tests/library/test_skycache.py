@@ -7,7 +7,7 @@ import pytest
 
 from openrooms_usd.library import skycache
 from openrooms_usd.library.skycache import cached_picture
-from openrooms_usd.library.textures.cache import VARIABLE
+from openrooms_usd.usercache import VARIABLE
 
 KEY = "ab" * 32
 

@@ -8,14 +8,15 @@ from pathlib import Path
 import pytest
 
 from openrooms_usd.library.textures import cache
-from openrooms_usd.library.textures.cache import Material, cache_folder, cached
+from openrooms_usd.library.textures.cache import Material, cached
+from openrooms_usd.usercache import VARIABLE, cache_folder
 
 DENIM = Material("denim", 3, resolution=32)
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "cache"))
     return tmp_path
 
 
@@ -36,8 +37,8 @@ def test_what_is_found_is_what_would_be_made(folder: Path, monkeypatch: pytest.M
     with monkeypatch.context() as patch:
         unmakeable(patch)
         found = cached(DENIM, folder / "b", "y")
-    monkeypatch.setenv(cache.VARIABLE, "off")
-    assert cache_folder() is None
+    monkeypatch.setenv(VARIABLE, "off")
+    assert cache_folder("textures") is None
     alone = cached(DENIM, folder / "c", "z")
     assert contents(made) == contents(found) == contents(alone)
 
@@ -107,17 +108,17 @@ def test_a_cache_that_cannot_be_written_is_as_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("in the way")
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "file"))
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "file"))
     assert all(file.is_file() for file in cached(DENIM, tmp_path / "a", "x"))
 
 
 def test_where_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv(cache.VARIABLE, raising=False)
+    monkeypatch.delenv(VARIABLE, raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert cache_folder() == tmp_path / "openrooms_usd/textures"
+    assert cache_folder("textures") == tmp_path / "openrooms_usd/textures"
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setenv("HOME", str(tmp_path))
-    assert cache_folder() == tmp_path / ".cache/openrooms_usd/textures"
+    assert cache_folder("textures") == tmp_path / ".cache/openrooms_usd/textures"
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ functions differ in the last place.
 
 from openrooms_usd.library.textures.base.family import Color, Family, Order, Use
 from openrooms_usd.library.textures.base.maps import Maps, TextureSet
-from openrooms_usd.library.textures.cache import Material, cache_folder, cached
+from openrooms_usd.library.textures.cache import Material, cached
 from openrooms_usd.library.textures.catalogue import FAMILIES, family_of, make, substance_of
 from openrooms_usd.library.textures.storage import MAPS, map_file, rendered_maps, write_set
 
@@ -25,7 +25,6 @@ __all__ = [
     "Order",
     "TextureSet",
     "Use",
-    "cache_folder",
     "cached",
     "family_of",
     "make",

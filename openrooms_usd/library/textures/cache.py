@@ -6,7 +6,6 @@ time write the same; a list of their checksums comes last and tells what was dam
 
 import hashlib
 import json
-import os
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -23,10 +22,9 @@ from openrooms_usd.library.textures.catalogue import (
     substance_of,
 )
 from openrooms_usd.library.textures.storage import map_file, rendered_maps, write_set
+from openrooms_usd.usercache import cache_folder
 
-# Says where the cache is; empty or one of these words: there is none.
-VARIABLE: Final = "ORUSD_CACHE"
-_OFF: Final = ("", "0", "off", "no", "none")
+_FOLDER: Final = "textures"
 _SUMS: Final = "checksums.json"
 # Lists the modules of all substances, of which a material needs one.
 _ON_ALL: Final = (f"{__package__}.base.expanse", f"{__package__}.base.wear")
@@ -73,22 +71,6 @@ class Material:
         return __name__, f"{__package__}.{substance_of(self.name)}", *_ON_ALL
 
 
-def cache_folder() -> Path | None:
-    """Where the cache is: ``$ORUSD_CACHE``, else below ``$XDG_CACHE_HOME`` or ``~/.cache``.
-
-    None where it is switched off, or where there is no home.
-    """
-    given = os.environ.get(VARIABLE)
-    if given is not None:
-        return None if given.lower() in _OFF else Path(given) / "textures"
-    base = os.environ.get("XDG_CACHE_HOME")
-    try:
-        home = Path(base) if base else Path.home() / ".cache"
-    except RuntimeError:
-        return None
-    return home / "openrooms_usd" / "textures"
-
-
 def cached(material: Material, folder: Path, stem: str) -> list[Path]:
     """Have the maps of a material that renderers need in a folder, made only where they must be.
 
@@ -108,7 +90,7 @@ def cached(material: Material, folder: Path, stem: str) -> list[Path]:
     """
     maps = rendered_maps(material.name)
     files = [map_file(folder, stem, item) for item in maps]
-    place = cache_folder()
+    place = cache_folder(_FOLDER)
     entry = place / material.entry if place else None
     if entry and _taken(entry, maps, files):
         return files

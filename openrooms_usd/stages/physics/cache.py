@@ -19,13 +19,11 @@ from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.description.physics import Shapes as Method
 from openrooms_usd.errors import OutputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.library.textures.cache import cache_folder
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.decomposition import ConvexShape, Shapes, collision_shapes
+from openrooms_usd.usercache import cache_folder
 
 _FOLDER: Final = "shapes"
-# Says where caches are; no shape hangs on the textures that it makes.
-_TEXTURES: Final = ("openrooms_usd.library.textures.cache",)
 
 
 def cached_shapes(parts: Sequence[Part], method: Method, tolerance: float) -> Shapes:
@@ -59,16 +57,14 @@ def is_missing(parts: Sequence[Part], method: Method, tolerance: float) -> bool:
 
 
 def _entry(parts: Sequence[Part], method: Method, tolerance: float) -> Path | None:
-    textures = cache_folder()
-    if textures is None:
-        return None
-    return textures.with_name(_FOLDER) / f"{_digest(parts, method, tolerance)}.npz"
+    folder = cache_folder(_FOLDER)
+    return folder / f"{_digest(parts, method, tolerance)}.npz" if folder else None
 
 
 def _digest(parts: Sequence[Part], method: Method, tolerance: float) -> str:
     # What other code or other libraries have made is never taken.
-    makers = code_digest(__name__, leaves=_TEXTURES)
-    libraries = library_versions(__name__, leaves=_TEXTURES)
+    makers = code_digest(__name__)
+    libraries = library_versions(__name__)
     found = hashlib.sha256(json.dumps([makers, libraries, method, tolerance]).encode())
     contacts = list(dict.fromkeys(part.contact for part in parts))
     for part in parts:
