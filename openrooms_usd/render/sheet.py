@@ -17,6 +17,8 @@ MAIN: Final = (
 )  # fmt: skip
 MOST_VIEWS: Final = 32
 _TILE_WIDTH: Final = 256
+# Of the small letters above a tile.
+_MAX_LETTERS: Final = 44
 _LINE, _LEADING = 14, 6
 _GAP_PIXELS: Final = 6
 _PAPER: Final = round(255 * 0.11)
@@ -34,9 +36,14 @@ def tiles(view: str, previews: Mapping[str, Preview]) -> list[Tile]:
         previews: By channel name.
     """
     return [
-        (f"{view}  {name}\n{previews[name].shows}", _reduced(previews[name].pixels))
+        (f"{view}  {name}\n{_short(previews[name].shows)}", _reduced(previews[name].pixels))
         for name in chosen(previews)
     ]
+
+
+def _short(text: str) -> str:
+    """What fits above a tile; the manifest has all of it."""
+    return text if len(text) <= _MAX_LETTERS else f"{text[: _MAX_LETTERS - 3]}..."
 
 
 def chosen(channels: Iterable[str]) -> list[str]:
