@@ -80,7 +80,7 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--folder", type=Path, default=Path("out/gallery"))
     parser.add_argument("--target", type=Path, default=Path("docs/gallery"))
     parser.add_argument("--resolution", default=f"{WIDTH}x{HEIGHT}")
-    parser.add_argument("--spp", type=int, default=128)
+    parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--only", nargs="*", help="names such as kitchen_industrial")
     options = parser.parse_args(words)
     options.target.mkdir(parents=True, exist_ok=True)
