@@ -9,6 +9,8 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Final, Literal
 
+from openrooms_usd import names
+
 Kind = Literal["light", "geometry", "material", "label", "derived"]
 Scope = Literal["view", "light", "grid"]
 
@@ -128,6 +130,10 @@ CHANNELS: Final[dict[str, Channel]] = {
                 "1 where the first hit emits light, else 0"),
         _ids("semantic", "OpenRooms' 45 classes by number; 0 unlabelled or no surface"),
         _ids("semantic_nyu40", "NYU Depth V2's 40 classes by number; 0 unlabelled or no surface"),
+        _ids("semantic_ade20k", "the 150 classes of ADE20K's scene parsing benchmark by number; 0 "
+             "other or no surface"),
+        _ids("semantic_coco", "COCO's 80 things by the numbers of its annotations, 1 to 90; 0 none "
+             "of them or no surface"),
         _ids("instance", "object number, names in the manifest; 0 without surface"),
         _ids("part", "part number, names in the manifest; 0 without surface"),
         _ids("material", "material number, names in the manifest; 0 without surface or material"),
@@ -152,6 +158,14 @@ DEFAULT: Final = tuple(name for name in RENDERED if not CHANNELS[name].extra)
 WRITTEN: Final = (*DEFAULT, "friction")
 """The channels that a run writes unless told otherwise, where the renderer gives all of its own."""
 
+
+CLASS_CHANNELS: Final = {
+    names.OPENROOMS45: "semantic",
+    names.NYU40: "semantic_nyu40",
+    names.ADE20K: "semantic_ade20k",
+    names.COCO: "semantic_coco",
+}
+"""The channel that holds the classes of a taxonomy."""
 
 _NUMBERED: Final = re.compile(r"(?P<base>[a-z_]+)_(?P<light>[0-9]+)")
 

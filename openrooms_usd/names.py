@@ -70,6 +70,8 @@ CREATOR: Final = "openrooms_usd"
 CATEGORY: Final = "category"  # our own category names
 OPENROOMS45: Final = "openrooms45"  # the 45 classes of the released dataset
 NYU40: Final = "nyu40"  # the 40 classes of NYU Depth V2
+ADE20K: Final = "ade20k"  # the 150 classes of ADE20K's scene parsing benchmark
+COCO: Final = "coco"  # the 80 things of COCO
 CAPTURED: Final = "captured"  # the source's own word for what was captured
 PART: Final = "part"  # semantic parts, named as PartNet does
 

@@ -19,13 +19,12 @@ from openrooms_usd.categories.record import (
 from openrooms_usd.categories.schemes import LAMPS, SOCKETED, STORAGE, Scheme
 
 _ANYWHERE: Final = Without("nobody knows what carries it before it is seen")
-_AS_SPELT: Final = Without("the class lists have it in its own spelling, or not at all")
 
 
-def _other(**said: Any) -> Category:
+def _other(classes: Classes, **said: Any) -> Category:
     """A category of which the library knows no more than is said."""
     unsaid: dict[str, Any] = {
-        "support": _ANYWHERE, "also": (), "fixed": False, "words": NO_WORDS, "classes": _AS_SPELT,
+        "support": _ANYWHERE, "also": (), "fixed": False, "words": NO_WORDS, "classes": classes,
         "synsets": NO_SYNSET, "schemes": BY_PARTS, "makes": NO_ROWS, "hinges": PLAIN_HINGES,
         "yields": RIGID,
     }  # fmt: skip
@@ -33,42 +32,47 @@ def _other(**said: Any) -> Category:
 
 
 OTHERS: Final[dict[str, Category]] = {
-    "beam": _other(fixed=True, classes=Classes("ceiling", "otherstructure")),
+    "beam": _other(fixed=True, classes=Classes("ceiling", "otherstructure", "ceiling", UNLABELED)),
     "bicycle": _other(
-        classes=Classes("bike", "otherprop"),
+        classes=Classes("bike", "otherprop", "bicycle", "bicycle"),
         synsets=("02834778",),
         makes=(makes.row(ANY, makes.walls(1.0), "sheet", "metal", "paint"),),
     ),
     "blinds": _other(
+        classes=Classes("curtain", "blinds", "blind", UNLABELED),
         support="wall",
         fixed=True,
         makes=(makes.row("slat", makes.filled(400), "common"),),
     ),
     "ceiling": _other(
         fixed=True,
-        classes=Classes("ceiling", "ceiling"),
+        classes=Classes("ceiling", "ceiling", "ceiling", UNLABELED),
     ),
     "ceiling_fan": _other(
+        classes=Classes(UNLABELED, "otherprop", "fan", UNLABELED),
         support="ceiling",
     ),
-    "ceiling_grid": _other(fixed=True, classes=Classes("ceiling", "ceiling")),
+    "ceiling_grid": _other(fixed=True, classes=Classes("ceiling", "ceiling", "ceiling", UNLABELED)),
     "chandelier": _other(
+        classes=Classes("lamp", "otherstructure", "chandelier", UNLABELED),
         support="ceiling",
     ),
-    "cladding": _other(fixed=True, classes=Classes("wall", "wall")),
+    "cladding": _other(fixed=True, classes=Classes("wall", "wall", "wall", UNLABELED)),
     "column": _other(
+        classes=Classes(UNLABELED, "otherstructure", "column", UNLABELED),
         fixed=True,
     ),
-    "cornice": _other(fixed=True, classes=Classes("wall", "otherstructure")),
+    "cornice": _other(fixed=True, classes=Classes("wall", "otherstructure", "wall", UNLABELED)),
     "floor": _other(
         fixed=True,
-        classes=Classes("floor", "floor"),
+        classes=Classes("floor", "floor", "floor", UNLABELED),
     ),
     "floor_mat": _other(
+        classes=Classes(UNLABELED, "floor_mat", "rug", UNLABELED),
         makes=(makes.row(ANY, makes.filled(220), "common"),),
     ),
     "lamp": _other(
-        classes=Classes("lamp", "lamp"),
+        classes=Classes("lamp", "lamp", "lamp", UNLABELED),
         schemes=(
             *LAMPS,
             *SOCKETED,
@@ -77,36 +81,41 @@ OTHERS: Final[dict[str, Category]] = {
     ),
     "opening": _other(
         fixed=True,
-        classes=Classes(UNLABELED, "otherstructure"),
+        classes=Classes(UNLABELED, "otherstructure", UNLABELED, UNLABELED),
         schemes=(Scheme({ANY: "white", "threshold": "wood"}),),
     ),
     "pendant_lamp": _other(
+        classes=Classes("lamp", "lamp", "chandelier", UNLABELED),
         support="ceiling",
     ),
-    "picture_rail": _other(fixed=True, classes=Classes("wall", "otherstructure")),
+    "picture_rail": _other(
+        fixed=True, classes=Classes("wall", "otherstructure", "wall", UNLABELED)
+    ),
     "shelf": _other(
-        classes=Classes("bookshelf", "shelves"),
+        classes=Classes("bookshelf", "shelves", "shelf", UNLABELED),
         schemes=STORAGE,
         makes=makes.STORAGE,
     ),
     "shower_curtain": _other(
+        classes=Classes("curtain", "shower_curtain", "curtain", UNLABELED),
         fixed=True,
         makes=(
             makes.row("sheer", makes.filled(60), "common"),
             makes.row(f"curtain cord {ANY}", makes.filled(80), "common", "fabric"),
         ),
     ),
-    "skirting": _other(fixed=True, classes=Classes("wall", "otherstructure")),
+    "skirting": _other(fixed=True, classes=Classes("wall", "otherstructure", "wall", UNLABELED)),
     "storage": _other(
-        classes=Classes("cabinet", "cabinet"),
+        classes=Classes("cabinet", "cabinet", "cabinet", UNLABELED),
         makes=makes.STORAGE,
     ),
-    "wainscot": _other(fixed=True, classes=Classes("wall", "wall")),
+    "wainscot": _other(fixed=True, classes=Classes("wall", "wall", "wall", UNLABELED)),
     "wall": _other(
         fixed=True,
-        classes=Classes("wall", "wall"),
+        classes=Classes("wall", "wall", "wall", UNLABELED),
     ),
     "wall_shelf": _other(
+        classes=Classes("bookshelf", "shelves", "shelf", UNLABELED),
         support="wall",
     ),
 }

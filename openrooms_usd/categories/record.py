@@ -25,10 +25,12 @@ def given(said: _T | Without, usual: _T) -> _T:
 
 
 class Classes(NamedTuple):
-    """What a category is in the class lists of others."""
+    """What a category is in the class lists of others; ``UNLABELED`` where one has none for it."""
 
     openrooms45: str
     nyu40: str
+    ade20k: str
+    coco: str
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Category:
         fixed: Whether it is built in, plumbed in, or part of the building, wherever it stands.
         words: Other words for it in captures, in plain form and apart by blanks: of RoomPlan, NYU40
             and SUN RGB-D, ScanNet's raw names, ShapeNet's synsets.
-        classes: Its class in the lists of OpenRooms and of NYU Depth V2.
+        classes: Its class in the lists of OpenRooms, NYU Depth V2, ADE20K and COCO.
         synsets: WordNet 3.0 offsets of the synsets that ShapeNetCore files it under.
         schemes: Which finishes its parts usually have, one of which is drawn.
         makes: How its parts are made; the first row that fits counts.
@@ -71,7 +73,7 @@ class Category:
     also: tuple[Support, ...]
     fixed: bool
     words: str | Without
-    classes: Classes | Without
+    classes: Classes
     synsets: tuple[str, ...] | Without
     schemes: tuple[Scheme, ...] | Without
     makes: tuple[Row, ...] | Without

@@ -13,7 +13,8 @@ from openrooms_usd.cli.console import echo, json_option, print_json
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
 @click.option("--format", "form", type=click.Choice(["coco", "boxes"]), default="coco",
               show_default=True)  # fmt: skip
-@click.option("--taxonomy", type=click.Choice(["category", "openrooms45", "nyu40"]),
+@click.option("--classes", "--taxonomy", "taxonomy",
+              type=click.Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
               default="category", show_default=True, help="Whose classes, for coco.")  # fmt: skip
 @click.option("--stage", type=click.Path(path_type=Path), help="What was rendered, for boxes.")
 @json_option
@@ -27,7 +28,8 @@ def annotate(
 ) -> None:
     """Write what is seen in a finished RENDER: COCO masks and boxes, or boxes in 2D and 3D.
 
-    The render needs the channel instance, and semantic or semantic_nyu40 for those classes.
+    The render needs the channel instance, and semantic, semantic_nyu40, semantic_ade20k or
+    semantic_coco for those classes.
     """
     from openrooms_usd.render.annotating import annotate as write
 

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
 from openrooms_usd.categories.record import UNLABELED
+from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.render.manifest_schema import AGAIN
@@ -19,13 +20,6 @@ from openrooms_usd.version import __version__
 
 Plain = dict[str, Any]
 
-# The channel that gives the classes of a taxonomy; our own categories are in the legend.
-CHANNELS: Final[dict[str, str | None]] = {
-    names.CATEGORY: None,
-    names.OPENROOMS45: "semantic",
-    names.NYU40: "semantic_nyu40",
-}
-
 
 def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
     """The visible objects of a render, in COCO's form.
@@ -35,7 +29,7 @@ def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
 
     Args:
         folder: What `orusd render` wrote.
-        taxonomy: Whose classes: ``category``, ``openrooms45`` or ``nyu40``.
+        taxonomy: Whose classes: ``category`` for our own, or a key of `CLASS_CHANNELS`.
 
     Returns:
         Plain data: info, images, categories, annotations.
@@ -43,7 +37,7 @@ def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
     Raises:
         InputError: It is no render, or lacks the channels that this needs.
     """
-    channel = CHANNELS[taxonomy]
+    channel = CLASS_CHANNELS.get(taxonomy)  # our own categories are in the legend
     render = read_render(folder, ("instance", *([channel] if channel else [])))
     numbers = _class_numbers(render, taxonomy)
     images: list[Plain] = []
@@ -92,7 +86,7 @@ def masks(render: RenderedScene, view: RenderedView) -> Iterator[tuple[int, NDAr
 def _class_numbers(render: RenderedScene, taxonomy: str) -> dict[str, int]:
     """The number of every class; in our own taxonomy, words that are not ours come last."""
     if taxonomy in TAXONOMIES:
-        return {c: n for n, c in enumerate(TAXONOMIES[taxonomy]) if c != UNLABELED}
+        return {c: n for n, c in TAXONOMIES[taxonomy].items() if c != UNLABELED}
     others = sorted(set(render.legend("category").values()) - set(classes()))
     return {c: n for n, c in enumerate([*classes(), *others], start=1)}
 

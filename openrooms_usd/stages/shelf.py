@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.categories.record import UNLABELED, given
 from openrooms_usd.categories.registry import records
-from openrooms_usd.categories.words import category_of, named_in, plain
+from openrooms_usd.categories.words import category_of, library_words, named_in, plain
 from openrooms_usd.description.alignment import FileObject, ScanAlignment
 from openrooms_usd.description.scanned import ScannedObject
 from openrooms_usd.library.assets import Asset, Model
@@ -162,7 +162,7 @@ def _kind(cad: Cad, folder: Path) -> str:
     Where neither the index nor its folder has such a word, the folders above may, also as ShapeNet
     numbers them, and then the file's own name.
     """
-    if cad.file is None or cad.category in classes():
+    if cad.file is None or (cad.category in classes() and cad.category not in library_words()):
         return cad.category
     above = reversed(cad.file.relative_to(folder).parts[:-1])
     said = (_synsets().get(word) or category_of(word, 0.0) for word in (cad.category, *above))

@@ -17,7 +17,7 @@ from openrooms_usd.render.coco import coco
 from openrooms_usd.usd.semantics import label
 
 WIDTH, HEIGHT = 96, 72
-CHANNELS = ["instance", "semantic", "semantic_nyu40"]
+CHANNELS = ["instance", "semantic", "semantic_nyu40", "semantic_ade20k", "semantic_coco"]
 
 
 def _box(stage: Usd.Stage, path: str, size: tuple[float, float, float]) -> UsdGeom.Mesh:
@@ -120,16 +120,26 @@ def test_masks_areas_and_boxes_are_those_of_the_instance_channel(shots: Path) ->
     assert len({row["id"] for row in found["annotations"]}) == len(found["annotations"])
 
 
-def test_classes_of_another_taxonomy_are_those_of_its_channel(shots: Path) -> None:
-    found = coco(shots, "nyu40")
-    assert [row["id"] for row in found["categories"]] == list(range(1, 41))
+# Numbers of the classes that a list has, and of those of them that are seen, by their things.
+LISTS = {
+    "nyu40": (set(range(1, 41)), {"near": 5, "far": 40, "through": 1}),
+    "ade20k": (set(range(1, 151)), {"near": 31, "far": 29, "through": 1}),
+    "coco": (set(range(1, 91)) - {12, 26, 29, 30, 45, 66, 68, 69, 71, 83}, {"near": 62}),
+}
+
+
+@pytest.mark.parametrize("taxonomy", LISTS)
+def test_classes_of_another_taxonomy_are_those_of_its_channel(shots: Path, taxonomy: str) -> None:
+    found = coco(shots, taxonomy)
+    numbers, seen = LISTS[taxonomy]
+    assert {row["id"] for row in found["categories"]} == numbers
     names = {image["id"]: image["file_name"].split("/")[0] for image in found["images"]}
     for row in found["annotations"]:
         view = names[row["image_id"]]
         here = _ids(shots, view) == row["instance"]
-        assert set(_ids(shots, view, "semantic_nyu40")[here]) == {row["category_id"]}
+        assert set(_ids(shots, view, f"semantic_{taxonomy}")[here]) == {row["category_id"]}
     by_prim = {row["prim"]: row["category_id"] for row in found["annotations"]}
-    assert by_prim == {"/World/near": 5, "/World/far": 40, "/World/through": 1}
+    assert by_prim == {f"/World/{name}": number for name, number in seen.items()}
 
 
 def test_projected_corners_enclose_the_masks(shots: Path, scene: Path) -> None:
@@ -196,7 +206,7 @@ def test_a_wall_without_a_frame_of_its_own_has_the_box_that_fits(degrees: float)
 
 
 def test_the_command_writes_the_same_bytes_again(shots: Path, scene: Path, tmp_path: Path) -> None:
-    for options in ([], ["--taxonomy", "nyu40"], ["--format", "boxes", "--stage", str(scene)]):
+    for options in ([], ["--classes", "ade20k"], ["--format", "boxes", "--stage", str(scene)]):
         for name in ("a.json", "b.json"):
             run = CliRunner().invoke(annotate, [str(shots), "-o", str(tmp_path / name), *options])
             assert run.exit_code == 0, run.output

@@ -11,6 +11,7 @@ from openrooms_usd import names
 from openrooms_usd.description.categories import LibraryCategory
 from openrooms_usd.usd.semantics import label, read_label, read_number
 from openrooms_usd.usd.taxonomies import (
+    COCO,
     NYU40,
     OPENROOMS45,
     TAXONOMIES,
@@ -28,12 +29,42 @@ SCANNET20 = {
     39: "otherfurniture",
 }  # fmt: skip
 
+# Every tenth row of ADE20K's objectInfo150, and all rows that share a word with another.
+OBJECT_INFO_150 = {
+    1: "wall", 4: "floor", 6: "ceiling", 9: "windowpane", 10: "grass", 15: "door", 20: "chair",
+    30: "field", 31: "armchair", 32: "seat", 40: "cushion", 41: "base", 45: "chest_of_drawers",
+    46: "counter", 50: "fireplace", 54: "stairs", 58: "pillow", 59: "screen_door", 60: "stairway",
+    64: "blind", 65: "coffee_table", 70: "bench", 71: "countertop", 80: "hovel", 83: "light",
+    90: "television_receiver", 100: "buffet", 110: "swimming_pool", 120: "ball", 122: "step",
+    126: "pot", 130: "dishwasher", 131: "screen", 140: "fan", 142: "crt_screen", 144: "monitor",
+    150: "flag",
+}  # fmt: skip
+
+# The end of COCO's list, where rooms are, and the numbers that it skips.
+COCO_FROM_60 = {
+    60: "donut", 61: "cake", 62: "chair", 63: "couch", 64: "potted_plant", 65: "bed",
+    67: "dining_table", 70: "toilet", 72: "tv", 73: "laptop", 74: "mouse", 75: "remote",
+    76: "keyboard", 77: "cell_phone", 78: "microwave", 79: "oven", 80: "toaster", 81: "sink",
+    82: "refrigerator", 84: "book", 85: "clock", 86: "vase", 87: "scissors", 88: "teddy_bear",
+    89: "hair_drier", 90: "toothbrush",
+}  # fmt: skip
+COCO_NEVER_USED = {12, 26, 29, 30, 45, 66, 68, 69, 71, 83}
+
 
 def test_the_lists_have_the_published_length_and_no_name_twice() -> None:
-    assert (len(NYU40), len(OPENROOMS45)) == (41, 46)
+    lengths = {names.OPENROOMS45: 45, names.NYU40: 40, names.ADE20K: 150, names.COCO: 80}
+    assert {taxonomy: len(listed) - 1 for taxonomy, listed in TAXONOMIES.items()} == lengths
     for listed in TAXONOMIES.values():
-        assert len(set(listed)) == len(listed)
+        assert len(set(listed.values())) == len(listed)
         assert listed[0] == UNLABELED
+
+
+def test_numbers_of_ade20k_and_coco_are_the_published_ones() -> None:
+    assert {number: TAXONOMIES[names.ADE20K][number] for number in OBJECT_INFO_150} == (
+        OBJECT_INFO_150
+    )
+    assert {n: c for n, c in COCO.items() if n >= 60} == COCO_FROM_60
+    assert set(range(91)) - set(COCO) == COCO_NEVER_USED
 
 
 def test_nyu40_numbers_are_those_of_the_benchmarks() -> None:
@@ -54,12 +85,28 @@ def test_every_category_has_a_row_and_every_row_names_classes_that_exist() -> No
     assert list(classes()) == sorted(classes())
     for row in classes().values():
         for taxonomy, name in row._asdict().items():
-            assert name in TAXONOMIES[taxonomy]
+            assert name in TAXONOMIES[taxonomy].values()
+
+
+# Some of each list: what rooms are made of, what has a word of its own, and what has none.
+MEANT = {
+    "skirting": ("wall", UNLABELED), "window": ("windowpane", UNLABELED),
+    "floor": ("floor", UNLABELED), "ceiling": ("ceiling", UNLABELED), "door": ("door", UNLABELED),
+    "sofa": ("sofa", "couch"), "television": ("television_receiver", "tv"),
+    "office_chair": ("swivel_chair", "chair"), "worktop": ("countertop", UNLABELED),
+    "plant_pot": ("plant", "potted_plant"), "trash_bin": ("ashcan", UNLABELED),
+    "mug": (UNLABELED, "cup"), "blinds": ("blind", UNLABELED), "cable": (UNLABELED, UNLABELED),
+}  # fmt: skip
+
+
+def test_what_things_are_in_ade20k_and_coco() -> None:
+    row = {name: (classes()[name].ade20k, classes()[name].coco) for name in MEANT}
+    assert row == MEANT
 
 
 @pytest.mark.parametrize("taxonomy", TAXONOMIES)
 def test_a_class_of_our_own_name_is_that_class(taxonomy: str) -> None:
-    same = set(classes()) & set(TAXONOMIES[taxonomy])
+    same = set(classes()) & set(TAXONOMIES[taxonomy].values())
     assert {name: class_of(name, taxonomy) for name in same} == {name: name for name in same}
 
 
@@ -75,9 +122,11 @@ def test_a_prim_is_labelled_in_every_taxonomy() -> None:
     shade = UsdGeom.Mesh.Define(stage, "/lamp/shade").GetPrim()
     label(lamp, "floor_lamp")
     assert stage.GetPrimAtPath("/lamp").GetAttribute("semantics:labels:nyu40").Get()[0] == "lamp"
-    for taxonomy, number in ((names.NYU40, 35), (names.OPENROOMS45, 32)):
+    numbers = {names.NYU40: 35, names.OPENROOMS45: 32, names.ADE20K: 37}
+    for taxonomy, number in numbers.items():
         assert read_label(shade, taxonomy) == "lamp"
         assert read_number(shade, taxonomy) == number
+    assert read_label(shade, names.COCO) == UNLABELED
 
 
 def test_what_a_label_says_counts_more_than_the_table() -> None:

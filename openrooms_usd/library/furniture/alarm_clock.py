@@ -106,7 +106,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="clock_radio digital_clock desk_clock",
-    classes=Classes("clock", "otherprop"),
+    classes=Classes("clock", "otherprop", "clock", "clock"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: METAL, "face": "white_paper", "number": "print", "hand": "black"}),

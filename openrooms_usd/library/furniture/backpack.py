@@ -74,7 +74,7 @@ CATEGORY: Final = BuiltCategory(
     ),
     fixed=False,
     words="rucksack knapsack schoolbag school_bag",
-    classes=Classes("bag", "bag"),
+    classes=Classes("bag", "bag", "bag", "backpack"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "bag_cloth", "lock": "chrome"}, weight=2.0),

@@ -6,7 +6,14 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes, Without
+from openrooms_usd.categories.record import (
+    NO_SYNSET,
+    PLAIN_HINGES,
+    RIGID,
+    UNLABELED,
+    Classes,
+    Without,
+)
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import (
     NEVER_WEIGHED,
@@ -41,7 +48,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words=Without("captures call it a part of the wall"),
-    classes=Classes("wall", "wall"),
+    classes=Classes("wall", "wall", "wall", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "wall_tiles"}, weight=4.0),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -178,7 +178,7 @@ CATEGORY: Final = BuiltCategory(
     fixed=False,
     words="laundry_basket hamper laundry_hamper storage_basket clothes_basket clothes_hamper "
     "storage_bin plastic_bin laundry_bin",
-    classes=Classes("basket", "otherprop"),
+    classes=Classes("basket", "otherprop", "basket", UNLABELED),
     synsets=("02801938",),
     schemes=(
         Scheme({ANY: "rope", "handle": "rope"}),

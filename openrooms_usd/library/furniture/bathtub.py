@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
@@ -140,7 +140,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="tub bath bathing_tub bath_tub jacuzzi",
-    classes=Classes("bathtub", "bathtub"),
+    classes=Classes("bathtub", "bathtub", "bathtub", UNLABELED),
     synsets=("02808440",),
     schemes=(Scheme({ANY: "sanitary", "leg": METAL}),),
     # Acrylic.

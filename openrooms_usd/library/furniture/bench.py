@@ -173,7 +173,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="piano_bench",
-    classes=Classes("bench", "otherfurniture"),
+    classes=Classes("bench", "otherfurniture", "bench", "bench"),
     synsets=("02828884",),
     schemes=(
         *CHAIRS,

@@ -84,7 +84,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="binders folder folders ring_binder file_folder",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

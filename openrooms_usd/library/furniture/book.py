@@ -101,7 +101,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="books notebooks textbook",
-    classes=Classes(UNLABELED, "books"),
+    classes=Classes(UNLABELED, "books", "book", "book"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

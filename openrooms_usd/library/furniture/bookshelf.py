@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly
@@ -144,7 +144,7 @@ CATEGORY: Final = BuiltCategory(
     fixed=False,
     words="bookcase bookshelves book_shelf shelf shelves shelving book_rack kitchen_rack "
     "magazine_rack storage_rack shelve",
-    classes=Classes("bookshelf", "bookshelf"),
+    classes=Classes("bookshelf", "bookshelf", "bookcase", UNLABELED),
     synsets=("02871439",),
     schemes=STORAGE,
     makes=makes.STORAGE,

@@ -40,7 +40,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="water_bottle bottles",
-    classes=Classes("bottle", "otherprop"),
+    classes=Classes("bottle", "otherprop", "bottle", "bottle"),
     synsets=("02876657",),
     schemes=(
         Scheme({ANY: "aluminium", "lid": "black_plastic", "handle": "black_plastic"}),

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -41,7 +41,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="bowls",
-    classes=Classes("bowl", "otherprop"),
+    classes=Classes("bowl", "otherprop", UNLABELED, "bowl"),
     synsets=("02880940",),
     schemes=(
         Scheme({ANY: "glaze"}, weight=3.0),

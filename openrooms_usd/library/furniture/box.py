@@ -52,7 +52,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="cardboard_box boxes crate carton storage_box storage_container",
-    classes=Classes(UNLABELED, "box"),
+    classes=Classes(UNLABELED, "box", "box", UNLABELED),
     synsets=NO_SYNSET,
     schemes=BY_PARTS,
     # A carton with light things in it.

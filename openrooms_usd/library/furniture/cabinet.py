@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -145,7 +145,7 @@ CATEGORY: Final = BuiltCategory(
     words="storage storage_cabinet cupboard sideboard credenza tv_stand tv_cabinet "
     "entertainment_center shoe_cabinet locker built_in_cabinet buffet console "
     "media_console sink_cabinet tv_bench tv_unit vanity",
-    classes=Classes("cabinet", "cabinet"),
+    classes=Classes("cabinet", "cabinet", "cabinet", UNLABELED),
     synsets=("02933112",),
     schemes=STORAGE,
     makes=makes.STORAGE,

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import lathe
@@ -77,7 +77,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="cans tin soda_can beer_can soup_can coke_can",
-    classes=Classes("can", "otherprop"),
+    classes=Classes("can", "otherprop", UNLABELED, UNLABELED),
     synsets=("02946921",),
     schemes=(Scheme({ANY: "package", "container": "can_metal", "field": "package_field"}),),
     makes=(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import LAMPS, SOCKETED, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -220,7 +220,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="pendant_lamp chandelier ceiling_light hanging_lamp",
-    classes=Classes("lamp", "lamp"),
+    classes=Classes("lamp", "lamp", "chandelier", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         *LAMPS,

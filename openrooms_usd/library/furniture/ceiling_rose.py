@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.library.furniture.built import (
@@ -65,7 +65,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="ceiling_medallion ceiling_rosette",
-    classes=Classes("ceiling", "otherstructure"),
+    classes=Classes("ceiling", "otherstructure", "ceiling", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(Scheme({ANY: "white"}),),
     makes=(makes.row(ANY, makes.filled(900), "common"),),

@@ -188,7 +188,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="wall_clock",
-    classes=Classes("clock", "otherprop"),
+    classes=Classes("clock", "otherprop", "clock", "clock"),
     synsets=("03046257",),
     schemes=(
         Scheme({ANY: "black", "frame": "wood"}),

@@ -50,7 +50,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="coasters",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(Scheme({ANY: "cork"}), Scheme({ANY: "wood"}), Scheme({ANY: "stone"}, weight=0.7)),
     makes=(

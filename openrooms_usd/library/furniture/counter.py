@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -44,7 +44,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="kitchen_counter countertop kitchen_island bar_counter bar counter_top island",
-    classes=Classes("counter", "counter"),
+    classes=Classes("counter", "counter", "counter", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "white", "countertop": "wood", "base": "black"}, weight=2.0),

@@ -68,7 +68,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="baby_bed baby_crib cot cradle bassinet infant_bed",
-    classes=Classes("bed", "bed"),
+    classes=Classes("bed", "bed", "cradle", "bed"),
     synsets=NO_SYNSET,
     schemes=(Scheme({ANY: "wood", "slat": "wood"}, weight=2.0), Scheme({ANY: "white"})),
     makes=(

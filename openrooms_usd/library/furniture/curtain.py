@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, UNLABELED, Classes
 from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.geometry.cloth import folded
 from openrooms_usd.geometry.curves import filleted
@@ -231,7 +231,7 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="curtains shower_curtain blinds drapes drapery blind "
     "roller_blind window_blind window_shade",
-    classes=Classes("curtain", "curtain"),
+    classes=Classes("curtain", "curtain", "curtain", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -262,7 +262,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="writing_desk office_desk computer_desk workbench dressing_table workstation",
-    classes=Classes("desk", "desk"),
+    classes=Classes("desk", "desk", "desk", UNLABELED),
     synsets=NO_SYNSET,
     schemes=TABLES,
     makes=(

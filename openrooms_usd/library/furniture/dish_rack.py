@@ -64,7 +64,7 @@ CATEGORY: Final = BuiltCategory(
     ),
     fixed=False,
     words="dishrack dish_drainer drying_rack_for_dishes plate_rack",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "chrome", "tray": "plastic"}),

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import RIGID, Classes, Losses
+from openrooms_usd.categories.record import RIGID, UNLABELED, Classes, Losses
 from openrooms_usd.categories.schemes import PANELLED, Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -37,7 +37,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="dish_washer",
-    classes=Classes("dishwasher", "otherstructure"),
+    classes=Classes("dishwasher", "otherstructure", "dishwasher", UNLABELED),
     synsets=("03207941",),
     schemes=(
         Scheme({ANY: "enamel", "container": "steel", "handle": "steel"}),

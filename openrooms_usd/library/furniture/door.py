@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, UNLABELED, Classes, Losses
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry import leaves
 from openrooms_usd.geometry.doors import door
@@ -70,7 +70,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="doors doorway",
-    classes=Classes("door", "door"),
+    classes=Classes("door", "door", "door", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "white", "threshold": "wood"}, weight=2.0),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.geometry.lofts import ring, rounded_rectangle
 from openrooms_usd.geometry.sweeps import tube
@@ -134,7 +134,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="chest_of_drawers commode drawers drawer bureau",
-    classes=Classes("cabinet", "dresser"),
+    classes=Classes("cabinet", "dresser", "chest_of_drawers", UNLABELED),
     synsets=NO_SYNSET,
     schemes=STORAGE,
     makes=makes.STORAGE,

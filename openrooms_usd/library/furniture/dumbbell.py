@@ -78,7 +78,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="dumbbells weights free_weights kettlebell",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "tyre", "handle": "chrome"}),

@@ -84,7 +84,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="stand_fan pedestal_fan floor_fan electric_fan table_fan desk_fan",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", "fan", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "plastic", "cage": "chrome", "pole": "chrome"}),

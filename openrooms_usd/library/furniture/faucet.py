@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import DARK_TAP, METAL, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -153,7 +153,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="tap spigot water_faucet",
-    classes=Classes("faucet", "otherprop"),
+    classes=Classes("faucet", "otherprop", UNLABELED, UNLABELED),
     synsets=("03325088",),
     schemes=(
         Scheme({ANY: "chrome", "switch": "chrome"}, weight=2.0),

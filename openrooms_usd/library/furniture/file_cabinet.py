@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.library.furniture.built import (
@@ -131,7 +131,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="filing_cabinet file_cabinets",
-    classes=Classes("file_cabinet", "cabinet"),
+    classes=Classes("file_cabinet", "cabinet", "cabinet", UNLABELED),
     synsets=("03337140",),
     schemes=(
         Scheme({ANY: "grey", "handle": "chrome"}, weight=2.0),

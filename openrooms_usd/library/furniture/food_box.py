@@ -121,7 +121,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="cereal_box cereal milk_carton food_package packet groceries tea_box",
-    classes=Classes(UNLABELED, "box"),
+    classes=Classes(UNLABELED, "box", "box", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

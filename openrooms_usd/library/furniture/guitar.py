@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
@@ -105,7 +105,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="acoustic_guitar electric_guitar bass_guitar ukulele",
-    classes=Classes("guitar", "otherprop"),
+    classes=Classes("guitar", "otherprop", UNLABELED, UNLABELED),
     synsets=("03467517",),
     schemes=(
         Scheme({ANY: "wood", "string": "steel", "peg": "chrome", "rosette": "black", "leg": "black",

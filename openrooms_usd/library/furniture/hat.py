@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder, lathe
@@ -77,7 +77,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="cap baseball_cap hats caps",
-    classes=Classes("cap", "otherprop"),
+    classes=Classes("cap", "otherprop", "apparel", UNLABELED),
     synsets=("02954340",),
     schemes=(
         Scheme({ANY: "coat_cloth"}, weight=2.0),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, UNLABELED, Classes, Losses
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.appliance import dial
 from openrooms_usd.library.furniture.assembly import Assembly
@@ -84,7 +84,7 @@ CATEGORY: Final = BuiltCategory(
     carries=("hob",),
     fixed=True,
     words="cooktop gas_hob induction_hob stovetop",
-    classes=Classes("stove", "otherstructure"),
+    classes=Classes("stove", "otherstructure", "stove", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "steel", "frame": "black"}),

@@ -58,7 +58,7 @@ CATEGORY: Final = BuiltCategory(
     carries=("worktop",),
     fixed=False,
     words="ironing_table iron_board",
-    classes=Classes(UNLABELED, "otherfurniture"),
+    classes=Classes(UNLABELED, "otherfurniture", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "white", "cushion": "throw", "leg": "aluminium"}),

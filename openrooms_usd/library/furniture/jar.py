@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -40,7 +40,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="canister",
-    classes=Classes("jar", "otherprop"),
+    classes=Classes("jar", "otherprop", UNLABELED, UNLABELED),
     synsets=("03593526",),
     schemes=(
         Scheme({ANY: "glaze", "handle": "glaze"}),

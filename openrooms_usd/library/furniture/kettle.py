@@ -85,7 +85,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=0.5,
     fixed=False,
     words="tea_kettle water_kettle electric_kettle teapot",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -37,7 +37,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="computer_keyboard keypad",
-    classes=Classes("computer_keyboard", "otherprop"),
+    classes=Classes("computer_keyboard", "otherprop", UNLABELED, "keyboard"),
     synsets=("03085013",),
     schemes=(
         Scheme({ANY: "black_plastic", "key": "membrane"}, weight=2.0),

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import KITCHEN
 from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, STANDARD, BuiltCategory
 from openrooms_usd.library.furniture.joinery import Style
@@ -32,7 +32,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="kitchen_cabinets kitchen_cupboard overhead_cabinet upper_cabinet wall_cabinet",
-    classes=Classes("cabinet", "cabinet"),
+    classes=Classes("cabinet", "cabinet", "cabinet", UNLABELED),
     synsets=NO_SYNSET,
     schemes=KITCHEN,
     makes=makes.STORAGE,

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.categories import makes
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import KITCHEN
 from openrooms_usd.library.furniture.assembly import Assembly
 from openrooms_usd.library.furniture.built import (
@@ -197,7 +197,7 @@ CATEGORY: Final = BuiltCategory(
     carries=("cupboard", "drawer"),
     fixed=True,
     words="base_cabinet base_unit kitchen_base_cabinet larder_unit tall_unit",
-    classes=Classes("cabinet", "cabinet"),
+    classes=Classes("cabinet", "cabinet", "cabinet", UNLABELED),
     synsets=NO_SYNSET,
     schemes=KITCHEN,
     makes=makes.STORAGE,

@@ -70,7 +70,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="magazines newspaper newspapers brochure",
-    classes=Classes(UNLABELED, "paper"),
+    classes=Classes(UNLABELED, "paper", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -134,7 +134,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=0.4,
     fixed=False,
     words="microwave_oven toaster_oven",
-    classes=Classes("microwave", "otherprop"),
+    classes=Classes("microwave", "otherprop", "microwave", "microwave"),
     synsets=("03761084",),
     schemes=(
         Scheme(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -47,7 +47,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="cell_phone cellphone smartphone cellular_telephone iphone",
-    classes=Classes("telephone", "otherprop"),
+    classes=Classes("telephone", "otherprop", UNLABELED, "cell_phone"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "black_plastic", "lens": "screen"}, weight=2.0),

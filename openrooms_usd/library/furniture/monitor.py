@@ -33,7 +33,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="computer_monitor screen computer_screen display lcd",
-    classes=Classes("monitor", "otherprop"),
+    classes=Classes("monitor", "otherprop", "monitor", "tv"),
     synsets=("03211117",),
     schemes=(
         *SCREENS,

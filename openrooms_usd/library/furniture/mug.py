@@ -123,7 +123,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="cup mugs cups coffee_cup coffee_mug teacup beaker",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, "cup"),
     synsets=("03797390",),
     schemes=(
         Scheme({ANY: "mug_glaze", "drink": "coffee", "handle": "mug_glaze"}),

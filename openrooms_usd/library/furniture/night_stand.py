@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import STORAGE
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -52,7 +52,7 @@ CATEGORY: Final = BuiltCategory(
     carries=("bedside", "drawer", "low_shelf"),
     fixed=False,
     words="nightstand bedside_table night_table bedside_cabinet bedside_chest",
-    classes=Classes("table", "night_stand"),
+    classes=Classes("table", "night_stand", "table", UNLABELED),
     synsets=NO_SYNSET,
     schemes=STORAGE,
     makes=makes.STORAGE,

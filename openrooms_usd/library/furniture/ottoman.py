@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.solids import cushion
@@ -71,7 +71,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="pouffe pouf pouff hassock footstool foot_stool footrest",
-    classes=Classes("chair", "chair"),
+    classes=Classes("chair", "chair", "ottoman", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "upholstery", "leg": "wood"}, weight=3.0),

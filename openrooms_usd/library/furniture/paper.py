@@ -115,7 +115,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="papers envelope envelopes letter letters document documents notepad sheet_of_paper",
-    classes=Classes(UNLABELED, "paper"),
+    classes=Classes(UNLABELED, "paper", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -80,7 +80,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="pencil ballpoint pens pencils marker",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "toy_plastic", "tip": "steel"}),

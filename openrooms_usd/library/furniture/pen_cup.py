@@ -80,7 +80,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="pen_holder pencil_cup pencil_holder",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "glaze", "pen": "toy_plastic", "tip": "cavity"}),

@@ -82,7 +82,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="photo_frames standing_frame framed_photo",
-    classes=Classes(UNLABELED, "picture"),
+    classes=Classes(UNLABELED, "picture", "painting", UNLABELED),
     synsets=NO_SYNSET,
     schemes=tuple(
         Scheme(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box
@@ -125,7 +125,7 @@ CATEGORY: Final = BuiltCategory(
     carries=("cabinet_top",),
     fixed=False,
     words="upright_piano grand_piano digital_piano keyboard_piano spinet",
-    classes=Classes("piano", "otherfurniture"),
+    classes=Classes("piano", "otherfurniture", UNLABELED, UNLABELED),
     synsets=("03928116",),
     schemes=(
         Scheme(

@@ -63,7 +63,7 @@ CATEGORY: Final = BuiltCategory(
     words="painting poster pictures photo picture_frame art artwork bulletin_board calendar "
     "corkboard map notice_board photograph pin_board tapestry wall_art "
     "wall_hanging",
-    classes=Classes(UNLABELED, "picture"),
+    classes=Classes(UNLABELED, "picture", "painting", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "wood", "mat": "white_paper"}, weight=2.0),

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_ROWS, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_ROWS, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.cloth import pillow as filled
 from openrooms_usd.geometry.solids import lathe, sphere
@@ -143,7 +143,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="cushion pillows",
-    classes=Classes("pillow", "pillow"),
+    classes=Classes("pillow", "pillow", "pillow", UNLABELED),
     synsets=("03938244",),
     schemes=(Scheme({ANY: "linen"}),),
     makes=NO_ROWS,

@@ -9,7 +9,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -227,7 +227,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="billiard_table snooker_table",
-    classes=Classes("pool_table", "otherfurniture"),
+    classes=Classes("pool_table", "otherfurniture", "pool_table", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

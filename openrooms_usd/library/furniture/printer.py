@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, cylinder
@@ -296,7 +296,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="copier photocopier copy_machine duplicator",
-    classes=Classes("printer", "otherprop"),
+    classes=Classes("printer", "otherprop", UNLABELED, UNLABELED),
     synsets=("04004475",),
     schemes=(
         Scheme(

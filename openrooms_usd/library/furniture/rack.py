@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import METAL, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
@@ -136,7 +136,7 @@ CATEGORY: Final = BuiltCategory(
     carries=("low_shelf", "clothes_rail"),
     fixed=False,
     words="shoe_rack clothes_rack garment_rack wine_rack clothing_rack drying_rack luggage_rack",
-    classes=Classes("bookshelf", "shelves"),
+    classes=Classes("bookshelf", "shelves", "shelf", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "wood", "bottle": "bottle_glass"}, weight=2.0),

@@ -136,7 +136,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="heater heating_radiator convector_heater",
-    classes=Classes(UNLABELED, "otherstructure"),
+    classes=Classes(UNLABELED, "otherstructure", "radiator", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

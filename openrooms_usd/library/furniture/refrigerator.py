@@ -231,7 +231,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="fridge freezer refridgerator mini_fridge deep_freeze electric_refrigerator icebox",
-    classes=Classes(UNLABELED, "refridgerator"),
+    classes=Classes(UNLABELED, "refridgerator", "refrigerator", "refrigerator"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "enamel", **_COLD, "handle": "steel"}),

@@ -47,7 +47,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="remote tv_remote remotes controller",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, "remote"),
     synsets=("04074963",),
     schemes=(
         Scheme(

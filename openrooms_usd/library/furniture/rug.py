@@ -160,7 +160,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="carpet floor_mat bathmat bath_mat mat door_mat doormat",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", "rug", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

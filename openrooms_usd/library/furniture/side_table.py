@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import TABLES
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -40,7 +40,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="end_table endtable",
-    classes=Classes("table", "table"),
+    classes=Classes("table", "table", "table", UNLABELED),
     synsets=NO_SYNSET,
     schemes=TABLES,
     makes=makes.TABLE,

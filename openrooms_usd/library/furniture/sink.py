@@ -225,7 +225,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="washbasin wash_basin bathroom_sink kitchen_sink basin washstand",
-    classes=Classes(UNLABELED, "sink"),
+    classes=Classes(UNLABELED, "sink", "sink", "sink"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "sanitary", **TAP}),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -218,7 +218,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="loudspeaker speakers subwoofer",
-    classes=Classes("speaker", "otherprop"),
+    classes=Classes("speaker", "otherprop", UNLABELED, UNLABELED),
     synsets=("03691459",),
     schemes=(
         Scheme({ANY: "black", "badge": "steel", "foot": "steel"}),

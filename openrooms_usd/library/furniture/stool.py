@@ -186,7 +186,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="bar_stool barstool",
-    classes=Classes("chair", "otherprop"),
+    classes=Classes("chair", "otherprop", "stool", "chair"),
     synsets=NO_SYNSET,
     schemes=(
         *CHAIRS,

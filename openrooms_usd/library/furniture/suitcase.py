@@ -63,7 +63,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="luggage travel_bag trolley_case baggage carry_on",
-    classes=Classes("bag", "bag"),
+    classes=Classes("bag", "bag", "bag", "suitcase"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
@@ -150,7 +150,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="desk_lamp reading_lamp",
-    classes=Classes("lamp", "lamp"),
+    classes=Classes("lamp", "lamp", "lamp", UNLABELED),
     synsets=("03636649",),
     schemes=(
         *LAMPS,

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import RIGID, Classes, Losses
+from openrooms_usd.categories.record import RIGID, UNLABELED, Classes, Losses
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -191,7 +191,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="phone",
-    classes=Classes("telephone", "otherprop"),
+    classes=Classes("telephone", "otherprop", UNLABELED, UNLABELED),
     synsets=("02992529", "04401088"),
     schemes=(
         Scheme({ANY: "dark_plastic", "button": "pale_plastic"}, weight=2.0),

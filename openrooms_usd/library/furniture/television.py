@@ -44,7 +44,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="tv television_set flat_screen tv_monitor tv_screen",
-    classes=Classes("monitor", "television"),
+    classes=Classes("monitor", "television", "television_receiver", "tv"),
     synsets=NO_SYNSET,
     schemes=(
         *SCREENS,

@@ -178,7 +178,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=0.2,
     fixed=False,
     words=NO_WORDS,
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, "toaster"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -56,7 +56,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="toilet_paper_dispenser toilet_roll_holder paper_holder",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "chrome", "bracket": "chrome", "roll": "white_paper", "sheet": "white_paper"}),

@@ -130,7 +130,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="toys teddy_bear teddy stuffed_animal doll ball toy_car lego plush blocks",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", "plaything", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "toy_plastic", "wheel": "membrane", "window": "cavity"}),

@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import RIGID, Classes, Losses
+from openrooms_usd.categories.record import RIGID, UNLABELED, Classes, Losses
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
@@ -204,7 +204,7 @@ CATEGORY: Final = BuiltCategory(
     fixed=False,
     words="trash_can trashcan garbage_bin garbage_can bin recycling_bin waste_basket "
     "wastebasket ashcan dustbin litter_bin recycle_bin rubbish_bin trash_barrel",
-    classes=Classes("trash_bin", "otherfurniture"),
+    classes=Classes("trash_bin", "otherfurniture", "ashcan", UNLABELED),
     synsets=("02747177",),
     schemes=(
         Scheme({ANY: "steel", "bag": "black_plastic", "base": "black_plastic"}),

@@ -116,7 +116,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="running_machine exercise_machine elliptical",
-    classes=Classes(UNLABELED, "otherfurniture"),
+    classes=Classes(UNLABELED, "otherfurniture", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "dark_plastic", "frame": "grey", "belt": "tyre", "rail": "grey"}),

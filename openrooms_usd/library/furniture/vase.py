@@ -154,7 +154,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="vases flower_vase bouquet flower_arrangement",
-    classes=Classes("jar", "otherprop"),
+    classes=Classes("jar", "otherprop", "vase", "vase"),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

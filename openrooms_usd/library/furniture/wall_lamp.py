@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -118,7 +118,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="sconce wall_light",
-    classes=Classes("lamp", "lamp"),
+    classes=Classes("lamp", "lamp", "sconce", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         *LAMPS,

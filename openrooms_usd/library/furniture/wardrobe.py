@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, RIGID, Classes, Losses
+from openrooms_usd.categories.record import NO_SYNSET, RIGID, UNLABELED, Classes, Losses
 from openrooms_usd.categories.schemes import STORAGE, Scheme
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.library.furniture.assembly import Assembly, Side
@@ -200,7 +200,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="closet armoire wardrobe_closet wardrobe_cabinet",
-    classes=Classes("cabinet", "otherfurniture"),
+    classes=Classes("cabinet", "otherfurniture", "wardrobe", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         *STORAGE,

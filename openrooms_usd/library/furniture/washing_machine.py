@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -37,7 +37,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="washer washer_dryer washing_machines clothes_dryer dryer laundry_machine",
-    classes=Classes("washing_machine", "otherfurniture"),
+    classes=Classes("washing_machine", "otherfurniture", "washer", UNLABELED),
     synsets=("04554684",),
     schemes=(
         Scheme({ANY: "enamel", "handle": "chrome", "base": "black"}, weight=2.0),

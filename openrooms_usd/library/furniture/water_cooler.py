@@ -95,7 +95,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="water_dispenser water_fountain",
-    classes=Classes(UNLABELED, "otherfurniture"),
+    classes=Classes(UNLABELED, "otherfurniture", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.library.furniture.built import NO_APPLIANCE, NO_LAMP, USUAL, BuiltCategory
 from openrooms_usd.library.furniture.joinery import Style
@@ -32,7 +32,7 @@ CATEGORY: Final = BuiltCategory(
     fixed=False,
     words="white_board blackboard board board_panel chalkboard display_panel dry_erase_board "
     "projection_screen projector_screen",
-    classes=Classes("whiteboard", "whiteboard"),
+    classes=Classes("whiteboard", "whiteboard", UNLABELED, UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme(

@@ -6,7 +6,14 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_ROWS, NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import (
+    NO_ROWS,
+    NO_SYNSET,
+    PLAIN_HINGES,
+    RIGID,
+    UNLABELED,
+    Classes,
+)
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry import windows
 from openrooms_usd.library.furniture.assembly import Assembly
@@ -66,7 +73,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=True,
     words="windows",
-    classes=Classes("window", "window"),
+    classes=Classes("window", "window", "windowpane", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(Scheme({ANY: "white"}),),
     makes=NO_ROWS,

@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, Classes
+from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
@@ -108,7 +108,7 @@ CATEGORY: Final = BuiltCategory(
     carries=("worktop",),
     fixed=True,
     words="kitchen_worktop",
-    classes=Classes("counter", "counter"),
+    classes=Classes("counter", "counter", "countertop", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "stone"}, weight=2.0),

@@ -141,6 +141,8 @@ class Piece:
     material: int = 0
     semantic: int = 0
     semantic_nyu40: int = 0
+    semantic_ade20k: int = 0
+    semantic_coco: int = 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,8 @@ from openrooms_usd.usd.cameras import PinholeCamera
 
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
 _OPENGL: Final = np.diag([1.0, -1.0, -1.0])
+# The label channels, in the order of a piece's numbers.
+_LABELS: Final = tuple(label.name for label in fields(Piece))
 
 
 class GroundTruth:
@@ -35,6 +37,8 @@ class GroundTruth:
 
     def channel(self, name: str) -> NDArray[np.float32]:
         """(height, width, components) of a channel of kind geometry, material or label."""
+        if name in _LABELS:
+            return self._hits.image(self._labels[:, _LABELS.index(name)])
         return self._hits.image(_CHANNELS[name](self))
 
     def _depth(self) -> Array:
@@ -71,25 +75,10 @@ class GroundTruth:
         radiance = self._by_patch(lambda patch: patch.radiance or 0.0, 3)
         return np.where(self._hits.front & (radiance.max(axis=1) > 0), 1.0, 0.0)
 
-    def _instance(self) -> Array:
-        return self._labels[:, 0]
-
-    def _part(self) -> Array:
-        return self._labels[:, 1]
-
-    def _material(self) -> Array:
-        return self._labels[:, 2]
-
-    def _semantic(self) -> Array:
-        return self._labels[:, 3]
-
-    def _semantic_nyu40(self) -> Array:
-        return self._labels[:, 4]
-
     @cached_property
     def _labels(self) -> Array:
         pieces = [astuple(piece) for piece in self._scene.pieces]
-        table = np.array(pieces, dtype=np.float64).reshape(-1, len(fields(Piece)))
+        table = np.array(pieces, dtype=np.float64).reshape(-1, len(_LABELS))
         return table[self._scene.triangles.pieces[self._hits.rows]]
 
     @cached_property
@@ -145,11 +134,6 @@ _CHANNELS: Final[dict[str, Callable[[GroundTruth], Array]]] = {
     "roughness": GroundTruth._roughness,
     "metallic": GroundTruth._metallic,
     "emission_mask": GroundTruth._emission_mask,
-    "semantic": GroundTruth._semantic,
-    "semantic_nyu40": GroundTruth._semantic_nyu40,
-    "instance": GroundTruth._instance,
-    "part": GroundTruth._part,
-    "material": GroundTruth._material,
     "valid": GroundTruth._valid,
 }
 

@@ -3,10 +3,11 @@
 from pxr import Usd, UsdShade
 
 from openrooms_usd import names
+from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.render.scene.arrays import Piece
 from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.usd.semantics import read_label, read_number
-from openrooms_usd.usd.taxonomies import NYU40, OPENROOMS45
+from openrooms_usd.usd.taxonomies import TAXONOMIES
 
 
 class Labels:
@@ -19,7 +20,7 @@ class Labels:
         self._parts: dict[str, int] = {}
         self._materials: dict[str, int] = {}
         self._categories: dict[int, str] = {}
-        self._objects: dict[str, tuple[int, int, int]] = {}
+        self._objects: dict[str, tuple[int, tuple[int, ...]]] = {}
 
     def row(self, path: str, prim: Usd.Prim, material: str | None) -> int:
         """The row in `pieces` of a surface.
@@ -29,13 +30,12 @@ class Labels:
             prim: Its prim; below a point instancer that is the prototype's.
             material: Path of its material, if it has one.
         """
-        instance, semantic, nyu40 = self._object(path, prim)
+        instance, numbers = self._object(path, prim)
         piece = Piece(
             instance,
             _number(self._parts, path),
             0 if material is None else _number(self._materials, material),
-            semantic,
-            nyu40,
+            *numbers,
         )
         if piece not in self._rows:
             self._rows[piece] = len(self.pieces)
@@ -46,15 +46,14 @@ class Labels:
     def legend(self) -> Legend:
         """What the numbers mean."""
         return Legend(
-            semantic=dict(enumerate(OPENROOMS45)),
-            semantic_nyu40=dict(enumerate(NYU40)),
+            **{channel: TAXONOMIES[name] for name, channel in CLASS_CHANNELS.items()},
             instance=_names(self._instances),
             part=_names(self._parts),
             material=_names(self._materials),
             category=dict(self._categories),
         )
 
-    def _object(self, path: str, prim: Usd.Prim) -> tuple[int, int, int]:
+    def _object(self, path: str, prim: Usd.Prim) -> tuple[int, tuple[int, ...]]:
         """Instance number and classes of the object that a surface is part of."""
         owner, levels = _owner(prim)
         stands = path if levels == 0 else path.rsplit("/", levels)[0]
@@ -63,8 +62,10 @@ class Labels:
             category = read_label(owner, names.CATEGORY)
             if category:
                 self._categories[instance] = category
-            openrooms, nyu = (read_number(owner, name) for name in (names.OPENROOMS45, names.NYU40))
-            self._objects[stands] = instance, openrooms, nyu
+            self._objects[stands] = (
+                instance,
+                tuple(read_number(owner, name) for name in CLASS_CHANNELS),
+            )
         return self._objects[stands]
 
 
@@ -86,7 +87,7 @@ def _owner(prim: Usd.Prim) -> tuple[Usd.Prim, int]:
 
 def _is_labelled(prim: Usd.Prim) -> bool:
     schemas = prim.GetAppliedSchemas()
-    kinds = (names.CATEGORY, names.OPENROOMS45, names.NYU40)
+    kinds = (names.CATEGORY, *CLASS_CHANNELS)
     return any(f"SemanticsLabelsAPI:{kind}" in schemas for kind in kinds)
 
 

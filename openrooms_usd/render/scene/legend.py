@@ -11,6 +11,8 @@ class Legend:
     Attributes:
         semantic: Number to OpenRooms-45 class name.
         semantic_nyu40: Number to NYU-40 class name.
+        semantic_ade20k: Number to ADE20K class name.
+        semantic_coco: Number to COCO class name.
         instance: Number to prim path.
         part: Number to prim path.
         material: Number to prim path.
@@ -19,6 +21,8 @@ class Legend:
 
     semantic: Mapping[int, str] = field(default_factory=dict)
     semantic_nyu40: Mapping[int, str] = field(default_factory=dict)
+    semantic_ade20k: Mapping[int, str] = field(default_factory=dict)
+    semantic_coco: Mapping[int, str] = field(default_factory=dict)
     instance: Mapping[int, str] = field(default_factory=dict)
     part: Mapping[int, str] = field(default_factory=dict)
     material: Mapping[int, str] = field(default_factory=dict)

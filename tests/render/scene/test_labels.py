@@ -7,7 +7,10 @@ from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade
 from openrooms_usd.usd.semantics import label, label_part
 from openrooms_usd.usd.taxonomies import NYU40, OPENROOMS45
 
-LABELS = ("semantic", "semantic_nyu40", "instance", "part", "material")
+LABELS = (
+    "semantic", "semantic_nyu40", "semantic_ade20k", "semantic_coco", "instance", "part",
+    "material",
+)  # fmt: skip
 
 
 def shelf(build):
@@ -52,12 +55,15 @@ def test_labels_name_the_object_the_part_the_class_and_the_material(build, open_
             assert path == f"/World/chair_{number}/Geometry/{part}"
             assert at(view, "semantic", 2.0 * number, z) == OPENROOMS45.index("chair") == 21
             assert at(view, "semantic_nyu40", 2.0 * number, z) == NYU40.index("chair") == 5
+            assert at(view, "semantic_ade20k", 2.0 * number, z) == 20
+            assert at(view, "semantic_coco", 2.0 * number, z) == 62
             assert legend.material[at(view, "material", 2.0 * number, z)] == "/Materials/red"
     assert legend.instance[at(view, "instance", 4, 0)] == "/World/plain"
     assert at(view, "semantic", 4, 0) == 0
     assert at(view, "material", 4, 0) == 0
     assert legend.semantic == dict(enumerate(OPENROOMS45))
     assert legend.semantic_nyu40 == dict(enumerate(NYU40))
+    assert (legend.semantic_ade20k[20], legend.semantic_coco[62]) == ("chair", "chair")
     for name in LABELS:
         assert (view.images[name].pixels % 1 == 0).all()
 
