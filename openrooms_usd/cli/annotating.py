@@ -9,7 +9,8 @@ from openrooms_usd.cli.console import echo, json_option, print_json
 
 
 @click.command()
-@click.argument("render", type=click.Path(path_type=Path), metavar="RENDER")
+@click.argument("renders", type=click.Path(path_type=Path), nargs=-1, required=True,
+                metavar="RENDER...")  # fmt: skip
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
 @click.option("--format", "form", type=click.Choice(["coco", "boxes"]), default="coco",
               show_default=True)  # fmt: skip
@@ -19,21 +20,21 @@ from openrooms_usd.cli.console import echo, json_option, print_json
 @click.option("--stage", type=click.Path(path_type=Path), help="What was rendered, for boxes.")
 @json_option
 def annotate(
-    render: Path,
+    renders: tuple[Path, ...],
     out: Path,
     form: Literal["coco", "boxes"],
     taxonomy: str,
     stage: Path | None,
     as_json: bool,
 ) -> None:
-    """Write what is seen in a finished RENDER: COCO masks and boxes, or boxes in 2D and 3D.
+    """Write what is seen in finished RENDERs: COCO masks and boxes, or boxes in 2D and 3D.
 
-    The render needs the channel instance, and semantic, semantic_nyu40, semantic_ade20k or
-    semantic_coco for those classes.
+    Many renders make one COCO file; boxes are of one. A render needs the channel instance, and
+    semantic, semantic_nyu40, semantic_ade20k or semantic_coco for those classes.
     """
     from openrooms_usd.render.annotating import annotate as write
 
-    summary = write(render, out, form=form, taxonomy=taxonomy, stage=stage)
+    summary = write(renders, out, form=form, taxonomy=taxonomy, stage=stage)
     if as_json:
         print_json(summary.as_dict())
     else:

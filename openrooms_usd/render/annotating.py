@@ -1,5 +1,6 @@
-"""What a finished render shows, written as annotations: COCO, or boxes in 2D and 3D."""
+"""What finished renders show, written as annotations: COCO, or boxes in 2D and 3D."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -30,41 +31,47 @@ class AnnotationSummary:
 
 
 def annotate(
-    render: Path,
+    renders: Sequence[Path],
     out: Path,
     *,
     form: Literal["coco", "boxes"] = "coco",
     taxonomy: str = "category",
     stage: Path | None = None,
 ) -> AnnotationSummary:
-    """Write what is seen in a finished render.
+    """Write what is seen in finished renders.
 
     Args:
-        render: Its folder.
+        renders: Their folders; ``boxes`` are of one.
         out: The JSON file to write.
         form: ``coco``, or ``boxes`` in 2D and 3D.
         taxonomy: Whose classes, for ``coco``.
         stage: What was rendered, for ``boxes``.
 
     Raises:
-        InputError: It is no render, lacks a channel, or the stage is missing.
+        InputError: One is no render or lacks a channel, or the stage is missing, or boxes are asked
+            of several.
         OutputError: The file cannot be written.
     """
     if form == "coco":
-        found = coco(render, taxonomy)
+        found = coco(renders, taxonomy)
         views, count = len(found["images"]), len(found["annotations"])
     else:
-        found = _boxes(render, stage)
+        found = _boxes(renders, stage)
         views, count = len(found["views"]), sum(len(v["objects"]) for v in found["views"].values())
     write_json(out, found)
     return AnnotationSummary(out, views, count)
 
 
-def _boxes(render: Path, stage: Path | None) -> dict[str, Any]:
+def _boxes(renders: Sequence[Path], stage: Path | None) -> dict[str, Any]:
     from openrooms_usd.usd.diagnostics import quiet
     from openrooms_usd.usd.layers import open_stage
 
+    if len(renders) != 1:
+        raise InputError(
+            f"boxes in 3D are those of one stage, and {len(renders)} renders are given",
+            remedy="annotate each render by itself",
+        )
     if stage is None:
         raise InputError("boxes in 3D are the stage's", remedy="say --stage scene.usda")
     with quiet():
-        return boxes(render, open_stage(stage))
+        return boxes(renders[0], open_stage(stage))

@@ -1,8 +1,9 @@
-"""What is seen in a finished render as one COCO file: boxes, areas and masks of its objects."""
+"""What is seen in finished renders as one COCO file: boxes, areas and masks of its objects."""
 
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,48 +22,89 @@ from openrooms_usd.version import __version__
 Plain = dict[str, Any]
 
 
-def coco(folder: Path, taxonomy: str = names.CATEGORY) -> Plain:
-    """The visible objects of a render, in COCO's form.
+def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
+    """The visible objects of renders, in COCO's form.
 
     A segmentation holds the pixels whose centre shows the object, as compressed run lengths; the
-    box is the least that holds them. What has no class in the taxonomy is left out.
+    box is the least that holds them. What has no class in the taxonomy is left out. Names of
+    pictures are relative to the render, or to the folder that holds all renders.
 
     Args:
-        folder: What `orusd render` wrote.
+        folders: What `orusd render` wrote, each once.
         taxonomy: Whose classes: ``category`` for our own, or a key of `CLASS_CHANNELS`.
 
     Returns:
         Plain data: info, images, categories, annotations.
 
     Raises:
-        InputError: It is no render, or lacks the channels that this needs.
+        InputError: One is no render, lacks the channels that this needs, or is given twice.
     """
     channel = CLASS_CHANNELS.get(taxonomy)  # our own categories are in the legend
-    render = read_render(folder, ("instance", *([channel] if channel else [])))
-    numbers = _class_numbers(render, taxonomy)
+    places = _places(folders)
+    renders = [
+        read_render(folder, ("instance", *([channel] if channel else []))) for folder in folders
+    ]
+    numbers = _class_numbers(renders, taxonomy)
     images: list[Plain] = []
     annotations: list[Plain] = []
-    for view in render.each():
-        images.append(_image(view, len(images) + 1))
-        for instance, mask in masks(render, view):
-            number = _class(render, view, instance, mask, channel, numbers)
-            if number:
-                row = _annotation(mask, render.legend("instance")[instance], instance)
-                row |= {"image_id": len(images), "category_id": number}
-                annotations.append({"id": len(annotations) + 1, **row})
+    for place, render in zip(places, renders, strict=True):
+        for view in render.each():
+            images.append(_image(view, place, len(images) + 1))
+            for instance, mask in masks(render, view):
+                number = _class(render, view, instance, mask, channel, numbers)
+                if number:
+                    row = _annotation(mask, render.legend("instance")[instance], instance)
+                    row |= {"image_id": len(images), "category_id": number}
+                    annotations.append({"id": len(annotations) + 1, **row})
+    stages = sorted({render.manifest.stage for render in renders})
     return {
         "info": {
-            "description": f"{render.manifest.stage}, classes of {taxonomy}",
+            "description": f"{', '.join(stages)}, classes of {taxonomy}",
             "version": f"{names.CREATOR} {__version__}",
-            "conventions": render.manifest.conventions,
+            "conventions": renders[0].manifest.conventions,
         },
         "images": images,
-        "categories": [
-            {"id": n, "name": c, "supercategory": "structure" if c in names.SHELL else "object"}
-            for c, n in numbers.items()
-        ],
+        "categories": [_category(name, number, taxonomy) for name, number in numbers.items()],
         "annotations": annotations,
     }
+
+
+def _places(folders: Sequence[Path]) -> list[str]:
+    """What leads to each render from the folder that holds them all; one render is that folder."""
+    whole = [folder.resolve() for folder in folders]
+    twice = next((folder for folder in folders if whole.count(folder.resolve()) > 1), None)
+    if twice is not None:
+        raise InputError("this render is given twice", place=twice, remedy="name it once")
+    above = Path(os.path.commonpath(whole))
+    return [
+        f"{folder.relative_to(above).as_posix()}/" if folder != above else "" for folder in whole
+    ]
+
+
+def _category(name: str, number: int, taxonomy: str) -> Plain:
+    """A class; those of COCO as its own files have them."""
+    above = "structure" if name in names.SHELL else "object"
+    if taxonomy == names.COCO:
+        above = next(group for group, members in _COCO_ABOVE.items() if name in members.split())
+        name = name.replace("_", " ")
+    return {"id": number, "name": name, "supercategory": above}
+
+
+_COCO_ABOVE: Final = {
+    "person": "person",
+    "vehicle": "bicycle car motorcycle airplane bus train truck boat",
+    "outdoor": "traffic_light fire_hydrant stop_sign parking_meter bench",
+    "animal": "bird cat dog horse sheep cow elephant bear zebra giraffe",
+    "accessory": "backpack umbrella handbag tie suitcase",
+    "sports": "frisbee skis snowboard sports_ball kite baseball_bat baseball_glove skateboard "
+    "surfboard tennis_racket",
+    "kitchen": "bottle wine_glass cup fork knife spoon bowl",
+    "food": "banana apple sandwich orange broccoli carrot hot_dog pizza donut cake",
+    "furniture": "chair couch potted_plant bed dining_table toilet",
+    "electronic": "tv laptop mouse remote keyboard cell_phone",
+    "appliance": "microwave oven toaster sink refrigerator",
+    "indoor": "book clock vase scissors teddy_bear hair_drier toothbrush",
+}
 
 
 def masks(render: RenderedScene, view: RenderedView) -> Iterator[tuple[int, NDArray[np.bool_]]]:
@@ -83,11 +125,12 @@ def masks(render: RenderedScene, view: RenderedView) -> Iterator[tuple[int, NDAr
     return ((number, labels == number) for number in seen)
 
 
-def _class_numbers(render: RenderedScene, taxonomy: str) -> dict[str, int]:
+def _class_numbers(renders: Sequence[RenderedScene], taxonomy: str) -> dict[str, int]:
     """The number of every class; in our own taxonomy, words that are not ours come last."""
     if taxonomy in TAXONOMIES:
         return {c: n for n, c in TAXONOMIES[taxonomy].items() if c != UNLABELED}
-    others = sorted(set(render.legend("category").values()) - set(classes()))
+    seen = {name for render in renders for name in render.legend("category").values()}
+    others = sorted(seen - set(classes()))
     return {c: n for n, c in enumerate([*classes(), *others], start=1)}
 
 
@@ -111,11 +154,11 @@ def _class(
     return number
 
 
-def _image(view: RenderedView, number: int) -> Plain:
+def _image(view: RenderedView, place: str, number: int) -> Plain:
     shown = "radiance" if "radiance" in view.entry.channels else "instance"
     return {
         "id": number,
-        "file_name": f"{view.name}/{preview_file(shown)}",
+        "file_name": f"{place}{view.name}/{preview_file(shown)}",
         "width": view.width,
         "height": view.height,
         "camera": view.entry.camera,

@@ -1,6 +1,7 @@
 """Annotations of a real render, against projections of the raw meshes by other code."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -100,7 +101,7 @@ def _decoded(segmentation: dict) -> np.ndarray:
 
 
 def test_masks_areas_and_boxes_are_those_of_the_instance_channel(shots: Path) -> None:
-    found = coco(shots)
+    found = coco([shots])
     manifest = json.loads((shots / "manifest.json").read_text())
     names = {image["id"]: image["file_name"].split("/")[0] for image in found["images"]}
     assert sorted(names.values()) == ["front", "side"]
@@ -130,7 +131,7 @@ LISTS = {
 
 @pytest.mark.parametrize("taxonomy", LISTS)
 def test_classes_of_another_taxonomy_are_those_of_its_channel(shots: Path, taxonomy: str) -> None:
-    found = coco(shots, taxonomy)
+    found = coco([shots], taxonomy)
     numbers, seen = LISTS[taxonomy]
     assert {row["id"] for row in found["categories"]} == numbers
     names = {image["id"]: image["file_name"].split("/")[0] for image in found["images"]}
@@ -140,6 +141,59 @@ def test_classes_of_another_taxonomy_are_those_of_its_channel(shots: Path, taxon
         assert set(_ids(shots, view, f"semantic_{taxonomy}")[here]) == {row["category_id"]}
     by_prim = {row["prim"]: row["category_id"] for row in found["annotations"]}
     assert by_prim == {f"/World/{name}": number for name, number in seen.items()}
+
+
+@pytest.fixture(scope="module")
+def house(shots: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Two rooms, each with a render."""
+    folder = tmp_path_factory.mktemp("house")
+    return [shutil.copytree(shots, folder / room / "day") for room in ("kitchen", "study")]
+
+
+def test_many_renders_make_one_file(house: list[Path], tmp_path: Path) -> None:
+    one, two = coco(house[:1], "coco"), coco(house, "coco")
+    assert two["categories"] == one["categories"]
+    assert {"id": 67, "name": "dining table", "supercategory": "furniture"} in two["categories"]
+    for group in ("images", "annotations"):
+        assert [row["id"] for row in two[group]] == list(range(1, 2 * len(one[group]) + 1))
+    files = [image["file_name"] for image in two["images"]]
+    assert len(set(files)) == len(files) == 4
+    assert all((house[0].parents[1] / file).is_file() for file in files)
+    seen = [row["image_id"] for row in two["annotations"]]
+    assert seen == [1, 2, 3, 4]  # the armchair
+    with pytest.raises(InputError, match="given twice"):
+        coco([*house, house[0]])
+    paths = [str(path) for path in house]
+    run = CliRunner().invoke(
+        annotate, [*paths, "-o", str(tmp_path / "x.json"), "--format", "boxes"]
+    )
+    assert isinstance(run.exception, InputError) and "by itself" in str(run.exception.remedy)
+
+
+def test_pycocotools_reads_it(house: list[Path], tmp_path: Path) -> None:
+    client = pytest.importorskip("pycocotools.coco")
+    evaluation = pytest.importorskip("pycocotools.cocoeval")
+    file = tmp_path / "coco.json"
+    paths = [str(path) for path in house]
+    run = CliRunner().invoke(annotate, [*paths, "-o", str(file), "--classes", "coco"])
+    assert run.exit_code == 0, run.output
+    truth = client.COCO(str(file))
+    (chair,) = truth.getCatIds(catNms=["chair"])
+    assert chair == 62 and len(truth.getImgIds(catIds=[chair])) == 4
+    for row in truth.loadAnns(truth.getAnnIds()):
+        view = house[0].parents[1] / truth.loadImgs(row["image_id"])[0]["file_name"]
+        mask = _ids(view.parents[1], view.parent.name) == row["instance"]
+        np.testing.assert_array_equal(truth.annToMask(row), mask)
+    # Who finds all that there is, and no more, has a precision and a recall of 1.
+    keys = ("image_id", "category_id", "segmentation", "bbox")
+    found = [
+        {key: row[key] for key in keys} | {"score": 1.0} for row in truth.dataset["annotations"]
+    ]
+    score = evaluation.COCOeval(truth, truth.loadRes(found), "segm")
+    score.evaluate()
+    score.accumulate()
+    score.summarize()
+    assert score.stats[0] == 1.0
 
 
 def test_projected_corners_enclose_the_masks(shots: Path, scene: Path) -> None:
@@ -218,7 +272,7 @@ def test_what_cannot_be_annotated_is_refused_with_a_remedy(
     shots: Path, scene: Path, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match="no finished render"):
-        coco(tmp_path)
+        coco([tmp_path])
     manifest = json.loads((shots / "manifest.json").read_text())
     view = tmp_path / "bare" / "front"
     view.mkdir(parents=True)
@@ -226,7 +280,7 @@ def test_what_cannot_be_annotated_is_refused_with_a_remedy(
     manifest["views"] = {"front": manifest["views"]["front"]}
     (tmp_path / "bare" / "manifest.json").write_text(json.dumps(manifest))
     with pytest.raises(InputError, match="no channel instance") as caught:
-        coco(tmp_path / "bare")
+        coco([tmp_path / "bare"])
     assert "--channels all" in str(caught.value.remedy)
     moved = Usd.Stage.Open(Usd.Stage.Open(str(scene)).Flatten())
     moved.GetPrimAtPath("/World/near").GetAttribute("xformOp:translate").Set(Gf.Vec3d(0.6, 0, 0.45))

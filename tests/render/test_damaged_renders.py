@@ -49,7 +49,7 @@ def labels(render: Path, value: float) -> None:
 
 def refused(render: Path, said: str, taxonomy: str = "category") -> None:
     with pytest.raises(InputError, match=said) as error:
-        coco(render, taxonomy)
+        coco([render], taxonomy)
     assert str(render / "left/channels.exr") in str(error.value)
 
 
@@ -63,7 +63,7 @@ def test_labels_have_names(render: Path) -> None:
     labels(render, 99.0)
     refused(render, "shows the object 99, which the manifest does not name")
     labels(render, 0.0)
-    assert coco(render)["annotations"][0]["area"] == 47
+    assert coco([render])["annotations"][0]["area"] == 47
     images = {"instance": np.ones((6, 8, 1)), "semantic_nyu40": np.full((6, 8, 1), 41.0)}
     exr.write_channels(render / "left/channels.exr", images)
     refused(render, "holds 41, which is no number of a class", "nyu40")
@@ -89,7 +89,7 @@ def test_pictures_are_those_of_the_manifest(
 
 def test_layers_of_others_are_let_through(render: Path) -> None:
     write_exr(render / "left/channels.exr", ["instance.Y", "crypto00.R", "Z", "direct_i.x.y"])
-    assert len(coco(render)["annotations"]) == 1
+    assert len(coco([render])["annotations"]) == 1
 
 
 def test_a_light_that_no_manifest_names(render: Path, tmp_path: Path) -> None:
@@ -152,7 +152,7 @@ def test_damaged_pictures_are_read_or_refused(render: Path, seed: int) -> None:
             data[place] = rng.randrange(256)
         path.write_bytes(bytes(data))
         try:
-            json.dumps(coco(render, rng.choice(("category", "nyu40"))), allow_nan=False)
+            json.dumps(coco([render], rng.choice(("category", "nyu40"))), allow_nan=False)
         except OrusdError as error:
             str(error).encode()
 

@@ -64,7 +64,7 @@ def use(render: Path) -> None:
         assert {pixels.shape[:2] for pixels in view.pixels.values()} <= {(view.height, view.width)}
         assert view.labels("instance").max() == 1
         assert np.linalg.inv(view.K).any() and np.linalg.inv(view.world_from_camera).any()
-    json.dumps(coco(render), allow_nan=False)
+    json.dumps(coco([render]), allow_nan=False)
     relight(render / "left", render.parent / "relit", Relighting({"lamp": 0.5}, {"lamp": 3000.0}))
 
 
@@ -101,7 +101,7 @@ def test_an_older_render_has_less(render: Path) -> None:
     change(render, age)
     scene = read_render(render)
     assert scene.lights == [] and scene.views["left"].pixels["depth"].shape == (6, 8, 1)
-    assert len(coco(render)["annotations"]) == 2
+    assert len(coco([render])["annotations"]) == 2
 
 
 def test_what_we_do_not_know_is_let_through(render: Path) -> None:
