@@ -4,7 +4,8 @@
   `kit`: what may stand in it; `groups`, `programs`: what belongs together, and what rooms want;
 - `standing`, `floor`, `placement`, `walls`, `curtains`, `backsplashes`, `fittings`: where it stands
   and hangs; `rooms`: all of it;
-- `outside`, `moments`, `lighting`: where it lies, when it is seen, and which lamps are on;
+- `moments`, `outside`, `environments`, `lighting`: when it is seen, where it lies, and which lamps
+  are on;
 - `clutter`: what lies about; `describing` (`finishlooks`), `writing`, `folders`: as text;
   `expansion`: inside a description; `statistics`.
 """

@@ -1,7 +1,7 @@
 """What hangs before windows: curtains open, half or drawn, sheers, rollers and slats let down.
 
 All windows of a room wear the same; how far blinds are let down differs a little from window to
-window.
+window. By night most are closed.
 """
 
 from collections.abc import Mapping
@@ -33,6 +33,10 @@ _WORK_ROOMS: Final = frozenset(
     }
 )  # fmt: skip
 _BLINDS: Final = frozenset({"roller", "venetian"})
+# What becomes of those that hang on rods where they are closed.
+_CLOSED: Final[Mapping[str, str]] = MappingProxyType(
+    {"drapes": "drawn", "layered": "drawn", "sheers": "sheer"}
+)
 # Metres: how far curtains and blinds stand out; they hang clear of the sill before the window.
 _CURTAIN_DEPTH_M, _BLIND_DEPTH_M = 0.2, 0.115
 # Beyond the window: curtains to each side, blinds to each side, both above it.
@@ -40,6 +44,8 @@ _CURTAIN_BESIDE_M: Final = (0.16, 0.3)
 _BLIND_BESIDE_M, _ABOVE_M = 0.1, 0.16
 # What of a window blinds cover, and how much that differs within a room.
 _LOWERED_SHARE, _LOWERED_SPREAD = (0.15, 0.9), 0.06
+# Of blinds that are closed, the part that they cover.
+_CLOSED_SHARE: Final = (0.9, 1.0)
 _MIN_HEIGHT_M: Final = 0.42
 # Where curtains end: on the floor, below the sill, or on it; metres.
 _OFF_FLOOR_M, _BELOW_SILL_M, _ABOVE_SILL_M = 0.02, 0.12, 0.03
@@ -47,7 +53,9 @@ _OFF_FLOOR_M, _BELOW_SILL_M, _ABOVE_SILL_M = 0.02, 0.12, 0.03
 _DOOR_GAP_M, _THING_GAP_M = 0.02, 0.03
 
 
-def curtains(room: Arrangement, kit: Kit, room_type: str, chance: float) -> list[Item]:
+def curtains(
+    room: Arrangement, kit: Kit, room_type: str, chance: float, closed: bool = False
+) -> list[Item]:
     """Curtains or blinds of one make before the windows.
 
     Args:
@@ -55,19 +63,22 @@ def curtains(room: Arrangement, kit: Kit, room_type: str, chance: float) -> list
         kit: Builds them.
         room_type: Its kind.
         chance: How often windows have any.
+        closed: Whether they are drawn and let down.
     """
-    if not kit.chance(chance):
+    # Who closes them has some.
+    if not kit.chance(1.0 if closed and chance > 0.0 else chance):
         return []
     style = _make(kit, room_type)
     beside = kit.between(*_CURTAIN_BESIDE_M)
-    lowered = kit.between(*_LOWERED_SHARE)
+    lowered = kit.between(*(_CLOSED_SHARE if closed else _LOWERED_SHARE))
+    style = _CLOSED.get(style, style) if closed else style
     made: list[Item] = []
     for gap in room.shell.gaps:
         if gap.kind != "window":
             continue
         top = min(gap.top + _ABOVE_M, room.shell.clear_height - 0.03)
         if style in _BLINDS:
-            share = lowered + kit.between(-_LOWERED_SPREAD, _LOWERED_SPREAD)
+            share = min(lowered + kit.between(-_LOWERED_SPREAD, _LOWERED_SPREAD), 1.0)
             ends = [min(gap.top - share * (gap.top - gap.sill), top - _MIN_HEIGHT_M)]
             widths, depth = [_BLIND_BESIDE_M], _BLIND_DEPTH_M
         else:

@@ -10,9 +10,9 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.generate.clutter.described import lying_in, rows
 from openrooms_usd.generate.describing import layout_section, objects, row_of
+from openrooms_usd.generate.environments import environment
 from openrooms_usd.generate.finishing import finished
 from openrooms_usd.generate.lighting import lamps, screens
-from openrooms_usd.generate.moments import environment
 from openrooms_usd.generate.rooms import Generated, furnish, generate, style_of
 from openrooms_usd.generate.shell import shell_of
 
@@ -44,7 +44,8 @@ def expanded(room: Room) -> Room:
         return _lived_in(room) if room.clutter else room
     if isinstance(layout, GeneratedLayout):
         clutter = room.clutter if wants_objects else 0
-        made = generate(room.room, room.seed, layout.area, room.style, clutter)
+        is_seen = "environment" not in room.lights.model_fields_set
+        made = generate(room.room, room.seed, layout.area, room.style, clutter, seen=is_seen)
     elif isinstance(layout, PolygonLayout):
         shell = finished(shell_of(layout), layout)
         style = room.style or style_of(room.room, room.seed)

@@ -1,4 +1,10 @@
-"""The lamps of a generated room: how bright, how warm, and which are on at its moment."""
+"""The lamps of a generated room: how bright, how warm, which way, and which are on at its moment.
+
+Shades, bells and cans shape the light by their form. Where a lamp's own optics do so it has a
+profile: heads on rails have lenses, offices have discs that spare the eye, bulbs that hang have a
+cap above. What lights the room is wide: a narrow spot alone leaves it to what one bright patch of
+floor reflects, which takes many samples to find.
+"""
 
 from typing import Any, Final
 
@@ -8,8 +14,12 @@ from openrooms_usd.categories.record import given
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.moments import MOMENTS, Moment, moment_of
 from openrooms_usd.generate.rooms import Generated, named, program_of
+from openrooms_usd.library.beams import BeamName
 from openrooms_usd.library.furniture import category
 from openrooms_usd.library.lamplight import HOME_KELVIN, WORK_ROOMS, lamp_kelvin
+
+Section = dict[str, Any]
+_Profile = tuple[BeamName, tuple[float, float] | None]
 
 # Flux of lamps that are not on the ceiling, as a share of what their category usually has.
 _SHARE: Final = (0.6, 1.3)
@@ -25,8 +35,18 @@ _NITS: Final = (100.0, 300.0)
 # How often a lamp that stands somewhere at home shines in a colour in the evening, and the colours.
 _COLORED_SHARE: Final = 0.04
 _COLORS: Final = ([1.0, 0.25, 0.6], [0.3, 0.4, 1.0], [1.0, 0.35, 0.1], [0.5, 0.25, 1.0])
-
-Section = dict[str, Any]
+# Profiles by category and style, at home and where people work: the name, and from where to where
+# beam angles go, degrees. They multiply luminance: a flat lens of 75 degrees has a beam of 66.
+_OPAL: Final[_Profile] = ("downlight", (100.0, 120.0))
+_OFFICE: Final[_Profile] = ("batwing", (60.0, 90.0))
+_LENS: Final[_Profile] = ("downlight", (70.0, 90.0))
+_BULB: Final[_Profile] = ("bare bulb", None)
+_PROFILES: Final[dict[tuple[str, str], tuple[_Profile, _Profile]]] = {
+    ("ceiling_lamp", "flush"): (_OPAL, _OFFICE),
+    ("ceiling_lamp", "spots"): (_LENS, _LENS),
+    ("ceiling_lamp", "pendant"): (_BULB, _BULB),
+    ("floor_lamp", "arc"): (_BULB, _BULB),
+}
 
 
 def lamps(room: Generated, *, seen: bool = True) -> dict[str, Section]:
@@ -37,7 +57,7 @@ def lamps(room: Generated, *, seen: bool = True) -> dict[str, Section]:
         seen: Whether the room is seen at its own moment; otherwise all lamps are on.
     """
     rng = generator(room.seed, "generate", room.room_type, "lamps")
-    moment = MOMENTS[moment_of(room)]
+    moment = MOMENTS[moment_of(room.room_type, room.seed)]
     at_work = room.room_type in WORK_ROOMS
     kelvin = int(rng.choice(lamp_kelvin(room.room_type)))
     lux = float(rng.uniform(*program_of(room.room_type).lux))
@@ -51,7 +71,22 @@ def lamps(room: Generated, *, seen: bool = True) -> dict[str, Section]:
         if spec.emits and name not in found:
             lumen = round(given(spec.lumen, 0.0) * float(rng.uniform(*_SHARE)), -1)
             found[name] = {"lumen": lumen, "kelvin": warm}
+    for name, section in _profiles(room).items():
+        found[name] |= section
     return _switched(found, ceiling, room, moment, rng) if seen else found
+
+
+def _profiles(room: Generated) -> dict[str, Section]:
+    """Where the light of lamps goes, of those with optics of their own; alike for each style."""
+    rng = generator(room.seed, "generate", room.room_type, "profiles")
+    made = {}
+    for key, choices in _PROFILES.items():
+        name, beams = choices[room.room_type in WORK_ROOMS]
+        beam = {"beam": 5 * round(float(rng.uniform(*beams)) / 5.0)} if beams else {}
+        made[key] = {"profile": name, **beam}
+    items = [(name, item) for _, name, item, _ in named(room.furnishing.groups)]
+    keys = {name: (item.category, item.style) for name, item in items}
+    return {name: made[key] for name, key in keys.items() if key in made}
 
 
 def _switched(
@@ -85,7 +120,7 @@ def _switched(
 def screens(room: Generated) -> dict[str, Section]:
     """The screens that are on at a room's moment."""
     rng = generator(room.seed, "generate", room.room_type, "screens")
-    often = MOMENTS[moment_of(room)].screens[room.room_type in WORK_ROOMS]
+    often = MOMENTS[moment_of(room.room_type, room.seed)].screens[room.room_type in WORK_ROOMS]
     found: dict[str, Section] = {}
     for _, name, item, _ in named(room.furnishing.groups):
         if item.category in _SCREENS and item.style not in _DARK_STYLES:

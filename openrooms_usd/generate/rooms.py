@@ -17,6 +17,7 @@ from openrooms_usd.generate.finishing import Finishing, finished, finishing, she
 from openrooms_usd.generate.fittings import Fitter
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
+from openrooms_usd.generate.moments import closes
 from openrooms_usd.generate.openings import openings
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.polygons import floor_plan
@@ -109,6 +110,8 @@ def generate(
     area: float | None = None,
     style: InteriorStyle | None = None,
     clutter: int = 0,
+    *,
+    seen: bool = True,
 ) -> Generated:
     """Make a room; equal arguments give equal rooms, in any process.
 
@@ -118,6 +121,7 @@ def generate(
         area: Of the floor, square metres; drawn by default.
         style: Of furniture, materials and colours; drawn by default.
         clutter: How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.
+        seen: Whether the room is seen at its own moment, by which curtains close.
 
     Raises:
         InputError: There is no such room type or style, or no room of that area can be made.
@@ -127,11 +131,12 @@ def generate(
         raise InputError(f"no style is named {style!r}", remedy=f"known: {', '.join(INTERIORS)}")
     best: tuple[Generated, Arrangement] | None = None
     shapes = Shapes(seed)
+    closed = seen and closes(room_type, seed)
     for attempt in range(_MAX_DRAFTS):
         shell, rows = draw_shell(room_type, seed, area, attempt)
         finish = finishing(room_type, seed, shell, style)
         shell = finished(shell, finish)
-        made, room = _furnished(room_type, shapes, shell, attempt, style)
+        made, room = _furnished(room_type, shapes, shell, attempt, style, closed)
         found = Generated(room_type, seed, shell, rows, made, style, finish=finish)
         if best is None or found.furnishing.missing < best[0].furnishing.missing:
             best = found, room
@@ -196,7 +201,12 @@ def furnish(
 
 
 def _furnished(
-    room_type: str, shapes: Shapes, shell: Shell, attempt: int, style: InteriorStyle | None
+    room_type: str,
+    shapes: Shapes,
+    shell: Shell,
+    attempt: int,
+    style: InteriorStyle | None,
+    closed: bool = False,
 ) -> tuple[Furnishing, Arrangement]:
     program = program_of(room_type)
     room = Arrangement(shell)
@@ -215,7 +225,7 @@ def _furnished(
     fitter = Fitter(room, own, shell_style(style), room_type)
     heaters = fitter.heating()
     lamps = ceiling_lamps(room, kit)
-    cloths = curtains(room, kit, room_type, program.curtains)
+    cloths = curtains(room, kit, room_type, program.curtains, closed)
     hung = hang(room, kit, program.hangs)
     tiles = backsplashes(room, kit)
     fitted = [*heaters, *fitter.wiring(lamps)]

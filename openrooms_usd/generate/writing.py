@@ -10,8 +10,9 @@ from openrooms_usd.generate.describing import (
     materials_section,
     objects,
 )
+from openrooms_usd.generate.environments import environment
 from openrooms_usd.generate.lighting import lamps, screens
-from openrooms_usd.generate.moments import environment, moment_of
+from openrooms_usd.generate.moments import moment_of
 from openrooms_usd.generate.rooms import Generated
 
 # Text that YAML reads as text without quotes.
@@ -70,7 +71,7 @@ def _lines(room: Generated) -> Iterator[str]:
     yield from (f"  {key}: {flow(value)}" for key, value in materials_section(room).items())
     yield ""
     yield "lights:"
-    yield f"  # What shines in by the openings: {_SEEN[moment_of(room)]}."
+    yield f"  # What shines in by the openings: {_SEEN[moment_of(room.room_type, room.seed)]}."
     yield f"  environment: {flow(environment(room))}"
     yield from _lamp_lines(room)
     yield ""
