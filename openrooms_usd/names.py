@@ -20,6 +20,7 @@ LIGHTS: Final = "/World/Lights"  # lights
 ENVIRONMENT: Final = "/World/Lights/Environment"
 PORTALS: Final = "/World/Lights/Portals"
 SCREENS: Final = "/World/Lights/Screens"
+OUTSIDE: Final = "/World/Outside"  # lights: what stands near the windows
 CAMERAS: Final = "/World/Cameras"  # cameras
 PHYSICS: Final = "/World/Physics"  # physics
 PHYSICS_SCENE: Final = "/World/Physics/Scene"
@@ -35,7 +36,7 @@ OWNED: Final = {
     "layout": (ROOM,),
     "alignment": (FURNITURE,),
     "materials": (MATERIALS,),
-    "lights": (LIGHTS,),
+    "lights": (LIGHTS, OUTSIDE),
     "cameras": (CAMERAS, RENDER),
     "physics": (PHYSICS, ROOM_PHYSICS),
 }

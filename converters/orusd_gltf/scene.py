@@ -116,7 +116,7 @@ class _Translation:
     # Surfaces.
 
     def add_meshes(self) -> None:
-        reading = read_meshes(self.stage)
+        reading = read_meshes(self.stage, outside=False)
         for path, outcome, reason in reading.losses:
             self.report.add(path, outcome, reason)
         lossy = {path for path, _, _ in reading.losses}

@@ -116,6 +116,8 @@ class OutsideEnvironment(SkyEnvironment):
     counter-clockwise from +X, seen from above."""
     clouds: Reflectance = 0.3
     """The part of the sky that clouds cover."""
+    near: Switch = True
+    """Whether what stands near the windows is geometry, which moves against what is far."""
     seed: Seed | None = None
     """Draws what stands there and the clouds; by default the room's seed."""
 

@@ -6,6 +6,6 @@
 - `alignment` (`catalogue`, `placement`, `poses`, `tops`, `following`, `substitutes`, `aligned`,
   `furnished`, `instances`, `segmented`, `shelf`);
 - `materials` (`surfaces`, `swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);
-- `lights` (`daylight`, `glow`, `screens`); `cameras` (`selection`, `subjects`,
+- `lights` (`daylight`, `nearby`, `glow`, `screens`); `cameras` (`selection`, `subjects`,
   `photographs`, `exposure`); `physics`.
 """

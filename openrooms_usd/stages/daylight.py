@@ -1,6 +1,7 @@
 """Daylight of the lights stage: sky and land of a moment, and the portals where it comes in."""
 
 import hashlib
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -12,15 +13,18 @@ from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.description.lights import OutsideEnvironment, SkyEnvironment
 from openrooms_usd.library.environments import horizontal_illuminance
 from openrooms_usd.library.outside import outside_panorama
+from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sky import Air, daylight
 from openrooms_usd.library.skycache import cached_picture
 from openrooms_usd.library.solar import sun_position
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.nearby import author_nearby, site_of
 from openrooms_usd.usd.frames import TIME, local_to_world
 from openrooms_usd.usd.lights import define_dome
 from openrooms_usd.usd.partitions import is_partition
 from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
+from openrooms_usd.usd.semantics import read_label
 
 # A leaf that is open by less than this is closed, and lets no light through.
 _SHUT: Final = np.radians(0.5)
@@ -31,21 +35,23 @@ _PORTAL_AXES: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.
 def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
     """Write a dome with sun, sky and land in nits; its file is named by all that determines it.
 
+    Where the room lies somewhere, what is near its windows is written too.
+
     Raises:
-        OutputError: The panorama cannot be written.
+        OutputError: A picture cannot be written.
     """
-    seed = context.room.seed
-    key = f"{code_digest(__name__)} {environment.model_dump_json()}"
+    key, kind, site = f"{code_digest(__name__)} {environment.model_dump_json()}", "sky", None
     if isinstance(environment, OutsideEnvironment):
-        seed = seed if environment.seed is None else environment.seed
-        key = f"{key} {seed}"
-    kind = "outside" if isinstance(environment, OutsideEnvironment) else "sky"
+        kind, site = "outside", site_of(context, environment)
+        key = f"{key} {site}"
+        windows = {Path(portal.path).name: portal for portal in portals(context.stage, "window")}
+        author_nearby(context, site, windows)
     file = f"{kind}_{_sum(key)[:8]}.exr"
     target = context.keep(file)
     if not target.is_file():
         entry = _sum(" ".join([kind, key, *library_versions(__name__)]))
         # 32 bits: the sun is too bright for 16.
-        cached_picture(entry, target, lambda path: write_exr(path, _nits(environment, seed)))
+        cached_picture(entry, target, lambda path: write_exr(path, _nits(environment, site)))
     dome = define_dome(context.stage, names.ENVIRONMENT, texture=context.asset(file))
     dome.GetPrim().SetAssetInfoByKey(names.LICENCE_KEY, names.LICENCE)
 
@@ -54,19 +60,16 @@ def _sum(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _nits(environment: SkyEnvironment, seed: int) -> NDArray[np.float32]:
+def _nits(environment: SkyEnvironment, site: Site | None) -> NDArray[np.float32]:
     position = sun_position(environment.moment, environment.latitude, environment.longitude)
     air = Air(environment.turbidity, environment.ground, environment.overcast)
-    if isinstance(environment, OutsideEnvironment):
+    if isinstance(environment, OutsideEnvironment) and site is not None:
         return outside_panorama(
             position,
             air,
-            scene=environment.scene,
-            seed=seed,
-            storey=environment.storey,
+            site,
             clouds=environment.clouds,
             north=environment.north,
-            facing=environment.facing,
             illuminance=environment.illuminance,
         )
     nits = daylight(position, air, north=environment.north)
@@ -83,14 +86,25 @@ def author_portals(context: StageContext) -> None:
     On the outer side, because from there the walls' thickness hides least of what lies inside, and
     because the reveals, too, are then inside.
     """
+    found = portals(context.stage)
+    if found:
+        UsdGeom.Scope.Define(context.stage, names.PORTALS)
+    prims = [define_portal(context.stage, portal).GetPrim() for portal in found]
+    connect_portals(context.stage.OverridePrim(names.ENVIRONMENT), prims)
+
+
+def portals(stage: Usd.Stage, kind: str = "") -> list[Portal]:
+    """The outer faces of openings that light can pass.
+
+    Args:
+        stage: The composed room.
+        kind: Of the openings; all by default.
+    """
     cache = UsdGeom.XformCache(TIME)
-    openings = context.stage.GetPrimAtPath(names.OPENINGS)
+    openings = stage.GetPrimAtPath(names.OPENINGS)
     # Inactive openings too: the wall keeps their holes.
     ways = [prim for prim in openings.GetAllChildren() if _is_way(prim)] if openings else []
-    if ways:
-        UsdGeom.Scope.Define(context.stage, names.PORTALS)
-    portals = [define_portal(context.stage, _portal(way, cache)).GetPrim() for way in ways]
-    connect_portals(context.stage.OverridePrim(names.ENVIRONMENT), portals)
+    return [_portal(way, cache) for way in ways if kind in ("", read_label(way, names.CATEGORY))]
 
 
 def _is_way(opening: Usd.Prim) -> bool:

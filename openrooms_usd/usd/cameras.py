@@ -191,7 +191,7 @@ def framing_camera(
         height: Pixels.
         reading: The stage's meshes, where they have been read already.
     """
-    found = read_meshes(stage) if reading is None else reading
+    found = read_meshes(stage, outside=False) if reading is None else reading
     points, triangles, _ = world_triangles(found)
     view = framing_view(points[triangles], RayCaster(points, triangles), width / height)
     return PinholeCamera(intrinsics(FOV_DEG, width, height), view.poses()[0])

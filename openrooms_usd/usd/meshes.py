@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ __all__ = [
     "PlacedMesh",
     "TriangleMesh",
     "define_mesh",
+    "is_outside",
     "read_meshes",
     "world_triangles",
 ]
@@ -115,7 +116,10 @@ class MeshReading:
 
 
 def read_meshes(
-    stage: Usd.Stage, *, purposes: Sequence[str] = ("default", "render")
+    stage: Usd.Stage,
+    *,
+    purposes: Sequence[str] = ("default", "render"),
+    outside: bool = True,
 ) -> MeshReading:
     """Every visible surface of a stage, instances and point instancers expanded.
 
@@ -126,9 +130,15 @@ def read_meshes(
     Args:
         stage: The composed stage.
         purposes: Which ``purpose`` is drawn.
+        outside: Whether to read what stands outside before the windows, too; else that is named
+            among what is left out.
     """
     parts = Walk(purposes).stage(stage)
     losses: dict[tuple[int, str], tuple[str, Literal["approximated", "skipped"], str]] = {}
+    if not outside:
+        left = [part.path for part in parts if is_outside(part.path)]
+        losses |= {(0, path): (path, "skipped", LEFT_OUTSIDE) for path in left}
+        parts = [part for part in parts if not is_outside(part.path)]
     meshes: list[PlacedMesh] = []
     matrices = np.array([part.matrix for part in parts]).reshape(-1, 4, 4)
     matrices = world_from_stage(stage) @ matrices
@@ -148,6 +158,15 @@ def read_meshes(
             PlacedMesh(path, prim, surface.mesh, matrix, surface.double_sided, volume < 0.0)
         )
     return MeshReading(meshes, list(losses.values()))
+
+
+LEFT_OUTSIDE: Final = "it stands outside, and is no part of the room"
+"""Why what hands on the room alone leaves something out."""
+
+
+def is_outside(path: str) -> bool:
+    """Whether a prim stands outside before the windows: it is seen, and is no part of the room."""
+    return path.startswith(f"{names.OUTSIDE}/")
 
 
 def world_triangles(meshes: Iterable[PlacedMesh]) -> tuple[Array, Ints, Ints]:

@@ -9,7 +9,7 @@ import pytest
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.draws import generator
 from openrooms_usd.library.environments import directions, horizontal_illuminance
-from openrooms_usd.library.outside import SCENES, outside_panorama
+from openrooms_usd.library.outside import SCENES, Site, outside_panorama
 from openrooms_usd.library.outside.canvas import Canvas
 from openrooms_usd.library.outside.daylight import Daylight, daylight_of
 from openrooms_usd.library.outside.facades import Plain, Surfaces
@@ -33,8 +33,11 @@ def day(elevation: float = 40.0, *, clouds: float = 0.0, overcast: bool = False)
 
 
 def made(scene: str = "street", **changes: object) -> np.ndarray:
-    given = {"scene": scene, "seed": 3, "height": HEIGHT, **changes}
-    return outside_panorama(given.pop("position", standing(40.0)), given.pop("air", Air()), **given)
+    given = {"height": HEIGHT, **changes}
+    keys = ("seed", "storey", "facing", "outline")
+    site = Site(scene, **{"seed": 3, **{key: given.pop(key) for key in keys if key in given}})
+    position, air = given.pop("position", standing(40.0)), given.pop("air", Air())
+    return outside_panorama(position, air, site, **given)
 
 
 def irradiance(pixels: np.ndarray, normal: np.ndarray) -> np.ndarray:

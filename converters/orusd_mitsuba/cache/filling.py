@@ -102,7 +102,8 @@ def _dark(size_m: float, scatterings: int, lights: int) -> CacheData:
 
 def _size(scene: Scene) -> float:
     """Metres; of the edge of a cube, such that there are about as many surfels as shall be."""
-    corners = scene.triangles.corners
+    # What is outside is seen from afar, and by few.
+    corners = scene.triangles.corners[scene.indoors]
     crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * np.linalg.norm(crosses, axis=1).sum()
     return float(np.sqrt(area / _SURFELS))

@@ -20,9 +20,9 @@ _WALKERS: Final = 1 << 16
 # Where walkers begin is bright; after some steps they are anywhere that light reaches.
 _FORGOTTEN_STEPS: Final = 6
 _STEPS: Final = 12
-# Edge of a place, as a part of the scene's radius.
+# Edge of a place, as a part of the room's radius.
 _PLACE_PART: Final = 1 / 16
-# How far above a surface a ray begins that shall meet it, as a part of the scene's radius.
+# How far above a surface a ray begins that shall meet it, as a part of the room's radius.
 _ABOVE_PART: Final = 1e-4
 
 
@@ -95,14 +95,19 @@ def _walk(built: Any, sampler: Any, starts: Rays) -> Rays | None:
 
 def _one_a_place(scene: Scene, rays: Rays) -> Rays:
     """One of the rays of each place, by the cubes of a grid that they begin in."""
-    cubes = np.floor(np.asarray(rays.o.numpy()) / (_PLACE_PART * scene.radius)).astype(np.int64)
+    cubes = np.floor(np.asarray(rays.o.numpy()) / (_PLACE_PART * scene.room_radius)).astype(
+        np.int64
+    )
     _, which = np.unique(cubes, axis=1, return_index=True)
     return rays.rows(np.sort(which))
 
 
 def _lit(scene: Scene, built: Any, seed: int) -> Rays | None:
-    """Rays onto points of either side that some light shines at, of candidates even by area."""
-    corners = scene.triangles.corners - scene.origin
+    """Rays onto points of either side that some light shines at, of candidates even by area.
+
+    What stands outside is far larger than the room, and is met by the walk as far as it counts.
+    """
+    corners = scene.triangles.corners[scene.indoors] - scene.origin
     a, b, c = np.moveaxis(corners, 1, 0)
     crosses = np.cross(b - a, c - a)
     areas = np.linalg.norm(crosses, axis=1)
@@ -116,7 +121,7 @@ def _lit(scene: Scene, built: Any, seed: int) -> Rays | None:
     place = a[row] * (1.0 - root) + b[row] * (root * (1.0 - across)) + c[row] * (root * across)
     side = np.where(rng.random(_CANDIDATES) < 0.5, 1.0, -1.0)[:, None]
     normal = side * crosses[row] / np.maximum(areas[row], 1e-30)[:, None]
-    above = place + _ABOVE_PART * scene.radius * normal
+    above = place + _ABOVE_PART * scene.room_radius * normal
     onto = Rays(_columns(above), _columns(-normal))
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(seed, _CANDIDATES)

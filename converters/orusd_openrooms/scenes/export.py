@@ -55,7 +55,7 @@ def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
     """
     floor_of(stage)
     with atomic.filling(destination) as root:
-        export = _Export(stage, without_shaping(translate(stage)), root, name)
+        export = _Export(stage, without_shaping(translate(stage, outside=False)), root, name)
         export.write()
     return export.report
 

@@ -4,10 +4,13 @@
 - `canvas`, `faces`, `shadows`: pixels of the panorama, flat faces on it, and what the sun misses;
 - `facades`, `houses`, `sprites`, `plants`, `land`: what stands and lies there;
 - `scenes`: where it stands: a street, a garden, hills, a courtyard, a city;
-- `panorama`: all of it.
+- `foliage`, `ledges`: plants as meshes, and what is outside at windows;
+- `near`, `solid`, `site`: which of it is near a room, that as meshes, and where the room stands;
+- `panorama`: all that is far.
 """
 
 from openrooms_usd.library.outside.panorama import outside_panorama
 from openrooms_usd.library.outside.scenes import SCENES
+from openrooms_usd.library.outside.site import Site
 
-__all__ = ["SCENES", "outside_panorama"]
+__all__ = ["SCENES", "Site", "outside_panorama"]

@@ -18,8 +18,8 @@ from openrooms_usd.library.sunlight import SUN_RADIUS, direct_normal
 # Rows of the sky as the model gives it, and of what lights faces.
 _SKY_ROWS, _LIGHT_ROWS = 360, 60
 _BLOCK_ROWS: Final = 8
-# Of the light on level ground, what the land sends back upwards: part of it lies in shadow.
-_LAND_SHARE: Final = 0.7
+LAND_SHARE: Final = 0.7
+"""Of the light on level ground, what the land sends back upwards: part of it lies in shadow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Daylight:
     @cached_property
     def land(self) -> Floats:
         """(3,) nits of the land, on the whole."""
-        return np.asarray(self.ground * self.level * _LAND_SHARE / math.pi, dtype=np.float32)
+        return np.asarray(self.ground * self.level * LAND_SHARE / math.pi, dtype=np.float32)
 
     @cached_property
     def haze(self) -> Floats:

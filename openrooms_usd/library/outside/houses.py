@@ -63,6 +63,15 @@ class House:
         """Height of its roof, metres."""
         return self.eaves + 0.5 * self._span * math.tan(self.pitch) + 0.4 * (self.pitch == 0.0)
 
+    def plan(self) -> Floats:
+        """(4, 2) its corners, metres from the eye."""
+        return np.array([self._corner(side, *self._sides(side))[:2] for side in range(4)])
+
+    def faces(self, eye: float, surfaces: Surfaces) -> Iterator[Face]:
+        """Its walls, its roof and its chimney; ``eye`` is the height of the eye above the land."""
+        yield from self._walls(eye, surfaces)
+        yield from self._roof(eye, surfaces)
+
     def stand(self, shadows: Shadows) -> None:
         """Tell the shadows of it."""
         along, out = axes(self.yaw)
@@ -75,7 +84,7 @@ class House:
 
     def draw(self, canvas: Canvas, world: World, surfaces: Surfaces) -> None:
         """Put it on the canvas."""
-        for face in (*self._walls(world.eye, surfaces), *self._roof(world.eye, surfaces)):
+        for face in self.faces(world.eye, surfaces):
             face.draw(canvas, world)
 
     def _at(self, u: float, v: float, z: float) -> Floats:
@@ -88,7 +97,7 @@ class House:
         up = np.array([0.0, 0.0, 1.0], dtype=np.float32)
         for side in range(4):
             along, _ = axes(self.yaw + 0.5 * math.pi * side)
-            length, deep = (self.width, self.depth) if side % 2 == 0 else (self.depth, self.width)
+            length, deep = self._sides(side)
             corner = self._corner(side, length, deep)
             gable = self.pitch > 0.0 and (side % 2 == 1) == self.front
             top = self.ridge if self.pitch == 0.0 else self.eaves
@@ -100,6 +109,10 @@ class House:
                 door=side == 0, eaves=self.pitch > 0.0 and not gable,
             )  # fmt: skip
             yield Face(corner - eye * up, along, up, np.array(outline), paint)
+
+    def _sides(self, side: int) -> tuple[float, float]:
+        """The length of a wall, and how deep the house is behind it."""
+        return (self.width, self.depth) if side % 2 == 0 else (self.depth, self.width)
 
     def _corner(self, side: int, length: float, deep: float) -> Floats:
         """The left foot of a wall, seen from outside."""

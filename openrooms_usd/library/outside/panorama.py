@@ -9,21 +9,18 @@ from openrooms_usd.colorimetry import luminance
 from openrooms_usd.draws import generator
 from openrooms_usd.library.outside.canvas import Canvas
 from openrooms_usd.library.outside.daylight import Daylight, daylight_of
-from openrooms_usd.library.outside.facades import Surfaces
 from openrooms_usd.library.outside.faces import World
 from openrooms_usd.library.outside.houses import House
 from openrooms_usd.library.outside.land import OWN_HALF_M, ground, hills
 from openrooms_usd.library.outside.noise import Floats
-from openrooms_usd.library.outside.scenes import SCENES, Nursery, Scene
+from openrooms_usd.library.outside.scenes import Scene
 from openrooms_usd.library.outside.shadows import Shadows
+from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.sky import Air
 from openrooms_usd.library.solar import SunPosition
 
 # Rows: an eighth of a degree each, for windows that are looked at from some metres.
 HEIGHT: Final = 1440
-STOREY_M: Final = 3.0
-# Of an eye in the lowest storey above the land.
-_EYE_M: Final = 1.75
 # Elevations between which things stand, degrees.
 _BAND_DEG: Final = (-62.0, 62.0)
 # Significant bits that are kept: of the land and the sky, and of the sun.
@@ -34,13 +31,10 @@ _MANTISSA_BITS: Final = 24
 def outside_panorama(
     position: SunPosition,
     air: Air,
+    site: Site,
     *,
-    scene: str,
-    seed: int,
-    storey: int = 0,
     clouds: float = 0.0,
     north: float = 0.0,
-    facing: float = 90.0,
     illuminance: float | None = None,
     height: int = HEIGHT,
 ) -> Floats:
@@ -49,12 +43,9 @@ def outside_panorama(
     Args:
         position: Where the sun stands.
         air: The weather, and the ground as it lights the sky.
-        scene: One of `SCENES`.
-        seed: Draws what stands there.
-        storey: Of the room; 0 is level with the land.
+        site: What stands there; what is near is left out.
         clouds: The part of the sky that they cover, 0 to 1.
         north: Degrees from +Y to north, counter-clockwise seen from above.
-        facing: Where the front of the house looks: degrees counter-clockwise from +X.
         illuminance: Horizontal, under the open sky, lux; by default what the moment gives.
         height: Rows, a multiple of four; there are twice as many columns.
 
@@ -62,15 +53,15 @@ def outside_panorama(
         (H, 2 H, 3) nits, scene-linear Rec.709, laid out as `directions`.
     """
     # The scene looks along +Y; all is drawn in its frame, and turned at the end.
-    columns = round((facing - 90.0) / 180.0 * height)
+    columns, seed = site.turn(height), site.seed
     turn = columns * 180.0 / height
     day = daylight_of(
         generator(seed, "outside", "clouds"), position, air, north=north - turn, clouds=clouds,
         height=height,
     )  # fmt: skip
-    made = SCENES[scene](Nursery.grown(generator(seed, "outside", scene)))
-    surfaces = Surfaces(generator(seed, "outside", "surfaces"))
-    world = World(day, _shadows(day, made), _EYE_M + STOREY_M * storey)
+    whole, made = site.far(height)
+    surfaces = site.surfaces()
+    world = World(day, _shadows(day, whole), site.eye)
     land = ground(world, made.zones, surfaces, height)
     panorama = np.concatenate([day.sky + day.disk, land])
     canvas = Canvas(height, *(math.radians(edge) for edge in _BAND_DEG))

@@ -81,10 +81,20 @@ class Nursery:
     hedge: Sprite
 
     @classmethod
-    def grown(cls, rng: np.random.Generator) -> "Nursery":
-        """Draw the pictures."""
-        trees = tuple(leafy(rng, aspect, trunk) for aspect, trunk in ((0.85, 0.2), (0.62, 0.16)))
-        return cls(rng, trees, (leafy(rng, 1.25, 0.0),), (conifer(rng, 0.46),), hedge(rng))
+    def grown(cls, rng: np.random.Generator, pictures: np.random.Generator | None) -> "Nursery":
+        """Draw the pictures.
+
+        Args:
+            rng: Draws the scene.
+            pictures: Draws them; None leaves them blank, for a scene that nobody looks at.
+        """
+        broad, low, narrow = ((0.85, 0.2), (0.62, 0.16)), (1.25, 0.0), 0.46
+        if pictures is None:
+            trees = tuple(_blank(aspect) for aspect, _ in broad)
+            return cls(rng, trees, (_blank(low[0]),), (_blank(narrow),), _blank(1.0))
+        trees = tuple(leafy(pictures, *shape) for shape in broad)
+        bushes, firs = (leafy(pictures, *low),), (conifer(pictures, narrow),)
+        return cls(rng, trees, bushes, firs, hedge(pictures))
 
     def pick(self, options: tuple[Color, ...]) -> Color:
         """One of some colours, a little changed."""
@@ -190,6 +200,10 @@ class Nursery:
         return made
 
 
+def _blank(aspect: float) -> Sprite:
+    return Sprite(np.zeros((1, 1, 6), dtype=np.float32), aspect)
+
+
 def _street(grown: Nursery) -> Scene:
     """Houses across a road at the front, gardens at the back, neighbours to both sides."""
     rng = grown.rng
@@ -252,7 +266,7 @@ def _garden(grown: Nursery) -> Scene:
         things += [house for house in grown.row(y, yaw, (6.0, 16.0), 60.0) if rng.random() < 0.7]
     for side in (-1.0, 1.0):
         things.append(grown.house(side * (wide + 9.0), float(rng.uniform(-6.0, 8.0)),
-                                  math.pi / 2.0 * side, 10.0))  # fmt: skip
+                                  -math.pi / 2.0 * side, 10.0))  # fmt: skip
     things += grown.scattered(22, wide + 6.0, 45.0, 5.0, 10.0)
     things += grown.scattered(90, 50.0, 140.0, 7.0, 14.0)
     zones = (

@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom, UsdShade
 
 from openrooms_usd.usd.lights import MeshLight, read_lights
 from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.usd.meshes import LEFT_OUTSIDE, PlacedMesh, is_outside, read_meshes
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 
 _EMITS: Final = "it emits light"
@@ -74,6 +74,8 @@ def read_units(stage: Usd.Stage) -> Reading:
         path = str(mesh.prim.GetPath())
         dark = np.zeros(len(mesh.mesh.triangles), dtype=bool)
         reasons = [reason] if (reason := _unfit(mesh)) else []
+        if is_outside(mesh.path):
+            reasons.append(LEFT_OUTSIDE)
         if path in lamps:
             reasons.append(_EMITS)
         dark[:] = bool(reasons)

@@ -13,6 +13,7 @@ from openrooms_usd.convert import Report
 from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.render.scene.pictures import Array, Value
 from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.usd.meshes import is_outside
 from openrooms_usd.usd.portals import Portal
 from openrooms_usd.usd.profiles import Shaping
 
@@ -196,6 +197,13 @@ class Scene:
         return Triangles.joined([patch.triangles for patch in self.patches])
 
     @cached_property
+    def indoors(self) -> NDArray[np.bool_]:
+        """(M,) which of `triangles` are no part of what stands outside before the windows."""
+        paths = self.legend.part
+        outside = [is_outside(paths.get(piece.part, "")) for piece in self.pieces]
+        return ~np.array([*outside, False])[self.triangles.pieces]
+
+    @cached_property
     def offsets(self) -> NDArray[np.int64]:
         """(P + 1,) the first triangle of each patch, and the number of all."""
         return np.cumsum([0, *(len(patch.triangles) for patch in self.patches)])
@@ -203,10 +211,17 @@ class Scene:
     @cached_property
     def radius(self) -> float:
         """Metres; of a sphere about `origin` that holds all surfaces."""
-        if not len(self.triangles):
+        return self._reach(self.triangles.corners)
+
+    @cached_property
+    def room_radius(self) -> float:
+        """Metres; of a sphere about `origin` that holds all surfaces but those outside."""
+        return self._reach(self.triangles.corners[self.indoors])
+
+    def _reach(self, corners: Array) -> float:
+        if not len(corners):
             return 1.0
-        corners = self.triangles.corners.reshape(-1, 3) - self.origin
-        return float(np.sqrt((corners**2).sum(axis=1).max()))
+        return float(np.sqrt(((corners - self.origin) ** 2).sum(axis=-1).max()))
 
     @cached_property
     def origin(self) -> Array:
@@ -214,9 +229,10 @@ class Scene:
 
         Renderers work in single precision: what they get is relative to this.
         """
-        if not len(self.triangles):
+        corners = self.triangles.corners[self.indoors]
+        if not len(corners):
             return np.zeros(3)
-        return np.round(np.median(self.triangles.corners[:, 0], axis=0))
+        return np.round(np.median(corners[:, 0], axis=0))
 
 
 def _rotation(before: Array, after: Array) -> Array:

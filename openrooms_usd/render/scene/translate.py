@@ -58,11 +58,12 @@ def _surface_of(light: Usd.Prim) -> Usd.Prim:
     return surface or light
 
 
-def translate(stage: Usd.Stage) -> Scene:
+def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
     """Translate a stage; nothing that it holds raises.
 
     Args:
         stage: The composed stage, with any up axis and unit.
+        outside: Whether what stands outside before the windows is part of it.
 
     Returns:
         The scene, whose report names every prim that was not translated whole.
@@ -74,7 +75,7 @@ def translate(stage: Usd.Stage) -> Scene:
         work.add_light(stage, light)
     work.add_portals(stage)
     # 2. Surfaces, instances expanded.
-    reading = read_meshes(stage)
+    reading = read_meshes(stage, outside=outside)
     for path, outcome, reason in reading.losses:
         work.report.add(path, outcome, reason)
     lossy = {path for path, _, _ in reading.losses}

@@ -170,7 +170,7 @@ class _Reading:
                 self.content[holder].solids[path] = read.solids
 
     def _read_visuals(self) -> None:
-        self.seen = read_meshes(self.stage)
+        self.seen = read_meshes(self.stage, outside=False)
         for placed in self.seen:
             holder = self._holder(placed.prim.GetPath())
             into = self._into(holder)
