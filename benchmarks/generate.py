@@ -22,6 +22,7 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.programs import PROGRAMS
 from openrooms_usd.generate.rooms import USUAL_CLUTTER
+from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.statistics import RoomNumbers, numbers, summary
 from openrooms_usd.library.furniture import category
 
@@ -68,27 +69,27 @@ def _rooms(count: int, seed: int) -> list[tuple[str, int]]:
 
 def check(tally: Tally, room_type: str, seed: int, clutter: int, folder: Path) -> None:
     """Generate, compose and check one room."""
-    from tests.generate import checks, scenes
+    from tests.generate import checks
+    from tests.generate.assembled import assembled
 
     began = time.perf_counter()
-    room = generate(room_type, seed, clutter=clutter)
+    shapes = Shapes(seed)
+    room = generate(room_type, seed, clutter=clutter, shapes=shapes)
     text = write(room)
     tally.seconds.append(time.perf_counter() - began)
-    described = parse_room(text)
-    (folder / "room.yaml").write_text(text, encoding="utf-8")
-    for stage in ("layout", "alignment"):
-        scene = compose_room(folder / "room.yaml", folder / "out", only=stage).scene
-    rows = described.alignment.objects
+    rows = parse_room(text).alignment.objects
     supports = checks.described_supports(rows, lambda name: category(name).support)
     hanging = checks.described_hanging(rows, lambda name: category(name).lies)
-    wrong = checks.violations(scenes.read(scene), supports, hanging)
+    wrong = checks.violations(assembled(text, shapes, folder), supports, hanging)
     for sentence in wrong:
         tally.violations.append(f"{room_type} {seed}: {sentence}")
         click.echo(f"\n{tally.violations[-1]}", err=True)
     tally.missing += room.furnishing.missing
     tally.rooms.append(numbers(room))
     tally.placed += len(supports)
-    tally.assets += len(list((folder / "out/layers/alignment/assets").iterdir()))
+    tally.assets += len(
+        {(row.category, row.size, row.style, row.fronts, row.cutouts) for row in rows}
+    )
 
 
 def _timed(room_type: str, seed: int, clutter: int) -> dict[str, Any]:

@@ -42,6 +42,9 @@ _CURTAIN_DEPTH_M, _BLIND_DEPTH_M = 0.2, 0.115
 # Beyond the window: curtains to each side, blinds to each side, both above it.
 _CURTAIN_BESIDE_M: Final = (0.16, 0.3)
 _BLIND_BESIDE_M, _ABOVE_M = 0.1, 0.16
+# The brackets of a rod reach this far from its ends, and this far below its top; longer rods have
+# one in the middle; metres.
+_BRACKET_IN_M, _BRACKET_BELOW_M, _TWO_BRACKETS_M = 0.16, 0.12, 2.4
 # What of a window blinds cover, and how much that differs within a room.
 _LOWERED_SHARE, _LOWERED_SPREAD = (0.15, 0.9), 0.06
 # Of blinds that are closed, the part that they cover.
@@ -84,6 +87,10 @@ def curtains(
         else:
             ends = [_OFF_FLOOR_M, gap.sill - _BELOW_SILL_M, gap.sill + _ABOVE_SILL_M]
             widths, depth = [beside, _BLIND_BESIDE_M], _CURTAIN_DEPTH_M
+            if top - _BRACKET_BELOW_M < gap.top + room.shell.casing:
+                # Brackets would be on the casing: they go beside it.
+                wide = max(beside, room.shell.casing + _BRACKET_IN_M)
+                widths = [wide] if gap.width + 2.0 * wide <= _TWO_BRACKETS_M else []
         sizes = [(gap.width + 2.0 * wide, depth, top - low) for wide in widths for low in ends]
         found = _hung(room, kit, gap, style, sizes, top)
         made += [found] if found else []

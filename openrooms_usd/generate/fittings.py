@@ -42,8 +42,12 @@ _NEAREST_SOCKET_M: Final = 0.9
 _SOCKET_Z_M: Final = 0.26
 _WORKTOP_SOCKETS_M: Final = 1.0
 _ABOVE_WORKTOP_M: Final = 0.16
-# Nothing stands before a switch to this distance, metres.
-_REACHED_M: Final = 0.25
+# Sockets by beds are above the tables there, metres.
+_BEDSIDE_SOCKET_Z_M: Final = 0.68
+# Nothing stands before a switch, a socket and a thermostat to this distance, metres.
+_REACHED_M: Final = 0.3
+_PLUGGED_M: Final = 0.05
+_READ_M: Final = 0.1
 _THERMOSTAT_Z_M: Final = 1.4
 # Half of the hole in a rose, which takes a lamp's canopy; metres.
 _ROSE_HOLE_M: Final = 0.075
@@ -166,7 +170,7 @@ class Fitter:
         for item in switches:
             side = min(self.room.shell.sides, key=lambda s: _distance(s, item))
             at = float((np.array([item.x, item.y]) - side.start) @ side.along)
-            made = self._hung("thermostat", side, at, _THERMOSTAT_Z_M, size, style)
+            made = self._hung("thermostat", side, at, _THERMOSTAT_Z_M, size, style, _READ_M)
             if made:
                 return made
         return []
@@ -179,7 +183,7 @@ class Fitter:
             carrier = next((other for _, group in self.room.items for other in group
                             if other.key == item.on), item)  # fmt: skip
             for side, at in self._beside(carrier, 0.25):
-                found = self._hung("data_outlet", side, at, _SOCKET_Z_M, size, style)
+                found = self._hung("data_outlet", side, at, _SOCKET_Z_M, size, style, _PLUGGED_M)
                 if found:
                     made += found
                     break
@@ -193,7 +197,7 @@ class Fitter:
             x, y = side.point(at)
             near = [abs(o.x - x) + abs(o.y - y) for o in made if abs(o.z - z) < 0.3]
             if min(near, default=9.0) >= _NEAREST_SOCKET_M:
-                made += self._hung("socket", side, at, z, size, style)
+                made += self._hung("socket", side, at, z, size, style, _PLUGGED_M)
         return made
 
     def _socket_places(self) -> Iterator[tuple[Side, float, float]]:
@@ -203,7 +207,8 @@ class Fitter:
                 yield from ((s, at, _WET_SOCKET_Z_M) for s, at in self._beside(item, 0.2))
             return
         for item in self._standing(_POWERED):
-            yield from ((side, at, _SOCKET_Z_M) for side, at in self._beside(item, 0.14))
+            z = _BEDSIDE_SOCKET_Z_M if item.category == "bed" else _SOCKET_Z_M
+            yield from ((side, at, z) for side, at in self._beside(item, 0.14))
         for item in self._standing(("worktop",)):
             yield from self._over(item)
         for side in self.room.shell.sides:

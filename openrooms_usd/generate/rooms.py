@@ -112,6 +112,7 @@ def generate(
     clutter: int = 0,
     *,
     seen: bool = True,
+    shapes: Shapes | None = None,
 ) -> Generated:
     """Make a room; equal arguments give equal rooms, in any process.
 
@@ -122,6 +123,7 @@ def generate(
         style: Of furniture, materials and colours; drawn by default.
         clutter: How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.
         seen: Whether the room is seen at its own moment, by which curtains close.
+        shapes: Takes in the forms of all things that are built on the way.
 
     Raises:
         InputError: There is no such room type or style, or no room of that area can be made.
@@ -130,7 +132,7 @@ def generate(
     if style not in INTERIORS:
         raise InputError(f"no style is named {style!r}", remedy=f"known: {', '.join(INTERIORS)}")
     best: tuple[Generated, Arrangement] | None = None
-    shapes = Shapes(seed)
+    shapes = shapes or Shapes(seed)
     closed = seen and closes(room_type, seed)
     for attempt in range(_MAX_DRAFTS):
         shell, rows = draw_shell(room_type, seed, area, attempt)

@@ -22,6 +22,8 @@ _OFF_M: Final = 0.00037
 _LEVEL_M: Final = 0.0008
 # The cosine of what still counts as level.
 _UPRIGHT: Final = 0.9998
+# The cosine of what is as good as upright.
+_STEEP: Final = 0.05
 _LEAST_AREA_M2: Final = 0.004
 # A board with less above it holds nothing, metres.
 _LEAST_HEADROOM_M: Final = 0.03
@@ -81,7 +83,8 @@ def levels_of(shape: Shape) -> tuple[Level, ...]:
     columns, rows = (np.floor((high - low) / CELL_M).astype(int) + 1).tolist()
     cell, z, up = crossings(corners, low, columns, rows)
     tops, roof = _tops(cell, z, up)
-    edges = edge_cells(corners, low, columns)
+    *edges, which = edge_cells(corners, low, columns)
+    walls = _walls(corners, edges[0], which)
     found = []
     for height, cells in _grouped(tops):
         clear = np.zeros(rows * columns)
@@ -89,6 +92,8 @@ def levels_of(shape: Shape) -> tuple[Level, ...]:
         for others, heights in ((roof[0], roof[1]), edges):
             above = (heights > height + _LEVEL_M) & (clear[others] > 0.0)
             np.minimum.at(clear, others[above], heights[above] - height)
+        where, foot, head = walls
+        clear[where[(foot < height + _LEVEL_M) & (head > height + _LEVEL_M)]] = 0.0
         level = clear.reshape(rows, columns)
         if (level > _LEAST_HEADROOM_M).sum() * CELL_M**2 >= _LEAST_AREA_M2:
             found.append(_seen(height, level, low, corners))
@@ -155,8 +160,8 @@ def _grouped(tops: tuple[NDArray[np.int64], Array]) -> list[tuple[float, NDArray
 
 def edge_cells(
     corners: Array, low: Array, columns: int, side: float = CELL_M
-) -> tuple[NDArray[np.int64], Array]:
-    """Cells through which edges of triangles pass, and how high they are there."""
+) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
+    """Cells through which edges of triangles pass, how high they are there, and whose they are."""
     ends = np.roll(corners, -1, axis=1).reshape(-1, 3)
     starts = corners.reshape(-1, 3)
     steps = np.ceil(np.linalg.norm((ends - starts)[:, :2], axis=1) / (0.5 * side)).astype(int) + 1
@@ -167,7 +172,21 @@ def edge_cells(
     # Of upright edges the whole height counts: both ends are there, and what is between them is
     # above the lower one.
     i, j = np.floor((points[:, :2] - low) / side).astype(int).T
-    return j * columns + i, points[:, 2]
+    return j * columns + i, points[:, 2], t // 3
+
+
+def _walls(
+    corners: Array, cells: NDArray[np.int64], which: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], Array, Array]:
+    """Cells through which upright faces pass, and where these begin and end, metres.
+
+    Lines through the middles of cells miss them, and their edges may be far above and below.
+    """
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    upright = np.abs(normal[:, 2]) < _STEEP * np.linalg.norm(normal, axis=1)
+    walls = upright[which]
+    z = corners[which[walls], :, 2]
+    return cells[walls], z.min(axis=1), z.max(axis=1)
 
 
 def along_edges(corners: Array, step: float = CELL_M) -> Array:

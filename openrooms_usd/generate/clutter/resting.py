@@ -63,7 +63,7 @@ def relief_of(shape: Shape) -> Relief:
     heights = np.full(rows * columns, -np.inf)
     cell, z, _ = crossings(corners, low, columns, rows, RELIEF_CELL_M)
     np.maximum.at(heights, cell, z)
-    cell, z = edge_cells(corners, low, columns, RELIEF_CELL_M)
+    cell, z, _ = edge_cells(corners, low, columns, RELIEF_CELL_M)
     np.maximum.at(heights, cell, z)
     return Relief(low, heights.reshape(rows, columns))
 

@@ -22,6 +22,8 @@ _STEP_M: Final = 0.01
 _RISE_M: Final = 0.012
 # Of the lowest points of a thing none is farther than this above what it lies on, metres.
 _MAX_GAP_M: Final = 0.013
+# Cushions give way by this, metres: heights on the grid are those of its highest places.
+_SINK_M: Final = 0.003
 _LOWEST_M: Final = 0.005
 # Which part of a bed or a seat is meant: least and greatest x and y, as shares of its size.
 _PARTS: Final[dict[Place, tuple[float, float, float, float]]] = {
@@ -118,7 +120,7 @@ def lean(
         return None
     # A little before that place it may stand better, and still leans.
     tried = (
-        _laid(seat, thing, key, points, (x, float(steps[at]), yaw), float(z[at]))
+        _laid(seat, thing, key, points, (x, float(steps[at]), yaw), float(z[at]) - _SINK_M)
         for at in range(count - 1, max(count - 4, -1), -1)
     )
     return next((laid for laid in tried if laid is not None), None)

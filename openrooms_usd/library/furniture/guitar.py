@@ -79,7 +79,10 @@ def on_stand(size: Size, rng: np.random.Generator, *, solid: bool) -> Parts:
     legs = [tube(filleted([(s * 0.14, -back + r, r), (s * 0.12, y - thick - 0.02, seat - 0.012),
                            (0.0, 0.16, 0.55 * tall + seat)], 0.05), r, segments=10)
             for s in (-1.0, 1.0)]  # fmt: skip
-    legs.append(tube([(0.0, back - r, r), (0.0, 0.16, 0.55 * tall + seat)], r, segments=10))
+    # The end of the leg that leans is cut square: its lower edge stands on the floor.
+    rise, run = 0.55 * tall + seat, back - r - 0.16
+    foot = r * run / np.hypot(rise, run)
+    legs.append(tube([(0.0, back - r, foot), (0.0, 0.16, rise)], r, segments=10))
     rest = tube([(-0.13, y - 0.5 * thick, seat - 0.012), (0.13, y - 0.5 * thick, seat - 0.012)], r,
                 segments=10)  # fmt: skip
     return {**leaning, **numbered("leg", legs), "support": rest}

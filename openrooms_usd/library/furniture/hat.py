@@ -41,7 +41,7 @@ def cap(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     r = 0.5 * width
     t = np.linspace(0.0, 0.5 * np.pi, 8)
-    dome = [(r * np.cos(a) ** 0.8, 0.012 + (height - 0.018) * np.sin(a)) for a in t]
+    dome = [(r * np.cos(a) ** 0.8, 0.0075 + (height - 0.0135) * np.sin(a)) for a in t]
     dome[-1] = (0.0, dome[-1][1])
     inner = [(max(a - 0.003, 0.0), z - 0.003) for a, z in dome]
     shell = lathe([*dome, *inner[::-1]], segments=30, crease=60.0)
@@ -51,7 +51,7 @@ def cap(size: Size, rng: np.random.Generator) -> Parts:
     x = 0.88 * r * u
     edge = np.sqrt(np.clip(r**2 - x**2, 0.0, None))
     y = -edge + 0.006 - (peak - 0.05) * v * (1.0 - np.abs(u) ** 2.4)
-    z = 0.012 - 0.008 * v + 0.0 * u
+    z = 0.0075 - 0.0035 * v + 0.0 * u
     visor = sheet(np.stack([x, y, z], axis=-1)[::-1], 0.003)
     shift = (0.0, 0.5 * depth - r, 0.0)
     return {"hat": joined([shell, knob]).moved(shift), "visor": visor.moved(shift)}

@@ -1,6 +1,7 @@
 """Cloth that lies, hangs and is rolled: towels, blankets, napkins, as sheets of some thickness."""
 
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from openrooms_usd.library.furniture.joinery import Size
 from openrooms_usd.library.furniture.lying import DRAPED_WALL_M
 
 Array = NDArray[np.float64]
+
+# The share of a roll's height by which it is pressed flat below.
+_PRESSED: Final = 0.06
 
 
 def between(front: Array, back: Array) -> Mesh:
@@ -86,6 +90,10 @@ def rolled(size: Size, rng: np.random.Generator) -> Mesh:
     line = np.stack([radius * np.cos(a) * depth / height, 0.5 * height + radius * np.sin(a)], 1)
     x = np.linspace(-0.5 * width, 0.5 * width, 3)
     front, back = _along(line, thick, x)
+    # Its weight presses it flat where it lies.
+    flat = min(front[..., 2].min(), back[..., 2].min()) + _PRESSED * height
+    for side in (front, back):
+        np.maximum(side[..., 2], flat, out=side[..., 2])
     return boxed(between(back[:, ::-1], front[:, ::-1]), size)
 
 

@@ -40,7 +40,7 @@ def teddy(size: Size, rng: np.random.Generator) -> Parts:
         scaled = unit_.transformed(np.diag([rx * width, ry * depth, rz * height]))
         return metric(scaled)[0].moved((x * width, y * depth, z * height))
 
-    body = [blob(0.27, 0.27, 0.27, 0.0, 0.22, 0.29), blob(0.24, 0.26, 0.205, 0.0, 0.15, 0.7)]
+    body = [blob(0.27, 0.27, 0.28, 0.0, 0.22, 0.28), blob(0.24, 0.26, 0.205, 0.0, 0.15, 0.7)]
     limbs = [blob(0.12, 0.3, 0.1, s * 0.26, -0.18, 0.1) for s in (-1, 1)]
     arms = [turned(blob(0.09, 0.1, 0.2, 0.0, 0.0, 0.0), "y", -s * 32.0).moved(
         (s * 0.36 * width, 0.07 * depth, 0.4 * height)) for s in (-1, 1)]  # fmt: skip
