@@ -27,10 +27,10 @@ _SEEN: Final = {
     "dusk": "just before the day or after it",
     "night": "night",
 }
-# Below so many square metres views are so many degrees wide: what lenses of 24 to 28 mm show, with
-# which interiors are photographed, and a little less for large rooms.
-_WIDE: Final = ((9.0, 75), (16.0, 72), (28.0, 68))
-_FOV_DEG: Final = 65
+# Below so many square metres views are so many degrees wide: what lenses of 26 to 31 mm show. Wider
+# ones show more walls and ceiling than things.
+_WIDE: Final = ((6.0, 70), (12.0, 66), (20.0, 63))
+_FOV_DEG: Final = 60
 
 
 def write(room: Generated) -> str:

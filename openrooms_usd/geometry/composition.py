@@ -17,17 +17,22 @@ from openrooms_usd.geometry.raycast import RayCaster
 Array = NDArray[np.float64]
 
 NO_SUBJECT: Final = -1
-"""The subject of triangles that belong to the shell or to small things."""
+"""The subject of triangles of small things, and of what is neither that nor `BARE`."""
+BARE: Final = -2
+"""The subject of triangles of walls and ceilings: there is nothing to look at."""
 
 # What a view without any subject is worth: rooms without furniture are photographed, too.
 _BARE_WORTH: Final = 0.1
+# One sofa makes a better picture than six frames: worth grows with this power of weights.
+_MAIN_POWER: Final = 1.6
+_SHOWN_POWER: Final = 1.5
 # How much a subject that is cut loses: its share in the picture to this power.
 _WHOLE_POWER: Final = 2.0
 # The part of the picture in which a thing counts as whole: it shall not touch the frame.
 _FRAME_SHARE: Final = 0.98
 # The width of the picture that a subject shall fill for each unit of its weight, and at most.
-_WIDTH_SHARE: Final = 0.09
-_MAX_WIDTH_SHARE: Final = 0.4
+_WIDTH_SHARE: Final = 0.12
+_MAX_WIDTH_SHARE: Final = 0.5
 # In front of what counts as seen, metres: its own cushions and blankets.
 _BEFORE_M: Final = 0.05
 # Nearer than this, metres, things are too large before the lens; pictures lose a factor e for each
@@ -36,20 +41,30 @@ _CLOSE_M: Final = 0.6
 _CLOSE_SHARE: Final = 0.03
 _FOREGROUND_M: Final = 1.2
 _FOREGROUND_SHARE: Final = 0.25
-# Of the floor, of the ceiling, and of one bare wall or back of a cupboard: more is too much.
-_FLOOR_SHARE: Final = 0.4
-_CEILING_SHARE: Final = 0.12
-_FLAT_SHARE: Final = 0.35
+# What stands into the upper part of the picture in less than this share of its median depth stands
+# before the rest: a table's edge may be below, a shelf's side may not be beside.
+_BEFORE_REST_SHARE: Final = 0.5
+_UPPER_SHARE: Final = 0.6
+_IN_THE_WAY_SHARE: Final = 0.05
+# Of the floor, of the ceiling, of all walls and the ceiling, and of one wall or back of a cupboard:
+# more is too much.
+_FLOOR_SHARE: Final = 0.35
+_CEILING_SHARE: Final = 0.03
+_BARE_SHARE: Final = 0.3
+_FLAT_SHARE: Final = 0.3
 _TOO_MUCH_SHARE: Final = 0.12
+_TOO_BARE_SHARE: Final = 0.35
 # Steeper than this, a normal is that of a floor.
 _LEVEL_COSINE: Final = 0.8
-# A picture is full when its subjects fill this share of it; pictures lose a factor e for each such
+# A picture is full when its subjects fill this share of it, where those of less weight than a main
+# one count as much less; pictures lose a factor e for each such
 # share of the frame's edge that cuts through one, by the subject's weight.
-_FULL_SHARE: Final = 0.3
+_FULL_SHARE: Final = 0.25
+_MAIN_WEIGHT: Final = 2.0
 _LEAST_FULL: Final = 0.2
 _CUT_SHARE: Final = 1.2
 # A picture is deep when its median depth is this share of the room's diagonal in plan.
-_DEEP_SHARE: Final = 0.4
+_DEEP_SHARE: Final = 0.3
 # A camera stands where people can when at most so much stands on the floor below it, metres.
 _FOOTING_M: Final = 0.2
 _NO_FOOTING_WORTH: Final = 0.4
@@ -62,7 +77,7 @@ class Subjects:
     Attributes:
         points: (K, P, 3) points on the surface of each, metres.
         weights: (K,) how much each matters.
-        of_triangle: (M,) the subject of each of the caster's triangles, or `NO_SUBJECT`.
+        of_triangle: (M,) the subject of each of the caster's triangles, or `NO_SUBJECT`, or `BARE`.
     """
 
     points: Array
@@ -87,7 +102,7 @@ def photographic_rating(
             _shown(caster, subjects, look)
             * _full(subjects, look)
             * _uncluttered(look)
-            * _not_bare(look)
+            * _not_bare(subjects, look)
             * np.sqrt(np.clip(_median_depth(look) / (_DEEP_SHARE * diagonal), 0.05, 1.0))
             * np.where(_has_footing(caster, look, floor), 1.0, _NO_FOOTING_WORTH)
         )
@@ -97,9 +112,10 @@ def photographic_rating(
 
 def _shown(caster: RayCaster, subjects: Subjects, look: Look) -> Array:
     """(C,) how much of the subjects is whole and unhidden in each picture, by their weights."""
-    weight = float(subjects.weights.sum())
-    if not weight > 0.0:
+    if not subjects.weights.sum() > 0.0:
         return np.ones(len(look.views))
+    worth = subjects.weights**_MAIN_POWER
+    worth /= worth.sum()
     eyes, axes = look.views.eyes, rotations(look.views.forwards)
     rays = subjects.points[None] - eyes[:, None, None]  # (C, K, P, 3)
     x, y, z = np.moveaxis(np.einsum("ckpi,cij->ckpj", rays, axes), -1, 0)
@@ -119,7 +135,7 @@ def _shown(caster: RayCaster, subjects: Subjects, look: Look) -> Array:
     width = _extent(across) / (2.0 * half)
     wanted = np.minimum(_WIDTH_SHARE * subjects.weights, _MAX_WIDTH_SHARE)
     large = np.sqrt(np.clip(width / np.maximum(wanted, 1e-9), 0.0, 1.0))
-    return np.asarray(_BARE_WORTH + (whole * open_share**2 * large) @ subjects.weights / weight)
+    return np.asarray((_BARE_WORTH + (whole * open_share**2 * large) @ worth) ** _SHOWN_POWER)
 
 
 def _extent(values: Array) -> Array:
@@ -133,12 +149,13 @@ def _extent(values: Array) -> Array:
 def _full(subjects: Subjects, look: Look) -> Array:
     """(C,) much of the picture shows subjects, and its frame cuts through few of them."""
     subject = np.where(look.seen, subjects.of_triangle[look.triangles], NO_SUBJECT)
-    filled = (subject != NO_SUBJECT).mean(axis=(1, 2))
+    # The last weights are those of `BARE` and `NO_SUBJECT`.
+    weights = np.append(subjects.weights, [0.0, 0.0])
+    filled = np.minimum(weights[subject] / _MAIN_WEIGHT, 1.0).mean(axis=(1, 2))
     edge = np.concatenate(
         [subject[:, 0], subject[:, -1], subject[:, :, 0], subject[:, :, -1]], axis=1
     )
-    # The last weight is that of `NO_SUBJECT`.
-    cut = np.append(subjects.weights, 0.0)[edge].mean(axis=1)
+    cut = weights[edge].mean(axis=1)
     full = np.sqrt(np.clip(filled / _FULL_SHARE, _LEAST_FULL, 1.0))
     return np.asarray(full * np.exp(-cut / _CUT_SHARE))
 
@@ -147,22 +164,31 @@ def _uncluttered(look: Look) -> Array:
     """(C,) little of the picture is taken by what is right before the lens."""
     close = (look.seen & (look.depth < _CLOSE_M)).mean(axis=(1, 2))
     foreground = (look.seen & (look.depth < _FOREGROUND_M)).mean(axis=(1, 2))
-    return np.asarray(np.exp(-close / _CLOSE_SHARE - foreground / _FOREGROUND_SHARE))
+    upper = slice(round(_UPPER_SHARE * look.depth.shape[1]))
+    before = look.depth < _BEFORE_REST_SHARE * _median_depth(look)[:, None, None]
+    in_the_way = (look.seen & before)[:, upper].mean(axis=(1, 2))
+    return np.asarray(
+        np.exp(
+            -close / _CLOSE_SHARE - foreground / _FOREGROUND_SHARE - in_the_way / _IN_THE_WAY_SHARE
+        )
+    )
 
 
-def _not_bare(look: Look) -> Array:
-    """(C,) neither the floor nor the ceiling nor one upright plane fills the picture."""
+def _not_bare(subjects: Subjects, look: Look) -> Array:
+    """(C,) neither floor, walls and ceiling nor one upright plane fill the picture."""
+    bare = (look.seen & (subjects.of_triangle[look.triangles] == BARE)).mean(axis=(1, 2))
     floor = (look.normals[..., 2] > _LEVEL_COSINE).mean(axis=(1, 2))
     ceiling = (look.normals[..., 2] < -_LEVEL_COSINE).mean(axis=(1, 2))
     return np.asarray(
         _bearable(floor, _FLOOR_SHARE)
         * _bearable(ceiling, _CEILING_SHARE)
+        * _bearable(bare, _BARE_SHARE, _TOO_BARE_SHARE)
         * _bearable(_largest_plane(look), _FLAT_SHARE)
     )
 
 
-def _bearable(share: Array, most: float) -> Array:
-    return np.asarray(np.exp(-np.clip((share - most) / _TOO_MUCH_SHARE, 0.0, None)))
+def _bearable(share: Array, most: float, step: float = _TOO_MUCH_SHARE) -> Array:
+    return np.asarray(np.exp(-np.clip((share - most) / step, 0.0, None)))
 
 
 def _largest_plane(look: Look) -> Array:

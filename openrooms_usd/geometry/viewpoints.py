@@ -18,10 +18,14 @@ from openrooms_usd.geometry.views import sample_views
 
 Array = NDArray[np.float64]
 
-# Degrees above the horizon: level, or a little down.
-PITCH_DEG: Final = (-5.0, 0.0)
-# How far from the room's centre people aim, degrees to either side.
+# Degrees above the horizon: a little down, so that it lies above the picture's middle.
+PITCH_DEG: Final = (-10.0, -2.0)
+# How far from the room's centre people aim, and how far from one of its subjects; degrees to
+# either side.
 _YAW_DEG: Final = 40.0
+_BESIDE_SUBJECT_DEG: Final = 15.0
+# Of the candidates, those that aim at one subject.
+_AT_SUBJECTS_SHARE: Final = 0.5
 # A wall that is faced within so many degrees is faced squarely.
 _SQUARE_DEG: Final = 12.0
 # Between a camera in a corner and both of its walls, or one in a doorway and the door; metres.
@@ -39,6 +43,7 @@ def photographers_views(
     rng: np.random.Generator,
     *,
     doorways: Array,
+    subjects: Array | None = None,
     height: tuple[float, float] = (1.2, 1.6),
     distance: tuple[float, float] = (0.3, 1.5),
 ) -> Views:
@@ -50,6 +55,7 @@ def photographers_views(
         count: How many to draw; those that fall outside the polygon are left out.
         rng: Draws them.
         doorways: (K, 2 or 3) openings in which people may stand, metres.
+        subjects: (S, 2 or 3) the middles of what the room is photographed for, metres.
         height: Range of heights above the floor, metres.
         distance: Range of distances of the others from their wall, metres.
 
@@ -67,9 +73,7 @@ def photographers_views(
     )
     plan = plan[inside(outline, plan)]
     eyes = np.column_stack([plan, floor + rng.uniform(*height, len(plan))])
-    to_centre = room_centre(outline) - plan
-    yaw = np.arctan2(to_centre[:, 1], to_centre[:, 0])
-    yaw = _squared(yaw + np.radians(rng.uniform(-_YAW_DEG, _YAW_DEG, len(plan))), outline)
+    yaw = _squared(_aimed(plan, rng, room_centre(outline), subjects), outline)
     rise = np.radians(rng.uniform(*PITCH_DEG, len(plan)))
     level = np.cos(rise)
     return Views(eyes, np.column_stack([level * np.cos(yaw), level * np.sin(yaw), np.sin(rise)]))
@@ -93,6 +97,17 @@ def _in_doorways(outline: Array, rng: np.random.Generator, doorways: Array, coun
     doors = doorways[np.arange(count) % len(doorways), :2]
     ahead = unit(room_centre(outline) - doors)
     return np.asarray(doors + rng.uniform(*_FROM_CORNER_M, (count, 1)) * ahead)
+
+
+def _aimed(plan: Array, rng: np.random.Generator, centre: Array, subjects: Array | None) -> Array:
+    """(C,) directions in plan, radians: about the room's centre, or about one of its subjects."""
+    target, spread = np.tile(centre, (len(plan), 1)), np.full(len(plan), _YAW_DEG)
+    if subjects is not None and len(subjects):
+        at = np.flatnonzero(rng.random(len(plan)) < _AT_SUBJECTS_SHARE)
+        target[at] = subjects[np.arange(len(at)) % len(subjects), :2]
+        spread[at] = _BESIDE_SUBJECT_DEG
+    x, y = (target - plan).T
+    return np.asarray(np.arctan2(y, x) + np.radians(spread * rng.uniform(-1.0, 1.0, len(plan))))
 
 
 def _squared(yaw: Array, outline: Array) -> Array:

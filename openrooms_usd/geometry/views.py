@@ -26,8 +26,8 @@ PITCH: Final = (-60.0, 20.0)  # degrees above the horizon
 CLEARANCE: Final = 0.2  # metres between an eye and any surface
 
 # Pictures of the first look at all candidates, and of the second at the best of them.
-FIRST_LOOK: Final = (40, 30)
-SECOND_LOOK: Final = (160, 120)
+FIRST_LOOK: Final = (32, 24)
+SECOND_LOOK: Final = (80, 60)
 
 # How different two views are: these distances, in these units, added up.
 APART: Final = 1.0  # metres

@@ -27,9 +27,9 @@ Array = NDArray[np.float64]
 # Above this many triangles furniture is cast as its boxes: views need no more to be chosen.
 MANY_TRIANGLES: Final = 2_000_000
 
-# Candidates for each view that is kept, and at least this many.
-_CANDIDATES_PER_VIEW: Final = 24
-_MIN_CANDIDATES: Final = 192
+# Candidates for each view that is kept, and the least of them.
+_CANDIDATES_PER_VIEW: Final = 48
+_LEAST_CANDIDATES: Final[Mapping[str, int]] = {"photograph": 640, "paper": 192}
 
 # Heights above the floor where the description names none, metres.
 _HEIGHTS_M: Final[Mapping[str, tuple[float, float]]] = {
@@ -109,14 +109,15 @@ class Selection:
     def _candidates(self, rng: np.random.Generator, view: SelectedCameras) -> Views:
         low, high = view.height or _HEIGHTS_M[view.prefer]
         highest = min(high, max(self.headroom, 0.1))
-        count = max(_MIN_CANDIDATES, _CANDIDATES_PER_VIEW * view.count)
+        count = max(_LEAST_CANDIDATES[view.prefer], _CANDIDATES_PER_VIEW * view.count)
         heights = min(low, highest), highest
         where = self.polygon, self.floor, count, rng
         if view.prefer == "paper":
             return sample_views(*where, height=heights, distance=view.distance)
         return photographers_views(
-            *where, height=heights, distance=view.distance, doorways=self.openings
-        )
+            *where, height=heights, distance=view.distance, doorways=self.openings,
+            subjects=self.subjects.points.mean(axis=1),
+        )  # fmt: skip
 
     def _rating(self) -> Rating:
         diagonal = float(np.hypot(*np.ptp(self.polygon, axis=0)))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import names
 from openrooms_usd.categories.registry import record
-from openrooms_usd.geometry.composition import NO_SUBJECT, Subjects
+from openrooms_usd.geometry.composition import BARE, NO_SUBJECT, Subjects
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.semantics import read_label
 
@@ -19,6 +19,8 @@ _WORTH_PER_M: Final = 0.4
 _MOST_WORTH_BY_SIZE: Final = 0.8
 # Things that are shorter than this, metres, are nobody's subject.
 _SMALL_M: Final = 0.4
+# Classes of NYU40 in the shell on which there is nothing to look at, tiles and panels among them.
+_BARE: Final = ("wall", "ceiling", "door")
 # How many subjects a room has at most, and points on each.
 _MAX_SUBJECTS: Final = 16
 _POINTS: Final = 20
@@ -40,6 +42,13 @@ def room_subjects(meshes: list[PlacedMesh], corners: Array, owners: Ints) -> Sub
     }
     number = {root: row for row, root in enumerate(labels)}
     thing_of_mesh = np.array([number.get(root, NO_SUBJECT) for root in roots], dtype=np.int32)
+    bare = np.array(
+        [
+            not root and read_label(mesh.prim, names.NYU40) in _BARE
+            for root, mesh in zip(roots, meshes, strict=True)
+        ],
+        dtype=np.bool_,
+    )
     thing = thing_of_mesh[owners] if len(roots) else np.zeros(0, dtype=np.int32)
     rows = [np.flatnonzero(thing == row) for row in range(len(labels))]
     worth = np.array(
@@ -50,7 +59,8 @@ def room_subjects(meshes: list[PlacedMesh], corners: Array, owners: Ints) -> Sub
     renamed = np.full(len(labels) + 1, NO_SUBJECT, dtype=np.int32)
     renamed[main] = np.arange(len(main))
     points = [_surface_points(corners[rows[row]]) for row in main]
-    return Subjects(np.array(points).reshape(-1, _POINTS, 3), worth[main], renamed[thing])
+    of_triangle = np.where(bare[owners], BARE, renamed[thing]) if len(bare) else renamed[thing]
+    return Subjects(np.array(points).reshape(-1, _POINTS, 3), worth[main], of_triangle)
 
 
 def _root(path: str) -> str:

@@ -5,7 +5,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.composition import NO_SUBJECT, Subjects, photographic_rating
+from openrooms_usd.geometry.composition import BARE, NO_SUBJECT, Subjects, photographic_rating
 from openrooms_usd.geometry.looks import Views, rated
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.viewpoints import PITCH_DEG, photographers_views
@@ -24,7 +24,7 @@ def ratings(
     points, triangles = cuboids(ROOM, SOFA, *more)
     caster = RayCaster(points, triangles)
     subject = np.full(len(triangles), NO_SUBJECT, dtype=np.int32)
-    subject[12:24] = 0
+    subject[:12], subject[12:24] = BARE, 0
     subjects = Subjects(points[triangles[12:24]].mean(axis=1)[None], np.array([4.0]), subject)
     forwards = aims - eyes
     views = Views(eyes, forwards / np.linalg.norm(forwards, axis=1, keepdims=True))
@@ -42,7 +42,7 @@ def test_people_stand_inside_level_and_often_in_corners_and_doorways(outline: Ar
     assert views.eyes[:, 2].min() >= 1.7
     assert views.eyes[:, 2].max() <= 2.1
     rise = np.degrees(np.arcsin(views.forwards[:, 2]))
-    assert PITCH_DEG[0] <= rise.min() < rise.max() <= PITCH_DEG[1] == 0.0
+    assert PITCH_DEG[0] <= rise.min() < rise.max() <= PITCH_DEG[1] <= 0.0
     away = np.linalg.norm(views.eyes[:, None, :2] - outline, axis=2).min(axis=1)
     assert (away < 0.8 * np.sqrt(2.0)).mean() > 0.3
     assert (np.linalg.norm(views.eyes[:, :2] - door[0, :2], axis=1) < 0.85).mean() > 0.1
@@ -73,6 +73,25 @@ def test_what_is_right_before_the_lens_costs_most_of_the_score() -> None:
     eye, aim = np.array([[2.0, 0.4, 1.4]]), np.array([[2.0, 3.4, 1.1]])
     lamp = ((1.72, 0.85, 1.15), (1.85, 0.95, 1.6), False)
     assert ratings(eye, aim, lamp)[0] < 0.5 * ratings(eye, aim)[0]
+
+
+def test_a_shelf_beside_the_lens_costs_half_of_the_score() -> None:
+    eye, aim = np.array([[2.0, 0.4, 1.4]]), np.array([[2.0, 3.4, 1.1]])
+    shelf = ((1.0, 0.9, 0.0), (1.35, 1.8, 2.2), False)
+    assert ratings(eye, aim, shelf)[0] < 0.5 * ratings(eye, aim)[0]
+    table = ((0.9, 0.9, 0.0), (1.5, 1.5, 0.7), False)
+    assert ratings(eye, aim, table)[0] > 0.8 * ratings(eye, aim)[0]
+
+
+def test_half_of_the_views_aim_at_a_subject() -> None:
+    subject = np.array([[4.5, 0.5, 0.4]])
+    views = photographers_views(
+        SQUARE, 0.0, 400, np.random.default_rng(3), doorways=np.zeros((0, 3)), subjects=subject
+    )
+    x, y = (subject[0, :2] - views.eyes[:, :2]).T
+    off = np.angle(np.exp(1j * (np.arctan2(y, x) - np.arctan2(*views.forwards.T[1::-1]))))
+    # Give or take their spread, and the turn towards a wall that is nearly faced.
+    assert (np.abs(np.degrees(off)) < 15.0 + 12.0).mean() > 0.5
 
 
 def test_steep_looks_at_the_floor_and_bare_walls_come_last() -> None:

@@ -11,6 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, Vt
 from openrooms_usd import names
 from openrooms_usd.description.cameras import Cameras
 from openrooms_usd.description.room import Room
+from openrooms_usd.geometry.composition import BARE
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.viewpoints import PITCH_DEG
@@ -18,9 +19,11 @@ from openrooms_usd.geometry.views import clear
 from openrooms_usd.stages import selection as stage_module
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.cameras import CamerasStage
+from openrooms_usd.stages.selection import Selection
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.meshes import define_mesh, read_meshes, world_triangles
+from openrooms_usd.usd.semantics import label
 
 Array = NDArray[np.float64]
 POLYGON = np.array([[0.0, 0], [5, 0], [5, 4], [0, 4]])
@@ -201,6 +204,18 @@ def test_a_room_without_space_is_framed_with_a_note() -> None:
     context = author(stage, {"from": "select", "count": 3})
     assert len(list_cameras(stage)) == 1
     assert "framed" in context.notes[0]
+
+
+def test_walls_and_ceilings_are_bare_and_furniture_is_what_is_photographed() -> None:
+    stage = room_stage()
+    for path, category in ((f"{names.WALLS}/wall_0", "wall"), (names.CEILING, "ceiling")):
+        label(stage.GetPrimAtPath(path), category)
+    found = Selection.of(stage)
+    heights = found.points[found.subjects.of_triangle == BARE][..., 2]
+    assert heights.min() == 0.0
+    assert heights.max() == pytest.approx(2.6)
+    assert (found.subjects.of_triangle == BARE).sum() == 4
+    assert len(found.subjects.weights) == 2
 
 
 @pytest.mark.slow

@@ -174,4 +174,5 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    photographed=1.0,
 )  # fmt: skip

@@ -255,5 +255,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     carries=("sink_edge", "low_shelf", "cupboard", "drawer"),
-    photographed=1.5,
+    photographed=2.5,
 )

@@ -202,5 +202,5 @@ CATEGORY: Final = BuiltCategory(
     hinges=Losses(1.5, 0.1),
     yields=RIGID,
     carries=("cistern",),
-    photographed=2.5,
+    photographed=1.8,
 )
