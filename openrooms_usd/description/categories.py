@@ -53,6 +53,7 @@ LibraryCategory = Literal[
     "fireplace",
     "floor_lamp",
     "food_box",
+    "fruit",
     "guitar",
     "hat",
     "headphones",

@@ -83,13 +83,17 @@ class Arrangement:
 
     def add(self, item: Item) -> bool:
         """Take in one more thing at its place, unless it narrows a path too much."""
-        floor = self.floor.with_boxes(item.box[None])
-        if item.z < HEADROOM_M:
+        return self.take(item.box[None])
+
+    def take(self, boxes: Array) -> bool:
+        """Take up space, unless that narrows a path too much."""
+        floor = self.floor.with_boxes(boxes)
+        if (boxes[:, 6] < HEADROOM_M).any():
             reachable = floor.connected()
             if reachable is None or not floor.reaches(reachable, self.access):
                 return False
         self.floor = floor
-        self.solids = np.concatenate([self.solids, item.box[None]])
+        self.solids = np.concatenate([self.solids, boxes])
         return True
 
     def _candidates(

@@ -12,6 +12,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.generate.backsplashes import backsplashes
 from openrooms_usd.generate.boxes import Pose
 from openrooms_usd.generate.clutter.living import lived_in
+from openrooms_usd.generate.coatracks import coat_racks
 from openrooms_usd.generate.curtains import curtains
 from openrooms_usd.generate.finishing import Finishing, finished, finishing, shell_style
 from openrooms_usd.generate.fittings import Fitter
@@ -228,7 +229,8 @@ def _furnished(
     heaters = fitter.heating()
     lamps = ceiling_lamps(room, kit)
     cloths = curtains(room, kit, room_type, program.curtains, closed)
-    hung = hang(room, kit, program.hangs)
+    hooks = coat_racks(room, own, room_type)
+    hung = [*hooks, *hang(room, kit, program.hangs)]
     tiles = backsplashes(room, kit)
     fitted = [*heaters, *fitter.wiring(lamps)]
     groups = [*room.items, (ON_WALLS, [*tiles, *cloths, *hung]), (FITTINGS, fitted), (LIGHT, lamps)]

@@ -1,5 +1,6 @@
 """The real form of library objects, as far as arranging them asks: their parts and tops."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -15,6 +16,8 @@ from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size, make
 Foot: TypeAlias = tuple[float, float, float, float]
 """Least x and y and greatest x and y, metres."""
 
+# Parts of furniture that one sees through.
+_PANES: Final = ("pane",)
 # A box around a part that is higher than this is cut into slices, metres.
 _SLICE_HEIGHT_M: Final = 0.15
 # An object stands on its points below this height, metres.
@@ -27,9 +30,16 @@ class Shape:
 
     Attributes:
         meshes: Its parts, in the object frame.
+        names: Of the parts, where they are known.
     """
 
     meshes: tuple[Mesh, ...]
+    names: tuple[str, ...] = ()
+
+    def named(self, word: str) -> Iterator[Mesh]:
+        """The parts of a kind: ``hook`` gives ``hook_0``, ``hook_1`` ..."""
+        pairs = zip(self.names, self.meshes, strict=False)
+        return (mesh for name, mesh in pairs if name.rsplit("_", 1)[0] == word or name == word)
 
     @cached_property
     def corners(self) -> Array:
@@ -39,6 +49,13 @@ class Shape:
             triangles, _ = mesh.triangles()
             found.append(mesh.points[mesh.indices[triangles]])
         return np.concatenate(found)
+
+    @cached_property
+    def opaque(self) -> Array:
+        """(T, 3, 3) likewise, without those of panes that one sees through."""
+        panes = {id(mesh) for word in _PANES for mesh in self.named(word)}
+        kept = [mesh for mesh in self.meshes if id(mesh) not in panes]
+        return Shape(tuple(kept)).corners if panes else self.corners
 
     @cached_property
     def foot(self) -> Foot:
@@ -146,5 +163,6 @@ class Shapes:
         if key not in self._known:
             # The key of the alignment stage: the same draws give the same details.
             rng = generator(self.seed, "alignment", "details", category, repr(size), style)
-            self._known[key] = Shape(tuple(make(category, size, style, rng, order).parts.values()))
+            parts = make(category, size, style, rng, order).parts
+            self._known[key] = Shape(tuple(parts.values()), tuple(parts))
         return self._known[key]

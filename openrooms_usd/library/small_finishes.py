@@ -44,6 +44,19 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
         "plastic", colors=((0.5, 0.05, 0.035), (0.62, 0.26, 0.03), (0.32, 0.42, 0.07)),
         roughness=(0.25, 0.4), choices=6, each=True,
     ),
+    "apple_skin": Finish(
+        "plastic", colors=((0.42, 0.04, 0.025), (0.3, 0.36, 0.06), (0.5, 0.22, 0.06),
+                           (0.28, 0.025, 0.03)),
+        roughness=(0.22, 0.34), choices=6,
+    ),
+    "orange_skin": Finish("plastic", colors=((0.72, 0.24, 0.015),), roughness=(0.4, 0.5)),
+    "pear_skin": Finish(
+        "plastic", colors=((0.4, 0.42, 0.09), (0.45, 0.32, 0.1)), roughness=(0.4, 0.55), choices=3,
+    ),
+    "lemon_skin": Finish("plastic", colors=((0.74, 0.55, 0.03),), roughness=(0.35, 0.45)),
+    "banana_skin": Finish(
+        "plastic", colors=((0.7, 0.5, 0.05), (0.55, 0.5, 0.07)), roughness=(0.4, 0.5), choices=2,
+    ),
     "porcelain": Finish(
         "specular_stone", colors=((0.8, 0.79, 0.76), (0.78, 0.75, 0.68), (0.42, 0.47, 0.5),
                                   (0.17, 0.19, 0.2)),
@@ -174,6 +187,12 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
         choices=2,
     ),
     "plush_pad": Finish("fabric", {"felt": 1}, colors=((0.6, 0.5, 0.37),)),
+    "shirt_cloth": Finish(
+        "fabric", {"canvas": 2, "linen": 1.5, "ticking": 1, "tartan": 1, "denim": 0.7},
+        colors=((0.72, 0.72, 0.7), (0.45, 0.52, 0.62), (0.07, 0.08, 0.12), (0.5, 0.42, 0.33),
+                (0.2, 0.26, 0.22), (0.4, 0.16, 0.14)),
+        choices=6,
+    ),
     "coat_cloth": Finish(
         "fabric", {"twill": 2, "denim": 1.5, "felt": 1.5, "herringbone": 1, "corduroy": 0.5},
         colors=((0.045, 0.05, 0.065), (0.05, 0.06, 0.1), (0.16, 0.155, 0.15), (0.33, 0.25, 0.15),

@@ -9,7 +9,10 @@ import pytest
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.clutter.draping import edges, hang_over
 from openrooms_usd.generate.clutter.forms import Surfaces
-from openrooms_usd.generate.clutter.levels import levels_of
+from openrooms_usd.generate.clutter.hooks import pegs
+from openrooms_usd.generate.clutter.laying import thing_of
+from openrooms_usd.generate.clutter.levels import crossings, levels_of
+from openrooms_usd.generate.clutter.settling import settle, vessels
 from openrooms_usd.generate.clutter.sills import sills
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.rooms import Generated
@@ -18,6 +21,9 @@ from openrooms_usd.generate.shell import Gap, Shell
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.windows import BOARD, reveal_depth, window
+from openrooms_usd.library.furniture import CATEGORIES
+
+SIZE = (0.4, 0.18, 1.05)
 
 
 def shelf(front: bool = False) -> Shape:
@@ -97,6 +103,49 @@ def test_things_stand_on_sills_within_their_reveals() -> None:
     assert made.frame.points[:, 1].min() <= y0 and y1 <= reveal_depth(shell.thickness)
     assert x0 >= -0.7 and x1 <= 0.7 and y1 - y0 > 0.1
     assert sill.pose[:2] == pytest.approx((2.5, 3.0))  # in the wall's inner face
+
+
+@pytest.mark.parametrize(
+    ("name", "style"), [("coat", "coat"), ("towel", "hung"), ("coat", "jacket")]
+)
+def test_loops_lie_on_the_crooks_of_hooks(name: str, style: str) -> None:
+    surfaces = Surfaces(Shapes(1))
+    rack = Item("rack", "coat_rack", (0.7, 0.075, 0.11), "plank", z=1.6, on="wall")
+    (peg, *others) = pegs([("by the door", [rack])], surfaces)
+    assert len(others) == 3 and peg.at[1] < 0.0  # before the board
+    thing = thing_of(surfaces, name, (CATEGORIES[name].styles[style].size or SIZE, style))
+    x, y, z = peg.hung(thing.size)
+    corners = thing.form.corners + np.array([x, y, z])
+    # A line upwards through the crook leaves the body, and meets the loop just above the crook.
+    low = np.array(peg.at[:2]) - [0.0002, 0.0003]
+    _, heights, _ = crossings(corners, low, 1, 1, 0.001)
+    *body, under, _ = np.sort(heights)
+    assert under - peg.at[2] == pytest.approx(0.0008, abs=0.0006)
+    assert max(body) < peg.at[2] - 0.011  # so much below it is the hook
+    assert corners[..., 1].max() < 0.5 * 0.075 - 0.015  # its back is before the board
+
+
+def test_fruit_settles_in_its_bowl() -> None:
+    surfaces = Surfaces(Shapes(1))
+    bowl = Item("bowl", "bowl", (0.28, 0.28, 0.1), "round", z=0.7)
+    (vessel,) = vessels([(0, bowl)], surfaces)
+    apple = thing_of(surfaces, "fruit", ((0.078, 0.078, 0.08), "apple"))
+    rng = np.random.default_rng(1)
+    laid = [item for k in range(12) if (item := settle(vessel, apple, f"apple {k}", rng))]
+    assert 2 <= len(laid) < 12  # then others would carry it
+    places = np.array([(item.x, item.y, item.z) for item in laid])
+    away = np.linalg.norm(places[:, None] - places, axis=2) + np.eye(len(laid))
+    assert away.min() > 0.07 and (places[:, 2] > 0.7).all() and (places[:, 2] < 0.76).all()
+    assert not list(vessels([(0, bowl), (0, laid[0])], surfaces))  # it is no longer empty
+    pan = Item("bin", "trash_bin", (0.26, 0.29, 0.42), "pedal")
+    assert not list(vessels([(0, pan)], surfaces))  # it has a lid
+
+
+def test_boards_behind_panes_are_seen() -> None:
+    glass = levels_of(Shapes(1).of("kitchen_cabinet", (0.6, 0.35, 0.8), "glass"))
+    doors = levels_of(Shapes(1).of("kitchen_cabinet", (0.6, 0.35, 0.8), "doors"))
+    assert sum(level.glazed and level.open for level in glass) == 3
+    assert not any(level.glazed for level in doors) and sum(level.open for level in doors) == 1
 
 
 @pytest.mark.parametrize("width", [0.49, 0.6])

@@ -62,6 +62,8 @@ AMOUNTS: Final[Mapping[Place, Amount]] = {
     "chair_seat": Amount(2.0, 1, 0.15),
     "in_basket": Amount(30.0, 3, 0.8, (0.8, 0.4, 0.4)),
     "on_tray": Amount(40.0, 4, 1.0, (0.8, 0.4, 0.4)),
+    "in_bowl": Amount(60.0, 6, 0.65, (0.7, 0.4, 0.4)),
+    "in_bin": Amount(45.0, 4, 0.75, (0.6, 0.5, 0.5)),
     "on_stack": Amount(40.0, 1, 0.4),
 }
 
@@ -76,6 +78,11 @@ DRAPED: Final[Mapping[Place, tuple[float, ...]]] = {
     "towel_rail": (0.95, 0.3, 0.0),
     "sofa_arm": (0.25, 0.3, 0.2),
     "chair_back": (0.03, 0.05, 0.1),
+}
+# How often something hangs on a hook, or on a place of a rail for one hanger, by level.
+HUNG: Final[Mapping[Place, tuple[float, ...]]] = {
+    "hook": (0.45, 0.35, 0.3),
+    "clothes_rail": (0.5, 0.2, 0.2),
 }
 # How often a table is laid, by room type; elsewhere the last.
 LAID: Final[Mapping[str, float]] = {"dining_room": 0.6, "kitchen": 0.45, "": 0.3}

@@ -148,7 +148,7 @@ def _put_at(scatter: Scatter, spot: Spot, thing: Thing, local: Pose) -> bool:
     pose = (*spot.carrier.at(*local[:2]), spot.carrier.yaw + local[2])
     box = thing.standing(pose, spot.z)
     lifted = box + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.001, 0.0])
-    if overlap(lifted, scatter.taken.near(spot.box, spot.carrier.key), 0.002).any():
+    if overlap(lifted, scatter.taken.near(spot.box, {spot.carrier.key}), 0.002).any():
         return False
     item = item_at(thing, scatter.key(thing.name), pose, spot.z, spot.carrier.key)
     scatter.add(spot.group, item, box)

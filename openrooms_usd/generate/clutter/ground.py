@@ -72,6 +72,11 @@ class Ground:
             or overlap(box, self.taken.boxes, gap).any()
         )
 
+    def meets_walls(self, box: Array) -> bool:
+        """Whether a box runs into a wall, or into what is fixed to walls and ceiling."""
+        shell = self.room.shell
+        return bool(overlap(box, shell.walls).any() or overlap(box, shell.attached).any())
+
     def _free(self, thing: Thing, pose: Pose) -> bool:
         box = thing.standing(pose, 0.0)
         if not self.room.shell.contains(box[:, :2]).all() or self._meets(box, 0.01, 0.005):

@@ -1,6 +1,6 @@
 """Laying things down: what they take up in each pose, what is taken already, and where they fit."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final
@@ -12,8 +12,10 @@ from openrooms_usd.generate.boxes import NONE, Array, Pose, box, overlap, posed
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import CELL_M
 from openrooms_usd.generate.clutter.making import Make
+from openrooms_usd.generate.clutter.resting import skin_of
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed, wrapped
+from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.rotations import tilted
 
 # Between things that lie beside each other, metres.
@@ -38,6 +40,7 @@ class Thing:
         name: Its category.
         make: Its size and style.
         tilt: Degrees forward, then to its right.
+        form: How it is built.
         points: (N, 3) its corners when it leans so, the middle of its base in the origin; metres.
         skin: (M, 3) its corners and points between them, likewise.
     """
@@ -45,6 +48,7 @@ class Thing:
     name: str
     make: Make
     tilt: Tilt
+    form: Shape = field(repr=False)
     points: Array = field(repr=False)
     skin: Array = field(repr=False)
 
@@ -83,9 +87,7 @@ def thing_of(surfaces: Surfaces, name: str, make: Make, tilt: Tilt = (0.0, 0.0))
     shape = surfaces.shapes.of(name, *make)
     points = np.concatenate([mesh.points for mesh in shape.meshes])
     turn = tilted(*tilt).T if any(tilt) else np.eye(3)
-    between = 0.5 * (shape.corners + np.roll(shape.corners, -1, axis=1))
-    skin = np.concatenate([points, between.reshape(-1, 3), shape.corners.mean(axis=1)])
-    return Thing(name, make, tilt, points @ turn, skin @ turn)
+    return Thing(name, make, tilt, shape, points @ turn, skin_of(shape) @ turn)
 
 
 @dataclass
@@ -105,10 +107,10 @@ class Taken:
         self.boxes = np.concatenate([self.boxes, boxes])
         self.owners += [owner] * len(boxes)
 
-    def near(self, area: Array, carrier: str) -> Array:
-        """(K, 8) what comes into a box, but what carries things there."""
+    def near(self, area: Array, but: Collection[str]) -> Array:
+        """(K, 8) what comes into a box, but the parts of some items, which carry things there."""
         found = np.flatnonzero(overlap(area, self.boxes, 2 * _GAP_M)).tolist()
-        return self.boxes[[i for i in found if self.owners[i] != carrier]]
+        return self.boxes[[i for i in found if self.owners[i] not in but]]
 
 
 def taken_by(items: Sequence[Item], surfaces: Surfaces) -> Taken:

@@ -6,7 +6,8 @@ edge of a triangle that passes through the cell: walls and rims that are thinner
 between the lines, but have edges.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -29,6 +30,9 @@ _LEAST_AREA_M2: Final = 0.004
 _LEAST_HEADROOM_M: Final = 0.03
 # What is seen from the front when it is looked at along so many heights above a board, metres.
 _LOOKS_M: Final = (0.02, 0.05, 0.09, 0.14)
+# Doors with panes have frames, which nobody sees through; and ledges that are no boards; metres.
+_ABOVE_FRAMES_M: Final = _LOOKS_M[2:]
+_DEEP_M: Final = 0.12
 # A board is open where a look from the front comes this far beyond its front edge, metres, and as
 # a whole where that is so for this share of its width.
 _SEEN_M: Final = 0.04
@@ -45,13 +49,15 @@ class Level:
         z: Its height above the object's base, metres.
         origin: (2,) the least corner of the first cell, metres.
         clear: (H, W) how high things may be that stand in a cell, metres; 0 where there is no top.
-        open: Whether it can be reached from the front or from above.
+        open: Whether it is seen from the front or from above.
+        glazed: Whether that is so through a pane alone.
     """
 
     z: float
     origin: Array
     clear: Array
     open: bool
+    glazed: bool = False
 
     @property
     def area(self) -> float:
@@ -96,8 +102,17 @@ def levels_of(shape: Shape) -> tuple[Level, ...]:
         clear[where[(foot < height + _LEVEL_M) & (head > height + _LEVEL_M)]] = 0.0
         level = clear.reshape(rows, columns)
         if (level > _LEAST_HEADROOM_M).sum() * CELL_M**2 >= _LEAST_AREA_M2:
-            found.append(_seen(height, level, low, corners))
+            found.append(_shown(height, level, low, shape))
     return tuple(found)
+
+
+def _shown(height: float, clear: Array, low: Array, shape: Shape) -> Level:
+    """A level, seen from the front or through panes there."""
+    level = _seen(height, clear.copy(), low, shape.corners)
+    deep = int((clear > 0.0).any(axis=1).sum()) * CELL_M
+    if level.open or deep < _DEEP_M or shape.opaque is shape.corners:
+        return level
+    return replace(_seen(height, clear, low, shape.opaque, _ABOVE_FRAMES_M), glazed=True)
 
 
 def crossings(
@@ -198,7 +213,9 @@ def along_edges(corners: Array, step: float = CELL_M) -> Array:
     return np.asarray(starts[t] + (k / np.maximum(steps[t] - 1, 1))[:, None] * (ends - starts)[t])
 
 
-def _seen(height: float, clear: Array, low: Array, corners: Array) -> Level:
+def _seen(
+    height: float, clear: Array, low: Array, corners: Array, heights: Sequence[float] = _LOOKS_M
+) -> Level:
     """A level: of a board that is open to the front only what can be seen, and reached, counts."""
     free = clear > 0.0
     if np.isinf(clear[free]).mean() > 0.5:
@@ -207,7 +224,7 @@ def _seen(height: float, clear: Array, low: Array, corners: Array) -> Level:
     x = low[0] + CELL_M * (columns + 0.5)
     edge = low[1] + CELL_M * np.argmax(free[:, columns], axis=0)
     room = float(np.median(clear[free]))
-    looks = [height + look for look in _LOOKS_M if look < 0.8 * room] or [height + 0.5 * room]
+    looks = [height + look for look in heights if look < 0.8 * room] or [height + 0.5 * room]
     seen = np.array([_first_met(corners, x, z) > edge + _SEEN_M for z in looks]).all(axis=0)
     if seen.mean() < _OPEN_SHARE:
         return Level(height, low, clear, False)

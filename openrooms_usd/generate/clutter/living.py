@@ -9,9 +9,11 @@ from openrooms_usd.generate.clutter.arrangements import MOUSE, lay_table, put_be
 from openrooms_usd.generate.clutter.draping import edges
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
+from openrooms_usd.generate.clutter.hooks import pegs
 from openrooms_usd.generate.clutter.laying import taken_by
 from openrooms_usd.generate.clutter.making import Makes
 from openrooms_usd.generate.clutter.scatter import Scatter
+from openrooms_usd.generate.clutter.settling import Vessel, vessels
 from openrooms_usd.generate.clutter.sills import CARRIER, sills
 from openrooms_usd.generate.clutter.soft import seats
 from openrooms_usd.generate.clutter.spots import Spot, spots, spots_of
@@ -25,6 +27,8 @@ _MEALS_FROM: Final = 2
 # The title of what stands on the floor and hangs on the walls by itself.
 ABOUT: Final = "lying about"
 
+# Vessels are numbered downwards from here: surfaces upwards from 0, places of the room from -1.
+_FIRST_VESSEL: Final = -1000
 # What is kept free before windows and is no deeper than twice this is part of them, metres.
 _NOSE_M: Final = 0.03
 
@@ -65,6 +69,11 @@ def lived_in(
     tops = list(enumerate([*spots(groups, surfaces, room_type), *boards]))
     soft = list(enumerate(seats(groups, surfaces), len(tops)))
     hems = list(enumerate(edges(groups, surfaces), len(tops) + len(soft)))
+    hanging = list(pegs(groups, surfaces))
+    numbers = {
+        item.key: number for number, item in enumerate(items, len(tops) + len(soft) + len(hems))
+    }
+    hollow: dict[str, Vessel] = {}
     ground = Ground(room, items, scatter.taken, rng)
     for step in range(1, level + 1):
         drawn = generator(seed, "generate", room_type, "clutter", step)
@@ -73,7 +82,7 @@ def lived_in(
             _put_mice(scatter, [spot for _, spot in tops], items)
         for number, spot in tops:
             scatter.fill(number, spot, step)
-        inner = _inside(scatter, surfaces, known=len(tops) + len(soft) + len(hems))
+        inner = _inside(scatter, surfaces, known=len(tops) + len(soft) + len(hems) + len(items))
         for number, spot in inner:
             scatter.fill(number, spot, step)
         if step == _MEALS_FROM:
@@ -82,12 +91,26 @@ def lived_in(
             scatter.sit(number, seat, step)
         for number, edge in hems:
             scatter.drape(number, edge, step)
+        for peg in hanging:
+            scatter.hang(numbers[peg.carrier.key], peg, ground, step)
         for place in ROOM_AMOUNTS:
             scatter.stand(ground, place, len(groups), step)
+        _fill_vessels(scatter, groups, surfaces, hollow, step)
     full.append((ABOUT, []))
     for group, item in scatter.added:
         full[group][1].append(item)
     return [group for group in full if group[1]]
+
+
+def _fill_vessels(
+    scatter: Scatter, groups: Groups, surfaces: Surfaces, known: dict[str, Vessel], step: int
+) -> None:
+    """Things into bowls and bins: those that groups have, and those that were laid."""
+    standing = [(number, item) for number, (_, items) in enumerate(groups) for item in items]
+    for vessel in vessels([*standing, *scatter.added], surfaces):
+        known.setdefault(vessel.carrier.key, vessel)
+    for number, vessel in enumerate(known.values()):
+        scatter.drop_in(_FIRST_VESSEL - number, vessel, step)
 
 
 def _put_mice(scatter: Scatter, tops: Sequence[Spot], items: Sequence[Item]) -> None:

@@ -68,6 +68,13 @@ def relief_of(shape: Shape) -> Relief:
     return Relief(low, heights.reshape(rows, columns))
 
 
+def skin_of(shape: Shape) -> Array:
+    """(N, 3) corners of an object's triangles, and points between them; metres."""
+    points = np.concatenate([mesh.points for mesh in shape.meshes])
+    between = 0.5 * (shape.corners + np.roll(shape.corners, -1, axis=1))
+    return np.concatenate([points, between.reshape(-1, 3), shape.corners.mean(axis=1)])
+
+
 def rest_on(below: Shape, below_skin: Array, upper: Shape, upper_skin: Array, pose: Pose) -> float:
     """How high an object's origin is that comes down on another: points of each on faces of both.
 

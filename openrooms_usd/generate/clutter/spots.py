@@ -21,7 +21,7 @@ _BOARDS: Final[tuple[Place, ...]] = (
 # What is no level top: seats and beds, edges and hooks.
 _NO_TOPS: Final[tuple[Place, ...]] = (
     "bed_head", "bed_foot", "sofa_seat", "armchair_seat", "chair_seat", "sofa_arm", "chair_back",
-    "towel_rail", "clothes_rail", "hook", "wall", "wall_over_basin",
+    "towel_rail", "clothes_rail", "hook", "wall", "in_bowl", "in_bin",
 )  # fmt: skip
 # Tops above this are out of reach, metres; boards below that are low ones.
 _HIGHEST_TOP_M: Final = 1.75
@@ -153,6 +153,8 @@ def _board(
     level: Level, carries: tuple[Place, ...], base: float, top: Level | None
 ) -> Place | None:
     """What a level within an object is used for; None for one that holds nothing."""
+    if level.glazed and level.open:
+        return "shelf" if "cupboard" in carries or "shelf" in carries else None
     if level.open:
         if top is not None and np.isinf(level.headroom) and level.z > top.z:
             return None

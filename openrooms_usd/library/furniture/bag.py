@@ -21,7 +21,7 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, numbered
-from openrooms_usd.library.furniture.lying import Lies
+from openrooms_usd.library.furniture.lying import LOOP_BACK_M, LOOP_M, Lies
 
 
 def _open_bag(size: Size, sag: float, rng: np.random.Generator) -> Mesh:
@@ -58,7 +58,12 @@ def hung(size: Size, rng: np.random.Generator) -> Parts:
     """A flat bag that hangs from its loops."""
     width, depth, height = size
     tall = 0.58 * height
-    loops = [_loop(0.26 * width, y, 0.92 * tall, height, 0.005) for y in (0.1 * depth, 0.3 * depth)]
+    # Both straps lie on the hook, one before the other.
+    y = 0.5 * depth - LOOP_BACK_M
+    loops = [
+        _loop(0.26 * width, y + s * 0.45 * LOOP_M, 0.92 * tall, height, 0.5 * LOOP_M)
+        for s in (-1.0, 1.0)
+    ]
     body = filled_case(width, tall, depth, rng)
     return {"bag": body.moved((0.0, 0.0, 0.5 * tall)), **numbered("handle", loops)}
 
@@ -118,7 +123,25 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     lies=(
-        Lies(on=("hook",), styles=("hung",), pose="hung", weight=0.8, most=2),
+        Lies(
+            on=("hook",),
+            rooms=(
+                "hallway",
+                "closet",
+                "bedroom",
+                "living_room",
+                "apartment",
+                "office",
+                "hotel",
+                "kitchen",
+                "classroom",
+                "stairs",
+            ),
+            styles=("hung",),
+            pose="hung",
+            weight=0.6,
+            most=2,
+        ),
         Lies(on=("floor_by_door", "floor_by_wall"), styles=("tote", "paper"), weight=0.5, most=2),
         Lies(on=("floor_under_desk", "floor_beside_sofa"), styles=("tote",), weight=0.3, most=1),
         Lies(on=("chair_seat",), styles=("tote",), clutter=2, weight=0.3, most=1),

@@ -50,6 +50,7 @@ CATEGORY: Final = BuiltCategory(
     makes=(makes.row("container", makes.walls(3), "common", "specular_stone"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
+    carries=("in_bowl",),
     lies=(
         Lies(on=("worktop", "dining_table", "coffee_table"), weight=0.8, most=1),
         Lies(on=("shelf", "cabinet_top", "media_top", "dresser_top", "side_table"), weight=0.5),

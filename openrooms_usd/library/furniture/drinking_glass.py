@@ -83,7 +83,14 @@ CATEGORY: Final = BuiltCategory(
     hinges=PLAIN_HINGES,
     yields=RIGID,
     lies=(
-        Lies(on=("cupboard", "shelf"), rooms=("kitchen", "dining_room"), pose="row", count=(3, 6)),
+        Lies(
+            on=("cupboard", "shelf"),
+            rooms=("kitchen", "dining_room"),
+            pose="row",
+            count=(3, 6),
+            weight=1.3,
+            most=4,
+        ),
         Lies(on=("dining_table",), pose="flat", cluster="setting", weight=0.7),
         Lies(
             on=("worktop", "sink_edge"),

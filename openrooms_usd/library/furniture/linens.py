@@ -1,5 +1,6 @@
 """Cloth that lies, hangs and is rolled: towels, blankets, napkins, as sheets of some thickness."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -8,13 +9,13 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.cloth import ripples
 from openrooms_usd.geometry.lofts import loft
-from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
-from openrooms_usd.geometry.sweeps import sheet
+from openrooms_usd.geometry.sweeps import sheet, tube
 from openrooms_usd.geometry.uv import metric
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.library.furniture.joinery import Size
-from openrooms_usd.library.furniture.lying import DRAPED_WALL_M
+from openrooms_usd.library.furniture.lying import DRAPED_WALL_M, LOOP_BACK_M, LOOP_M, LOOP_RISE_M
 
 Array = NDArray[np.float64]
 
@@ -155,4 +156,26 @@ def hung_cloth(size: Size, rng: np.random.Generator, folds: int = 5) -> Mesh:
         (0.03 * np.cos(angle), 0.03 * np.sin(angle), np.full(count, inside * height + 0.06)),
     ]
     points = np.array([np.stack(ring, axis=1) for ring in rings])
-    return boxed(loft(points[::-1], crease=70.0), size)
+    shell = backed(points[:-2])
+    hem = np.concatenate([shell, points[-2:] + (shell[-1] - points[-3])])
+    return boxed(loft(hem[::-1], crease=70.0), size)
+
+
+def backed(rings: Array) -> Array:
+    """Rings (R, N, 3) moved so that all touch one plane with their backs, as at a wall."""
+    moved = rings.copy()
+    moved[..., 1] -= rings[..., 1].max(axis=1, keepdims=True)
+    return moved
+
+
+def with_loop(build: Callable[[Size], Mesh], size: Size) -> Mesh:
+    """What hangs on a hook: a body with a flat back, and a loop of tape on its top."""
+    width, depth, height = size
+    body = build((width, depth, height - LOOP_RISE_M - LOOP_M))
+    r = 0.5 * LOOP_M
+    half, y, top = 0.009, 0.5 * depth - LOOP_BACK_M, height - r
+    t = np.radians([180.0, 135.0, 90.0, 45.0, 0.0])
+    arch = np.stack([half * np.cos(t), np.full(5, y), top - half * (1.0 - np.sin(t))], axis=1)
+    low = height - LOOP_RISE_M - LOOP_M - 0.03
+    path = np.array([(-half, y, low), *arch, (half, y, low)])
+    return joined([body, tube(path, r, segments=8)])

@@ -56,12 +56,9 @@ Place = Literal[
     "floor_before_basin",
     "floor_open",
     "wall",
-    "wall_over_basin",
     # Within and on other small things.
     "in_basket",
     "in_bowl",
-    "in_mug",
-    "in_box",
     "in_bin",
     "on_tray",
     "on_stack",
@@ -83,7 +80,10 @@ also below tables; ``wardrobe_shelf``, ``cupboard``, ``drawer``: behind a front.
 
 ``floor_by_wall``: with its back to a wall; ``floor_under_desk``: against the wall below a desk;
 ``floor_before_basin``: before basin, bath or shower; ``floor_open``: anywhere that nobody has to
-walk, for toys; ``wall``: pictures, clocks, hooks; ``wall_over_basin``: mirrors and cabinets there.
+walk, for toys; ``wall``: pictures and clocks.
+
+``hook``: each hook takes one thing; ``clothes_rail``: of a rack, for what is on hangers;
+``in_bowl``, ``in_bin``: what is dropped in and settles.
 """
 
 Pose = Literal["upright", "flat", "stacked", "row", "leaning", "on_back", "on_side", "draped",
@@ -96,17 +96,27 @@ turned any way; ``stacked``: several alike on top of each other, as built, a lit
 each other; ``row``: several alike side by side, fronts forward; ``leaning``: as built, its lower
 front edge away from what is behind it and its upper back edge against that (a book, a tray, a
 board, a picture at a wall; a cushion at the back of a sofa); ``on_back``: laid on its +Y side;
-``on_side``: laid on its +X side; ``draped``: over an edge (below); ``hung``: as built, its +Y side
-flush to a wall or its top at a hook.
+``on_side``: laid on its +X side; ``draped``: over an edge (below); ``hung``: from a hook or a rail
+by the loop on its top (below).
 
 A ``draped`` thing is built as an upside-down U: two flaps that hang down towards -Y and +Y from a
 ridge along X. The wanted depth is that of what it hangs over plus twice `DRAPED_WALL_M`, so that
 each flap is `DRAPED_WALL_M` thick, with all folds on its outside; the wanted height is from the
 longer flap's hem (z = 0) to the top of the ridge. The front flap (-Y) is the longer one.
+
+A ``hung`` thing ends on its top in a loop across X, `LOOP_M` thick, whose highest point is at
+x = 0: `LOOP_BACK_M` before its back where it hangs on a hook, at y = 0 where it hangs on a rail.
+Below the loop's underside `LOOP_RISE_M` are free for what it hangs on.
 """
 
 DRAPED_WALL_M: Final = 0.012
 """Thickness of each flap of a draped thing, folds included, metres."""
+LOOP_M: Final = 0.005
+"""Thickness of the loop by which a thing hangs, metres."""
+LOOP_BACK_M: Final = 0.012
+"""How far before the back of a thing the loop is by which it hangs on a hook, metres."""
+LOOP_RISE_M: Final = 0.021
+"""From the top of a thing to the underside of its loop, metres."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,5 +1,6 @@
-"""Paper: loose sheets, a pile of them, letters, a pad, notes that stick."""
+"""Paper: loose sheets, letters, a pad, a sheet crumpled to a ball."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -9,6 +10,7 @@ from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import Scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.sweeps import sheet, tube
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
@@ -18,9 +20,12 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board, numbered
+from openrooms_usd.library.furniture.linens import boxed
 from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
 from openrooms_usd.library.furniture.prints import Print, label_lines
+
+_FLAT: Final = ("sheets", "pad", "letters")
 
 
 def _page(width: float, depth: float, rng: np.random.Generator) -> tuple[Mesh, list[Mesh]]:
@@ -94,15 +99,24 @@ def letters(size: Size, rng: np.random.Generator) -> Parts:
     return {**numbered("envelope", found), **windows[0]}
 
 
+def crumpled(size: Size, rng: np.random.Generator) -> Parts:
+    """A sheet crumpled to a ball."""
+    ball = sphere(0.5, segments=14)
+    dents = 1.0 + 0.22 * rng.uniform(-1.0, 1.0, len(ball.points))
+    same = np.unique(ball.points.round(6), axis=0, return_inverse=True)[1].ravel()
+    return {"ball": boxed(replace(ball, points=ball.points * dents[same][:, None]), size)}
+
+
 CATEGORY: Final = BuiltCategory(
     description="sheets of paper, a pad, or letters",
     size=(0.23, 0.31, 0.006),
     least=(0.06, 0.06, 0.005),
-    most=(0.5, 0.5, 0.08),
+    most=(0.5, 0.5, 0.1),
     styles={
         "sheets": Style(sheets),
         "pad": Style(pad, size=(0.15, 0.21, 0.012)),
         "letters": Style(letters, size=(0.23, 0.13, 0.009)),
+        "crumpled": Style(crumpled, lambda size: size[2] > 0.5 * size[0], (0.085, 0.08, 0.07)),
     },
     spread=USUAL,
     round=False,
@@ -111,7 +125,7 @@ CATEGORY: Final = BuiltCategory(
     also=(),
     level=HANGS_NOT,
     lumen=NO_LAMP,
-    weighs={ANY: (0.02, 0.6)},
+    weighs={"crumpled": (0.002, 0.05), ANY: (0.02, 0.6)},
     worktop=NO_APPLIANCE,
     fixed=False,
     words="papers envelope envelopes letter letters document documents notepad sheet_of_paper",
@@ -131,12 +145,14 @@ CATEGORY: Final = BuiltCategory(
     ),
     makes=(
         makes.row("wire", makes.solid(2000), "common", "metal"),
+        makes.row("ball", makes.filled(40), "common"),
         makes.row(ANY, makes.solid(550), "common"),
     ),
     hinges=PLAIN_HINGES,
     yields=RIGID,
     lies=(
-        Lies(on=("desk",), pose="flat", weight=1.0, count=(1, 1), cluster="writing", most=3),
+        Lies(on=("in_bin",), styles=("crumpled",), pose="flat", most=8, makes=4),
+        Lies(on=("desk",), styles=_FLAT, pose="flat", cluster="writing", most=3),
         Lies(
             on=("dining_table", "worktop", "cabinet_top", "side_table"),
             pose="flat",
@@ -145,8 +161,8 @@ CATEGORY: Final = BuiltCategory(
             weight=0.35,
             most=2,
         ),
-        Lies(on=("coffee_table",), pose="flat", clutter=3, weight=0.3, most=1),
-        Lies(on=("drawer",), rooms=("office",), pose="flat", weight=0.5),
+        Lies(on=("coffee_table",), styles=_FLAT, pose="flat", clutter=3, weight=0.3, most=1),
+        Lies(on=("drawer",), rooms=("office",), styles=_FLAT, pose="flat", weight=0.5),
         Lies(
             on=("shelf",),
             rooms=("office",),

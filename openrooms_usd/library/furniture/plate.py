@@ -84,7 +84,8 @@ CATEGORY: Final = BuiltCategory(
             rooms=("kitchen", "dining_room"),
             pose="stacked",
             count=(3, 7),
-            weight=1.0,
+            weight=1.4,
+            most=5,
         ),
         Lies(on=("dining_table",), pose="flat", cluster="setting", weight=0.7),
         Lies(

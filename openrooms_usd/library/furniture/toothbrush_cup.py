@@ -116,6 +116,6 @@ CATEGORY: Final = BuiltCategory(
     yields=RIGID,
     lies=(
         Lies(on=("basin_edge",), rooms=("bathroom",), weight=1.0, cluster="teeth", most=1),
-        Lies(on=("wall_over_basin", "shelf"), rooms=("bathroom",), weight=0.3, most=1),
+        Lies(on=("shelf",), rooms=("bathroom",), weight=0.3, most=1),
     ),
 )

@@ -16,7 +16,13 @@ from openrooms_usd.library.furniture.built import (
     BuiltCategory,
 )
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style
-from openrooms_usd.library.furniture.linens import folded_pile, hung_cloth, over_bar, rolled
+from openrooms_usd.library.furniture.linens import (
+    folded_pile,
+    hung_cloth,
+    over_bar,
+    rolled,
+    with_loop,
+)
 from openrooms_usd.library.furniture.lying import Lies
 
 
@@ -32,7 +38,7 @@ def rolled_up(size: Size, rng: np.random.Generator) -> Parts:
 
 def hung(size: Size, rng: np.random.Generator) -> Parts:
     """A towel that hangs from its loop."""
-    return {"towel": hung_cloth(size, rng)}
+    return {"towel": with_loop(lambda rest: hung_cloth(rest, rng), size)}
 
 
 def draped(size: Size, rng: np.random.Generator) -> Parts:
@@ -77,7 +83,8 @@ CATEGORY: Final = BuiltCategory(
             rooms=("bathroom", "kitchen", "laundry_room"),
             styles=("hung",),
             pose="hung",
-            weight=0.9,
+            weight=1.2,
+            most=5,
         ),
         Lies(
             on=("shelf", "low_shelf", "cupboard", "wardrobe_shelf"),

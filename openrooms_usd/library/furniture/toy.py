@@ -154,7 +154,7 @@ CATEGORY: Final = BuiltCategory(
             most=3,
             pose="flat",
         ),
-        Lies(on=("in_basket", "in_box"), weight=0.6, count=(1, 3)),
+        Lies(on=("in_basket",), weight=0.6, count=(1, 3)),
         Lies(on=("bed_head", "bed_foot", "armchair_seat"), styles=("teddy",), weight=0.25, most=1),
         Lies(on=("shelf", "low_shelf"), rooms=("bedroom",), weight=0.4, most=3),
     ),

@@ -226,5 +226,6 @@ CATEGORY: Final = BuiltCategory(
     ),
     hinges=Losses(0.02, 0.01),
     yields=RIGID,
+    carries=("in_bin",),
     photographed=0.0,
 )

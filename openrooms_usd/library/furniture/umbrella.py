@@ -1,4 +1,4 @@
-"""Umbrellas, rolled up: one that leans, one that hangs by its handle."""
+"""Umbrellas, rolled up."""
 
 from typing import Final
 
@@ -95,6 +95,5 @@ CATEGORY: Final = BuiltCategory(
             weight=0.4,
             most=1,
         ),
-        Lies(on=("hook",), pose="hung", weight=0.25, most=1),
     ),
 )
