@@ -101,7 +101,7 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     fixed=False,
     words="apple apples orange oranges lemon pear banana bananas fruits",
-    classes=Classes(UNLABELED, "otherprop"),
+    classes=Classes(UNLABELED, "otherprop", "food", UNLABELED),
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "apple_skin"}),
