@@ -9,11 +9,12 @@ from openrooms_usd.generate.clutter.arrangements import MOUSE, lay_table, put_be
 from openrooms_usd.generate.clutter.draping import edges
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
+from openrooms_usd.generate.clutter.hanging import drape, hang
 from openrooms_usd.generate.clutter.hooks import pegs
 from openrooms_usd.generate.clutter.laying import taken_by
 from openrooms_usd.generate.clutter.making import Makes
 from openrooms_usd.generate.clutter.scatter import Scatter
-from openrooms_usd.generate.clutter.settling import Vessel, vessels
+from openrooms_usd.generate.clutter.settling import Vessel, fill_vessel, vessels
 from openrooms_usd.generate.clutter.sills import CARRIER, sills
 from openrooms_usd.generate.clutter.soft import seats
 from openrooms_usd.generate.clutter.spots import Spot, spots, spots_of
@@ -90,9 +91,9 @@ def lived_in(
         for number, seat in soft:
             scatter.sit(number, seat, step)
         for number, edge in hems:
-            scatter.drape(number, edge, step)
+            drape(scatter, number, edge, step)
         for peg in hanging:
-            scatter.hang(numbers[peg.carrier.key], peg, ground, step)
+            hang(scatter, numbers[peg.carrier.key], peg, ground, step)
         for place in ROOM_AMOUNTS:
             scatter.stand(ground, place, len(groups), step)
         _fill_vessels(scatter, groups, surfaces, hollow, step)
@@ -110,7 +111,7 @@ def _fill_vessels(
     for vessel in vessels([*standing, *scatter.added], surfaces):
         known.setdefault(vessel.carrier.key, vessel)
     for number, vessel in enumerate(known.values()):
-        scatter.drop_in(_FIRST_VESSEL - number, vessel, step)
+        fill_vessel(scatter, _FIRST_VESSEL - number, vessel, step)
 
 
 def _put_mice(scatter: Scatter, tops: Sequence[Spot], items: Sequence[Item]) -> None:

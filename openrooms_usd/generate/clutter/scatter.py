@@ -8,11 +8,9 @@ import numpy as np
 
 from openrooms_usd.categories.record import given
 from openrooms_usd.generate.boxes import Array, Pose
-from openrooms_usd.generate.clutter.amounts import DRAPED, HUNG, ROOM_AMOUNTS, amount_of
-from openrooms_usd.generate.clutter.draping import Edge, hang_over
+from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS, amount_of
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
-from openrooms_usd.generate.clutter.hooks import Peg
 from openrooms_usd.generate.clutter.laying import (
     Taken,
     Thing,
@@ -23,7 +21,6 @@ from openrooms_usd.generate.clutter.laying import (
 )
 from openrooms_usd.generate.clutter.making import Makes, candidates
 from openrooms_usd.generate.clutter.resting import rest_on
-from openrooms_usd.generate.clutter.settling import Vessel, settle
 from openrooms_usd.generate.clutter.soft import Seat, drop, lean
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
@@ -86,8 +83,8 @@ class Scatter:
             spot: The surface.
             level: 1, 2 or 3.
         """
-        for _ in range(self._count(spot.place, spot.level.area, level)):
-            drawn = self._drawn(number, spot.place, level)
+        for _ in range(self.count(spot.place, spot.level.area, level)):
+            drawn = self.drawn(number, spot.place, level)
             if drawn is not None:
                 self._lay(number, spot, *drawn)
 
@@ -99,8 +96,8 @@ class Scatter:
             seat: The seat.
             level: 1, 2 or 3.
         """
-        for _ in range(self._count(seat.place, seat.area, level)):
-            drawn = self._drawn(number, seat.place, level)
+        for _ in range(self.count(seat.place, seat.area, level)):
+            drawn = self.drawn(number, seat.place, level)
             if drawn is None:
                 continue
             name, lies = drawn
@@ -118,93 +115,9 @@ class Scatter:
                 item, _ = laid
                 box = thing.standing((item.x, item.y, item.yaw), item.z + float(thing.low[2]))
                 if not len(self.taken.near(box, {seat.carrier.key})):
-                    self._used[drawn] = self._used.get(drawn, 0) + 1
-                    self._company.setdefault(number, []).append((lies.cluster, np.zeros(2), name))
+                    self.note(number, *drawn)
                     self.add(seat.group, item, box)
                     break
-
-    def drape(self, number: int, edge: Edge, level: int) -> None:
-        """Hang a cloth over an edge, as often as a level has it.
-
-        Args:
-            number: The edge's, the same at all levels.
-            edge: The edge.
-            level: 1, 2 or 3.
-        """
-        drawn = self._drawn(number, edge.place, level)
-        wanted = self.rng.random() < DRAPED[edge.place][level - 1]
-        make = self.makes.draw(*drawn) if drawn and wanted else None
-        if drawn is None or make is None:
-            return
-        (width, _, height), style = make
-        fit = hang_over(edge, width, height, self.rng)
-        spec, carrier = category(drawn[0]), edge.carrier
-        if fit is None or not all(
-            low <= side <= high
-            for low, side, high in zip(spec.least, fit.size, spec.most, strict=True)
-        ):
-            return
-        thing = thing_of(self.surfaces, drawn[0], (fit.size, style))
-        pose = (*carrier.at(fit.x, fit.y), carrier.yaw + fit.yaw)
-        box = thing.standing(pose, carrier.z + fit.z)
-        if not len(self.taken.near(box, {carrier.key})):
-            item = item_at(thing, self.key(drawn[0]), pose, carrier.z + fit.z, carrier.key)
-            self._used[drawn] = self._used.get(drawn, 0) + 1
-            self.add(edge.group, item, box)
-
-    def hang(self, number: int, peg: Peg, ground: Ground, level: int) -> None:
-        """Hang a thing on a hook or a rail, as often as a level has it.
-
-        Args:
-            number: The carrier's, the same at all levels.
-            peg: The hook.
-            ground: The room's walls.
-            level: 1, 2 or 3.
-        """
-        drawn = self._drawn(number, peg.place, level)
-        wanted = self.rng.random() < HUNG[peg.place][level - 1]
-        make = self.makes.draw(*drawn) if drawn and wanted else None
-        if drawn is None or make is None:
-            return
-        thing, carrier = thing_of(self.surfaces, drawn[0], make), peg.carrier
-        x, y, z = peg.hung(thing.size)
-        turn = peg.yaw + 180.0 * float(peg.yaw > 0.0 and self.rng.random() < 0.5)
-        pose = (*carrier.at(x, y), carrier.yaw + turn)
-        box = thing.standing(pose, carrier.z + z)
-        if carrier.z + z < 0.02 or ground.meets_walls(box):
-            return
-        if not len(self.taken.near(box, {carrier.key})):
-            item = item_at(thing, self.key(drawn[0]), pose, carrier.z + z, carrier.key)
-            self._used[drawn] = self._used.get(drawn, 0) + 1
-            self._company.setdefault(number, []).append((drawn[1].cluster, np.zeros(2), drawn[0]))
-            self.add(peg.group, item, box)
-
-    def drop_in(self, number: int, vessel: Vessel, level: int) -> None:
-        """Drop into a bowl or a bin what a level adds.
-
-        Args:
-            number: The vessel's, the same at all levels.
-            vessel: The vessel.
-            level: 1, 2 or 3.
-        """
-        width, depth, height = vessel.carrier.size
-        for _ in range(self._count(vessel.place, vessel.area, level)):
-            drawn = self._drawn(number, vessel.place, level)
-            make = self.makes.draw(*drawn, (0.8 * width, 0.8 * depth, height)) if drawn else None
-            if drawn is None or make is None:
-                continue
-            thing = thing_of(self.surfaces, drawn[0], make)
-            item = settle(vessel, thing, self.key(drawn[0]), self.rng)
-            if item is None:
-                continue
-            box = thing.standing((item.x, item.y, item.yaw), item.z)
-            inside = {vessel.carrier.key, *(key for key, _, _, _ in vessel.held)}
-            if len(self.taken.near(box, inside)):
-                vessel.held.pop()
-                continue
-            self._used[drawn] = self._used.get(drawn, 0) + 1
-            self._company.setdefault(number, []).append((drawn[1].cluster, np.zeros(2), drawn[0]))
-            self.add(vessel.group, item, box)
 
     def stand(self, ground: Ground, place: Place, group: int, level: int) -> None:
         """Put on the floor, or hang on the walls, what a level adds.
@@ -217,7 +130,7 @@ class Scatter:
         """
         low, high = ROOM_AMOUNTS[place][level - 1]
         for _ in range(int(self.rng.integers(low, high + 1))):
-            drawn = self._drawn(-1 - list(ROOM_AMOUNTS).index(place), place, level)
+            drawn = self.drawn(-1 - list(ROOM_AMOUNTS).index(place), place, level)
             make = self.makes.draw(*drawn) if drawn else None
             if drawn is None or make is None:
                 continue
@@ -234,7 +147,8 @@ class Scatter:
             self._used[drawn] = self._used.get(drawn, 0) + 1
             self.add(group, item, thing.standing((item.x, item.y, item.yaw), z))
 
-    def _count(self, place: Place, area: float, level: int) -> int:
+    def count(self, place: Place, area: float, level: int) -> int:
+        """How many things, stacks or rows a level adds to a surface."""
         amount = amount_of(place)
         if self.rng.random() > amount.chance:
             return 0
@@ -242,7 +156,7 @@ class Scatter:
         wanted = usual * amount.shares[level - 1]
         return int(wanted + self.rng.random())
 
-    def _drawn(self, number: int, place: Place, level: int) -> tuple[str, Lies] | None:
+    def drawn(self, number: int, place: Place, level: int) -> tuple[str, Lies] | None:
         """What to lay next: likelier what goes with what is there, less likely what is there."""
         rows = [
             row
@@ -395,6 +309,11 @@ class Scatter:
         """Take in what was laid."""
         self.added.append((group, item))
         self.taken.add(boxes, item.key)
+
+    def note(self, number: int, name: str, lies: Lies) -> None:
+        """Remember that something was laid on a surface without places of its own."""
+        self._used[name, lies] = self._used.get((name, lies), 0) + 1
+        self._company.setdefault(number, []).append((lies.cluster, np.zeros(2), name))
 
     def key(self, name: str) -> str:
         """A new key."""

@@ -8,8 +8,9 @@ import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
-from openrooms_usd.generate.clutter.laying import Thing
+from openrooms_usd.generate.clutter.laying import Thing, thing_of
 from openrooms_usd.generate.clutter.resting import Relief, rest_on, skin_of
+from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.rotations import about_z
@@ -72,6 +73,34 @@ def vessels(items: Sequence[tuple[int, Item]], surfaces: Surfaces) -> Iterator[V
             if -np.inf < middle < (1.0 - _HOLLOW_SHARE) * item.size[2]:
                 shape = surfaces.shape(item)
                 yield Vessel(place, item, group, shape, skin_of(shape), relief)
+
+
+def fill_vessel(scatter: Scatter, number: int, vessel: Vessel, level: int) -> None:
+    """Drop into a bowl or a bin what a level adds.
+
+    Args:
+        scatter: Lays things in this room.
+        number: The vessel's, the same at all levels.
+        vessel: The vessel.
+        level: 1, 2 or 3.
+    """
+    width, depth, height = vessel.carrier.size
+    for _ in range(scatter.count(vessel.place, vessel.area, level)):
+        drawn = scatter.drawn(number, vessel.place, level)
+        make = scatter.makes.draw(*drawn, (0.8 * width, 0.8 * depth, height)) if drawn else None
+        if drawn is None or make is None:
+            continue
+        thing = thing_of(scatter.surfaces, drawn[0], make)
+        item = settle(vessel, thing, scatter.key(drawn[0]), scatter.rng)
+        if item is None:
+            continue
+        box = thing.standing((item.x, item.y, item.yaw), item.z)
+        inside = {vessel.carrier.key, *(key for key, _, _, _ in vessel.held)}
+        if len(scatter.taken.near(box, inside)):
+            vessel.held.pop()
+            continue
+        scatter.note(number, *drawn)
+        scatter.add(vessel.group, item, box)
 
 
 def settle(vessel: Vessel, thing: Thing, key: str, rng: np.random.Generator) -> Item | None:
