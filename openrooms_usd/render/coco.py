@@ -40,14 +40,13 @@ def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
         InputError: One is no render, lacks the channels that this needs, or is given twice.
     """
     channel = CLASS_CHANNELS.get(taxonomy)  # our own categories are in the legend
-    places = _places(folders)
     renders = [
         read_render(folder, ("instance", *([channel] if channel else []))) for folder in folders
     ]
     numbers = _class_numbers(renders, taxonomy)
     images: list[Plain] = []
     annotations: list[Plain] = []
-    for place, render in zip(places, renders, strict=True):
+    for place, render in zip(_places(folders), renders, strict=True):
         for view in render.each():
             images.append(_image(view, place, len(images) + 1))
             for instance, mask in masks(render, view):
@@ -56,7 +55,7 @@ def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
                     row = _annotation(mask, render.legend("instance")[instance], instance)
                     row |= {"image_id": len(images), "category_id": number}
                     annotations.append({"id": len(annotations) + 1, **row})
-    stages = sorted({render.manifest.stage for render in renders})
+    stages = sorted({render.manifest.stage or "?" for render in renders})
     return {
         "info": {
             "description": f"{', '.join(stages)}, classes of {taxonomy}",
@@ -71,14 +70,13 @@ def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
 
 def _places(folders: Sequence[Path]) -> list[str]:
     """What leads to each render from the folder that holds them all; one render is that folder."""
-    whole = [folder.resolve() for folder in folders]
-    twice = next((folder for folder in folders if whole.count(folder.resolve()) > 1), None)
-    if twice is not None:
+    whole = [os.path.realpath(folder) for folder in folders]
+    if len(set(whole)) < len(whole):
+        twice = next(folder for n, folder in enumerate(folders) if whole[n] in whole[:n])
         raise InputError("this render is given twice", place=twice, remedy="name it once")
     above = Path(os.path.commonpath(whole))
-    return [
-        f"{folder.relative_to(above).as_posix()}/" if folder != above else "" for folder in whole
-    ]
+    ways = (Path(folder).relative_to(above).as_posix() for folder in whole)
+    return ["" if way == "." else f"{way}/" for way in ways]
 
 
 def _category(name: str, number: int, taxonomy: str) -> Plain:

@@ -170,6 +170,8 @@ def test_many_renders_make_one_file(house: list[Path], tmp_path: Path) -> None:
     assert isinstance(run.exception, InputError) and "by itself" in str(run.exception.remedy)
 
 
+# Its compiled part asks numpy for copies in the old way.
+@pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")
 def test_pycocotools_reads_it(house: list[Path], tmp_path: Path) -> None:
     client = pytest.importorskip("pycocotools.coco")
     evaluation = pytest.importorskip("pycocotools.cocoeval")
