@@ -32,8 +32,8 @@ def write_png(
     """
     attributes: dict[str, Any] = {
         "oiio:ColorSpace": "sRGB" if is_color else "data",
-        # More effort makes the files hardly smaller.
-        "png:compressionLevel": 4,
+        # More effort takes a third more time and saves a twentieth.
+        "png:compressionLevel": 2,
         # Trying all filters for each row takes twice the time and saves a hundredth.
         "png:filter": _PNG_FILTER_UP,
     }

@@ -12,8 +12,12 @@ Color = tuple[float, float, float]
 
 # OpenRooms' reflectance at normal incidence.
 F0: Final = 0.05
-# Families of more than this length have twice the texels along each side, metres.
+# Families of more than this length have twice the texels along each side, metres, and those of no
+# more than that half as many, unless they show threads: a texel is then about a millimetre.
 _LARGE_FAMILY_M: Final = 1.0
+_SMALL_FAMILY_M: Final = 0.3
+# A pattern needs that many, however small the family.
+_FEWEST_TEXELS: Final = 256
 
 
 @dataclass(frozen=True)
@@ -76,12 +80,14 @@ class Swatch:
         """Its textures in the library.
 
         Args:
-            resolution: Texels along each side; large families have twice as many.
+            resolution: Texels along each side; large families have twice as many, small ones half.
         """
         if self.family is None:
             return None
         size = self.size or textures.family_of(self.family).repeat
         texels = resolution * 2 if size > _LARGE_FAMILY_M else resolution
+        if size <= _SMALL_FAMILY_M and self.substance != "fabric":
+            texels = min(resolution, max(resolution // 2, _FEWEST_TEXELS))
         return textures.Material(self.family, self.number, self.color, self.roughness, texels, size)
 
     @property

@@ -1,4 +1,7 @@
-"""The pixels around the horizon, finer than they are stored, painted from far to near."""
+"""The pixels around the horizon, finer than they are stored, painted from near to far.
+
+So what is hidden is known before it is drawn, and costs nothing.
+"""
 
 import math
 from collections.abc import Iterator
@@ -6,11 +9,17 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from openrooms_usd.library.outside.noise import Floats
+from openrooms_usd.library.outside.noise import Floats, Mask
 
 # Pixels of the canvas for one of the panorama, along each side: edges become soft.
 _FINER: Final = 2
+# So many rows of the panorama are worked on at once as processors keep near them.
+_BLOCK_ROWS: Final = 8
+
+Pixels = tuple[NDArray[np.intp], NDArray[np.intp]]
+"""(K,) rows and (K,) columns of pixels in a patch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +67,8 @@ class Canvas:
         self._x = np.sin(longitude).astype(np.float32)
         self._y = -np.cos(longitude).astype(np.float32)
         self._color = np.zeros((count, self.width, 3), dtype=np.float32)
-        self._clear = np.ones((count, self.width), dtype=np.float32)
+        # From zero, for which machines need no memory until something is painted.
+        self._cover = np.zeros((count, self.width), dtype=np.float32)
 
     def around(self, points: Floats) -> Iterator[Patch]:
         """The patches that an outline covers, two where it goes across the seam.
@@ -93,21 +103,31 @@ class Canvas:
             self.step,
         )
 
-    def paint(self, patch: Patch, color: Floats, cover: Floats) -> None:
-        """Put (H, W, 3) nits with (H, W) cover over what is there."""
-        there = self._color[patch.rows, patch.columns]
-        clear = 1.0 - cover
-        there *= clear[..., None]
-        there += color * cover[..., None]
-        self._clear[patch.rows, patch.columns] *= clear
+    def seen(self, patch: Patch, inside: Mask) -> Pixels:
+        """Those of (H, W) pixels where something behind what is there can be seen."""
+        rows, columns = np.nonzero(inside & (self._cover[patch.rows, patch.columns] < 1.0))
+        return rows, columns
+
+    def paint(self, patch: Patch, pixels: Pixels, color: Floats, cover: Floats) -> None:
+        """Put (K, 3) nits with (K,) cover behind what is there."""
+        at = (pixels[0] + patch.rows.start) * self.width + (pixels[1] + patch.columns.start)
+        there = self._cover.ravel()[at]
+        added = (1.0 - there) * cover
+        self._color.reshape(-1, 3)[at] += color * added[:, None]
+        self._cover.ravel()[at] = there + added
 
     def over(self, panorama: Floats) -> None:
-        """Put the band over a panorama (H, 2 H, 3)."""
-        height, width = len(self._color) // _FINER, self.width // _FINER
-        color = self._color.reshape(height, _FINER, width, _FINER, 3)
-        clear = self._clear.reshape(height, _FINER, width, _FINER)
-        # Sums of whole planes, which take a third of the time of a mean over two short axes.
-        bright = color[:, 0, :, 0] + color[:, 0, :, 1] + color[:, 1, :, 0] + color[:, 1, :, 1]
-        upper, lower = (clear[:, row, :, 0] + clear[:, row, :, 1] for row in range(_FINER))
-        panorama[self.band] *= (upper + lower)[..., None] / _FINER**2
-        panorama[self.band] += bright / _FINER**2
+        """Put the band over a panorama (H, 2 H, 3), its painted rows."""
+        width = self.width // _FINER
+        painted = np.flatnonzero(self._cover.any(axis=1)) // _FINER
+        for first in range(painted.min(), painted.max() + 1, _BLOCK_ROWS) if len(painted) else ():
+            last = min(first + _BLOCK_ROWS, int(painted.max()) + 1)
+            fine = slice(first * _FINER, last * _FINER)
+            color = self._color[fine].reshape(last - first, _FINER, width, _FINER, 3)
+            cover = self._cover[fine].reshape(last - first, _FINER, width, _FINER)
+            # Sums of whole planes, which take a third of the time of a mean over two short axes.
+            bright = color[:, 0, :, 0] + color[:, 0, :, 1] + color[:, 1, :, 0] + color[:, 1, :, 1]
+            upper, lower = (cover[:, row, :, 0] + cover[:, row, :, 1] for row in range(_FINER))
+            there = panorama[self.band][first:last]
+            there *= 1.0 - (upper + lower)[..., None] / _FINER**2
+            there += bright / _FINER**2

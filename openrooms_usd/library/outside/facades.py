@@ -93,12 +93,12 @@ class Facade:
     def __call__(self, hit: Hit) -> tuple[Floats, Floats]:
         """Nits and cover of the wall."""
         slope_u, slope_v = self._sun_slopes(hit)
-        sun = np.broadcast_to(hit.lit(), np.broadcast_shapes(hit.u.shape, hit.v.shape))
+        sun = np.broadcast_to(hit.lit(), hit.u.shape)
         if self.eaves:
             sun = sun * (hit.v + EAVES_M * slope_v < self.height)
         albedo = self._wall(hit)
         if not self.windows:
-            return albedo * hit.irradiance(sun) / math.pi, np.ones(sun.shape, np.float32)
+            return albedo * hit.irradiance(sun) / math.pi, np.ones(1, np.float32)
         return self._with_windows(hit, albedo, sun, slope_u, slope_v)
 
     def _sun_slopes(self, hit: Hit) -> tuple[float, float]:
@@ -114,7 +114,7 @@ class Facade:
         if style.build == "brick":
             shade = shade * self._bricks(hit)
         elif style.build == "boards":
-            lines = np.abs((v / 0.16) % 1.0 - 0.5) > 0.42
+            lines = (np.abs((v / 0.16) % 1.0 - 0.5) > 0.42).astype(np.float32)
             shade = shade * (1.0 - 0.45 * _visible(0.16, hit.pixel) * lines)
         wall = np.array(style.wall, dtype=np.float32) * shade[..., None]
         plinth = (v < 0.45)[..., None]
@@ -164,10 +164,10 @@ class Facade:
         sun = np.where(below & (slope_v > 0.0), 0.25 * sun, sun)
         nits = albedo * hit.irradiance(sun) / math.pi
         nits = np.where(glass[..., None], self._panes(hit, i, j, a, b, sun), nits)
-        return np.asarray(nits, dtype=np.float32), np.ones(sun.shape, np.float32)
+        return np.asarray(nits, dtype=np.float32), np.ones(1, np.float32)
 
     def _panes(self, hit: Hit, i: Floats, j: Floats, a: Floats, b: Floats, sun: Floats) -> Floats:
-        """(H, W, 3) nits: what a pane mirrors, and curtains, blinds and lamps behind it."""
+        """(K, 3) nits: what a pane mirrors, and curtains, blinds and lamps behind it."""
         draw, (wide, tall, _) = self.surfaces.drawn, self.style.window
         kind, width = draw(i, j, self.number), draw(i, j, self.number + 1)
         drawn = (kind < 0.45) & (np.abs(a) > 0.5 * wide * (0.45 + 0.5 * width))
@@ -224,7 +224,7 @@ class Tiles:
             (hit.v < 0.14)[..., None], np.array((0.2, 0.2, 0.2), dtype=np.float32), albedo
         )
         color = albedo * hit.irradiance(hit.lit()) / math.pi
-        return np.asarray(color, np.float32), np.ones(color.shape[:2], np.float32)
+        return np.asarray(color, np.float32), np.ones(1, np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +243,7 @@ class Plain:
             * hit.irradiance(hit.lit())
             / math.pi
         )
-        return np.asarray(color, np.float32), np.ones(color.shape[:2], np.float32)
+        return np.asarray(color, np.float32), np.ones(1, np.float32)
 
 
 def _visible(size: float, pixel: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from openrooms_usd.library.outside.canvas import Canvas
 from openrooms_usd.library.outside.daylight import Daylight
-from openrooms_usd.library.outside.noise import Floats
+from openrooms_usd.library.outside.noise import Floats, Mask
 from openrooms_usd.library.outside.shadows import Shadows
 
 # How far before a face its light is looked up, so that it does not shade itself, metres.
@@ -35,7 +35,7 @@ class World:
 
 @dataclass(frozen=True, eq=False)
 class Hit:
-    """Where the ways of a patch meet a face; arrays that broadcast to the patch.
+    """Where K ways meet a face; arrays of (K,).
 
     Attributes:
         world: What lights it.
@@ -69,13 +69,13 @@ class Hit:
         return max(0.0, float(self.world.day.sun @ self.normal))
 
     def irradiance(self, lit: Floats | float = 1.0) -> Floats:
-        """(H, W, 3) lux of each primary, where a part ``lit`` of the sun comes in."""
+        """(K, 3) lux of each primary, where a part ``lit`` of the sun comes in."""
         direct = self.facing() * self.world.day.beam
         return np.asarray(self.world.day.ambient(self.normal) + np.asarray(lit)[..., None] * direct)
 
 
 Paint = Callable[[Hit], tuple[Floats, Floats]]
-"""(H, W, 3) nits and (H, W) cover."""
+"""(K, 3) nits and (K,) cover."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class Face:
     paint: Paint
 
     def draw(self, canvas: Canvas, world: World) -> None:
-        """Put it on the canvas, unless it shows its back."""
+        """Put it on the canvas, behind what is there, unless it shows its back."""
         normal = np.cross(self.first, self.second).astype(np.float32)
         offset = float(normal @ self.origin)
         if offset > -0.02:
@@ -108,13 +108,17 @@ class Face:
             if normal[2]:
                 slant = slant + normal[2] * patch.z
             t = offset / np.where(slant < -1e-5, slant, np.float32(-1e-5))
-            x, y, z = t * patch.x, t * patch.y, t * patch.z
-            u, v = (self._along(axis, x, y, z) for axis in (self.first, self.second))
+            ways = t * patch.x, t * patch.y, t * patch.z
+            u, v = (self._along(axis, *ways) for axis in (self.first, self.second))
+            inside = self._inside(u, v)
+            seen = canvas.seen(patch, inside)
+            if not len(seen[0]):
+                continue
+            u, v, x, y, z = (np.broadcast_to(item, inside.shape)[seen] for item in (u, v, *ways))
             hit = Hit(world, u, v, x, y, z + world.eye, away * patch.step, normal, self.first)
             color, cover = self.paint(hit)
-            cover = cover * self._inside(u, v)
-            hazy = 1.0 - 0.5 ** (away / _HAZY_M)
-            canvas.paint(patch, color + (world.day.haze - color) * np.float32(hazy), cover)
+            hazy = np.float32(1.0 - 0.5 ** (away / _HAZY_M))
+            canvas.paint(patch, seen, color + (world.day.haze - color) * hazy, cover)
 
     def _middle(self) -> Floats:
         u, v = self.outline.mean(axis=0)
@@ -131,10 +135,11 @@ class Face:
         plan = (self.outline + share * (ends - self.outline)).transpose(1, 0, 2).reshape(-1, 2)
         return np.asarray(self.origin + plan[:, :1] * self.first + plan[:, 1:] * self.second)
 
-    def _inside(self, u: Floats, v: Floats) -> Floats:
-        found = np.ones(np.broadcast_shapes(u.shape, v.shape), dtype=np.float32)
-        for a, b in zip(self.outline, np.roll(self.outline, -1, axis=0), strict=True):
-            found *= (b[0] - a[0]) * (v - a[1]) - (b[1] - a[1]) * (u - a[0]) >= 0.0
+    def _inside(self, u: Floats, v: Floats) -> Mask:
+        found = np.ones(np.broadcast_shapes(u.shape, v.shape), dtype=bool)
+        corners = self.outline.tolist()
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            found &= (b[0] - a[0]) * (v - a[1]) >= (b[1] - a[1]) * (u - a[0])
         return found
 
 

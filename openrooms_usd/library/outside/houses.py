@@ -83,8 +83,8 @@ class House:
         shadows.stand(np.where(inside, roof, 0.0).astype(np.float32))
 
     def draw(self, canvas: Canvas, world: World, surfaces: Surfaces) -> None:
-        """Put it on the canvas."""
-        for face in self.faces(world.eye, surfaces):
+        """Put it on the canvas, its roof before its walls."""
+        for face in reversed(tuple(self.faces(world.eye, surfaces))):
             face.draw(canvas, world)
 
     def _at(self, u: float, v: float, z: float) -> Floats:

@@ -28,6 +28,8 @@ _SLAB_M: Final = 0.5
 TILE_M: Final = 4.0
 """Side of a square of land that repeats, metres: whole slabs."""
 
+# So many rows are worked on at once as processors keep near them.
+_BLOCK_ROWS: Final = 16
 # Beside the eye's own house the land is no nearer than this, metres; and half its side.
 OWN_HALF_M: Final = 4.0
 # Where the land fades into haze, metres, and how far hills stand in it.
@@ -70,7 +72,18 @@ class Ridge:
 
 def ground(world: World, zones: tuple[Zone, ...], surfaces: Surfaces, height: int) -> Floats:
     """(H / 2, 2 H, 3) nits of the land below the horizon; ``height`` is the panorama's."""
-    depression = (np.arange(height // 2, dtype=np.float32)[:, None] + 0.5) * math.pi / height
+    nits = np.empty((height // 2, 2 * height, 3), dtype=np.float32)
+    for first in range(0, len(nits), _BLOCK_ROWS):
+        rows = np.arange(first, min(first + _BLOCK_ROWS, len(nits)), dtype=np.float32)
+        nits[first : first + _BLOCK_ROWS] = _rows(world, zones, surfaces, height, rows)
+    return nits
+
+
+def _rows(
+    world: World, zones: tuple[Zone, ...], surfaces: Surfaces, height: int, rows: Floats
+) -> Floats:
+    """(R, 2 H, 3) nits of some rows below the horizon."""
+    depression = (rows[:, None] + 0.5) * math.pi / height
     longitude = math.pi * (1.0 - (np.arange(2 * height, dtype=np.float32) + 0.5) / height)
     away = world.eye / np.tan(depression)
     x, y = away * np.sin(longitude), -away * np.cos(longitude)
@@ -143,11 +156,11 @@ def hills(
     canvas: Canvas, world: World, ridges: tuple[Ridge, ...], surfaces: Surfaces,
     rng: np.random.Generator,
 ) -> None:  # fmt: skip
-    """Put lines of hills on the canvas, the farthest first."""
-    for ridge in ridges:
+    """Put lines of hills on the canvas, behind what is there; they are told from the farthest."""
+    rows = [float(rng.random()) for _ in ridges]
+    for ridge, row in zip(reversed(ridges), reversed(rows), strict=True):
         patch = canvas.whole(-0.01, ridge.high + 0.02)
         azimuth = np.arctan2(patch.x, -patch.y) / (2.0 * np.pi)
-        row = float(rng.random())
         line = _wave(surfaces.smooth, azimuth, row)
         woods = sampled(surfaces.rough, azimuth * 9.0, np.float32(row + 0.3) + 0.0 * azimuth)
         woods = woods + sampled(surfaces.white, azimuth * 4.0, np.float32(row) + 0.0 * azimuth)
@@ -155,12 +168,19 @@ def hills(
         top = top + ridge.trees * 0.0028 * (1.0 + woods)
         elevation = np.arctan(patch.z)
         cover = np.clip((top - elevation) / patch.step + 0.5, 0.0, 1.0)
+        shape = cover.shape
+        seen = canvas.seen(patch, cover > 0.0)
+        cover = cover[seen]
+        elevation, azimuth, top, x, y = (
+            np.broadcast_to(item, shape)[seen]
+            for item in (elevation, azimuth, top, patch.x, patch.y)
+        )
         patches = sampled(surfaces.rough, azimuth * 6.0, elevation * 2.0 + row)
         crowns = sampled(surfaces.rough, azimuth * 40.0, elevation * 9.0 + row)
         shade = 1.0 + 0.25 * patches + 0.3 * ridge.trees * crowns
         rising = 0.75 + 0.25 * step(-0.02, 0.0, elevation - top)
         # Slopes that look at the sun are brighter than those before it.
-        slope = 0.35 * (1.0 + patch.x * world.day.sun[0] * -1.0 + patch.y * world.day.sun[1] * -1.0)
+        slope = 0.35 * (1.0 - x * world.day.sun[0] - y * world.day.sun[1])
         light = world.day.ambient(np.array([0.0, 0.0, 1.0]))
         light = light + (0.3 + 0.7 * slope)[..., None] * world.day.beam * max(
             float(world.day.sun[2]), 0.12
@@ -170,7 +190,7 @@ def hills(
         )
         nits = nits * light / math.pi
         hazy = np.float32(1.0 - 0.5 ** (ridge.distance / _HAZY_M))
-        canvas.paint(patch, nits + (world.day.haze - nits) * hazy, cover)
+        canvas.paint(patch, seen, nits + (world.day.haze - nits) * hazy, cover)
 
 
 def _wave(tile: Floats, azimuth: Floats, row: float) -> Floats:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.floating[Any]]
+Mask = NDArray[np.bool_]
 
 _TILE: Final = 512
 

@@ -65,12 +65,12 @@ def outside_panorama(
     land = ground(world, made.zones, surfaces, height)
     panorama = np.concatenate([day.sky + day.disk, land])
     canvas = Canvas(height, *(math.radians(edge) for edge in _BAND_DEG))
-    hills(canvas, world, made.ridges, surfaces, generator(seed, "outside", "hills"))
-    for thing in sorted(made.things, key=lambda thing: -thing.distance):
+    for thing in sorted(made.things, key=lambda thing: thing.distance):
         if isinstance(thing, House):
             thing.draw(canvas, world, surfaces)
         else:
             thing.draw(canvas, world)
+    hills(canvas, world, made.ridges, surfaces, generator(seed, "outside", "hills"))
     canvas.over(panorama)
     if illuminance is not None:
         panorama *= illuminance / float(luminance(day.level))
@@ -100,8 +100,7 @@ def _stored(panorama: Floats, day: Daylight) -> Floats:
 def _rounded(values: Floats, bits: int) -> Floats:
     """Values to so many significant bits, none below 0."""
     cut = _MANTISSA_BITS - bits
-    words = np.maximum(values, 0.0).astype(np.float32).view(np.uint32)
+    words = np.maximum(values, np.float32(0.0)).view(np.uint32)
     words += np.uint32(1 << (cut - 1))
-    words >>= np.uint32(cut)
-    words <<= np.uint32(cut)
+    words &= np.uint32(0xFFFFFFFF << cut & 0xFFFFFFFF)
     return np.asarray(words.view(np.float32))

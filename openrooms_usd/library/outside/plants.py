@@ -103,9 +103,11 @@ class Plant:
     def stand(self, shadows: Shadows) -> None:
         """Tell the shadows of its crown."""
         half = 0.5 * self.height * self.sprite.aspect
-        away = np.hypot(shadows.x - self.x, shadows.y - self.y) / half
+        part = shadows.around(self.x, self.y, half)
+        x, y = shadows.x[:, part[1]], shadows.y[part[0]]
+        away = np.hypot(x - self.x, y - self.y) / half
         crown = self.height * (0.55 + 0.45 * np.sqrt(np.clip(1.0 - away**2, 0.0, 1.0)))
-        shadows.stand(np.where(away < 0.92, crown, 0.0).astype(np.float32))
+        shadows.stand(np.where(away < 0.92, crown, 0.0).astype(np.float32), part)
 
     def draw(self, canvas: Canvas, world: World) -> None:
         """Put it on the canvas, turned to the eye."""

@@ -15,6 +15,7 @@ _SOFT_M: Final = 0.35
 # Below this the sun's shadows reach everywhere.
 _LOWEST_SUN: Final = math.sin(math.radians(3.0))
 _MAX_STEPS: Final = 240
+_ALL: Final = (slice(None), slice(None))
 
 
 class Shadows:
@@ -28,9 +29,25 @@ class Shadows:
         self._heights = np.zeros((self._side, self._side), dtype=np.float32)
         self._limit: Floats | None = None
 
-    def stand(self, heights: Floats) -> None:
-        """Something stands there: (S, S) heights at ``x`` and ``y``, metres above the land."""
-        np.maximum(self._heights, heights, out=self._heights)
+    def stand(
+        self, heights: Floats, part: tuple[slice, slice] = (slice(None), slice(None))
+    ) -> None:
+        """Something stands there: (S, S) heights at ``x`` and ``y``, metres above the land.
+
+        Args:
+            heights: Of that part of the map.
+            part: Its rows and columns.
+        """
+        np.maximum(self._heights[part], heights, out=self._heights[part])
+
+    def around(self, x: float, y: float, reach: float) -> tuple[slice, slice]:
+        """The rows and columns of the map within a distance of a place."""
+        low, high = (
+            [int(np.clip((at + side * reach + _REACH_M) / _CELL_M + side, 0, self._side))
+             for at in (y, x)]
+            for side in (-1, 1)
+        )  # fmt: skip
+        return slice(low[0], high[0]), slice(low[1], high[1])
 
     def cast(self, sun: Floats) -> None:
         """Find the shadows of a sun in direction (3,)."""
@@ -63,7 +80,7 @@ class Shadows:
     def lit(self, x: Floats, y: Floats, z: Floats) -> Floats:
         """The part of the sun that reaches points at heights above the land; metres."""
         if self._limit is None:
-            return np.ones((1, 1), dtype=np.float32)
+            return np.ones(1, dtype=np.float32)
         column, row = (np.broadcast_arrays(x, y)[i] + _REACH_M for i in (0, 1))
         column, row = column / _CELL_M - 0.5, row / _CELL_M - 0.5
         left, top = np.floor(column), np.floor(row)

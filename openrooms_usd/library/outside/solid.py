@@ -240,8 +240,10 @@ def painted(face: Face, world: World, covered: Floats) -> Floats:
     columns, rows = np.clip(np.ceil(size / _HOUSE_PIXEL_M), 2, _MOST_PIXELS).astype(int).tolist()
     u = (covered[0, 0] + (np.arange(columns) + 0.5) / columns * size[0]).astype(np.float32)[None, :]
     v = (covered[1, 1] - (np.arange(rows) + 0.5) / rows * size[1]).astype(np.float32)[:, None]
+    u, v = (item.ravel() for item in np.broadcast_arrays(u, v))
     x, y, z = (face.origin[i] + u * face.first[i] + v * face.second[i] for i in range(3))
     normal = np.cross(face.first, face.second).astype(np.float32)
     hit = Hit(world, u, v, x, y, z, _HOUSE_PIXEL_M, normal, face.first)
     nits, _ = face.paint(hit)
-    return np.asarray(np.clip(nits / _EVEN_NITS, 0.0, 1.0), dtype=np.float32)
+    albedo = np.clip(nits / _EVEN_NITS, 0.0, 1.0).reshape(rows, columns, 3)
+    return np.asarray(albedo, dtype=np.float32)

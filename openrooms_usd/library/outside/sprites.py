@@ -134,9 +134,11 @@ def _stamped(
     normals = _unit(out + 0.35 * rng.standard_normal(out.shape))
     column = (at[:, 0] + 0.5 * aspect) * height + pad - half
     row = (1.0 - at[:, 1]) * height + pad - half
-    rows, columns = row.astype(int), column.astype(int)
+    values = np.ones((len(at), 6), dtype=np.float32)
+    values[:, 1:4], values[:, 4], values[:, 5] = normals, light, 0.0
+    rows, columns = row.astype(int).tolist(), column.astype(int).tolist()
     for k in order.tolist():
-        r, c = int(rows[k]), int(columns[k])
+        r, c = rows[k], columns[k]
         stencil = stencils[kinds[k]]
         places = [c - width, c, c + width] if around else [c]
         for c in places:
@@ -144,7 +146,7 @@ def _stamped(
                 continue
             there = pixels[r : r + _CLUSTER_SIDE, c : c + _CLUSTER_SIDE]
             if there.shape[:2] == stencil.shape:
-                there[stencil] = (1.0, *normals[k].tolist(), light[k], 0.0)
+                there[stencil] = values[k]
     return Sprite(pixels[pad:-pad, pad:-pad].copy(), aspect)
 
 
