@@ -32,6 +32,8 @@ _REFLECTANCE: Final = 0.5
 _LET_IN: Final = 0.5
 # Target of the mean luminance after exposure, as in previews.
 _KEY: Final = 0.27
+# So many pixels of a panorama along each side are taken together.
+_BLOCK_PIXELS: Final = 4
 # A room whose height nobody knows, metres.
 
 
@@ -64,6 +66,14 @@ def room_exposure(stage: Usd.Stage) -> float | None:
     return _KEY / nits if nits > 0.0 and math.isfinite(nits) else None
 
 
+def _coarse(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """The means of square blocks of pixels, about half a degree wide, as far as they fit."""
+    count = math.gcd(*pixels.shape[:2], _BLOCK_PIXELS)
+    rows = np.add.reduceat(pixels, np.arange(0, len(pixels), count), axis=0)
+    blocks = rows.reshape(len(rows), -1, count, pixels.shape[2]).sum(axis=2)
+    return np.asarray(blocks / np.float32(count**2))
+
+
 def _areas(room: Surroundings) -> tuple[float, float]:
     """Of the floor, and of all that bounds the room; square metres."""
     (x0, y0), (x1, y1) = room.walls[:, 0].T, room.walls[:, 1].T
@@ -78,11 +88,12 @@ def _illuminances(dome: DomeLight, outwards: list[Array]) -> Iterator[float]:
         yield from [math.pi * float(luminance(dome.radiance))] * len(outwards)
         return
     try:
-        nits = luminance(read_texture(dome.texture)[..., :3] * dome.radiance)
+        pixels = read_texture(dome.texture)[..., :3]
     except InputError:
         # Said by whoever draws it.
         yield from [0.0] * len(outwards)
         return
+    nits = luminance(_coarse(pixels) * dome.radiance)
     height, width = nits.shape
     # The frame of the picture: its middle looks along -Y, a quarter from the left along +X.
     turn = Z_UP_FROM_Y_UP[:3, :3] @ dome.world_from_light[:3, :3].T

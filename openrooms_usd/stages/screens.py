@@ -61,7 +61,7 @@ def _screens(stage: Usd.Stage) -> dict[str, PlacedMesh]:
     """The parts of objects that are screens, by the object's name."""
     return {
         mesh.path[len(names.FURNITURE) + 1 :].split("/")[0]: mesh
-        for mesh in read_meshes(stage, outside=False).meshes
+        for mesh in read_meshes(stage, outside=False, bare=True).meshes
         if mesh.path.startswith(f"{names.FURNITURE}/")
         and read_label(mesh.prim, names.PART) == SCREEN
     }

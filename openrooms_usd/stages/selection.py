@@ -69,7 +69,7 @@ class Selection:
     @classmethod
     def of(cls, stage: Usd.Stage) -> "Selection":
         """Read a composed room."""
-        meshes = read_meshes(stage, outside=False).meshes
+        meshes = read_meshes(stage, outside=False, bare=True).meshes
         light = _lightened(meshes)
         points, triangles, owners = world_triangles(light)
         shell = _points(meshes, names.ROOM)

@@ -45,11 +45,16 @@ class Surface:
     losses: tuple[Loss, ...] = ()
 
 
-def read_surface(prim: Usd.Prim) -> Surface:
-    """The triangles of a ``UsdGeom.Gprim`` in its local frame."""
+def read_surface(prim: Usd.Prim, *, bare: bool = False) -> Surface:
+    """The triangles of a ``UsdGeom.Gprim`` in its local frame.
+
+    Args:
+        prim: It.
+        bare: Whether normals and texture coordinates are left out.
+    """
     double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(TIME))
     if prim.IsA(UsdGeom.Mesh):
-        return _Polygons(prim, double_sided).surface()
+        return _Polygons(prim, double_sided).surface(bare)
     polygons = tessellate(prim)
     if polygons is None:
         kind = prim.GetTypeName()
@@ -83,7 +88,7 @@ class _Polygons:
         self._counts = _array(self._geometry.GetFaceVertexCountsAttr().Get(TIME), np.int32)
         self._indices = _array(self._geometry.GetFaceVertexIndicesAttr().Get(TIME), np.int32)
 
-    def surface(self) -> Surface:
+    def surface(self, bare: bool) -> Surface:
         reason = self._invalid()
         if reason is not None:
             return Surface(None, losses=(("skipped", reason),))
@@ -95,7 +100,8 @@ class _Polygons:
         if _left_handed(self._geometry.GetPrim()):
             corners = np.ascontiguousarray(corners[:, ::-1])
         self._note_approximations()
-        normals, uvs = self._normals(corners, faces), self._uvs(corners, faces)
+        normals = None if bare else self._normals(corners, faces)
+        uvs = {} if bare else self._uvs(corners, faces)
         mesh = TriangleMesh(self._points, self._indices[corners], faces, normals, uvs, corners)
         return Surface(mesh, self._double_sided, tuple(self._losses))
 

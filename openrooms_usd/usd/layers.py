@@ -190,14 +190,20 @@ def stacked(
     Yields:
         The composed stage, its edit target set to ``target``.
     """
-    stage = _stage([*_fresh(stronger), target.identifier, *_fresh(weaker)])
+    above, held = _fresh(stronger)
+    below, others = _fresh(weaker)
+    stage = _stage([*above, target.identifier, *below])
+    del held, others
     stage.SetEditTarget(target)
     yield stage
 
 
 def stacked_files(stack: Iterable[Path]) -> Usd.Stage:
     """A stage of layer files, strongest first; missing files are left out."""
-    return _stage(_fresh(stack))
+    files, held = _fresh(stack)
+    stage = _stage(files)
+    del held
+    return stage
 
 
 def _stage(sublayers: list[str]) -> Usd.Stage:
@@ -207,13 +213,12 @@ def _stage(sublayers: list[str]) -> Usd.Stage:
     return Usd.Stage.Open(root)
 
 
-def _fresh(files: Iterable[Path]) -> list[str]:
-    """The files that are there; USD's copies of them are read again."""
+def _fresh(files: Iterable[Path]) -> tuple[list[str], list[Sdf.Layer]]:
+    """The files that are there, read again, and all their layers, to be held until one is open."""
     there = [path for path in files if path.exists()]
     # Layers are cached by path for the whole process: a file may have been replaced since.
-    for path in there:
-        preflight.check_stage_file(path)
-    return [str(path) for path in there]
+    held = [layer for path in there for layer in preflight.check_stage_file(path)]
+    return [str(path) for path in there], held
 
 
 def relative_assets(folder: Path) -> Callable[[Sdf.Layer, str], str]:

@@ -120,6 +120,7 @@ def read_meshes(
     *,
     purposes: Sequence[str] = ("default", "render"),
     outside: bool = True,
+    bare: bool = False,
 ) -> MeshReading:
     """Every visible surface of a stage, instances and point instancers expanded.
 
@@ -132,8 +133,11 @@ def read_meshes(
         purposes: Which ``purpose`` is drawn.
         outside: Whether to read what stands outside before the windows, too; else that is named
             among what is left out.
+        bare: Whether only shapes are read, without normals and texture coordinates. What stands
+            outside is then not named either where it is left out.
     """
-    parts = Walk(purposes).stage(stage)
+    without = names.OUTSIDE if bare and not outside else None
+    parts = Walk(purposes, bare=bare, without=without).stage(stage)
     losses: dict[tuple[int, str], tuple[str, Literal["approximated", "skipped"], str]] = {}
     if not outside:
         left = [part.path for part in parts if is_outside(part.path)]

@@ -23,6 +23,10 @@ from openrooms_usd.usd.crate_reader import check_crate_reads
 from openrooms_usd.usd.crates import check_crate
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading
 
+Facts = tuple[int, ...]
+# What layers name, by the layer, the state of its file and the variables of its expressions.
+_KNOWN: Final[dict[tuple[str, Facts, str], tuple[str, ...]]] = {}
+
 # Rooms nest some ten deep; USD's parser overflows its stack beyond some thousands.
 MAX_DEPTH: Final = 200
 
@@ -128,8 +132,9 @@ def check_stage_file(path: Path, *, is_whole: bool = False) -> tuple[Sdf.Layer, 
     stack = {root} if is_whole else set()
     while waiting:
         name = waiting.pop()
-        layer = _opened(name)
-        if layer is None:
+        facts = _facts(name)
+        layer = None if facts is None else _opened(name, facts)
+        if layer is None or facts is None:
             if name in stack:
                 with reading(name):
                     Sdf.Layer.FindOrOpen(name)
@@ -140,7 +145,7 @@ def check_stage_file(path: Path, *, is_whole: bool = False) -> tuple[Sdf.Layer, 
         if variables is None:
             with reading(name):
                 variables = dict(layer.expressionVariables)
-        for other in _references(layer, variables):
+        for other in _references(layer, facts, variables):
             if other not in seen:
                 seen.add(other)
                 waiting.append(other)
@@ -155,14 +160,17 @@ def _sublayers(layer: Sdf.Layer) -> Iterator[str]:
                 yield str(Ar.GetResolver().Resolve(whole))
 
 
-def _opened(name: str) -> Sdf.Layer | None:
-    """A layer that was looked through; None where USD cannot open it."""
-    outer = Path(Ar.SplitPackageRelativePathOuter(name)[0])
+def _facts(name: str) -> Facts | None:
+    """What tells one state of a layer's file from others; None where there is no file."""
     try:
-        stamp = outer.stat()
+        stamp = Path(Ar.SplitPackageRelativePathOuter(name)[0]).stat()
     except (OSError, ValueError):
         return None
-    facts = stamp.st_mtime_ns, stamp.st_ctime_ns, stamp.st_size, stamp.st_ino
+    return stamp.st_mtime_ns, stamp.st_ctime_ns, stamp.st_size, stamp.st_ino
+
+
+def _opened(name: str, facts: Facts) -> Sdf.Layer | None:
+    """A layer that was looked through, as its file is; None where USD cannot open it."""
     _check_bytes(name, facts)
     try:
         layer = Sdf.Layer.Find(name)
@@ -179,8 +187,8 @@ def _opened(name: str) -> Sdf.Layer | None:
 
 
 @cache
-def _check_bytes(name: str, facts: tuple[int, ...]) -> None:
-    """Look through the bytes that USD will read; ``facts`` tell one state of a file from others."""
+def _check_bytes(name: str, facts: Facts) -> None:
+    """Look through the bytes that USD will read."""
     if not Ar.IsPackageRelativePath(name):
         check_file(Path(name))
         if not name.lower().endswith(_PACKAGE):
@@ -234,8 +242,21 @@ def _is_layer(path: str) -> bool:
     return _is_format(PurePosixPath(path.rstrip("]")).suffix.lower().lstrip("."))
 
 
-def _references(layer: Sdf.Layer, variables: dict[str, object]) -> Iterator[str]:
-    """The layers that a layer may make USD open: by its arcs, clips and expressions."""
+def _references(layer: Sdf.Layer, facts: Facts, variables: dict[str, object]) -> Iterator[str]:
+    """The layers that a layer may make USD open: those of its references that are there."""
+    key = layer.identifier, facts, repr(variables)
+    if key not in _KNOWN:
+        _KNOWN[key] = tuple(_named(layer, variables))
+    for file in _KNOWN[key]:
+        whole = Sdf.ComputeAssetPathRelativeToLayer(layer, file)
+        untrusted.check_path(Path(Ar.SplitPackageRelativePathOuter(whole)[0]))
+        found = Ar.GetResolver().Resolve(whole)
+        if found:
+            yield str(found)
+
+
+def _named(layer: Sdf.Layer, variables: dict[str, object]) -> Iterator[str]:
+    """The layers that a layer names: by its arcs, clips and expressions."""
     with reading(layer.realPath or layer.identifier):
         known = {**dict(layer.expressionVariables), **variables}
         arcs = [_evaluated(path, known, layer) for path in layer.GetCompositionAssetDependencies()]
@@ -246,11 +267,7 @@ def _references(layer: Sdf.Layer, variables: dict[str, object]) -> Iterator[str]
     for path in dict.fromkeys((*arcs, *others)):
         file = Sdf.Layer.SplitIdentifier(path)[0] if path else ""
         if file and _is_layer(file):
-            whole = Sdf.ComputeAssetPathRelativeToLayer(layer, file)
-            untrusted.check_path(Path(Ar.SplitPackageRelativePathOuter(whole)[0]))
-            found = Ar.GetResolver().Resolve(whole)
-            if found:
-                yield str(found)
+            yield file
 
 
 def _evaluated(path: str, known: dict[str, object], layer: Sdf.Layer) -> str:
@@ -262,7 +279,7 @@ def _evaluated(path: str, known: dict[str, object], layer: Sdf.Layer) -> str:
 
 
 @cache
-def _check_depth(name: str, facts: tuple[int, ...]) -> None:
+def _check_depth(name: str, facts: Facts) -> None:
     """Refuse a crate whose prims nest too deeply, without brackets, or are not all there."""
     layer = Sdf.Layer.Find(name)
     if layer.GetFileFormat().formatId == "usda":

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Tf, Usd, UsdGeom
+from pxr import Sdf, Tf, Usd, UsdGeom
 
 from openrooms_usd.usd.frames import TIME, matrix
 from openrooms_usd.usd.gprims import Surface, read_surface
@@ -63,9 +63,15 @@ class Walk:
 
     Args:
         purposes: Which ``purpose`` is drawn.
+        bare: Whether normals and texture coordinates are left out.
+        without: A prim that is left out in silence, with all below it.
     """
 
-    def __init__(self, purposes: Sequence[str]) -> None:
+    def __init__(
+        self, purposes: Sequence[str], *, bare: bool = False, without: str | None = None
+    ) -> None:
+        self._bare = bare
+        self._without = None if without is None else Sdf.Path(without)
         self._purposes = frozenset(purposes)
         self._cache = UsdGeom.XformCache(TIME)
         self._surfaces: dict[str, Surface] = {}
@@ -103,7 +109,7 @@ class Walk:
     def _placed(self, node: _Node) -> _Node | None:
         """The node with its own transform and purpose; None where nothing below it is seen."""
         prim, purpose = node.prim, node.purpose
-        if prim.GetTypeName() in _BARREN:
+        if prim.GetTypeName() in _BARREN or prim.GetPath() == self._without:
             return None
         imageable = UsdGeom.Imageable(prim)
         if imageable:
@@ -120,7 +126,7 @@ class Walk:
             return []
         path = str(node.prim.GetPath())
         if path not in self._surfaces:
-            self._surfaces[path] = read_surface(node.prim)
+            self._surfaces[path] = read_surface(node.prim, bare=self._bare)
         stands, prim = path[len(scope.home) :], path[len(scope.origin) :]
         return [Part(stands, prim, node.matrix, self._surfaces[path], node.anchored)]
 

@@ -113,7 +113,7 @@ class RoomView:
     def things(self) -> tuple[Thing, ...]:
         """What stands below the furniture's prim and can be seen."""
         found: dict[str, list[PlacedMesh]] = {}
-        for mesh in read_meshes(self.stage, outside=False):
+        for mesh in read_meshes(self.stage, outside=False, bare=True):
             if mesh.path.startswith(f"{names.FURNITURE}/"):
                 name = mesh.path[len(names.FURNITURE) + 1 :].partition("/")[0]
                 found.setdefault(f"{names.FURNITURE}/{name.partition('[')[0]}", []).append(mesh)
