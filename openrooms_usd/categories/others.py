@@ -114,8 +114,4 @@ OTHERS: Final[dict[str, Category]] = {
         fixed=True,
         classes=Classes("wall", "wall", "wall", UNLABELED),
     ),
-    "wall_shelf": _other(
-        classes=Classes("bookshelf", "shelves", "shelf", UNLABELED),
-        support="wall",
-    ),
 }

@@ -83,7 +83,7 @@ class Program:
     lux: tuple[float, float] = (120.0, 250.0)
 
 
-_WORK: Final = (("whiteboard", 0, 1), ("clock", 0, 1), ("picture", 0, 2))
+_WORK: Final = (("whiteboard", 0, 1), ("wall_shelf", 0, 1), ("clock", 0, 1), ("picture", 0, 2))
 _CLASS: Final = (("clock", 1, 1), ("picture", 0, 3), ("whiteboard", 0, 1))
 _BARE: Final = (("clock", 0, 1), ("picture", 0, 1))
 
@@ -150,9 +150,11 @@ PROGRAMS: Final[dict[str, Program]] = {
         (3.6, 6, 12),
         (Want(wet.bathing, 1), TOILET, WASHSTAND,
          Want(_of(wet.laundry, 1), chance=0.35), Want(_piece("cabinet", width=(0.35, 0.6),
-              before=0.4), chance=0.5), BASKET, BIN),
+              before=0.4, tops=()), chance=0.6), Want(_thing("basket"), 1, 1),
+         Want(_thing("trash_bin"), 1)),
         _PLAIN, (1.0, 1.9), (2.4, 2.6), (1, 1), (0, 1), high_windows=True, swing_out=0.3,
-        hangs=(("towel_rail", 0, 1), ("wall_lamp", 0, 2), ("picture", 0, 1)), lux=(150, 300),
+        hangs=(("wall_shelf", 2, 2), ("towel_rail", 1, 1), ("wall_lamp", 0, 2), ("picture", 0, 1)),
+        lux=(150, 300),
         curtains=0.5,
     ),
     "bedroom": Program(
@@ -160,7 +162,8 @@ PROGRAMS: Final[dict[str, Program]] = {
         (Want(sleeping.built_in, chance=0.4), Want(_of(sleeping.bed_place, 0.7), 1),
          Want(sleeping.clothes, chance=0.6), DRAWERS, CRIB, GUITAR, FAN,
          Want(_of(working.desk_place, "chair"), chance=0.45), READING, SHELF, PLANT, BASKET),
-        windows=(1, 2), hangs=(("picture", 0, 3), ("clock", 0, 1), ("wall_lamp", 0, 1)),
+        windows=(1, 2), hangs=(("wall_shelf", 0, 1), ("picture", 0, 3), ("clock", 0, 1),
+               ("wall_lamp", 0, 1)),
         lux=(80, 180),
         curtains=0.8,
     ),
@@ -281,6 +284,7 @@ PROGRAMS: Final[dict[str, Program]] = {
         (KITCHEN, Want(kitchen.island, chance=0.35), Want(_of(sitting.dining, (2, 4)), chance=0.85),
          Want(_piece("cabinet", width=(0.6, 1.0), height=1.9), chance=0.25), BIN, PLANT),
         windows=(1, 2), doors=(1, 2), lux=(180, 300), sills=(1.05, 1.1, 1.15), glazed=0.0,
+        hangs=(("wall_shelf", 0, 1), ("picture", 0, 2), ("clock", 0, 1)),
         curtains=0.5,
     ),
     "laundry_room": Program(
@@ -307,7 +311,8 @@ PROGRAMS: Final[dict[str, Program]] = {
          Want(_piece("fireplace", before=0.7, width=(1.1, 1.5), title="fireplace"), chance=0.2),
          SHELF, CABINET, Want(_thing("plant_pot"), 0, 3), FLOOR_LAMP, GUITAR, FAN, OTTOMAN,
          BASKET),
-        glazed=0.3, windows=(1, 3), hangs=(("picture", 0, 4), ("clock", 0, 1)),
+        glazed=0.3, windows=(1, 3),
+        hangs=(("wall_shelf", 0, 1), ("picture", 0, 4), ("clock", 0, 1)),
         curtains=0.7,
     ),
     "lobby": Program(

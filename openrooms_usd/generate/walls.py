@@ -48,11 +48,11 @@ def hang(
 
 def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
     spec = category(name)
-    size = kit.size(name)
+    size, style = kit.make(name) if spec.alike else (kit.size(name), "")
     low = round(given(spec.level, 0.0) + float(kit.rng.uniform(-0.05, 0.1)), 2)
     if low + size[2] > min(room.shell.height - 0.1, room.shell.clear_height - 0.02):
         return None
-    style = kit.style(name, size)
+    style = style or kit.style(name, size)
     sides = room.shell.sides
     weights = np.array([max(0.0, side.length - size[0] - 0.2) for side in sides])
     if not weights.any():

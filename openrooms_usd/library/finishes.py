@@ -80,9 +80,6 @@ FINISHES: Final[dict[str, Finish]] = {
     "water_bottle": Finish(
         "plastic", colors=((0.2, 0.32, 0.45),), roughness=(0.1, 0.18), transmission=0.4,
     ),
-    "frosted_glass": Finish(
-        "specular_stone", colors=((0.3, 0.31, 0.305),), roughness=(0.2, 0.3), transmission=0.64,
-    ),
     "back_painted_glass": Finish(
         "specular_stone", colors=((0.7, 0.71, 0.7), (0.35, 0.4, 0.38), (0.05, 0.052, 0.055)),
         roughness=(0.03, 0.06),

@@ -57,6 +57,20 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
     "banana_skin": Finish(
         "plastic", colors=((0.7, 0.5, 0.05), (0.55, 0.5, 0.07)), roughness=(0.4, 0.5), choices=2,
     ),
+    "toiletry": Finish(
+        "plastic", colors=((0.74, 0.73, 0.7), (0.1, 0.28, 0.42), (0.62, 0.3, 0.34),
+                           (0.16, 0.34, 0.25), (0.03, 0.03, 0.032), (0.66, 0.46, 0.14),
+                           (0.36, 0.2, 0.42)),
+        roughness=(0.15, 0.35), choices=12,
+    ),
+    "toiletry_cap": Finish(
+        "plastic", colors=((0.76, 0.76, 0.75), (0.04, 0.04, 0.042), (0.5, 0.48, 0.42)),
+        roughness=(0.2, 0.4), choices=4,
+    ),
+    "tinted_glass": Finish(
+        "specular_stone", colors=((0.5, 0.53, 0.52),), roughness=(0.01, 0.011),
+        pane=(0.56, 0.59, 0.58),
+    ),
     "porcelain": Finish(
         "specular_stone", colors=((0.8, 0.79, 0.76), (0.78, 0.75, 0.68), (0.42, 0.47, 0.5),
                                   (0.17, 0.19, 0.2)),

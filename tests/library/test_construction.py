@@ -156,8 +156,8 @@ def test_what_is_built_in_stays_where_it_is():
         "curtain", "data_outlet", "dishwasher", "door", "faucet", "fireplace", "hob", "hood",
         "kitchen_cabinet", "kitchen_unit", "light_switch", "oven", "radiator", "shower",
         "shower_screen", "sink", "smoke_detector", "socket", "stairs", "stove", "thermostat",
-        "toilet", "toilet_paper_holder", "towel_rail", "wall_lamp", "wall_vent", "window",
-        "worktop",
+        "toilet", "toilet_paper_holder", "towel_rail", "wall_lamp", "wall_shelf", "wall_vent",
+        "window", "worktop",
     }  # fmt: skip
     assert movable("chair") and movable("Office Chair", "floor") and movable("bowl", "surface")
     assert not movable("picture", "wall") and not movable("lamp", "ceiling")

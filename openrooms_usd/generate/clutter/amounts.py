@@ -81,7 +81,7 @@ DRAPED: Final[Mapping[Place, tuple[float, ...]]] = {
 }
 # How often something hangs on a hook, or on a place of a rail for one hanger, by level.
 HUNG: Final[Mapping[Place, tuple[float, ...]]] = {
-    "hook": (0.45, 0.35, 0.3),
+    "hook": (0.5, 0.45, 0.3),
     "clothes_rail": (0.5, 0.2, 0.2),
 }
 # How often a table is laid, by room type; elsewhere the last.
@@ -94,6 +94,7 @@ ROOM_AMOUNTS: Final[Mapping[Place, tuple[tuple[int, int], ...]]] = {
     "floor_by_wall": ((0, 1), (0, 1), (1, 2)),
     "floor_beside_bed": ((0, 1), (0, 1), (1, 2)),
     "floor_beside_sofa": ((0, 0), (0, 1), (1, 2)),
+    "floor_by_media": ((0, 1), (1, 1), (0, 1)),
     "floor_under_desk": ((0, 1), (0, 1), (1, 1)),
     "floor_before_basin": ((0, 1), (0, 0), (0, 1)),
     "floor_open": ((0, 0), (0, 1), (2, 4)),

@@ -146,6 +146,19 @@ class Ground:
         px, py = placed((item.x, item.y, item.yaw), x, y)
         return px, py, item.yaw + float(self.rng.uniform(-15, 15))
 
+    def _by_media(self, thing: Thing) -> Pose | None:
+        """At the wall, beside what a television stands on."""
+        below = [item.on for item in self.items if item.category == "television"]
+        found = [item for item in self.items if item.key in below and item.z < 0.1]
+        if not found:
+            return None
+        item = found[int(self.rng.integers(len(found)))]
+        side = 1.0 if self.rng.random() < 0.5 else -1.0
+        away = 0.5 * (item.size[0] + thing.size[0]) + float(self.rng.uniform(0.03, 0.25))
+        y = 0.5 * (item.size[1] - thing.size[1]) - float(self.rng.uniform(0.03, 0.12))
+        px, py = placed((item.x, item.y, item.yaw), side * away, y)
+        return px, py, item.yaw + float(self.rng.uniform(-12, 12))
+
     def _before(self, thing: Thing, *names: str) -> Pose | None:
         """On the floor before a piece of furniture."""
         found = [item for item in self.items if item.category in names]
@@ -178,5 +191,6 @@ _SOURCES: Final[dict[Place, Callable[[Ground, Thing], Pose | None]]] = {
     "floor_beside_sofa": lambda ground, thing: ground._beside(thing, "sofa", "armchair"),
     "beside_toilet": lambda ground, thing: ground._beside(thing, "toilet"),
     "floor_before_basin": lambda ground, thing: ground._before(thing, "sink", "bathtub"),
+    "floor_by_media": Ground._by_media,
     "floor_under_desk": lambda ground, thing: ground._below(thing, "desk"),
 }

@@ -5,6 +5,8 @@ from openrooms_usd.generate.kit import Kit
 from openrooms_usd.library.furniture import Size
 
 _SEAM = 0.004
+# Behind a bath that stands free is its tap, metres.
+_BEHIND_BATH_M = 0.115
 _ON_COUNTERS = ("bottle", "jar", "bowl", "jar", "bottle")
 
 
@@ -43,11 +45,21 @@ def fixture(kit: Kit, name: str, before: float = 0.6, beside: float = 0.15) -> G
     if name == "toilet":
         side = 1 if kit.chance(0.5) else -1
         items.append(_hung(kit, "toilet_paper_holder", side * (0.5 * width + 0.16), item, 0.66))
+        items.append(_brush(kit, -side, item))
     clear = [zone(0.0, -0.5 * depth - 0.5 * before, width, before)]
     if beside:
         clear.append(zone(0.0, 0.0, width + 2 * beside, depth - 0.02))
     return Group("washing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
                  back=0.5 * depth, gap=0.005)  # fmt: skip
+
+
+def _brush(kit: Kit, side: int, toilet: Item) -> Item:
+    """A brush on the floor beside a toilet, at the wall."""
+    size, style = kit.make("toilet_brush")
+    x = side * (0.5 * (toilet.size[0] + size[0]) + 0.05)
+    y = 0.5 * (toilet.size[1] - size[1]) - 0.04
+    return kit.item("toilet_brush", round(x, 3), round(y, 3), size=size, style=style,
+                    optional=True)  # fmt: skip
 
 
 def _hung(
@@ -81,6 +93,9 @@ def washstand(kit: Kit) -> Group:
         rail = kit.size("towel_rail", width=kit.between(0.4, 0.6), style="bar")
         x = side * (0.5 * (width + rail[0]) + 0.08)
         items.append(_hung(kit, "towel_rail", x, basin, 1.1, rail, "bar"))
+    if made != "cabinet" and low - height > 0.16:
+        shelf = (round(min(across, 0.6), 2), 0.12, 0.036)
+        items.append(_hung(kit, "wall_shelf", 0.0, basin, low - 0.05, shelf, "glass"))
     clear = [zone(0.0, -0.5 * depth - 0.3, width, 0.6),
              zone(0.0, 0.0, width + 0.16, depth - 0.02)]  # fmt: skip
     return Group("washing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
@@ -94,18 +109,24 @@ def bathing(kit: Kit) -> Group:
 
 def shower(kit: Kit) -> Group:
     """A shower in a corner, or a long one that one walks into; a mat before it."""
+    side = kit.pick(("left", "right"))
     if kit.modesty < 0.3 and kit.span[0] > 2.4 and kit.chance(0.35):
         size, style, corner = (kit.between(1.2, 1.5), 0.9, 2.08), "walk_in", ""
     else:
-        side = kit.pick(("left", "right"))
         across = kit.pick_number((0.8, 0.9, 1.0))
         size, style, corner = (across, across, 2.05), f"corner_{side}", side
     stall = kit.item("shower", size=size, style=style)
     width, depth, _ = stall.size
-    items = [stall, _mat(kit, depth)]
+    items = [stall, _caddy(kit, stall, side if style != "walk_in" else "right"), _mat(kit, depth)]
     clear = [zone(0.0, -0.5 * depth - 0.3, 0.9 * width, 0.6)]
     return Group("bathing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
                  back=0.5 * depth, gap=0.006, corner=corner)  # type: ignore[arg-type]  # fmt: skip
+
+
+def _caddy(kit: Kit, stall: Item, side: str) -> Item:
+    """Trays for bottles on the wall of a shower, away from its fittings."""
+    x = (-0.27 if side == "right" else 0.27) * stall.size[0]
+    return _hung(kit, "shower_caddy", x, stall, 1.12)
 
 
 def _mat(kit: Kit, depth: float) -> Item:
@@ -121,7 +142,11 @@ def tub(kit: Kit) -> Group:
     width, depth, height = item.size
     items: list[Item] = [item]
     paned = False
-    if item.style == "built_in":
+    back = 0.5 * depth
+    if item.style != "built_in":
+        items.append(_standing_tap(kit, item))
+        back += _BEHIND_BATH_M
+    else:
         tap = kit.placed_on(item, "faucet", 0.5 * width - 0.04, 0.0, -90.0,
                             size=(0.05, 0.17, 0.16), beside=items)  # fmt: skip
         items += [tap] if tap else []
@@ -134,8 +159,16 @@ def tub(kit: Kit) -> Group:
             paned = pane is not None
     items.append(_mat(kit, depth))
     return Group("bathing", tuple(items), zones([zone(0.0, -0.5 * depth - 0.3, 0.7 * width, 0.56)]),
-                 ((0.0, -0.5 * depth - 0.35),), back=0.5 * depth, gap=0.005,
+                 ((0.0, -0.5 * depth - 0.35),), back=back, gap=0.005,
                  corner="right" if paned else "")  # fmt: skip
+
+
+def _standing_tap(kit: Kit, bath: Item) -> Item:
+    """A tap on a pillar behind a bath that stands free, its spout over the rim."""
+    size = (0.2, 0.27, round(bath.size[2] + 0.36, 2))
+    y = 0.5 * bath.size[1] + _BEHIND_BATH_M - 0.5 * size[1]
+    return kit.item("faucet", round(0.1 * bath.size[0], 3), round(y, 3), size=size,
+                    style="pillar", optional=True)  # fmt: skip
 
 
 def laundry(kit: Kit, most: int = 3) -> Group:

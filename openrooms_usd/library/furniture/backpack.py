@@ -22,6 +22,11 @@ from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board, n
 from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import tapered
 
+_DRY: Final = (
+    "living_room", "bedroom", "office", "hallway", "apartment", "classroom", "library", "hotel",
+    "computer_cluster", "game_room", "gym", "lounge", "conference_room", "closet",
+)  # fmt: skip
+
 
 def day(size: Size, rng: np.random.Generator) -> Parts:
     """A school or city backpack, narrower above."""
@@ -69,7 +74,11 @@ CATEGORY: Final = BuiltCategory(
     worktop=NO_APPLIANCE,
     lies=(
         Lies(
-            on=("floor_by_wall", "floor_under_desk", "floor_by_door"), clutter=2, weight=0.7, most=1
+            on=("floor_by_wall", "floor_under_desk", "floor_by_door"),
+            rooms=_DRY,
+            clutter=2,
+            weight=0.7,
+            most=1,
         ),
     ),
     fixed=False,

@@ -1,4 +1,4 @@
-"""Faucets: a mixer with one lever, a high arc, a bridge with two cross handles."""
+"""Faucets: a mixer with one lever, a high arc, a bridge with two handles, a pillar by a bath."""
 
 from typing import Final
 
@@ -114,7 +114,34 @@ def bridge(made: Assembly, size: Size, at: Point) -> None:
     made.add("spout", tube(filleted(path, bend, segments=8), pipe, segments=14))
 
 
-KINDS: Final = {"mixer": mixer, "arc": arc, "bridge": bridge}
+def pillar(made: Assembly, size: Size, at: Point) -> None:
+    """A column from the floor with a long spout, a lever, and a hand shower on its side."""
+    width, depth, height = size
+    x, y, z = at[0], at[1] + 0.5 * depth - 0.045, at[2]
+    tip, level = at[1] - 0.5 * depth + 0.014, height - 0.03
+    made.add("body", lathe([(0.0, 0.0), (0.045, 0.0), (0.045, 0.006), (0.02, 0.012),
+                            (0.02, height - 0.11), (0.027, height - 0.1), (0.027, height - 0.012),
+                            (0.022, height - 0.008), (0.0, height - 0.008)],
+                           segments=28).moved((x, y, z)))  # fmt: skip
+    spout = [(x, y, z + level - 0.02), (x, tip, z + level - 0.02), (x, tip, z + level - 0.075)]
+    made.add("spout", tube(filleted(spout, 0.03, segments=5), 0.013, segments=14))
+    lever = tube(
+        [(0.018, 0.0, 0.0), (0.5 * width - 0.006, 0.0, 0.028)], [0.008, 0.005], segments=10
+    )
+    pivot = (x, y, z + level - 0.03)
+    names = made.add("switch", lever.moved(pivot))
+    made.turn("switch", names, pivot, (1.0, 0.0, 0.0), (0.0, 60.0))
+    side = x - 0.5 * width + 0.013
+    made.add("bracket", tube([(x, y, z + level - 0.05), (side, y, z + level - 0.05)], 0.008,
+                             segments=10))  # fmt: skip
+    grip = [(side, y, z + height - 0.26), (side, y, z + height - 0.012)]
+    made.add("spout", tube(grip, [0.009, 0.0125], segments=12))
+    hose = [(side, y, z + height - 0.26), (side, y - 0.01, z + 0.42 * height),
+            (x - 0.03, y - 0.02, z + 0.3 * height), (x, y, z + 0.5 * height)]  # fmt: skip
+    made.add("hose", tube(filleted(hose, 0.06, segments=5), 0.006, segments=8))
+
+
+KINDS: Final = {"mixer": mixer, "arc": arc, "bridge": bridge, "pillar": pillar}
 
 
 def _alone(kind: str, size: Size) -> Furniture:
@@ -127,36 +154,41 @@ CATEGORY: Final = BuiltCategory(
     description="a tap for a sink",
     size=(0.09, 0.2, 0.3),
     least=(0.03, 0.08, 0.08),
-    most=(0.4, 0.4, 0.6),
+    most=(0.4, 0.4, 1.5),
     styles={
         "arc": Style(
             lambda size, rng: _alone("arc", size),
-            lambda size: 0.06 <= size[0] < 0.16 and size[2] > 0.14,
+            lambda size: 0.06 <= size[0] < 0.16 and 0.14 < size[2] < 0.7,
         ),
         "mixer": Style(
             lambda size, rng: _alone("mixer", size), lambda size: size[0] < 0.08, (0.05, 0.15, 0.17)
         ),
         "bridge": Style(
             lambda size, rng: _alone("bridge", size),
-            lambda size: size[0] >= 0.14,
+            lambda size: size[0] >= 0.14 and size[2] < 0.7,
             (0.24, 0.2, 0.26),
+        ),
+        "pillar": Style(
+            lambda size, rng: _alone("pillar", size),
+            lambda size: size[2] > 0.7,
+            (0.2, 0.26, 1.0),
         ),
     },
     spread=STANDARD,
     round=False,
     alike=False,
     support="surface",
-    also=("wall",),
+    also=("wall", "floor"),
     level=HANGS_NOT,
     lumen=NO_LAMP,
-    weighs={ANY: (0.5, 3)},
+    weighs={"pillar": (2, 12), ANY: (0.5, 3)},
     worktop=NO_APPLIANCE,
     fixed=True,
     words="tap spigot water_faucet",
     classes=Classes("faucet", "otherprop", UNLABELED, UNLABELED),
     synsets=("03325088",),
     schemes=(
-        Scheme({ANY: "chrome", "switch": "chrome"}, weight=2.0),
+        Scheme({ANY: "chrome", "switch": "chrome", "bracket": "chrome"}, weight=2.0),
         Scheme({ANY: METAL, **DARK_TAP}),
     ),
     makes=(makes.row(ANY, makes.walls(3, makes.BRASS), "common"),),

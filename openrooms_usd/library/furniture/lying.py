@@ -52,6 +52,7 @@ Place = Literal[
     "floor_by_wall",
     "floor_beside_bed",
     "floor_beside_sofa",
+    "floor_by_media",
     "floor_under_desk",
     "floor_before_basin",
     "floor_open",
@@ -78,6 +79,7 @@ also below tables; ``wardrobe_shelf``, ``cupboard``, ``drawer``: behind a front.
 
 ``bed_head``: by the pillows; ``bed_foot``: the last third of a bed's length.
 
+``floor_by_media``: at the wall beside what a television stands on;
 ``floor_by_wall``: with its back to a wall; ``floor_under_desk``: against the wall below a desk;
 ``floor_before_basin``: before basin, bath or shower; ``floor_open``: anywhere that nobody has to
 walk, for toys; ``wall``: pictures and clocks.

@@ -22,6 +22,11 @@ from openrooms_usd.library.furniture.built import (
 from openrooms_usd.library.furniture.joinery import Parts, Size, Style, board, numbered
 from openrooms_usd.library.furniture.lying import Lies
 
+_POWERED: Final = (
+    "living_room", "bedroom", "office", "apartment", "game_room", "computer_cluster", "classroom",
+    "garage", "hotel", "conference_room",
+)  # fmt: skip
+
 
 def _strip(size: Size, long: float, count: int, plugs: int) -> Parts:
     """Sockets in a row along X over a part of the width; the cable takes the rest."""
@@ -92,6 +97,7 @@ CATEGORY: Final = BuiltCategory(
     yields=RIGID,
     lies=(
         Lies(on=("floor_under_desk",), weight=0.9, styles=("used",), most=1),
-        Lies(on=("floor_by_wall",), weight=0.25, clutter=2, most=1),
+        Lies(on=("floor_by_media",), weight=1.0, styles=("used",), most=1),
+        Lies(on=("floor_by_wall",), rooms=_POWERED, weight=0.25, clutter=2, most=1),
     ),
 )

@@ -163,7 +163,7 @@ CATEGORY: Final = BuiltCategory(
     synsets=Without("ShapeNetCore has no such models"),
     schemes=(
         Scheme({ANY: "chrome", "tray": "sanitary"}, weight=3.0),
-        Scheme({ANY: "chrome", "tray": "sanitary", "pane": "frosted_glass"}),
+        Scheme({ANY: "chrome", "tray": "sanitary", "pane": "tinted_glass"}),
         Scheme({ANY: "black", "tray": "sanitary", "spout": "black",
                 "switch": "black", "handle": "black", "bracket": "black"}),
     ),

@@ -55,7 +55,7 @@ CATEGORY: Final = BuiltCategory(
     synsets=NO_SYNSET,
     schemes=(
         Scheme({ANY: "chrome", "seal": "plastic"}, weight=3.0),
-        Scheme({ANY: "chrome", "pane": "frosted_glass", "seal": "plastic"}),
+        Scheme({ANY: "chrome", "pane": "tinted_glass", "seal": "plastic"}),
         Scheme({ANY: "black", "seal": "plastic"}),
     ),
     makes=(
