@@ -5,8 +5,11 @@ window. By night most are closed.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
+
+import numpy as np
 
 from openrooms_usd.generate.boxes import overlap
 from openrooms_usd.generate.items import Item
@@ -42,9 +45,10 @@ _CURTAIN_DEPTH_M, _BLIND_DEPTH_M = 0.2, 0.115
 # Beyond the window: curtains to each side, blinds to each side, both above it.
 _CURTAIN_BESIDE_M: Final = (0.16, 0.3)
 _BLIND_BESIDE_M, _ABOVE_M = 0.1, 0.16
-# The brackets of a rod reach this far from its ends, and this far below its top; longer rods have
-# one in the middle; metres.
-_BRACKET_IN_M, _BRACKET_BELOW_M, _TWO_BRACKETS_M = 0.16, 0.12, 2.4
+# How much wider they may become so that their brackets are clear of a casing, which is no deeper
+# than this; metres.
+_WIDER_M: Final = (0.0, 0.07, 0.14)
+_CASING_DEPTH_M: Final = 0.03
 # What of a window blinds cover, and how much that differs within a room.
 _LOWERED_SHARE, _LOWERED_SPREAD = (0.15, 0.9), 0.06
 # Of blinds that are closed, the part that they cover.
@@ -87,10 +91,7 @@ def curtains(
         else:
             ends = [_OFF_FLOOR_M, gap.sill - _BELOW_SILL_M, gap.sill + _ABOVE_SILL_M]
             widths, depth = [beside, _BLIND_BESIDE_M], _CURTAIN_DEPTH_M
-            if top - _BRACKET_BELOW_M < gap.top + room.shell.casing:
-                # Brackets would be on the casing: they go beside it.
-                wide = max(beside, room.shell.casing + _BRACKET_IN_M)
-                widths = [wide] if gap.width + 2.0 * wide <= _TWO_BRACKETS_M else []
+        widths = [wide + more for wide in widths for more in _WIDER_M]
         sizes = [(gap.width + 2.0 * wide, depth, top - low) for wide in widths for low in ends]
         found = _hung(room, kit, gap, style, sizes, top)
         made += [found] if found else []
@@ -115,7 +116,8 @@ def _hung(
         x, y = side.point(gap.at, 0.5 * depth).tolist()
         low = round(top - height, 2)
         item = kit.item("curtain", x, y, side.yaw, size=size, style=style, z=low, on="wall")
-        if _is_free_before(room, item) and room.add(item):
+        clear = _is_free_before(room, item) and _misses_casing(room, kit, gap, item)
+        if clear and room.add(item):
             return item
     return None
 
@@ -126,3 +128,15 @@ def _is_free_before(room: Arrangement, item: Item) -> bool:
     doors = room.shell.kept[room.shell.kept[:, 6] == 0.0]
     away = overlap(box, doors, _DOOR_GAP_M).any() or overlap(box, room.shell.walls, -0.002).any()
     return not away and not (len(room.solids) and overlap(box, room.solids, _THING_GAP_M).any())
+
+
+def _misses_casing(room: Arrangement, kit: Kit, gap: Gap, item: Item) -> bool:
+    """Whether nothing that reaches to the wall does so where the window has its casing."""
+    parts = kit.slices(replace(item, x=0.0, y=0.0, yaw=0.0))
+    casing = room.shell.casing
+    if not casing:
+        return True
+    at_wall = parts[:, 1] + parts[:, 5] > 0.5 * item.size[1] - _CASING_DEPTH_M
+    away = np.abs(parts[:, 0]) - parts[:, 4] > 0.5 * gap.width + casing
+    away |= (parts[:, 6] > gap.top + casing) | (parts[:, 7] < gap.sill - casing)
+    return bool((away | ~at_wall).all())

@@ -45,9 +45,9 @@ _ABOVE_WORKTOP_M: Final = 0.16
 # Sockets by beds are above the tables there, metres.
 _BEDSIDE_SOCKET_Z_M: Final = 0.68
 # Nothing stands before a switch, a socket and a thermostat to this distance, metres.
-_REACHED_M: Final = 0.3
-_PLUGGED_M: Final = 0.05
-_READ_M: Final = 0.1
+_REACHED_M: Final = 0.32
+_PLUGGED_M: Final = 0.06
+_READ_M: Final = 0.13
 _THERMOSTAT_Z_M: Final = 1.4
 # Half of the hole in a rose, which takes a lamp's canopy; metres.
 _ROSE_HOLE_M: Final = 0.075

@@ -14,6 +14,9 @@ BELOW = 0.015
 LET_IN = {("sink", "worktop"), ("hob", "worktop")}
 # A rim lies on its worktop along this share of the thing's width and depth at least.
 RIM = 0.8
+# So little may reach beyond the edge of what carries it, and over pits in it, metres: the brim of
+# a hat on a chair, a blanket on a duvet.
+EDGE, PIT = 0.01, 0.02
 # How far a worktop may reach from one unit to the next, and beyond the last one, metres.
 SPAN, OVERHANG = 0.65, 0.3
 # The widest half of a gap between slats over which things stand, metres, and how far from it on
@@ -70,7 +73,7 @@ def _stands(body: Body, support: Body | None, scene: Scene) -> Iterator[str]:
     held = over(base, support) if support else np.ones(len(base), dtype=bool)
     soft = support is not None and support.category == "rug"
     stack = support is not None and support.category == body.category
-    if support and not (held.all() or soft or stack) and not _slats(base, held, support):
+    if support and not (held.all() or soft or stack or _carried(base, held, support)):
         yield f"{body.name} stands over the edge of {on}"
     elif not (
         soft or body.category in HELD
@@ -109,15 +112,23 @@ def within_hull(place: np.ndarray, points: np.ndarray) -> bool:
     return bool((sides[:, :2] @ place + sides[:, 2] <= 0.0).all())
 
 
-def _slats(base: np.ndarray, held: np.ndarray, support: Body) -> bool:
-    """Whether all places that nothing holds are between two slats, with others beside them held."""
+def _carried(base: np.ndarray, held: np.ndarray, support: Body) -> bool:
+    """Whether all places that nothing holds are at an edge, over a pit or between two slats.
+
+    Args:
+        base: (N, 3) the lowest places of a body.
+        held: (N,) which of them are held.
+        support: What carries it.
+    """
     gaps, kept = base[~held], base[held]
     if not len(kept):
         return False
+    away = np.linalg.norm(gaps[:, None, :2] - kept[None, :, :2], axis=2).min(axis=1)
+    least = np.where([within_hull(gap, kept[:, :2]) for gap in gaps[:, :2]], PIT, EDGE)
+    gaps, away = gaps[away > least], away[away > least]
     ways = SLATS * support.frame[:3, :2].T
     sides = [[over(gaps + sign * way, support) for sign in (1, -1)] for way in ways]
     between = np.array(sides).all(axis=1).any(axis=0)
-    away = np.linalg.norm(gaps[:, None, :2] - kept[None, :, :2], axis=2).min(axis=1)
     return bool((between & (away < HELD_NEAR)).all())
 
 
@@ -178,6 +189,8 @@ def _hangs(body: Body, support: Body) -> bool:
 
 def over(base: np.ndarray, support: Body, near: float = BELOW) -> np.ndarray:
     """(N,) which of (N, 3) points have something of a support close above or below them."""
+    if not len(base):
+        return np.zeros(0, dtype=bool)
     corners = support.points[support.triangles]
     least, most = base.min(axis=0) - near, base.max(axis=0) + near
     there = (corners.min(axis=1) <= most) & (corners.max(axis=1) >= least)

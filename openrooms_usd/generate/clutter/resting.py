@@ -86,15 +86,16 @@ def rest_on(below: Shape, below_skin: Array, upper: Shape, upper_skin: Array, po
         pose: Of the object in the carrier's frame.
     """
     x, y, yaw = pose
-    low = _few(upper_skin[upper_skin[:, 2] < upper_skin[:, 2].min() + _CONTACT_M])
+    low = few(upper_skin[upper_skin[:, 2] < upper_skin[:, 2].min() + _CONTACT_M])
     points = low @ about_z(np.radians(yaw)).T
     found = below.tops(x + points[:, 0], y + points[:, 1]) - points[:, 2]
-    high = _few(below_skin[below_skin[:, 2] > below_skin[:, 2].max() - _CONTACT_M])
+    high = few(below_skin[below_skin[:, 2] > below_skin[:, 2].max() - _CONTACT_M])
     local = (high - np.array([x, y, 0.0])) @ about_z(np.radians(yaw))
     over = Shape(tuple(mesh.transformed(_UPSIDE_DOWN) for mesh in upper.meshes))
     other = over.tops(local[:, 0], local[:, 1]) + high[:, 2]
     return float(max(found.max(), other.max()))
 
 
-def _few(points: Array) -> Array:
-    return points[:: 1 + len(points) // _MOST_CONTACTS]
+def few(points: Array, most: int = _MOST_CONTACTS) -> Array:
+    """Some of many points, spread over all of them."""
+    return points[:: 1 + len(points) // most]

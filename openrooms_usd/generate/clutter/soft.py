@@ -9,8 +9,9 @@ import numpy as np
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import Thing
-from openrooms_usd.generate.clutter.resting import Relief
+from openrooms_usd.generate.clutter.resting import Relief, few
 from openrooms_usd.generate.items import Item, placed, wrapped
+from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.furniture.lying import Place
@@ -22,9 +23,10 @@ _STEP_M: Final = 0.01
 _RISE_M: Final = 0.012
 # Of the lowest points of a thing none is farther than this above what it lies on, metres.
 _MAX_GAP_M: Final = 0.013
-# Cushions give way by this, metres: heights on the grid are those of its highest places.
-_SINK_M: Final = 0.003
 _LOWEST_M: Final = 0.005
+# What of a thing may touch what it lies on, above its lowest point, metres, and so many of its
+# points.
+_CONTACT_M, _CONTACTS = 0.05, 200
 # Which part of a bed or a seat is meant: least and greatest x and y, as shares of its size.
 _PARTS: Final[dict[Place, tuple[float, float, float, float]]] = {
     "bed_head": (-0.42, 0.42, 0.0, 0.45),
@@ -43,12 +45,14 @@ class Seat:
         carrier: What it belongs to.
         group: The index of the group of the carrier.
         relief: The carrier's upper side.
+        shape: The carrier's form.
     """
 
     place: Place
     carrier: Item
     group: int
     relief: Relief
+    shape: Shape
 
     @property
     def pose(self) -> Pose:
@@ -88,7 +92,7 @@ def seats(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> I
         for item in items:
             carries = CATEGORIES[item.category].carries if item.category in CATEGORIES else ()
             for place in (place for place in carries if place in SOFT):
-                yield Seat(place, item, number, surfaces.relief(item))
+                yield Seat(place, item, number, surfaces.relief(item), surfaces.shape(item))
 
 
 def lean(
@@ -120,7 +124,7 @@ def lean(
         return None
     # A little before that place it may stand better, and still leans.
     tried = (
-        _laid(seat, thing, key, points, (x, float(steps[at]), yaw), float(z[at]) - _SINK_M)
+        _laid(seat, thing, key, points, (x, float(steps[at]), yaw), float(z[at]))
         for at in range(count - 1, max(count - 4, -1), -1)
     )
     return next((laid for laid in tried if laid is not None), None)
@@ -152,6 +156,10 @@ def _laid(
     gap = base[:, 2] + z - seat.relief.at(x + base[:, 0], y + base[:, 1])
     if not np.isfinite(z) or gap.max() > _MAX_GAP_M:
         return None
+    # The grid has the highest of each cell: by so much less the faces themselves are met.
+    low = few(points[points[:, 2] < points[:, 2].min() + _CONTACT_M], _CONTACTS)
+    met = float((seat.shape.tops(x + low[:, 0], y + low[:, 1]) - low[:, 2]).max())
+    z = max(met, z - _MAX_GAP_M)
     size, style = thing.make
     rx, ry = placed(seat.pose, x, y)
     turn = round(wrapped(seat.pose[2] + yaw), 2)

@@ -20,7 +20,7 @@ from openrooms_usd.library.furniture.lying import DRAPED_WALL_M, LOOP_BACK_M, LO
 Array = NDArray[np.float64]
 
 # The share of a roll's height by which it is pressed flat below.
-_PRESSED: Final = 0.06
+_PRESSED: Final = 0.04
 
 
 def between(front: Array, back: Array) -> Mesh:
@@ -86,8 +86,8 @@ def rolled(size: Size, rng: np.random.Generator) -> Mesh:
     thick = 0.5 * height / (turns + 0.6) * 0.92
     radius = 0.6 * thick + (0.5 * height - 1.1 * thick) * angle / angle[-1]
     start = float(rng.uniform(0.0, 2.0 * np.pi))
-    # The loose end lies below.
-    a = angle - angle[-1] - 0.5 * np.pi - 0.1 * start
+    # The loose end lies at the back, below the middle.
+    a = angle - angle[-1] - 0.1 * start
     line = np.stack([radius * np.cos(a) * depth / height, 0.5 * height + radius * np.sin(a)], 1)
     x = np.linspace(-0.5 * width, 0.5 * width, 3)
     front, back = _along(line, thick, x)

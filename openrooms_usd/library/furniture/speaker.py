@@ -114,6 +114,7 @@ def tower(size: Size, rng: np.random.Generator) -> Parts:
     woofer = 0.38 * (width - 0.05)
     count = int(rng.integers(2, 4))
     rows = [(height - 0.3 - (2.3 * i + 1.2) * woofer, woofer) for i in range(count)]
+    rows = [(z, r) for z, r in rows if z - 1.1 * r > plinth + 0.01]
     cones, rims = _drivers([*rows, (height - 0.24, 0.8 * woofer), (height - 0.1, 0.35 * woofer)],
                            front)  # fmt: skip
     spread = corners(0.5 * width - 0.02, 0.5 * depth - 0.02)
