@@ -76,7 +76,7 @@ def test_a_scene_of_scannet_with_its_annotated_cads(tmp_path: Path, real: Real) 
 def test_a_single_view_stands_where_its_camera_stood(tmp_path: Path, real: Real) -> None:
     source = real("sunrgbd_sample/sunrgbd_000017_infos.pkl")
     report = composed(tmp_path, "sunrgbd", source)
-    assert {thing["category"] for thing in report["alignment"]["objects"]} == {"bed", "side_table"}
+    assert {one["category"] for one in report["alignment"]["objects"]} == {"bed", "night_stand"}
     (room,) = report["layout"]["rooms"]
     assert room["guessed_walls"]
     assert shapely.Polygon(np.array(room["corners"])[:, :2]).contains(shapely.Point(0.0, 0.0))

@@ -2,7 +2,7 @@
 
 - ``build`` makes all of it for the active variant: meshes, textures, BSDFs, emitters.
 - ``descriptions`` says what becomes of surfaces and lights, ``sensors`` what becomes of cameras, in
-  plugins that XML can name too.
+  plugins that XML can name too; ``lenses`` bends the rays of a camera with a lens.
 - ``openrooms_bsdf`` is OpenRooms' reflectance model (its formulas in ``microfacet``), and
   ``material_table`` makes many materials one of it.
 - ``light_weights`` says how often each light is sampled, and ``portal_environment`` samples the

@@ -1,11 +1,9 @@
-"""Cameras as Mitsuba sensors, and thin lenses."""
+"""Cameras as Mitsuba sensors, described without Mitsuba."""
 
 import math
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
-import drjit as dr
-import mitsuba as mi
 import numpy as np
 
 from openrooms_usd.render.scene.pictures import Array
@@ -78,41 +76,6 @@ def has_lens(camera: PinholeCamera) -> bool:
 def pinhole(camera: PinholeCamera) -> PinholeCamera:
     """The camera with all in focus."""
     return replace(camera, f_stop=0.0, lens_radius=0.0)
-
-
-class ThinLens:
-    """Bends rays that a pinhole sends: all that meet its plane of focus at a point.
-
-    Args:
-        camera: One with a lens.
-        origin: (3,) the point of the world that is Mitsuba's origin.
-    """
-
-    def __init__(self, camera: PinholeCamera, origin: Array) -> None:
-        pose = camera.world_from_camera
-        self._right, self._down, self._forward = (
-            mi.Vector3f(axis) for axis in pose[:3, :3].T.tolist()
-        )
-        self._eye = mi.Point3f((pose[:3, 3] - origin).tolist())
-        self._radius = mi.Float(camera.lens_radius)
-        self._focus = mi.Float(camera.focus_distance)
-        # As variables, not as parts of the compiled code.
-        dr.make_opaque(self._right, self._down, self._forward)
-        dr.make_opaque(self._eye, self._radius, self._focus)
-
-    def bent(self, ray: Any, sample: Any) -> Any:
-        """Rays through the lens.
-
-        Args:
-            ray: Through its middle.
-            sample: Where on the lens each goes through, in [0, 1)^2.
-        """
-        sharp = self._eye + ray.d * (self._focus / dr.dot(ray.d, self._forward))
-        at = mi.warp.square_to_uniform_disk_concentric(sample) * self._radius
-        found = mi.Ray3f(ray)
-        found.o = self._eye + self._right * at.x + self._down * at.y
-        found.d = dr.normalize(sharp - found.o)
-        return found
 
 
 def _band(width: int, rows: tuple[int, int] | None) -> dict[str, int]:

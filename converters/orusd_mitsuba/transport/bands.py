@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
-from orusd_mitsuba.plugins.sensors import ThinLens, describe_sensor, has_lens, pinhole
+from orusd_mitsuba.plugins.lenses import ThinLens
+from orusd_mitsuba.plugins.sensors import describe_sensor, has_lens, pinhole
 from orusd_mitsuba.transport.strips import most_samples, strips
 
 # Sums that one batch may keep, 4 bytes each, and paths that may be in flight.

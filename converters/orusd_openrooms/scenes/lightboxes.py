@@ -28,8 +28,9 @@ def panorama(scene: Scene) -> NDArray[np.float32]:
     if sky is None:
         pixels, turn = np.zeros((1, 1, 3), np.float32), np.eye(3)
     else:
-        # Every other row is one of the picture; those between, and at the poles, are made of them.
-        own = sky.pixels[1::2] if len(sky.pixels) > 1 else sky.pixels
+        # A small picture came with rows between its own, and at the poles, that are made of them.
+        height, width = sky.pixels.shape[:2]
+        own = sky.pixels[1::2] if height > max(1, width) else sky.pixels
         pixels, turn = np.maximum(own, 0.0), sky.world_from_light
     size = pixels.shape[:2] if pixels.shape[0] > 1 else _SMALL
     if scene.suns:

@@ -145,7 +145,7 @@ CATEGORY: Final = BuiltCategory(
         ),
         Scheme({ANY: "black", "slot": "soot", "base": "soot", "pipe": "steel", "knob": "plastic"}),
     ),
-    makes=(makes.row(ANY, makes.walls(1.25), "sheet"),),
+    makes=(makes.row(ANY, makes.walls(1.0, makes.STEEL), "sheet"),),
     hinges=PLAIN_HINGES,
     yields=RIGID,
 )

@@ -94,13 +94,19 @@ def _author_shell(context: StageContext, room: RigidAsset) -> None:
         if not solid.path.startswith(apart)
     ]
     colliders = [
-        Collider(f"{solid.path.rpartition('/')[2]}_{number}", shape, solid)
+        Collider(f"{_name(solid)}_{number}", shape, solid)
         for solid in solids
         for number, shape in enumerate(_shapes(context, room, solid))
     ]
     link = LinkColliders(RigidLink(".", tuple(solids)), tuple(colliders), ())
     shell = replace(room, links=(link.link,))
     author_physics(context.stage, room.root, shell, (link,), room.root)
+
+
+def _name(solid: Solid) -> str:
+    """A surface's own name; what lies beyond an opening has its whole path, to differ."""
+    beyond = f"{names.BEYOND.removeprefix(names.ROOM + '/')}/"
+    return solid.path.replace("/", "_") if solid.path.startswith(beyond) else solid.name
 
 
 def _shapes(context: StageContext, room: RigidAsset, solid: Solid) -> list[TriangleMesh]:
