@@ -90,7 +90,7 @@ class MitsubaSession:
         model = _affordable(_model(bsdf), backend)
         self._scene = with_model(scene, model)
         if backend.variant.startswith("scalar"):
-            _leave_panes_out(self._scene)
+            _simplify_panes(self._scene)
         self._builder = Builder(self._scene.origin)
         self._built = self._builder.scene(self._scene)
         self._sources = sources_of(self._scene)
@@ -175,7 +175,7 @@ class MitsubaSession:
         self._builder.move(self._built, self._scene, moved)
         self._scene = moved
         self._room_lights.clear()
-        for made in ("_complete", *(("_index",) if scene.panes else ())):
+        for made in ("_complete", *(("_index", "_glazed") if scene.panes else ())):
             self.__dict__.pop(made, None)
 
     def probe(
@@ -263,7 +263,8 @@ class MitsubaSession:
     ) -> Integrator:
         size = request.width, request.height
         if self._variant.startswith("scalar"):
-            return BuiltinIntegrator(self._built, camera, request, self._scene.origin)
+            origin, panes = self._scene.origin, bool(self._scene.panes)
+            return BuiltinIntegrator(self._glazed, camera, request, origin, panes=panes)
         if render_pass is DIRECT:
             return DirectIntegrator(
                 self._scene,
@@ -319,6 +320,13 @@ class MitsubaSession:
         return self._room_lights[request.bounces]
 
     @cached_property
+    def _glazed(self) -> Any:
+        """The scene with its panes among its shapes, for Mitsuba's own integrator."""
+        if not self._scene.panes:
+            return self._built
+        return Builder(self._scene.origin).scene(self._scene, panes=True)
+
+    @cached_property
     def _index(self) -> LightIndex:
         panes = Panes(self._scene) if self._scene.panes else None
         return LightIndex(self._sources, self._built, self._scene.origin, panes)
@@ -346,9 +354,11 @@ class MitsubaSession:
             self._scene.report.add(where, "approximated", reason)
 
 
-def _leave_panes_out(scene: Scene) -> None:
-    """Say that a backend sees no clear panes."""
-    lost = "the scalar backend leaves clear panes out: nothing is mirrored or dimmed"
+def _simplify_panes(scene: Scene) -> None:
+    """Say how a backend sees clear panes."""
+    lost = (
+        "the scalar backend tints what passes alike at every angle, and half of a solid is its pane"
+    )
     panes = {id(pane.surface) for pane in scene.panes}
     scene.report.lose({path: lost for path, found in scene.owners if id(found) in panes})
 

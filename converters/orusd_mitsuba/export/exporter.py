@@ -74,7 +74,7 @@ def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
     for sun, weight in zip(scene.suns, export.weights.suns, strict=True):
         export.add("sun", describe_sun(sun, weight))
     # 3. Surfaces.
-    for patch in (*scene.patches, *scene.panes):
+    for patch in (*scene.patches, *(pane.sheet() for pane in scene.panes)):
         export.add_patch(patch)
     atomic.write_text(file, scene_text(export.objects))
 

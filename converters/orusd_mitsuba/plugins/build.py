@@ -40,7 +40,11 @@ class Builder:
         self._shaped: dict[str, Any] = {}
 
     def scene(
-        self, scene: Scene, weights: LightWeights | None = None, by_portals: bool = True
+        self,
+        scene: Scene,
+        weights: LightWeights | None = None,
+        by_portals: bool = True,
+        panes: bool = False,
     ) -> Any:
         """The whole scene, its shapes in the order of its patches.
 
@@ -48,11 +52,13 @@ class Builder:
             scene: The arrays.
             weights: How often lights are sampled; None: by the flux that they bring.
             by_portals: Whether the surroundings are sampled where they come in.
+            panes: Whether panes are among the shapes, after the patches, as Mitsuba's own
+                integrators take them; ours follow panes apart from the scene.
         """
         weights = weights or light_weights(scene)
         self._tabulate(scene)
         objects: Description = {"type": "scene"}
-        for patch in scene.patches:
+        for patch in (*scene.patches, *(pane.sheet() for pane in scene.panes if panes)):
             objects[patch.name] = self._mesh(patch, weights)
         for number, (sun, weight) in enumerate(zip(scene.suns, weights.suns, strict=True)):
             objects[f"sun_{number}"] = describe_sun(sun, weight)

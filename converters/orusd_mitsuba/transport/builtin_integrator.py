@@ -19,6 +19,13 @@ _PATHS_IN_FLIGHT: Final = 1 << 22
 class BuiltinIntegrator:
     """Renders batches of samples of a camera, in strips where a whole one takes too much memory.
 
+    Args:
+        built: The scene.
+        camera: The camera.
+        request: Size, samples and bounces.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+        panes: Whether the scene has clear panes among its shapes.
+
     Attributes:
         planes: 1, the radiance.
         size: Height and width.
@@ -27,12 +34,20 @@ class BuiltinIntegrator:
     """
 
     def __init__(
-        self, built: Any, camera: PinholeCamera, request: RenderRequest, origin: NDArray[np.float64]
+        self,
+        built: Any,
+        camera: PinholeCamera,
+        request: RenderRequest,
+        origin: NDArray[np.float64],
+        *,
+        panes: bool = False,
     ) -> None:
         self._built, self._camera, self._origin = built, camera, origin
         self.planes, self.size = 1, (request.height, request.width)
         self.most = max(1, _PATHS_IN_FLIGHT // (request.width * request.height))
-        self._integrator = mi.load_dict({"type": "path", "max_depth": request.bounces + 1})
+        # The one of media lets light samples, too, go straight through panes.
+        kind = "volpath" if panes else "path"
+        self._integrator = mi.load_dict({"type": kind, "max_depth": request.bounces + 1})
         self.broken = np.zeros((request.height, request.width), dtype=bool)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:

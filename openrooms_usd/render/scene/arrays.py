@@ -104,6 +104,19 @@ class Pane(Patch):
 
     is_sheet: bool = False
 
+    def sheet(self) -> Patch:
+        """The pane as renderers know it that let each triangle be one: of a solid half remains.
+
+        A ray through a thin solid goes in at one side and out at the other; the side that faces
+        along its largest triangle stands for both.
+        """
+        if self.is_sheet or not len(self.triangles):
+            return self
+        a, b, c = np.moveaxis(self.triangles.corners, 1, 0)
+        crosses = np.cross(b - a, c - a)
+        largest = crosses[np.argmax(np.einsum("ni,ni->n", crosses, crosses))]
+        return self.at(self.triangles.rows(crosses @ largest > 0.0))
+
 
 @dataclass(frozen=True, eq=False)
 class Environment:
