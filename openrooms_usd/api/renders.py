@@ -190,6 +190,7 @@ def render(
     bounces: int | None = None,
     method: str | None = None,
     tone: str = "photograph",
+    f_stop: float | None = None,
     grid: tuple[int, int] | None = None,
     error_maps: bool = False,
     denoise: bool | Literal["all"] = False,
@@ -203,18 +204,17 @@ def render(
         scene: A composed room or any USD file.
         out: The folder to write; by default ``render`` beside the scene.
         cameras: Names or prim paths; all cameras by default.
-        channels: Names such as ``depth`` (docs/channels.md); ``usual`` and ``all`` are sets of
-            them. The usual ones by default.
+        channels: Names such as ``depth`` (docs/channels.md), ``all`` or ``usual``, the default.
         resolution: Width and height in pixels; by default what the scene says.
         samples: Samples a pixel; 64 by default where neither ``error`` nor ``seconds`` is given.
         error: Stop a view at this estimated robust error of its radiance.
         seconds: Stop a view after about this time.
         seed: Fixes every random number.
         bounces: At most this many scatterings between a light and the camera; 7 by default.
-        method: ``reference`` follows every path to its end, without bias; ``cache`` computes what
-            is smooth once for the room. By default what takes less time.
+        method: ``reference``, without bias, or ``cache``; by default what takes less time.
         tone: How PNGs show light: ``photograph`` as a camera, ``film`` by the curve alone, ``srgb``
             with nothing but the encoding. Data is never toned.
+        f_stop: F-number of a lens before film 36 mm wide, such as 2.8 (docs/light.md).
         grid: Columns and rows of hemispheres, where channels of them are asked for; (160, 120).
         error_maps: Whether to write the estimated standard error of each pixel too.
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``); ``"all"``:
@@ -258,6 +258,7 @@ def render(
             bounces=DEFAULT_BOUNCES if bounces is None else bounces,
             method=method,
             tone=tone,
+            f_stop=f_stop,
             renderer=renderer,
             denoise=denoise,
             options=options or {},

@@ -75,6 +75,11 @@ def _resolution(
     help="How PNGs show light: photograph as a camera does, film by the curve alone, srgb with "
     "nothing but the encoding. EXRs are never toned.",
 )  # fmt: skip
+@click.option(
+    "--f-stop", type=float,
+    help="Depth of field: F-number of a lens before film 36 mm wide, such as 2.8, focused as the "
+    "camera says or else on the middle of the picture. Ground truth stays that of a pinhole.",
+)  # fmt: skip
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @click.option(
     "--denoise-light", is_flag=True,
@@ -107,6 +112,7 @@ def render(
     bounces: int,
     method: str | None,
     tone: str,
+    f_stop: float | None,
     renderer: str,
     options: dict[str, str],
     denoise: bool,
@@ -133,7 +139,7 @@ def render(
 
     _warn_of_units(stage)
     if spec is not None:
-        _check_stills(cameras, channels, grid, error_maps, error, seconds, root)
+        _check_stills(cameras, channels, grid, error_maps, error, seconds, f_stop, root)
         film(
             stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
             resolution=resolution, samples=spp, seed=seed, bounces=bounces, method=method,
@@ -161,6 +167,7 @@ def render(
             bounces=bounces,
             method=method,
             tone=tone,
+            f_stop=f_stop,
             renderer=renderer,
             options=options,
             denoise="all" if denoise_light else denoise,
@@ -179,8 +186,9 @@ def _check_stills(*given: Any) -> None:
     """Refuse what a video has not."""
     if any(value not in ((), "usual", None, False) for value in given):
         raise click.UsageError(
-            "with --path there is no --camera, --channels, --grid, --error-maps, --error, --time "
-            "or --dataset: frames have --spp, and --frames keeps them with their ground truth"
+            "with --path there is no --camera, --channels, --grid, --error-maps, --error, --time, "
+            "--f-stop or --dataset: frames have --spp, and --frames keeps them with their ground "
+            "truth"
         )
 
 

@@ -57,7 +57,7 @@ class Exposed(Model):
     """EV100 of the previews (data is never exposed); by default fitted to each picture."""
 
 
-class Viewed(Exposed, CheckedModel):
+class Viewed(Exposed):
     """A camera whose lens is described."""
 
     fov: FieldOfView = 60.0
@@ -65,18 +65,13 @@ class Viewed(Exposed, CheckedModel):
     f_stop: Annotated[Number, Field(ge=0.5, le=128)] | None = None
     """F-number of a lens before film 36 mm wide: what is not in focus is blurred; by default all is
     sharp."""
-    focus: PositiveLength | None = None
-    """How far away things are sharp, along the optical axis; by default at the target."""
-
-    @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
-        """A lens that is focused on nothing."""
-        targeted = peek(given, "target") is not None
-        if peek(given, "f_stop") is not None and not targeted and peek(given, "focus") is None:
-            yield Found(("f_stop",), "with an f_stop it needs a focus, such as `focus: 2.5 m`")
+    focus: Literal["subject"] | PositiveLength | None = None
+    """How far away things are sharp, along the optical axis, or the ``subject`` of the picture:
+    the main thing in it, or else what is in its middle; by default the target, where there is
+    one."""
 
 
-class LookAtCamera(Viewed):
+class LookAtCamera(Viewed, CheckedModel):
     """A camera at one point that looks at another."""
 
     source: Literal["look_at"] = Field(default="look_at", alias="from")
@@ -90,7 +85,6 @@ class LookAtCamera(Viewed):
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """A camera that looks nowhere."""
-        yield from super().disagreements(given)
         eye = peek(given, "eye")
         if eye is not None and eye == peek(given, "target"):
             yield Found(("target",), "eye and target are the same point")

@@ -4,7 +4,7 @@
   `triangulation`, `raycast`: meshes; `uv`, `uvquality`, `unwrap`, `shelves`,
   `grain`: texture coordinates;
 - `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `looks`, `views`,
-  `viewpoints`, `composition`, `framing`: the plan, and cameras in it;
+  `viewpoints`, `composition`, `focus`, `framing`: the plan, and cameras in it;
 - `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,
   `openings`, `shell`, `leaves`, `doors`, `windows`, `hallways`: a room of them;
   `wallruns`, `mouldings`, `panelling`, `claddings`, `ceilings`: what it wears;

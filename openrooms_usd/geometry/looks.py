@@ -90,7 +90,7 @@ def rated(
         the pixels.
     """
     rows = [
-        _rate(_look(caster, views[start : start + 32], fov, *resolution), rating)
+        _rate(look_of(caster, views[start : start + 32], fov, *resolution), rating)
         for start in range(0, len(views), 32)
     ]
     pixels = resolution[0] * resolution[1]
@@ -107,7 +107,8 @@ def _rate(look: Look, rating: Rating) -> tuple[Array, NDArray[np.int64]]:
     return np.where(blocked | empty, -np.inf, rating(look)), parts
 
 
-def _look(caster: RayCaster, views: Views, fov: float, width: int, height: int) -> Look:
+def look_of(caster: RayCaster, views: Views, fov: float, width: int, height: int) -> Look:
+    """What views see of a scene, through lenses so many degrees wide, in so many pixels."""
     rays = pixel_directions(intrinsics(fov, width, height), width, height).reshape(-1, 3)
     lengths = np.linalg.norm(rays, axis=1)
     directions = rays @ rotations(views.forwards).swapaxes(1, 2)

@@ -66,6 +66,8 @@ class RenderRequest:
         method: How light is computed; one of those that the session has (`MethodicalSession`).
         measure_bias: Whether images shall have their bias where the method is not `REFERENCE`.
         guides: Whether the view shall have what a denoiser is guided by (`GUIDES`).
+        f_stop: F-number of a lens before film 36 mm wide, in place of the camera's own; None leaves
+            that. Who makes the camera heeds it, not the renderer.
     """
 
     camera: str | None
@@ -83,6 +85,7 @@ class RenderRequest:
     method: Method = REFERENCE
     measure_bias: bool = True
     guides: bool = False
+    f_stop: float | None = None
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,7 @@ def render_stage(
     bounces: int = DEFAULT_BOUNCES,
     method: str | None = None,
     tone: str = PHOTOGRAPH,
+    f_stop: float | None = None,
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: Denoise = False,
@@ -99,6 +100,8 @@ def render_stage(
         method: One of `openrooms_usd.render.contract.METHODS`; None for what the renderer takes
             where nobody asks.
         tone: How pictures for people show light; one of `openrooms_usd.render.contract.TONES`.
+        f_stop: F-number of a lens before film 36 mm wide, in place of the cameras' own, focused as
+            they say or on what is in the middle of the picture.
         renderer: A registered renderer.
         options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to write the denoised radiance beside the raw one; ``all``: also denoised
@@ -133,6 +136,7 @@ def render_stage(
         bounces=bounces,
         grid=grid,
         tone=tone,
+        f_stop=f_stop,
     )
     named = check_method(method)
     denoiser = load_denoiser() if denoise else None

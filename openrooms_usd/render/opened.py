@@ -3,6 +3,7 @@
 The core gives what one exact ray through each pixel's centre tells: geometry, materials and labels.
 """
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
@@ -15,6 +16,7 @@ from pxr import Usd
 
 from openrooms_usd.channels import each, numbered
 from openrooms_usd.errors import RenderError
+from openrooms_usd.geometry.focus import focus_distance
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render.contract import (
     GUIDES,
@@ -41,7 +43,13 @@ from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.rays import CastingTracer
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
+from openrooms_usd.usd.cameras import (
+    PinholeCamera,
+    framing_camera,
+    list_cameras,
+    read_camera,
+    with_lens,
+)
 
 # The part of the progress that exact channels take beside many samples.
 _EXACT_SHARE: Final = 0.02
@@ -220,6 +228,15 @@ class OpenedStage:
         return self._moving.scene
 
     def _camera(self, request: RenderRequest) -> PinholeCamera:
+        camera = self._described_camera(request)
+        if request.f_stop is None:
+            return camera
+        fov = 2.0 * math.degrees(math.atan(0.5 * request.width / camera.K[0, 0]))
+        pose = camera.world_from_camera
+        focus = camera.focus_distance or focus_distance(self.caster, pose[:3, 3], pose[:3, 2], fov)
+        return with_lens(camera, request.f_stop, focus, request.width)
+
+    def _described_camera(self, request: RenderRequest) -> PinholeCamera:
         if request.camera is None:
             return framing_camera(self._stage, request.width, request.height)
         if request.camera not in self.cameras:

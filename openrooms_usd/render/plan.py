@@ -37,6 +37,7 @@ _LIMITS: Final[dict[str, tuple[float, float]]] = {
     "seconds (--time)": (1e-3, 1e7),
     "seed": (0, 2**31 - 1),
     "bounces": (0, 1024),
+    "f-stop (--f-stop)": (0.5, 128),
 }
 
 
@@ -67,6 +68,7 @@ def plan(
     bounces: int,
     grid: tuple[int, int] = DEFAULT_GRID,
     tone: str = PHOTOGRAPH,
+    f_stop: float | None = None,
 ) -> RenderRequest:
     """The request that all views share, still without a camera.
 
@@ -80,6 +82,7 @@ def plan(
         bounces: See there.
         grid: See there.
         tone: See there.
+        f_stop: See there.
 
     Raises:
         InputError: The tone is unknown, a number is absurd, or samples, error and seconds
@@ -111,6 +114,7 @@ def plan(
         bounces=_whole("bounces", bounces),
         grid=(_whole("grid's width", grid[0]), _whole("grid's height", grid[1])),
         tone=found,
+        f_stop=None if f_stop is None else _number("f-stop (--f-stop)", f_stop),
     )
     return sized(request, resolution) if resolution else request
 

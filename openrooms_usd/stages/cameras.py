@@ -1,7 +1,8 @@
 """The cameras stage: given views, and the best of many (`selection`); and the render settings."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -59,7 +60,9 @@ class CamerasStage:
         resolution = _resolution(context, capture)
         estimate = room_exposure(stage)
         paths = []
-        for shot in _named(context, capture):
+        # The room is read once, and only where somebody looks around in it.
+        selection = cache(lambda: Selection.of(stage))
+        for shot in _named(context, capture, selection):
             path = f"{names.CAMERAS}/{shot.name}"
             camera = define_camera(
                 stage,
@@ -69,7 +72,7 @@ class CamerasStage:
                 K=_intrinsics(shot, resolution),
                 exposure=_exposure(shot.view),
                 estimate=estimate,
-                lens=_lens(shot.view),
+                lens=_lens(shot, selection),
             )
             if shot.frame and capture:
                 name_photograph(camera.GetPrim(), shot.frame, capture)
@@ -110,14 +113,16 @@ def _intrinsics(shot: _Shot, resolution: tuple[int, int]) -> Array:
     return intrinsics(shot.view.fov, *resolution)
 
 
-def _lens(view: View) -> tuple[float, float] | None:
+def _lens(shot: _Shot, selection: Callable[[], Selection]) -> tuple[float, float] | None:
     """F-number and focus, metres; None where all is sharp."""
+    view = shot.view
     if not isinstance(view, Viewed) or view.f_stop is None:
         return None
-    if view.focus is not None:
+    if isinstance(view.focus, float):
         return view.f_stop, view.focus
-    assert isinstance(view, LookAtCamera), "the description asks for a focus"
-    return view.f_stop, float(np.linalg.norm(np.subtract(view.target, view.eye)))
+    if isinstance(view, LookAtCamera) and view.focus is None:
+        return view.f_stop, float(np.linalg.norm(np.subtract(view.target, view.eye)))
+    return view.f_stop, selection().focus(shot.pose, view.fov)
 
 
 def _exposure(view: View) -> float | None:
@@ -135,13 +140,13 @@ def _define_settings(stage: Usd.Stage, resolution: tuple[int, int], cameras: lis
         settings.CreateCameraRel().SetTargets([Sdf.Path(cameras[0])])
 
 
-def _shots(context: StageContext, capture: Capture | None) -> Iterator[_Shot]:
+def _shots(
+    context: StageContext, capture: Capture | None, selection: Callable[[], Selection]
+) -> Iterator[_Shot]:
     """Every camera with the view that asks for it; selections and captures give several."""
-    selection: Selection | None = None
     for number, view in enumerate(context.room.cameras.views):
         if isinstance(view, SelectedCameras):
-            selection = selection or Selection.of(context.stage)
-            yield from (_Shot(view, matrix) for matrix in selection.choose(context, number, view))
+            yield from (_Shot(view, matrix) for matrix in selection().choose(context, number, view))
         elif isinstance(view, FrameCameras):
             frames = capture.frames if capture else ()
             yield from (_Shot(view, f.world_from_camera, f) for f in frames[:: view.every])
@@ -152,12 +157,14 @@ def _shots(context: StageContext, capture: Capture | None) -> Iterator[_Shot]:
             yield _Shot(view, pose(nearest_rotation(matrix[:, :3]), matrix[:, 3]))
 
 
-def _named(context: StageContext, capture: Capture | None) -> Iterator[_Shot]:
+def _named(
+    context: StageContext, capture: Capture | None, selection: Callable[[], Selection]
+) -> Iterator[_Shot]:
     """The cameras with prim names: as given, by their photograph, else numbered and free."""
     several = (SelectedCameras, FrameCameras)
     given = [None if isinstance(v, several) else v.name for v in context.room.cameras.views]
     taken = {name for name in given if name is not None}
-    for shot in _shots(context, capture):
+    for shot in _shots(context, capture, selection):
         view = shot.view
         if isinstance(view, FrameCameras) and shot.frame:
             name = frame_name(view.name, shot.frame, taken)

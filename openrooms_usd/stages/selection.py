@@ -11,6 +11,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.description.cameras import SelectedCameras
 from openrooms_usd.geometry.composition import Subjects, photographic_rating
+from openrooms_usd.geometry.focus import focus_distance
 from openrooms_usd.geometry.framing import framing_view
 from openrooms_usd.geometry.looks import Rating, Views
 from openrooms_usd.geometry.raycast import RayCaster
@@ -105,6 +106,10 @@ class Selection:
                 f"only {len(chosen)} of {view.count} views found room along the walls"
             )
         return chosen.poses()
+
+    def focus(self, pose: Array, fov_degrees: float) -> float:
+        """Metres along the optical axis of a camera's (4, 4) pose to the subject of its picture."""
+        return focus_distance(self.caster, pose[:3, 3], pose[:3, 2], fov_degrees, self.subjects)
 
     def _candidates(self, rng: np.random.Generator, view: SelectedCameras) -> Views:
         low, high = view.height or _HEIGHTS_M[view.prefer]

@@ -1,7 +1,7 @@
 """Cameras as USD prims, and as a pinhole with numbers that every tool understands."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -166,6 +166,19 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
         lens_radius=focal / (2.0 * f_stop) if f_stop > 0 else 0.0,
         clipping=(near * metres, far * metres),
     )
+
+
+def with_lens(camera: PinholeCamera, f_stop: float, focus: float, width: int) -> PinholeCamera:
+    """The camera with a lens before film 36 mm wide.
+
+    Args:
+        camera: For pictures so many pixels wide.
+        f_stop: F-number.
+        focus: Metres along the optical axis to what is sharp.
+        width: Pixels.
+    """
+    focal = _FILM_WIDTH_TENTHS * _TENTH * float(camera.K[0, 0]) / width
+    return replace(camera, f_stop=f_stop, focus_distance=focus, lens_radius=focal / (2.0 * f_stop))
 
 
 def photograph(prim: Usd.Prim) -> dict[str, str] | None:

@@ -258,7 +258,23 @@ def test_a_lens_is_focused_on_its_target_or_as_described() -> None:
     assert aimed.lens_radius == pytest.approx(0.018 / np.tan(np.radians(30)) / 2.8 / 2, rel=1e-5)
 
 
-def test_a_lens_without_a_target_needs_a_focus() -> None:
-    with pytest.raises(ValueError, match="needs a focus"):
-        Cameras.model_validate({"views": [{"from": "select", "f_stop": 2.8}]})
-    Cameras.model_validate({"views": [{"from": "select", "f_stop": 2.8, "focus": 2.0}]})
+def test_a_lens_without_a_target_is_focused_on_the_subject_of_the_picture() -> None:
+    stage = room_stage()
+    # Level, before the shelf's front at x = 0.5; and before nothing but the wall at x = 5.
+    shelf = [[0, 0, -1, 3.0], [1, 0, 0, 1.5], [0, -1, 0, 1.2]]
+    wall = [[0, 0, 1, 3.5], [-1, 0, 0, 3.4], [0, -1, 0, 1.2]]
+    author(
+        stage,
+        {"name": "shelf", "world_from_camera": shelf, "f_stop": 2.8},
+        {"name": "wall", "world_from_camera": wall, "f_stop": 2.8, "focus": "subject", "fov": 30},
+        {"from": "select", "count": 1, "f_stop": 2.8},
+    )
+    found = [
+        read_camera(stage.GetPrimAtPath(f"{names.CAMERAS}/{name}"), 64, 48).focus_distance
+        for name in ("shelf", "wall", "view_0")
+    ]
+    assert found[:2] == pytest.approx([2.5, 1.5], abs=0.01)
+    assert found[2] > 0.3
+    for wrong in ("object", -2.0):
+        with pytest.raises(ValueError, match="focus"):
+            Cameras.model_validate({"views": [{"from": "select", "focus": wrong}]})
