@@ -79,7 +79,11 @@ CATEGORY: Final = BuiltCategory(
         ),
         Lies(on=("bed_foot",), styles=("spread", "folded"), weight=0.6, most=1),
         Lies(
-            on=("in_basket", "low_shelf", "wardrobe_shelf"), styles=("folded",), weight=0.4, most=2
+            on=("in_basket", "low_shelf", "wardrobe_shelf"),
+            rooms=("living_room", "bedroom", "apartment", "hotel", "lounge", "closet"),
+            styles=("folded",),
+            weight=0.4,
+            most=2,
         ),
         Lies(
             on=("chair_back",),

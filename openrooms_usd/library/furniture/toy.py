@@ -154,8 +154,19 @@ CATEGORY: Final = BuiltCategory(
             most=3,
             pose="flat",
         ),
-        Lies(on=("in_basket",), weight=0.6, count=(1, 3)),
-        Lies(on=("bed_head", "bed_foot", "armchair_seat"), styles=("teddy",), weight=0.25, most=1),
+        Lies(
+            on=("in_basket",),
+            rooms=("living_room", "bedroom", "apartment", "game_room"),
+            weight=0.6,
+            count=(1, 3),
+        ),
+        Lies(
+            on=("bed_head", "bed_foot", "armchair_seat"),
+            rooms=("living_room", "bedroom", "apartment"),
+            styles=("teddy",),
+            weight=0.1,
+            most=1,
+        ),
         Lies(on=("shelf", "low_shelf"), rooms=("bedroom",), weight=0.4, most=3),
     ),
 )

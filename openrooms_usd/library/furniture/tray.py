@@ -92,10 +92,11 @@ CATEGORY: Final = BuiltCategory(
     lies=(
         Lies(on=("coffee_table",), weight=0.5, most=1, pose="flat"),
         Lies(
-            on=("worktop", "cabinet_top", "dresser_top", "bed_foot"),
+            on=("worktop", "cabinet_top", "dresser_top"),
             weight=0.25,
             most=1,
             pose="flat",
         ),
+        Lies(on=("bed_foot",), clutter=2, weight=0.05, most=1, pose="flat"),
     ),
 )
