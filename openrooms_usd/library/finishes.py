@@ -308,6 +308,7 @@ PARTS: Final = {
     "mark": "print",
     "mirror": "mirror",
     "pages": "paper",
+    "spine_print": "spine_ink",
     "pane": "glass",
     "plant": "leaf",
     "rack": "chrome",

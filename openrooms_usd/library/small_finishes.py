@@ -160,6 +160,11 @@ SMALL_THINGS: Final[dict[str, Finish]] = {
         "metal", {"polished_metal": 1}, colors=((0.62, 0.62, 0.61),), roughness=(0.15, 0.25),
     ),
     "newsprint": Finish("wood", colors=((0.56, 0.54, 0.49),), roughness=(0.85, 0.95)),
+    "spine_ink": Finish(
+        "paint", colors=((0.66, 0.5, 0.2), (0.74, 0.72, 0.66), (0.05, 0.05, 0.055),
+                         (0.5, 0.1, 0.06)),
+        roughness=(0.3, 0.5), choices=4, each=True,
+    ),
     "envelope": Finish(
         "wood", colors=((0.76, 0.76, 0.74), (0.76, 0.76, 0.74), (0.5, 0.37, 0.22)),
         roughness=(0.7, 0.85), choices=4, each=True,

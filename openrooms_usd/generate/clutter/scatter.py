@@ -188,11 +188,14 @@ class Scatter:
         elif lies.pose == "stacked":
             laid = self._stack(number, spot, thing, lies, count, room)
         else:
-            laid = [
-                item
-                for _ in range(count)
-                if (item := self._put(number, spot, thing, lies)) is not None
-            ]
+            laid = []
+            for index in range(count):
+                # What lies together is alike only where a room has one make of it.
+                other = self.makes.draw(name, lies, room) if index and lies.makes > 1 else None
+                if other is not None:
+                    thing = thing_of(self.surfaces, name, other, thing.tilt)
+                item = self._put(number, spot, thing, lies)
+                laid += [item] if item is not None else []
         if laid:
             self._used[name, lies] = self._used.get((name, lies), 0) + 1
 

@@ -13,6 +13,15 @@ from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.sweeps import extrude
 
 COVER: Final = 0.0025
+# Print stands so far before spines, metres, and lies between these shares of their height.
+_INK_M: Final = 0.0002
+_SPINES: Final[tuple[tuple[tuple[float, float], ...], ...]] = (
+    ((0.09, 0.1), (0.88, 0.89)),
+    ((0.62, 0.84),),
+    ((0.06, 0.075), (0.7, 0.86), (0.915, 0.93)),
+    ((0.3, 0.72),),
+    (),
+)
 # So many bindings are told apart; books of one are one mesh.
 BINDINGS: Final = 7
 
@@ -38,6 +47,20 @@ class Book:
         outline = [(0.0, d), (0.0, bend), (bend, 0.0), (t - bend, 0.0), (t, bend), (t, d),
                    (t - c, d), (t - c, c + bend), (c, c + bend), (c, d)]  # fmt: skip
         return extrude(outline, h).transformed(self.pose)
+
+    def bands(self) -> list[Mesh]:
+        """What is printed on the spine: a title between two rules, or a title alone; or nothing."""
+        t, _, h = self.size
+        # Books of equal make are printed alike.
+        kind = (self.binding + round(1000 * t)) % 5
+        places = _SPINES[kind]
+        thick = max(t - 0.007, 0.4 * t)
+        return [
+            box((thick, 2 * _INK_M, (b - a) * h), (0.5 * t, 0.0, 0.5 * (a + b) * h)).transformed(
+                self.pose
+            )
+            for a, b in places
+        ]
 
     def pages(self) -> Mesh:
         """The block of paper between the boards, a little smaller than they are."""
@@ -140,12 +163,18 @@ class Shelf:
             long *= float(rng.uniform(0.88, 0.99))
 
 
-def bound(books: list[Book]) -> tuple[list[Mesh], list[Mesh]]:
+def bound(books: list[Book]) -> tuple[list[Mesh], list[Mesh], list[Mesh]]:
     """Books as meshes.
 
     Returns:
-        The covers, one mesh for each binding in use, and the pages of all in one mesh, if any.
+        The covers, one mesh for each binding in use; the pages of all in one mesh, if any; what is
+        printed on spines, in one mesh for dark and one for light print, if any.
     """
     used = sorted({book.binding for book in books})
     covers = [joined([b.cover() for b in books if b.binding == binding]) for binding in used]
-    return covers, [joined([book.pages() for book in books])] if books else []
+    pages = [joined([book.pages() for book in books])] if books else []
+    inks = [
+        [band for book in books if book.binding % 2 == ink for band in book.bands()]
+        for ink in (0, 1)
+    ]
+    return covers, pages, [joined(bands) for bands in inks if bands]

@@ -34,9 +34,10 @@ def _stock(
         size = (right - left, depth, high - low)
         if size[2] > 0.15 and depth > 0.1 and rng.uniform() < 0.94:
             books += Shelf((left, front, low), size).filled(rng, fullness)
-    covers, pages = bound(books)
+    covers, pages, prints = bound(books)
     made.add("book", *covers)
     made.add("pages", *pages)
+    made.add("spine_print", *prints)
     return made.furniture()
 
 

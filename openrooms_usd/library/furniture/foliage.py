@@ -1,11 +1,13 @@
 """Pots with soil, and leaves: what all plants of the library are made of."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import sheet
 from openrooms_usd.library.furniture.joinery import Parts, Size
@@ -14,6 +16,9 @@ from openrooms_usd.library.furniture.posing import turned
 Array = NDArray[np.float64]
 
 _THICK: Final = 0.0014
+# Leaves bend by this share of the plant's span, along waves of that share of it.
+_SWAY_SHARE, _BENDS_SHARE = 0.028, 0.8
+_PHASES: Final = np.array([0.4, 2.1, 4.0])
 
 
 def potted(radius: float, height: float, rng: np.random.Generator, lift: float = 0.0) -> Parts:
@@ -70,11 +75,25 @@ def held(leaf: Mesh, pitch: float, heading: float, at: Array) -> Mesh:
 
 def grown_over(parts: Parts, plant: dict[str, list[Mesh]], size: Size, pot: float) -> Parts:
     """Fit what grows into the box above the pot's rim, without touching the pot."""
-    grown = joined([mesh for meshes in plant.values() for mesh in meshes])
-    low, high = grown.extent
+    bent = {name: _bent(joined(meshes), size, pot) for name, meshes in plant.items()}
+    low, high = joined(list(bent.values())).extent
     middle = 0.5 * (low + high)
     scale = np.array([size[0], size[1], size[2] - pot]) / [*(high - low)[:2], high[2] - pot]
     offset = np.array([-middle[0] * scale[0], -middle[1] * scale[1], pot * (1.0 - scale[2])])
     fit = np.column_stack([np.diag(scale), offset])
     # Stems are thin enough to keep their place in the soil.
-    return {**parts, **{name: joined(meshes).transformed(fit) for name, meshes in plant.items()}}
+    return {**parts, **{name: mesh.transformed(fit) for name, mesh in bent.items()}}
+
+
+def _bent(mesh: Mesh, size: Size, pot: float) -> Mesh:
+    """What grows, bent to and fro: the more the farther from the pot, leaf by leaf another way."""
+    span = 0.5 * (size[0] + size[2] - pot)
+    points = mesh.points.copy()
+    away = np.linalg.norm(points - [0.0, 0.0, pot], axis=1) / span
+    free = np.clip(away - 0.12, 0.0, 1.0)[:, None]
+    phase = points[:, [1, 2, 0]] * (2.0 * np.pi / (_BENDS_SHARE * span))
+    sway = np.sin(phase + _PHASES) + 0.5 * np.sin(2.3 * phase[:, [2, 0, 1]] + _PHASES[::-1])
+    moved = points + _SWAY_SHARE * span * free * sway * [1.0, 1.0, 0.6]
+    # Nothing sinks below where it was: it may lie around its pot.
+    moved[:, 2] = np.where(points[:, 2] < 0.3 * size[2], points[:, 2], moved[:, 2])
+    return with_normals(replace(mesh, points=moved), crease=60.0)

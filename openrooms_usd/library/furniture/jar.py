@@ -61,10 +61,9 @@ CATEGORY: Final = BuiltCategory(
         Lies(
             on=("worktop", "shelf", "cupboard"),
             rooms=_KITCHENS,
-            pose="row",
             count=(2, 4),
             cluster="cooking",
-            makes=1,
+            makes=4,
         ),
         Lies(on=("worktop", "dining_table", "mantel"), weight=0.6, cluster="cooking"),
         Lies(on=("shelf", "cabinet_top", "dresser_top", "media_top", "desk"), weight=0.5),

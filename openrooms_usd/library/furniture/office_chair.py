@@ -165,16 +165,17 @@ def task(size: Size, rng: np.random.Generator) -> Parts:
 
 
 def _back_grid(
-    wide: float, low: float, high: float, y: float, lean: float, taper: float
-) -> NDArray[np.float64]:
+    wide: float, low: float, high: float, y: float, lean: float, taper: float,
+    bulge: float = 0.03, wrap: float = 0.045,
+) -> NDArray[np.float64]:  # fmt: skip
     """(R, C, 3) a back that leans, bulges at the loins and wraps forwards at its sides."""
     u, v = np.linspace(-1.0, 1.0, 13), np.linspace(0.0, 1.0, 13)
     ends = np.clip(np.minimum(v, 1.0 - v) / 0.14, 0.0, 1.0)
     half = 0.5 * wide * np.interp(v, [0, 0.35, 1], [0.86, 1.0, taper])
     half *= 0.8 + 0.2 * np.sqrt(1.0 - (1.0 - ends) ** 2)
-    line = y + lean * v**1.4 - 0.03 * np.sin(np.pi * np.clip(1.3 * v, 0.0, 1.0))
+    line = y + lean * v**1.4 - bulge * np.sin(np.pi * np.clip(1.3 * v, 0.0, 1.0))
     x = half[:, None] * u
-    across = line[:, None] - 0.045 * u**2
+    across = line[:, None] - wrap * u**2
     z = np.broadcast_to((low + (high - low) * v)[:, None], x.shape)
     return np.stack([x, across, z], axis=-1)
 
@@ -208,7 +209,7 @@ def executive(size: Size, rng: np.random.Generator) -> Parts:
         **_mechanism(y, seat),
         "seat_cushion": _seat_pad(wide, deep, 0.12, middle, seat),
         **numbered("back_cushion", bands),
-        "back": _shell_behind(0.9 * wide, seat - 0.06, height - 0.03, rear + 0.07, lean),
+        "back": _shell_behind(0.9 * wide, seat - 0.06, height - 0.03, rear + 0.078, lean),
         **numbered("arm", [pad.moved((s * x, middle, arm_top - 0.012)) for s in (-1.0, 1.0)]),
         **numbered("arm_support", loops),
     }
@@ -232,8 +233,8 @@ def _bands(wide: float, low: float, high: float, y: float, lean: float, count: i
 
 
 def _shell_behind(wide: float, low: float, high: float, y: float, lean: float) -> Mesh:
-    grid = _back_grid(wide, low, high, y, lean, 0.9)
-    return sheet(grid, 0.02)
+    # It stays behind the cushions, which are flat: all of it is behind their backs.
+    return sheet(_back_grid(wide, low, high, y, lean, 0.9, bulge=0.0, wrap=0.006), 0.02)
 
 
 def clerk(size: Size, rng: np.random.Generator) -> Parts:

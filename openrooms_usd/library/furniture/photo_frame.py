@@ -108,7 +108,7 @@ CATEGORY: Final = BuiltCategory(
             on=("cabinet_top", "dresser_top", "mantel", "shelf", "media_top"),
             weight=0.5,
             count=(1, 3),
-            makes=3,
+            makes=6,
             most=3,
         ),
         Lies(on=("bedside", "desk", "side_table", "window_sill"), weight=0.3, most=1),
