@@ -8,7 +8,9 @@ writers, and opens pickles by the core's ``unpickling``.
 
 ``scenes`` reads the release's scene files as an importer, and writes them as an exporter.
 
-``records`` reads what a manifest says of lights, ``resampling`` brings pictures to other sizes.
+``crowding`` finds views with more lights than loaders have room for, ``cautions`` says what else
+may hinder them. ``records`` reads what a manifest says of lights, ``resampling`` brings pictures to
+other sizes.
 """
 
 from orusd_openrooms.dataset import OpenRoomsDataset

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Final
@@ -17,17 +17,16 @@ from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.render.reading import RenderedScene, RenderedView
 from openrooms_usd.untrusted import read_bytes
 from orusd_openrooms import cameras, layout, readers
+from orusd_openrooms.cautions import cautions
+from orusd_openrooms.crowding import too_many_of, without
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
-from orusd_openrooms.layout import SPLITS, Place
+from orusd_openrooms.layout import SHARED_INTRINSICS, SPLITS, Place
 from orusd_openrooms.pickles import write_pickled
 from orusd_openrooms.records import lights_of
 
 _SCENE: Final = re.compile(r"scene\w{1,60}", re.ASCII)
-_LISTS: Final = ("train", "test")
-_RELEASED: Final = (640, 480)
-# The arrays of the released loaders hold no more.
-_MOST_LAMPS, _MOST_WINDOWS = 7, 3
+_LISTS: Final = ("train", "val", "test")
 
 
 class OpenRoomsDataset:
@@ -55,6 +54,9 @@ class OpenRoomsDataset:
         _check(renders, options)
         missing: dict[str, str] = {}
         frames: dict[str, list[int]] = {}
+        crowded = too_many_of(renders) if options.crowded != "keep" else {}
+        if options.crowded == "leave-out":
+            renders = [without(render, crowded) for render in renders]
         total, done = sum(len(render.views) for render in renders), count(1)
 
         def finished(view: str) -> None:
@@ -64,14 +66,14 @@ class OpenRoomsDataset:
             with atomic.filling(root) as beside:
                 for split, render in zip(options.splits, renders, strict=True):
                     place = Place(beside, options.scene, split, options.layout)
-                    frames[split] = _write_split(place, render, options, missing, finished)
-                    _write_cameras(place, root, render, options.first)
+                    frames[split] = _write_split(place, render, options, crowded, missing, finished)
+                    _write_cameras(place, root, render, options.first, kept)
                 _write_lists(beside, root, options)
                 files = (path for path in beside.rglob("*") if path.is_file())
                 written = {path.relative_to(beside) for path in files}
                 _refuse_to_replace(root, written, kept)
             stay = _remove_stale(root, written, kept)
-        notes = (*_notes(renders, root), *stay)
+        notes = (*cautions(renders, root, options, crowded), *stay)
         return DatasetSummary(root, frames, len(written), missing, notes)
 
 
@@ -79,6 +81,7 @@ def _write_split(
     place: Place,
     render: RenderedScene,
     options: DatasetOptions,
+    crowded: Mapping[str, frozenset[int]],
     missing: dict[str, str],
     finished: Callable[[str], None],
 ) -> list[int]:
@@ -86,14 +89,18 @@ def _write_split(
     instances = max(render.legend("instance"), default=0)
     numbers = [options.first + index for index in range(len(render.views))]
     for number, view in zip(numbers, render.each(), strict=True):
-        frame = Frame(view, lights, options.order, instances)
+        spare = crowded.get(view.name, frozenset())
+        placed = [light for light in lights if light.number not in spare]
+        frame = Frame(view, placed, options.order, instances)
         write_frame(place, number, frame)
         missing |= frame.missing
         finished(view.name)
     return numbers
 
 
-def _write_cameras(place: Place, root: Path, render: RenderedScene, first: int) -> None:
+def _write_cameras(
+    place: Place, root: Path, render: RenderedScene, first: int, known: ledger.Ledger
+) -> None:
     """The cameras of a scene: the new ones in the place of their numbers, others stay."""
     folder = place.scene_folder
     earlier = root / folder.relative_to(place.root) / "cam.txt"
@@ -111,12 +118,15 @@ def _write_cameras(place: Place, root: Path, render: RenderedScene, first: int) 
     write_pickled(folder / "transform.dat", cameras.layout_transforms())
     K = next(iter(render.views.values())).K
     cameras.write_intrinsics(folder / "intrinsic.txt", K)
+    shared = root / SHARED_INTRINSICS
+    if not os.path.lexists(shared) or known.is_own(shared):
+        cameras.write_intrinsics(place.root / SHARED_INTRINSICS, K)
     if place.layout == "merged":
         cameras.write_intrinsics(place.root / place.split / place.scene / "intrinsic.txt", K)
 
 
 def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
-    """``train.txt`` and ``test.txt``: the scene stands in one of them."""
+    """``train.txt``, ``val.txt`` and ``test.txt``: the scene stands in one of them."""
     for name in _LISTS:
         path, own = root / f"{name}.txt", options.scene.encode()
         # Names of others stay as they are, in whatever encoding.
@@ -203,21 +213,6 @@ def _same(view: RenderedView, other: RenderedView) -> bool:
     ]
     size = (view.width, view.height) == (other.width, other.height)
     return size and all(np.allclose(a, b, rtol=0.0, atol=1e-6) for a, b in pairs)
-
-
-def _notes(renders: Sequence[RenderedScene], root: Path) -> Iterable[str]:
-    """What may hinder loaders that were written for the released dataset."""
-    sizes = {(view.width, view.height) for render in renders for view in render.views.values()}
-    if sizes != {_RELEASED}:
-        yield "the released loaders expect pictures of 640x480"
-    for render in renders:
-        lights = lights_of(render)
-        windows = sum(light.is_window for light in lights)
-        if windows > _MOST_WINDOWS or len(lights) - windows > _MOST_LAMPS:
-            yield "IndoorLightEditing has room for 3 windows and 7 lamps in a picture"
-            break
-    if caution := layout.caution(root):
-        yield caution
 
 
 def _wrong(message: str, remedy: str) -> OrusdError:

@@ -122,6 +122,9 @@ _FRAME: Final[dict[str, _Made]] = {
             path, images.light_mask(f.view.pixels["valid"], f.view.pixels["emission_mask"])
         ),
     ),
+    "imfriction": _Made(
+        ("friction",), lambda path, f: write_binary(path, f.view.pixels["friction"][..., 0], "<f4")
+    ),
     "imsemLabel": _Made(("semantic",), _write_labels),
     "imcadmatobj": _Made(_PARTS, _write_parts),
     "imenv": _Made(("environment",), _write_environment),

@@ -10,6 +10,9 @@ SUFFIXES: Final = ("xml", "xml1")
 VARIANTS: Final = ("main", "mainDiffMat", "mainDiffLight")
 SPLITS: Final = tuple(f"{variant}_{suffix}" for suffix in SUFFIXES for variant in VARIANTS)
 
+# The cameras of all scenes, for versions of rui-indoorinv-data that read one matrix for all.
+SHARED_INTRINSICS: Final = Path("scenes") / "intrinsic.txt"
+
 _ALL: Final = frozenset(VARIANTS)
 _MATERIAL: Final = frozenset({"main", "mainDiffMat"})
 _LIGHT: Final = frozenset({"main", "mainDiffLight"})
@@ -34,6 +37,7 @@ FRAME: Final[dict[str, Kind]] = {
     "imnormal": Kind("Geometry", ".png", _MATERIAL),
     "imdepth": Kind("Geometry", ".dat", _MAIN),
     "immask": Kind("Mask", ".png", _LIGHT),
+    "imfriction": Kind("Friction", ".dat", _MATERIAL),
     "imsemLabel": Kind("SemanticLabel", ".npy", _MAIN),
     "imenv": Kind("SVLighting", ".hdr", _ALL),
     "imsgEnv": Kind("SVSG", ".h5", _ALL),

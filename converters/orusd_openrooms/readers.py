@@ -178,6 +178,20 @@ def read_cameras(path: Path) -> list[NDArray[np.float64]]:
     return list(found)
 
 
+def read_intrinsics(path: Path) -> NDArray[np.float64]:
+    """(3, 3) the matrix of a camera, pixels.
+
+    Raises:
+        InputError: It is missing or damaged.
+    """
+    try:
+        rows = read_text(path, "table").splitlines()
+        found = np.array([[float(word) for word in row.split()] for row in rows]).reshape(3, 3)
+    except ValueError as error:
+        raise InputError(f"not the matrix of a camera: {error}", place=path) from error
+    return found
+
+
 def read_light_box(path: Path) -> dict[str, Any]:
     """The box of a light: ``isWindow``, ``box3D`` in right, up, backward, ``box2D``.
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from openrooms_usd.comparison.driver import Comparison
-    from openrooms_usd.render.datasets import DatasetSummary, Layout, Order, Subset
+    from openrooms_usd.render.datasets import Crowded, DatasetSummary, Layout, Order, Subset
     from openrooms_usd.render.reading import RenderedScene, RenderedView
 
 _LOG: Final = logging.getLogger("openrooms_usd")
@@ -183,6 +183,7 @@ def render(
     cameras: str | Sequence[str] = (),
     channels: str | Iterable[str] | None = None,
     resolution: tuple[int, int] | None = None,
+    field_of_view: float | None = None,
     samples: int | None = None,
     error: float | None = None,
     seconds: float | None = None,
@@ -206,6 +207,7 @@ def render(
         cameras: Names or prim paths; all cameras by default.
         channels: Names such as ``depth`` (docs/channels.md), ``all`` or ``usual``, the default.
         resolution: Width and height in pixels; by default what the scene says.
+        field_of_view: Horizontal, degrees, of all cameras; by default what each has.
         samples: Samples a pixel; 64 by default where neither ``error`` nor ``seconds`` is given.
         error: Stop a view at this estimated robust error of its radiance.
         seconds: Stop a view after about this time.
@@ -249,6 +251,7 @@ def render(
             cameras=[cameras] if isinstance(cameras, str) else list(cameras),
             channels=_several(channels),
             resolution=None if resolution is None else size_of(resolution, "resolution"),
+            field_of_view=field_of_view,
             grid=DEFAULT_GRID if grid is None else size_of(grid, "grid"),
             error_maps=error_maps,
             samples=samples,
@@ -354,13 +357,13 @@ def dataset(
     layout: "Layout" = "split",
     order: "Order" = "legacy",
     first: int = 1,
+    crowded: "Crowded" = "leave-out",
     progress: Progress = silent,
 ) -> "DatasetSummary":
     """Write finished renders as the files of a published dataset.
 
     Args:
-        renders: One render, or several variants of one scene: the same views with other materials
-            or lights.
+        renders: One render, or several variants of one scene, which share their views.
         out: The dataset's folder; other scenes in it stay.
         kind: Whose dataset.
         scene: The scene's name in it.
@@ -369,6 +372,7 @@ def dataset(
         layout: A tree for each channel, or one folder.
         order: In which order the channels of environment maps are stored.
         first: The number of the first view.
+        crowded: What becomes of views with more lights than loaders have room for.
         progress: Called with each finished view and the finished fraction.
 
     Returns:
@@ -378,23 +382,19 @@ def dataset(
         InputError: There is no such dataset, or the renders or options do not fit each other.
         OutputError: A file cannot be written.
     """
-    from openrooms_usd.render.datasets import DatasetOptions, Layout, Order, Subset, write_dataset
+    from openrooms_usd.render import datasets as forms
 
-    for given, choices, what in (
-        (subset, Subset, "subset"),
-        (layout, Layout, "layout"),
-        (order, Order, "order"),
-    ):
-        choice_of(given, choices, what)
+    chosen = {"subset": subset, "layout": layout, "order": order, "crowded": crowded}
+    for what, given in chosen.items():
+        choice_of(given, getattr(forms, what.title()), what)
     several = [renders] if isinstance(renders, (str, os.PathLike)) else renders
     names = (splits,) if isinstance(splits, str) else tuple(splits)
-    options = DatasetOptions(scene, names, subset, layout, order, first)
+    options = forms.DatasetOptions(scene, names, subset, layout, order, first, crowded)
     folders = [path_of(render, "a render's folder") for render in several]
-    return write_dataset(folders, path_of(out), kind=kind, options=options, progress=progress)
+    return forms.write_dataset(folders, path_of(out), kind=kind, options=options, progress=progress)
 
 
 def _several(names: str | Iterable[str] | None) -> list[str] | None:
     """Names from one text with commas, or from many texts."""
-    if names is None:
-        return None
-    return [name.strip() for name in names.split(",")] if isinstance(names, str) else list(names)
+    found = names.split(",") if isinstance(names, str) else names
+    return None if found is None else [name.strip() for name in found]

@@ -22,12 +22,17 @@ if TYPE_CHECKING:
 @click.option("--split", "splits", multiple=True, default=("main_xml",), show_default=True,
               help="What a render is, once for each: main_xml, mainDiffMat_xml, "
               "mainDiffLight_xml, or these with xml1.")  # fmt: skip
-@click.option("--subset", type=click.Choice(["train", "test"]), default="train", show_default=True)
+@click.option(
+    "--subset", type=click.Choice(["train", "val", "test"]), default="train", show_default=True
+)
 @click.option("--layout", type=click.Choice(["split", "merged"]), default="split",
               show_default=True, help="A tree for each channel, or one folder.")  # fmt: skip
 @click.option("--imenv-order", "order", type=click.Choice(["legacy", "rgb"]), default="legacy",
               show_default=True, help="Channels of environment maps: as the released loaders take "
               "them, or red first.")  # fmt: skip
+@click.option("--crowded", type=click.Choice(["leave-out", "drop", "keep"]), default="leave-out",
+              show_default=True, help="Views with more than 3 windows or 7 lamps, which released "
+              "loaders cannot hold: leave them out, drop the least lights, or keep.")  # fmt: skip
 @click.option("--first", type=int, default=1, show_default=True, help="The first view's number.")
 @json_option
 def dataset(
@@ -36,9 +41,10 @@ def dataset(
     kind: str,
     scene: str,
     splits: tuple[str, ...],
-    subset: Literal["train", "test"],
+    subset: Literal["train", "val", "test"],
     layout: Literal["split", "merged"],
     order: Literal["legacy", "rgb"],
+    crowded: Literal["leave-out", "drop", "keep"],
     first: int,
     as_json: bool,
 ) -> None:
@@ -48,7 +54,7 @@ def dataset(
     """
     from openrooms_usd.render.datasets import DatasetOptions, write_dataset
 
-    options = DatasetOptions(scene, splits, subset, layout, order, first)
+    options = DatasetOptions(scene, splits, subset, layout, order, first, crowded)
     with progress_bar(hidden=as_json, first="reading") as progress:
         summary = write_dataset(renders, out, kind=kind, options=options, progress=progress)
     if as_json:

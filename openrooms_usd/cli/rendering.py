@@ -4,7 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import click
 
@@ -53,6 +53,10 @@ def _resolution(
     "--resolution", metavar="WxH", callback=_resolution, help="By default what the stage says."
 )
 @click.option(
+    "--fov", type=float, metavar="DEGREES",
+    help="Horizontal field of view of all cameras; by default what each has.",
+)  # fmt: skip
+@click.option(
     "--grid", metavar="WxH", callback=_resolution, help="Hemispheres of environment; 160x120."
 )
 @click.option("--error-maps", is_flag=True, help="Write the estimated error of every pixel too.")
@@ -96,6 +100,12 @@ def _resolution(
     "--dataset", "root", type=click.Path(path_type=Path), metavar="ROOT",
     help="Also write OpenRooms' files there, as `orusd dataset` does.",
 )  # fmt: skip
+@click.option(
+    "--dataset-layout", "layout", type=click.Choice(["split", "merged"]), default="split",
+    show_default=True,
+    help="With --dataset: a tree for each channel as released, or one folder, which is what the "
+    "published loaders read.",
+)  # fmt: skip
 @json_option
 def render(
     stage: Path,
@@ -103,6 +113,7 @@ def render(
     cameras: tuple[str, ...],
     channels: str,
     resolution: tuple[int, int] | None,
+    fov: float | None,
     grid: tuple[int, int] | None,
     error_maps: bool,
     spp: int | None,
@@ -122,6 +133,7 @@ def render(
     fps: int | None,
     frames: bool,
     root: Path | None,
+    layout: Literal["split", "merged"],
     as_json: bool,
 ) -> None:
     """Render the cameras of a USD stage with their ground truth, or a camera path as a video.
@@ -139,7 +151,7 @@ def render(
 
     _warn_of_units(stage)
     if spec is not None:
-        _check_stills(cameras, channels, grid, error_maps, error, seconds, f_stop, root)
+        _check_stills(cameras, channels, fov, grid, error_maps, error, seconds, f_stop, root)
         film(
             stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
             resolution=resolution, samples=spp, seed=seed, bounces=bounces, method=method,
@@ -158,6 +170,7 @@ def render(
             cameras=cameras,
             channels=_names(channels),
             resolution=resolution,
+            field_of_view=fov,
             grid=grid or DEFAULT_GRID,
             error_maps=error_maps,
             samples=spp,
@@ -173,7 +186,9 @@ def render(
             denoise="all" if denoise_light else denoise,
             progress=progress,
         )
-    written = writer.write([read_render(out)], root, DatasetOptions()) if writer and root else None
+    written = None
+    if writer and root:
+        written = writer.write([read_render(out)], root, DatasetOptions(layout=layout))
     if as_json:
         print_json(summary.as_dict() | ({"dataset": written.as_dict()} if written else {}))
         return
@@ -186,9 +201,9 @@ def _check_stills(*given: Any) -> None:
     """Refuse what a video has not."""
     if any(value not in ((), "usual", None, False) for value in given):
         raise click.UsageError(
-            "with --path there is no --camera, --channels, --grid, --error-maps, --error, --time, "
-            "--f-stop or --dataset: frames have --spp, and --frames keeps them with their ground "
-            "truth"
+            "with --path there is no --camera, --channels, --fov, --grid, --error-maps, --error, "
+            "--time, --f-stop or --dataset: frames have --spp, and --frames keeps them with their "
+            "ground truth"
         )
 
 

@@ -9,9 +9,10 @@ from openrooms_usd import adapters
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.reading import RenderedScene, read_render
 
-Subset = Literal["train", "test"]
+Subset = Literal["train", "val", "test"]
 Layout = Literal["split", "merged"]
 Order = Literal["legacy", "rgb"]
+Crowded = Literal["leave-out", "drop", "keep"]
 
 
 @dataclass(frozen=True)
@@ -21,10 +22,12 @@ class DatasetOptions:
     Attributes:
         scene: The scene's name in the dataset.
         splits: One for each render, in their order.
-        subset: The list that the scene is added to: ``train`` or ``test``.
+        subset: The list that the scene is added to: ``train``, ``val`` or ``test``.
         layout: ``split`` by channel, or ``merged``.
         order: In which order the channels of environment maps are stored.
         first: The number of the first view.
+        crowded: What becomes of views with more lights than loaders have room for: they are left
+            out, lose the least of their lights, or stay as they are.
     """
 
     scene: str = "scene0000_00"
@@ -33,6 +36,7 @@ class DatasetOptions:
     layout: Layout = "split"
     order: Order = "legacy"
     first: int = 1
+    crowded: Crowded = "leave-out"
 
 
 @dataclass(frozen=True)

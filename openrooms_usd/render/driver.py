@@ -60,6 +60,7 @@ def render_stage(
     cameras: Sequence[str] = (),
     channels: Sequence[str] | None = None,
     resolution: tuple[int, int] | None = None,
+    field_of_view: float | None = None,
     grid: tuple[int, int] = DEFAULT_GRID,
     error_maps: bool = False,
     samples: int | None = None,
@@ -90,6 +91,7 @@ def render_stage(
         channels: Names from `openrooms_usd.channels.CHANNELS`; None for all the renderer gives, and
             what is made of them.
         resolution: Width and height in pixels; None for what the stage's render settings say.
+        field_of_view: Horizontal, degrees, of all cameras; None for what each has.
         grid: Columns and rows of hemispheres, where channels of them are asked for.
         error_maps: Whether to write the estimated standard error of each pixel too.
         samples: Samples a pixel; `DEFAULT_SAMPLES` where neither ``error`` nor ``seconds`` is.
@@ -121,6 +123,7 @@ def render_stage(
     from openrooms_usd.render.opened import open_with
     from openrooms_usd.usd.cameras import photograph
     from openrooms_usd.usd.diagnostics import reading
+    from openrooms_usd.usd.fields_of_view import set_field_of_view
     from openrooms_usd.usd.layers import open_stage
 
     # 1. Refuse what cannot work before anything slow begins.
@@ -160,6 +163,8 @@ def render_stage(
     with claims.claimed(out, ledger.RENDER_FILE) as kept:
         # 2. Translate the stage.
         stage = open_stage(path)
+        if field_of_view is not None:
+            set_field_of_view(stage, field_of_view)
         began = time.perf_counter()
         with reading(path):
             opened = open_with(adapter, stage, options)

@@ -5,6 +5,6 @@
 - surfaces: `traversal`, `gprims`, `tessellation`, `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;
 - light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`),
-  `lights`, `portals`; `cameras`;
+  `lights`, `portals`; `cameras`, `fields_of_view`;
 - meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.
 """

@@ -110,7 +110,7 @@ def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:
             ou.probe(scene, at=points)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="one of: static, dynamic"):
         ou.simulate(scene, friction="sticky")  # type: ignore[arg-type]
-    for wrong in ({"order": "bgr"}, {"layout": "flat"}, {"subset": "val"}):
+    for wrong in ({"order": "bgr"}, {"layout": "flat"}, {"crowded": "no"}):
         with pytest.raises(InputError, match="cannot be chosen"):
             ou.dataset(scene, "set", **wrong)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="no channel is named 'dept'"):

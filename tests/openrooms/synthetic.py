@@ -119,7 +119,8 @@ def write_view(
             "metallic": rng.random((height, width, 1)) * seen,
             "semantic": np.where(labels == 1, 44, 43) * seen, "instance": labels,
             "material": np.where(labels == 1, 0, 3) * seen, "emission_mask": bulb * 1.0,
-            "valid": seen * 1.0, "irradiance": light(400.0), "irradiance_direct": light(200.0),
+            "valid": seen * 1.0, "friction": 0.5 * seen,
+            "irradiance": light(400.0), "irradiance_direct": light(200.0),
         },
     )  # fmt: skip
     write_exr(

@@ -23,6 +23,7 @@ RELEASED = {
                  "imcadmatobj.dat"),
     "Geometry": ("main mainDiffMat", "imnormal.png"),
     "Mask": ("main mainDiffLight", "immask.png"),
+    "Friction": ("main mainDiffMat", "imfriction.dat"),
     "SemanticLabel": ("main", "imsemLabel.npy"),
     "SVLighting": ("main mainDiffMat mainDiffLight", "imenv.hdr"),
     "SVSG": ("main mainDiffMat mainDiffLight", "imsgEnv.h5"),
@@ -64,7 +65,9 @@ def test_the_tree_of_the_release(split: Path) -> None:
     assert found - lights - expected == {
         ".orusd.scene0000_00.sha256",
         "train.txt",
+        "val.txt",
         "test.txt",
+        "scenes/intrinsic.txt",
         *(f"scenes/xml/scene0000_00/{name}" for name in ("cam.txt", "transform.dat",
                                                          "transform.json", "intrinsic.txt")),
     }  # fmt: skip
@@ -128,6 +131,9 @@ def test_scenes_gather_in_the_lists(render: RenderedScene, tmp_path: Path) -> No
     assert (tmp_path / "test.txt").read_text() == "scene0002_00\n"
     write([render], tmp_path, scene="scene0001_00", subset="test")
     assert (tmp_path / "train.txt").read_text() == "scene0000_00\n"
+    write([render], tmp_path, scene="scene0001_00", subset="val")
+    assert (tmp_path / "test.txt").read_text() == "scene0002_00\n"
+    assert (tmp_path / "val.txt").read_text() == "scene0001_00\n"
 
 
 def test_lights_that_are_gone_leave_no_files(render: RenderedScene, tmp_path: Path) -> None:

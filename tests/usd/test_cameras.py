@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
-from openrooms_usd.errors import StageError
+from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.pinhole import look_at
 from openrooms_usd.usd.cameras import (
@@ -18,6 +18,7 @@ from openrooms_usd.usd.cameras import (
     list_cameras,
     read_camera,
 )
+from openrooms_usd.usd.fields_of_view import set_field_of_view
 from openrooms_usd.usd.frames import world_from_stage
 from openrooms_usd.usd.meshes import define_mesh
 
@@ -127,6 +128,24 @@ def test_a_camera_sees_its_target_in_the_middle_and_up_above() -> None:
     np.testing.assert_allclose(pixels[0], [100, 50], atol=1e-4)
     assert pixels[1][0] == pytest.approx(100, abs=1e-4)
     assert pixels[1][1] < 50
+
+
+def test_a_field_of_view_for_all_cameras_stays_out_of_the_files() -> None:
+    stage = new_stage(unit=0.01)
+    for name in "ab":
+        camera = UsdGeom.Camera.Define(stage, f"/{name}")
+        camera.CreateHorizontalApertureAttr(24.0)
+    camera.CreateFocalLengthAttr().Set(30.0, 1.0)
+    before = stage.GetRootLayer().ExportToString()
+    set_field_of_view(stage, 57.95)
+    for prim in list_cameras(stage):
+        K = read_camera(prim, 640, 480).K
+        assert 2.0 * math.degrees(math.atan(320.0 / K[0, 0])) == pytest.approx(57.95, abs=1e-4)
+    assert stage.GetRootLayer().ExportToString() == before
+    with pytest.raises(InputError, match="0 degrees makes no picture"):
+        set_field_of_view(stage, 0.0)
+    with pytest.raises(InputError, match="makes no picture"):
+        set_field_of_view(stage, math.nan)
 
 
 def test_exposure_follows_the_schema() -> None:
