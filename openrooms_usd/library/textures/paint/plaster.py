@@ -37,8 +37,8 @@ def _limewash(order: Order) -> Maps:
     tone = strokes.each(order.rng.uniform(-1.0, 1.0, strokes.count))
     bristle = strokes.fibre(order, 0.002, 0.1)
     edge = smoothstep(0.0, 0.03, strokes.inside)
-    cloud = fractal(order, 0.5, 0.4)
-    shade = 1.0 + edge * (0.05 * tone + 0.025 * bristle) + 0.05 * cloud
+    cloud = fractal(order, 0.3, 0.5)
+    shade = 1.0 + edge * (0.03 * tone + 0.02 * bristle) + 0.025 * cloud
     color = drawn_color(order, EARTHS, 0.06)
     height = 20e-6 * bristle * edge + 60e-6 * noise(order, 0.03)
     return finished(order, color * shade[..., None], height, drawn_roughness(order, 0.8, 0.95))
