@@ -39,8 +39,9 @@ _INPUTS: Final = {
     "clearcoat_roughness": ("clearcoatRoughness", _Types.Float),
     "occlusion": ("occlusion", _Types.Float),
 }
-# What a clear pane shows of itself where it is taken for a surface that is mostly absent.
-PANE_OPACITY: Final = 0.1
+# Of each face of a clear pane where it is taken for a surface that is mostly absent: two of them
+# hold back as much as window glass does.
+PANE_OPACITY: Final = 0.05
 # What only a constant can say here.
 _UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
 

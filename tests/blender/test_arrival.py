@@ -187,7 +187,8 @@ def test_lamps_glow_and_no_portal_is_a_lamp(arrival: Any) -> None:
     assert len(lights) == len(lamps) + 1 and any(isinstance(light, DomeLight) for light in lights)
     assert found["lamps"] == {}
     glow = sorted(found["glow"].values())
-    np.testing.assert_allclose(glow, sorted(x.radiance.tolist() for x in lamps), rtol=1e-5)
+    lit = [light.radiance.tolist() for light in lamps if light.radiance.any()]
+    np.testing.assert_allclose(glow, sorted(lit), rtol=1e-5)
 
 
 def test_cameras_see_the_same(arrival: Any) -> None:

@@ -161,7 +161,7 @@ def test_blender_takes_suns_for_brighter(blender: Blender, tmp_path: Path) -> No
 
 
 def diffuse_alone(scene: Path, target: Path) -> Path:
-    """A room whose surfaces keep their colours and have no lobe besides."""
+    """A room whose surfaces keep their colours and have no lobe besides; its panes are air."""
     stage = Usd.Stage.Open(str(scene))
     stage.SetEditTarget(stage.GetSessionLayer())
     for prim in stage.Traverse():
@@ -176,6 +176,10 @@ def diffuse_alone(scene: Path, target: Path) -> Path:
                 made.DisconnectSource()
                 made.Set(value)
             shader.CreateInput("normal", Sdf.ValueTypeNames.Normal3f).DisconnectSource()
+            material = prim.GetParent()
+            if material.HasAttribute(names.MATERIAL_PANE):
+                material.GetAttribute(names.MATERIAL_PANE).Set((1.0, 1.0, 1.0))
+                shader.GetInput("opacity").Set(0.0)
     stage.Export(str(target))
     return target
 

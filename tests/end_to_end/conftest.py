@@ -203,6 +203,12 @@ class Seen:
         return np.isfinite(self.distance)
 
 
+def is_pane(prim: Usd.Prim) -> bool:
+    """Whether geometry and labels look through it."""
+    material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    return bool(material) and material.GetPrim().HasAttribute("openrooms:material:pane")
+
+
 def ray_cast(stage: Usd.Stage, camera: str, width: int, height: int) -> Seen:
     """Every ray against every triangle of every mesh whose box it meets (Moller, Trumbore 1997)."""
     frustum = UsdGeom.Camera(stage.GetPrimAtPath(camera)).GetCamera(0).frustum
@@ -218,7 +224,7 @@ def ray_cast(stage: Usd.Stage, camera: str, width: int, height: int) -> Seen:
         image = UsdGeom.Imageable(prim)
         if not prim.IsA(UsdGeom.Mesh) or image.ComputeVisibility() == "invisible":
             continue
-        if image.ComputePurpose() in ("guide", "proxy"):
+        if image.ComputePurpose() in ("guide", "proxy") or is_pane(prim):
             continue
         corners, coordinates = triangles(UsdGeom.Mesh(prim), cache)
         low, high = corners.min(axis=(0, 1)) - 1e-6, corners.max(axis=(0, 1)) + 1e-6
