@@ -22,6 +22,8 @@ from openrooms_usd.usd.outside import is_sublayer_of, refuse_outside
 # What the USDZ specification allows: layers, and beside them images and packages as they are.
 LAYERS: Final = (".usda", ".usdc", ".usd")
 EMBEDDED: Final = (".png", ".jpg", ".jpeg", ".exr", ".avif", ".usdz")
+# Nor may it hold these, which a scene can do without: lights shine evenly then.
+DISPENSABLE: Final = (".ies",)
 
 # Files in a package start at multiples of this, so that they can be mapped into memory.
 _ALIGNMENT: Final = 64
@@ -75,6 +77,7 @@ def package(
 
     Files below the scene's folder keep their place. Files from elsewhere are refused, or, where
     they are asked for, move to ``external/<number>/``, and the layers that name them are rewritten.
+    Profiles of lights stay behind, for the format knows no such files.
     The same scene gives the same bytes, wherever it lies and whenever it is packaged.
 
     Args:
@@ -118,7 +121,7 @@ def _dependencies(stage: Usd.Stage) -> list[Path]:
         )
     names = {*(layer.realPath for layer in used), *assets} - {root.realPath}
     # A file inside a package stands for the whole package.
-    outer = {Ar.SplitPackageRelativePathOuter(name)[0] for name in names}
+    outer = {Ar.SplitPackageRelativePathOuter(name)[0] for name in names if not _dispensable(name)}
     files = [Path(root.realPath), *(Path(name) for name in sorted(outer))]
     refused = [path.name for path in files if path.suffix.lower() not in (*LAYERS, *EMBEDDED)]
     if refused:
@@ -128,6 +131,10 @@ def _dependencies(stage: Usd.Stage) -> list[Path]:
             remedy="convert textures to PNG, JPEG or EXR",
         )
     return files
+
+
+def _dispensable(file: str) -> bool:
+    return Path(file).suffix.lower() in DISPENSABLE
 
 
 def _broken_links(layers: Iterable[Sdf.Layer]) -> Iterator[str]:
@@ -187,6 +194,10 @@ def _relocated(
 
     def rewrite(path: str) -> str:
         nonlocal changed
+        if _dispensable(path):
+            # An asset without a path is none.
+            changed = True
+            return ""
         target = Path(str(Ar.GetResolver().CreateIdentifier(path, layer.resolvedPath)))
         if not path or target.parent not in moved:
             return path

@@ -26,7 +26,12 @@ def leave_out(stage: Usd.Stage, profile: Profile) -> tuple[Report, Edit]:
             reason = f"programs that know no {prim.GetTypeName()} would take it for a lamp"
             report.add(prim.GetPath(), "skipped", f"left out: {reason}")
             continue
-        report.add(prim.GetPath(), "translated")
+        profile = UsdLux.ShapingAPI(prim).GetShapingIesFileAttr()
+        if profile and profile.Get() and profile.Get().path:
+            reason = "it shines evenly: USDZ archives hold no IES profiles"
+            report.add(prim.GetPath(), "approximated", reason)
+        else:
+            report.add(prim.GetPath(), "translated")
         if prim.GetRelationship(UsdLux.Tokens.portals).HasAuthoredTargets():
             domes.append(prim.GetPath())
 

@@ -98,6 +98,20 @@ ROOMS = (("demo",), *GENERATED)
 QUICK = (("bathroom", 11),)
 
 
+# How much lies about in each type; nothing where it is not named.
+CLUTTER = {"bedroom": "2", "kitchen": "1", "living_room": "2"}
+
+
+def described(kind: str, seed: str, folder: Path) -> str:
+    """The text of a generated room, with small textures."""
+    call = ["generate", "--type", kind, "--seed", seed, "--clutter", CLUTTER.get(kind, "0")]
+    done = CliRunner().invoke(orusd, [*call, "-o", str(folder)], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    text = (folder / "room.yaml").read_text(encoding="utf-8")
+    assert "\nmaterials:\n" in text
+    return text.replace("\nmaterials:\n", "\nmaterials:\n  resolution: 64\n")
+
+
 @pytest.fixture(scope="session")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], Path]:
     """The ``scene.usda`` of a generated room, composed once."""
@@ -106,10 +120,9 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, int], 
     def scene(kind: str, seed: int) -> Path:
         out = folder / f"{kind}-{seed}"
         if not (out / "scene.usda").is_file():
-            call = ["generate", "--type", kind, "--seed", str(seed), "-o", str(out / "source")]
-            done = CliRunner().invoke(orusd, call, catch_exceptions=False)
-            assert done.exit_code == 0, done.output
-            compose_room(out / "source" / "room.yaml", out, workers=1)
+            text = described(kind, str(seed), out / "source")
+            (out / "source/room.yaml").write_text(text, encoding="utf-8")
+            compose_room(out / "source/room.yaml", out, workers=1)
         return out / "scene.usda"
 
     return scene
@@ -126,11 +139,8 @@ def with_physics(demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Callab
             return demo
         if not (out / "scene.usda").is_file():
             kind, seed = name.split("-")
-            call = ["generate", "--type", kind, "--seed", seed, "-o", str(out / "source")]
-            done = CliRunner().invoke(orusd, call, catch_exceptions=False)
-            assert done.exit_code == 0, done.output
-            with (out / "source/room.yaml").open("a", encoding="utf-8") as description:
-                description.write("physics: {}\n")
+            text = described(kind, seed, out / "source")
+            (out / "source/room.yaml").write_text(f"{text}physics: {{}}\n", encoding="utf-8")
             compose_room(out / "source/room.yaml", out, workers=1)
         return out / "scene.usda"
 

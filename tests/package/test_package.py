@@ -476,3 +476,23 @@ def test_a_pipe_is_not_packaged(scene: Path) -> None:
     os.mkfifo(texture)
     with pytest.raises(InputError, match="not a file"):
         package(scene, scene.with_suffix(".usdz"))
+
+
+def test_profiles_of_lights_stay_behind(scene: Path) -> None:
+    """USDZ archives hold no IES files, by the format's list of kinds."""
+    stack(scene)
+    (scene.parent / "layers/spot.ies").write_text("IESNA:LM-63-2002\n")
+    edits = Sdf.Layer.FindOrOpen(str(scene.parent / "layers/edits.usda"))
+    lamp = Sdf.CreatePrimInLayer(edits, "/World/lamp")
+    lamp.specifier, lamp.typeName = Sdf.SpecifierDef, "SphereLight"
+    name, kind = "inputs:shaping:ies:file", Sdf.ValueTypeNames.Asset
+    Sdf.AttributeSpec(lamp, name, kind).default = Sdf.AssetPath("./spot.ies")
+    edits.Save()
+    target = scene.with_suffix(".usdz")
+    package(scene, target, include_outside=True)
+    with zipfile.ZipFile(target) as archive:
+        assert not [name for name in archive.namelist() if name.endswith(".ies")]
+    stage = Usd.Stage.Open(str(target))
+    found = stage.GetPrimAtPath("/World/lamp").GetAttribute(name).Get()
+    assert not found or not found.path
+    assert not UsdUtils.ComputeAllDependencies(str(target))[2]
