@@ -1,5 +1,6 @@
 """What the files of a light hold: its box, its parameters and whether it is seen."""
 
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -72,7 +73,7 @@ def source(light: Light, camera: Array) -> dict[str, Any]:
     lobes = {name: light.lobes.get(name, _DARK) for name in LOBES}
     first, *_ = lobes
     if not lobes[first].intensity.any():
-        brightest = max(lobes, key=lambda name: _flux(lobes[name]).sum())
+        brightest = max(lobes, key=lambda name: _arriving(lobes[name], light)[0].sum())
         lobes[first], lobes[brightest] = lobes[brightest], lobes[first]
     found: dict[str, Any] = {"loss": light.loss, "scale": 1.0}
     for name, ending in LOBES.items():
@@ -84,8 +85,8 @@ def single_source(light: Light, camera: Array) -> dict[str, Any]:
     """The parameters of a light as one lobe.
 
     A lamp shines alike in every direction. For an opening: the lobe with the same flux and the same
-    mean direction as its three together (Banerjee et al., "Clustering on the Unit Hypersphere
-    using von Mises-Fisher Distributions", JMLR 2005, eq. 4.4).
+    mean direction as its three together, as far as they come from outside (Banerjee et al.,
+    "Clustering on the Unit Hypersphere using von Mises-Fisher Distributions", JMLR 2005, eq. 4.4).
     """
     lobe = _joined(light) if light.is_window else Lobe(_DARK.axis, 0.0, light.radiance)
     return _parameters(lobe, light.on, camera, "")
@@ -106,22 +107,50 @@ def spread(sharpness: float) -> float:
     return float(-np.expm1(-2.0 * sharpness) * 2.0 * np.pi / sharpness)
 
 
-def _flux(lobe: Lobe) -> Array:
-    """(3,) the integral of a lobe over the sphere."""
-    return lobe.intensity * spread(lobe.sharpness)
+def _arriving(lobe: Lobe, light: Light) -> tuple[Array, Array]:
+    """(3,) flux of a lobe from outside of an opening, and (3,) its directions' sum, by their flux.
+
+    A lobe may point into the room: what a fit has there is seen by nobody, and may be anything.
+    """
+    outwards = light.axes[:, 2]
+    if lobe.sharpness > _SHARP_LOBE:
+        flux: Array = lobe.intensity * spread(lobe.sharpness) * (lobe.axis @ outwards > 0.0)
+        return flux, flux.sum() * _length(lobe.sharpness) * lobe.axis
+    ways = _HALF_SPHERE @ light.axes.T
+    shape = np.exp(lobe.sharpness * (ways @ lobe.axis - 1.0)) * (2.0 * np.pi / len(ways))
+    return lobe.intensity * shape.sum(), lobe.intensity.sum() * (shape @ ways)
+
+
+def _half_sphere(count: int) -> Array:
+    """(count, 3) unit vectors about +Z, each of the same solid angle: a spiral by the golden angle.
+
+    A sum over them is that over the half sphere to 1e-3.
+    """
+    heights = (np.arange(count) + 0.5) / count
+    turns = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))
+    flat = np.sqrt(1.0 - heights**2)
+    return np.stack([flat * np.cos(turns), flat * np.sin(turns), heights], axis=1)
+
+
+# Sharper lobes lie on one side of the opening.
+_SHARP_LOBE: Final = 50.0
+_HALF_SPHERE: Final = _half_sphere(4096)
 
 
 def _joined(light: Light) -> Lobe:
-    lobes = light.lobes.values()
-    flux: Array = sum(map(_flux, lobes), np.zeros(3))
-    moments = (_flux(lobe).sum() * _length(lobe.sharpness) * lobe.axis for lobe in lobes)
-    moment: Array = sum(moments, np.zeros(3))
+    lobes = list(light.lobes.values())
+    if len(lobes) == 1:
+        return lobes[0]
+    arriving = [_arriving(lobe, light) for lobe in lobes]
+    flux: Array = sum((flux for flux, _ in arriving), np.zeros(3))
+    moment: Array = sum((moment for _, moment in arriving), np.zeros(3))
     length = float(np.linalg.norm(moment))
     if not length:
         return Lobe(_DARK.axis, 0.0, flux / spread(0.0))
     mean = min(length / float(flux.sum()), 1.0 - 1e-9)
     sharpness = mean * (3.0 - mean**2) / (1.0 - mean**2)
-    return Lobe(moment / length, sharpness, flux / spread(sharpness))
+    lobe = Lobe(moment / length, sharpness, np.ones(3))
+    return replace(lobe, intensity=flux / _arriving(lobe, light)[0])
 
 
 def _length(sharpness: float) -> float:

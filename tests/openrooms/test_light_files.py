@@ -4,6 +4,7 @@ import itertools
 import json
 import pickle
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -183,6 +184,33 @@ def test_one_lobe_keeps_the_flux_and_the_mean_direction() -> None:
         found["intensity"] * spread(found["lamb"][0]), lobe.intensity * spread(40.0), rtol=1e-9
     )
     assert found["lamb"][0] == pytest.approx(40.0, rel=0.05)
+
+
+def outside(lobe: Lobe, count: int = 400) -> np.ndarray:
+    """(3,) what a lobe sends from z > 0, by plain integration over heights and turns."""
+    heights = (np.arange(count) + 0.5) / count
+    turns = 2.0 * np.pi * (np.arange(2 * count) + 0.5) / (2 * count)
+    flat = np.sqrt(1.0 - heights**2)[:, None]
+    cosine = lobe.axis[2] * heights[:, None] + flat * (
+        lobe.axis[0] * np.cos(turns) + lobe.axis[1] * np.sin(turns)
+    )
+    solid = 2.0 * np.pi / (2 * count * count)
+    return lobe.intensity * np.exp(lobe.sharpness * (cosine - 1.0)).sum() * solid
+
+
+def test_what_a_fit_has_inside_of_the_room_counts_for_nothing() -> None:
+    """Fits use the tails of lobes that point into the room, where nothing is looked at."""
+    sky = Lobe(np.array([0.0, 0.8, 0.6]), 2.0, np.array([90.0, 110.0, 150.0]))
+    inner = Lobe(np.array([0.6, 0.0, -0.8]), 8.0, np.array([3e4, 7e4, 2e4]))
+    light = opening({"sky": sky, "ground": inner})
+    found = single_source(light, np.eye(4))
+    joined = Lobe(found["axis"], float(found["lamb"][0]), found["intensity"])
+    np.testing.assert_allclose(outside(joined), outside(sky) + outside(inner), rtol=5e-3)
+    assert joined.axis[2] > 0.0
+    # A lamp of that flux would outshine the sky, of which little is left outside.
+    assert outside(inner).sum() < 0.05 * (inner.intensity * spread(8.0)).sum()
+    first = source(opening({"sky": sky, "ground": replace(inner, sharpness=90.0)}), np.eye(4))
+    np.testing.assert_array_equal(first["intensity"], sky.intensity)
 
 
 @pytest.mark.parametrize("number", [LAMP, WINDOW])
