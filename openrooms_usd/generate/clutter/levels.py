@@ -89,13 +89,13 @@ def levels_of(shape: Shape) -> tuple[Level, ...]:
     columns, rows = (np.floor((high - low) / CELL_M).astype(int) + 1).tolist()
     cell, z, up = crossings(corners, low, columns, rows)
     tops, roof = _tops(cell, z, up)
-    *edges, which = edge_cells(corners, low, columns)
-    walls = _walls(corners, edges[0], which)
+    passed, ends, which = edge_cells(corners, low, columns)
+    walls = _walls(corners, passed, which)
     found = []
     for height, cells in _grouped(tops):
         clear = np.zeros(rows * columns)
         clear[cells] = np.inf
-        for others, heights in ((roof[0], roof[1]), edges):
+        for others, heights in (roof, (passed, ends)):
             above = (heights > height + _LEVEL_M) & (clear[others] > 0.0)
             np.minimum.at(clear, others[above], heights[above] - height)
         where, foot, head = walls

@@ -27,6 +27,9 @@ _LOWEST_M: Final = 0.005
 # What of a thing may touch what it lies on, above its lowest point, metres, and so many of its
 # points.
 _CONTACT_M, _CONTACTS = 0.05, 200
+# Its underside is looked at between so many of its lowest points.
+_CORNERS: Final = 40
+_SHARES: Final = np.array([0.25, 0.5])
 # Which part of a bed or a seat is meant: least and greatest x and y, as shares of its size.
 _PARTS: Final[dict[Place, tuple[float, float, float, float]]] = {
     "bed_head": (-0.42, 0.42, 0.0, 0.45),
@@ -152,14 +155,18 @@ def _laid(
     seat: Seat, thing: Thing, key: str, points: Array, place: Pose, z: float
 ) -> tuple[Item, Pose] | None:
     x, y, yaw = place
+    # The grid has the highest of each cell: by so much less the faces themselves are met, but
+    # also between the points of a flat underside.
+    low = few(points[points[:, 2] < points[:, 2].min() + _CONTACT_M], _CONTACTS)
+    met = float((seat.shape.tops(x + low[:, 0], y + low[:, 1]) - low[:, 2]).max())
     base = points[points[:, 2] < points[:, 2].min() + _LOWEST_M]
+    some = few(base, _CORNERS)
+    across = (some[:, None] + _SHARES[:, None, None, None] * (some - some[:, None])).reshape(-1, 3)
+    over = seat.relief.at(x + across[:, 0], y + across[:, 1]) - across[:, 2]
+    z = max(met, z - _MAX_GAP_M, float(over.max()) - _LOWEST_M)
     gap = base[:, 2] + z - seat.relief.at(x + base[:, 0], y + base[:, 1])
     if not np.isfinite(z) or gap.max() > _MAX_GAP_M:
         return None
-    # The grid has the highest of each cell: by so much less the faces themselves are met.
-    low = few(points[points[:, 2] < points[:, 2].min() + _CONTACT_M], _CONTACTS)
-    met = float((seat.shape.tops(x + low[:, 0], y + low[:, 1]) - low[:, 2]).max())
-    z = max(met, z - _MAX_GAP_M)
     size, style = thing.make
     rx, ry = placed(seat.pose, x, y)
     turn = round(wrapped(seat.pose[2] + yaw), 2)
