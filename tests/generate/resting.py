@@ -30,7 +30,7 @@ LEANING, NEAR = (1.5, 60.0), 0.012
 # What is built in, and whose foot is far heavier than the rest.
 HELD = {"stairs", "floor_lamp"}
 # In what has sides nothing tips: it leans on these, or on what is there.
-VESSELS = {"basket", "bowl", "box", "jar", "mug", "trash_bin", "vase"}
+VESSELS = {"basket", "bowl", "trash_bin"}
 # Half of a contact's width, metres: round things stand on lines and points.
 CONTACT = 0.001
 # No more places on an underside than this are looked at.
@@ -75,10 +75,11 @@ def _stands(body: Body, support: Body | None, scene: Scene) -> Iterator[str]:
     held = over(base, support) if support else np.ones(len(base), dtype=bool)
     soft = support is not None and support.category == "rug"
     stack = support is not None and support.category == body.category
+    within = support is not None and support.category in VESSELS and not stack
     if support and not (held.all() or soft or stack or _carried(base, held, support)):
         yield f"{body.name} stands over the edge of {on}"
     elif not (
-        soft or body.category in HELD or (support and support.category in VESSELS)
+        soft or body.category in HELD or within
         or within_hull(middle_of_mass(body)[:2], base[held][:, :2])
         or (_leans(body) and _leant_on(body, scene))
     ):  # fmt: skip
