@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,8 @@ Index = NDArray[np.int64]
 _MIN_TEXELS: Final = 2.5
 # Small pictures are drawn on a finer grid of up to so many texels, then averaged.
 _FINE_GRID_TEXELS: Final = 512
+# At least so many rows of texels are worked on at once.
+_BLOCK_TEXELS: Final = 16
 
 
 def whole(order: Order, pitch: float, multiple: int = 1) -> int:
@@ -137,17 +140,21 @@ def cells(
     first = np.full((resolution, resolution), 99.0)
     second = first.copy()
     index = np.zeros((resolution, resolution), np.int64)
-    ends = np.searchsorted(row, np.arange(rows + 1))
-    for j in range(rows):
-        part = slice(int(ends[j]), int(ends[j + 1]))
-        # Block by block, so that the work stays in the processor's cache.
+    # Some rows of cells at a time, so that the work stays in the processor's cache.
+    together = math.ceil(_BLOCK_TEXELS * rows / resolution)
+    ends = np.searchsorted(row, [*range(0, rows, together), rows]).tolist()
+    for part in (slice(*pair) for pair in pairwise(ends)):
         near, far, which = first[part], second[part], index[part]
+        # Texels in one row of cells have much in common, which is worked out once.
+        lattice, at = np.unique(row[part], return_inverse=True)
+        spread = slice(None) if len(lattice) == 1 else at
         for dj, di in np.ndindex(3, 3):
-            jj, ii = j + dj - 1, column + di - 1
-            s = middle_s[jj % rows, ii % columns] + (ii - ii % columns)
-            t = middle_t[jj % rows, ii % columns] + (jj - jj % rows)
-            squared = (s - across) ** 2 + (t - along[part, None]) ** 2
-            np.copyto(which, jj % rows * columns + ii % columns, where=squared < near)
+            jj, ii = lattice[:, None] + dj - 1, column + di - 1
+            r, c = jj % rows, ii % columns
+            s = (middle_s[r, c] + (ii - c) - across)[spread]
+            t = (middle_t[r, c] + (jj - r))[spread]
+            squared = s**2 + (t - along[part, None]) ** 2
+            np.copyto(which, (r * columns + c)[spread], where=squared < near)
             np.minimum(far, np.maximum(near, squared), out=far)
             np.minimum(near, squared, out=near)
     nearest = np.sqrt(first)
