@@ -5,6 +5,7 @@ coordinates in metres.
 """
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,9 +38,29 @@ def box(size: Vector, center: Vector = _ORIGIN) -> Mesh:
         The closed mesh.
     """
     half = 0.5 * np.asarray(size, dtype=np.float64)
-    edges = [np.array([-h, h]) for h in half]
-    flat = [np.zeros(2)] * 3
-    return _from_sides(edges, flat, 0.0).moved(center)
+    if half.min() <= _SAME_M:
+        return _sharp(half).moved(center)
+    # All others are one box, stretched.
+    cube, across = _cube()
+    assert cube.normals is not None and cube.st is not None
+    return Mesh(
+        points=cube.points * half + np.asarray(center, dtype=np.float64),
+        counts=cube.counts.copy(),
+        indices=cube.indices.copy(),
+        normals=cube.normals.copy(),
+        st=(cube.st * half[across]).astype(np.float32),
+    )
+
+
+def _sharp(half: NDArray[np.float64]) -> Mesh:
+    return _from_sides([np.array([-h, h]) for h in half], [np.zeros(2)] * 3, 0.0)
+
+
+@cache
+def _cube() -> tuple[Mesh, NDArray[np.int64]]:
+    """A box of half sizes 1, and (24, 2) the axes along which each corner's texture runs."""
+    across = [sorted((u, v)) for _, _, u, v in _SIDES]
+    return _sharp(np.ones(3)), np.repeat(np.array(across), 4, axis=0)
 
 
 def rounded_box(

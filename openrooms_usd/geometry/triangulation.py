@@ -124,9 +124,8 @@ def _reflex(points: Array, counts: Ints, indices: Ints, firsts: Ints) -> NDArray
     # Newell's normal, about a point of the face: robust for warped and concave polygons.
     base = here[start]
     sums = _crossed(here - base, here[after] - base)
-    normals: Array = np.stack(
-        [np.bincount(faces, weights=sums[:, k], minlength=len(counts)) for k in range(3)], axis=1
-    )[faces]
+    of_faces = [np.bincount(faces, sums[:, k], len(counts)).astype(np.float64) for k in range(3)]
+    normals = np.stack(of_faces, axis=1)[faces]
     turn = _dots(_crossed(into, out), normals)
     scale = np.prod([np.sqrt(_dots(v, v)) for v in (into, out, normals)], axis=0)
     return np.asarray((turn < -REFLEX * scale) & (size > 3))

@@ -8,6 +8,7 @@ leaves a surface is F r / (A (1 - r)) lumen a square metre, and its luminance a 
 
 import math
 from collections.abc import Iterator
+from functools import reduce
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -69,8 +70,9 @@ def room_exposure(stage: Usd.Stage) -> float | None:
 def _coarse(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
     """The means of square blocks of pixels, about half a degree wide, as far as they fit."""
     count = math.gcd(*pixels.shape[:2], _BLOCK_PIXELS)
-    rows = np.add.reduceat(pixels, np.arange(0, len(pixels), count), axis=0)
-    blocks = rows.reshape(len(rows), -1, count, pixels.shape[2]).sum(axis=2)
+    # Sums of whole planes, which take a third of the time of a mean over two short axes.
+    rows = reduce(np.add, [pixels[k::count] for k in range(count)])
+    blocks = reduce(np.add, [rows[:, k::count] for k in range(count)])
     return np.asarray(blocks / np.float32(count**2))
 
 
