@@ -13,9 +13,10 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from statistics import median
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import click
 import numpy as np
@@ -129,8 +130,15 @@ class Side:
         self._process.stdin.flush()
 
 
+class Renders(Protocol):
+    """What gives a picture, and says how many seconds it took."""
+
+    def render(self, method: str, samples: int, seed: int) -> tuple[float, np.ndarray]:
+        """Seconds of the processor, and the pixels."""
+
+
 def compared(
-    sides: dict[str, Side], samples: int, reference: int, rounds: int
+    sides: Mapping[str, Renders], samples: int, reference: int, rounds: int
 ) -> list[dict[str, Any]]:
     """For each method what both sides take, how far they are off, and the ratios."""
     truths = {name: side.render("reference", reference, 0)[1] for name, side in sides.items()}

@@ -58,6 +58,10 @@ def list_(as_json: bool) -> None:
 @click.option(
     "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
 )
+@click.option(
+    "--width", type=click.IntRange(64, 65536), metavar="PIXELS",
+    help="Reduce a sheet that is wider.",
+)  # fmt: skip
 @renderer_options(variant="The backend: auto, cuda, llvm or scalar.")
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (needs the extra 'denoise').")
 @json_option
@@ -68,6 +72,7 @@ def sheet(
     seed: int,
     size: int,
     spp: int,
+    width: int | None,
     renderer: str,
     options: dict[str, str],
     denoise: bool,
@@ -82,7 +87,7 @@ def sheet(
     with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
         draw_sheet(
             out, shown, seed=seed, size=size, samples=spp, renderer=renderer, options=options,
-            denoise=denoise, progress=progress,
+            denoise=denoise, widest=width, progress=progress,
         )  # fmt: skip
     if as_json:
         print_json({"file": str(out), "shown": [[item.category, item.style] for item in shown]})

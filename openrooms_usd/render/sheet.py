@@ -57,29 +57,34 @@ def reduced(row: Sequence[Tile]) -> list[Tile]:
     return [(caption, _reduced(picture)) for caption, picture in row]
 
 
-def write_sheet(path: Path, rows: Sequence[Sequence[Tile]], *, below: bool = False) -> None:
+def write_sheet(
+    path: Path, rows: Sequence[Sequence[Tile]], *, below: bool = False, widest: int | None = None
+) -> None:
     """Write a sheet of pictures with captions.
 
     Args:
         path: The PNG file; it appears whole or not at all.
         rows: Captions and pictures, such as what `tiles` gave for each view.
         below: Whether captions stand below their pictures, rather than above.
+        widest: A sheet of more pixels in a row is reduced to so many.
 
     Raises:
         OutputError: The file cannot be written.
     """
+    sheet = _laid_out(rows, below)
+    if widest is not None and sheet.shape[1] > widest:
+        sheet = _reduced(sheet, widest)
     with atomic.replacing(path) as beside:
-        write_png(beside, _laid_out(rows, below))
+        write_png(beside, sheet)
 
 
-def _reduced(pixels: Bytes) -> Bytes:
+def _reduced(pixels: Bytes, across: int = _TILE_WIDTH) -> Bytes:
+    """The same in ``across`` pixels a row, with three channels."""
     import OpenImageIO
 
     colored = np.repeat(pixels, 3, axis=-1) if pixels.shape[-1] == 1 else pixels
     height, width = colored.shape[:2]
-    size = OpenImageIO.ROI(
-        0, _TILE_WIDTH, 0, max(1, round(_TILE_WIDTH * height / width)), 0, 1, 0, 3
-    )
+    size = OpenImageIO.ROI(0, across, 0, max(1, round(across * height / width)), 0, 1, 0, 3)
     small = OpenImageIO.ImageBufAlgo.resize(
         OpenImageIO.ImageBuf(np.ascontiguousarray(colored)), "box", roi=size
     )

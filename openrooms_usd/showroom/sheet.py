@@ -31,6 +31,7 @@ def draw_sheet(
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: bool = False,
+    widest: int | None = None,
     progress: Progress = silent,
 ) -> None:
     """Render every exhibit in the studio and tile the pictures, in the order given.
@@ -46,6 +47,7 @@ def draw_sheet(
         renderer: A registered renderer.
         options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to denoise the pictures.
+        widest: A sheet of more pixels in a row is reduced to so many.
         progress: Called with each finished exhibit's name and the finished fraction.
 
     Raises:
@@ -65,9 +67,8 @@ def draw_sheet(
             tiles[item.name] = tile
             progress(item.name, len(tiles) / len(exhibits))
     ordered = [tiles[item.name] for item in exhibits]
-    write_sheet(
-        path, [ordered[i : i + _COLUMNS] for i in range(0, len(ordered), _COLUMNS)], below=True
-    )
+    rows = [ordered[i : i + _COLUMNS] for i in range(0, len(ordered), _COLUMNS)]
+    write_sheet(path, rows, below=True, widest=widest)
 
 
 def _hall(

@@ -75,6 +75,17 @@ def test_the_caption_is_below(tmp_path: Path) -> None:
         assert (top < 10) == below
 
 
+def test_a_wide_sheet_is_reduced(tmp_path: Path) -> None:
+    grey = np.full((40, 90, 3), 200, np.uint8)
+    sizes = {}
+    for widest in (None, 99, 1000):
+        write_sheet(tmp_path / "sheet.png", [[("one", grey), ("two", grey)]], widest=widest)
+        sizes[widest] = pixels(tmp_path / "sheet.png").shape
+    high, wide, _ = sizes[None]
+    assert wide == 198 and sizes[1000] == sizes[None]
+    assert sizes[99] == (round(high / 2), 99, 3)
+
+
 def test_refusals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="did you mean 'chair'"):
         call("library", "sheet", "-o", tmp_path / "x.png", "--category", "chiar")
