@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.render.manifest_schema import AGAIN
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import compressed, run_lengths, tight_box
-from openrooms_usd.usd.taxonomies import TAXONOMIES, classes
+from openrooms_usd.usd.taxonomies import COCO_GROUPS, TAXONOMIES, classes
 from openrooms_usd.version import __version__
 
 Plain = dict[str, Any]
@@ -83,26 +83,9 @@ def _category(name: str, number: int, taxonomy: str) -> Plain:
     """A class; those of COCO as its own files have them."""
     above = "structure" if name in names.SHELL else "object"
     if taxonomy == names.COCO:
-        above = next(group for group, members in _COCO_ABOVE.items() if name in members.split())
+        above = next(group for group, members in COCO_GROUPS.items() if name in members.split())
         name = name.replace("_", " ")
     return {"id": number, "name": name, "supercategory": above}
-
-
-_COCO_ABOVE: Final = {
-    "person": "person",
-    "vehicle": "bicycle car motorcycle airplane bus train truck boat",
-    "outdoor": "traffic_light fire_hydrant stop_sign parking_meter bench",
-    "animal": "bird cat dog horse sheep cow elephant bear zebra giraffe",
-    "accessory": "backpack umbrella handbag tie suitcase",
-    "sports": "frisbee skis snowboard sports_ball kite baseball_bat baseball_glove skateboard "
-    "surfboard tennis_racket",
-    "kitchen": "bottle wine_glass cup fork knife spoon bowl",
-    "food": "banana apple sandwich orange broccoli carrot hot_dog pizza donut cake",
-    "furniture": "chair couch potted_plant bed dining_table toilet",
-    "electronic": "tv laptop mouse remote keyboard cell_phone",
-    "appliance": "microwave oven toaster sink refrigerator",
-    "indoor": "book clock vase scissors teddy_bear hair_drier toothbrush",
-}
 
 
 def masks(render: RenderedScene, view: RenderedView) -> Iterator[tuple[int, NDArray[np.bool_]]]:

@@ -78,6 +78,23 @@ COCO: Final = {
     89: "hair_drier", 90: "toothbrush",
 }  # fmt: skip
 
+# The supercategories of its files, and whose they are.
+COCO_GROUPS: Final = {
+    "person": "person",
+    "vehicle": "bicycle car motorcycle airplane bus train truck boat",
+    "outdoor": "traffic_light fire_hydrant stop_sign parking_meter bench",
+    "animal": "bird cat dog horse sheep cow elephant bear zebra giraffe",
+    "accessory": "backpack umbrella handbag tie suitcase",
+    "sports": "frisbee skis snowboard sports_ball kite baseball_bat baseball_glove skateboard "
+    "surfboard tennis_racket",
+    "kitchen": "bottle wine_glass cup fork knife spoon bowl",
+    "food": "banana apple sandwich orange broccoli carrot hot_dog pizza donut cake",
+    "furniture": "chair couch potted_plant bed dining_table toilet",
+    "electronic": "tv laptop mouse remote keyboard cell_phone",
+    "appliance": "microwave oven toaster sink refrigerator",
+    "indoor": "book clock vase scissors teddy_bear hair_drier toothbrush",
+}
+
 
 TAXONOMIES: Final[dict[str, dict[int, str]]] = {
     names.OPENROOMS45: dict(enumerate(OPENROOMS45)),

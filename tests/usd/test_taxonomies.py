@@ -12,6 +12,7 @@ from openrooms_usd.description.categories import LibraryCategory
 from openrooms_usd.usd.semantics import label, read_label, read_number
 from openrooms_usd.usd.taxonomies import (
     COCO,
+    COCO_GROUPS,
     NYU40,
     OPENROOMS45,
     TAXONOMIES,
@@ -65,6 +66,8 @@ def test_numbers_of_ade20k_and_coco_are_the_published_ones() -> None:
     )
     assert {n: c for n, c in COCO.items() if n >= 60} == COCO_FROM_60
     assert set(range(91)) - set(COCO) == COCO_NEVER_USED
+    grouped = [name for members in COCO_GROUPS.values() for name in members.split()]
+    assert [UNLABELED, *grouped] == list(COCO.values())
 
 
 def test_nyu40_numbers_are_those_of_the_benchmarks() -> None:
