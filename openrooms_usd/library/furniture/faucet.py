@@ -125,8 +125,9 @@ def pillar(made: Assembly, size: Size, at: Point) -> None:
                            segments=28).moved((x, y, z)))  # fmt: skip
     spout = [(x, y, z + level - 0.02), (x, tip, z + level - 0.02), (x, tip, z + level - 0.075)]
     made.add("spout", tube(filleted(spout, 0.03, segments=5), 0.013, segments=14))
+    # Beside the body, against which it turns.
     lever = tube(
-        [(0.018, 0.0, 0.0), (0.5 * width - 0.006, 0.0, 0.028)], [0.008, 0.005], segments=10
+        [(0.0282, 0.0, 0.0), (0.5 * width - 0.006, 0.0, 0.028)], [0.008, 0.005], segments=10
     )
     pivot = (x, y, z + level - 0.03)
     names = made.add("switch", lever.moved(pivot))
