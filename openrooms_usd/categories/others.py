@@ -33,11 +33,6 @@ def _other(classes: Classes, **said: Any) -> Category:
 
 OTHERS: Final[dict[str, Category]] = {
     "beam": _other(fixed=True, classes=Classes("ceiling", "otherstructure", "ceiling", UNLABELED)),
-    "bicycle": _other(
-        classes=Classes("bike", "otherprop", "bicycle", "bicycle"),
-        synsets=("02834778",),
-        makes=(makes.row(ANY, makes.walls(1.0), "sheet", "metal", "paint"),),
-    ),
     "blinds": _other(
         classes=Classes("curtain", "blinds", "blind", UNLABELED),
         support="wall",
