@@ -32,6 +32,7 @@ class Hallway(NamedTuple):
         near: Its nearest place: the outer face of the room's wall.
         far: Its farthest.
         height: Floor to ceiling.
+        door: Where the door across stands, from 0 at the left to 1 at the right.
     """
 
     left: float
@@ -39,11 +40,22 @@ class Hallway(NamedTuple):
     near: float
     far: float
     height: float
+    door: float = 0.5
+
+
+def door_space(size: Hallway) -> tuple[float, float] | None:
+    """Where the door across and its casing begin and end; None where there is no space for one."""
+    wide = _DOOR_M[0] + 2.0 * _CASING_M[0]
+    spare = size.right - size.left - wide
+    if spare <= 0.1 or size.height <= _DOOR_M[1] + _CASING_M[0]:
+        return None
+    left = size.left + 0.05 + (spare - 0.1) * size.door
+    return left, left + wide
 
 
 def hallway(size: Hallway) -> Iterator[tuple[str, str, Mesh]]:
     """Its meshes: names, categories, and solids in the frame of the wall."""
-    left, right, near, far, height = size
+    left, right, near, far, height, _ = size
     w = SHEET_M
     yield "Floor", "floor", _block((left - w, near, -w), (right + w, far + w, 0.0))
     yield "Ceiling", "ceiling", _block((left - w, near, height), (right + w, far + w, height + w))
@@ -52,12 +64,12 @@ def hallway(size: Hallway) -> Iterator[tuple[str, str, Mesh]]:
     yield "Wall_2", "wall", _block((right, near, 0.0), (right + w, far + w, height))
     middle = 0.5 * (left + right)
     tall, thick = _SKIRTING_M
-    wide = _DOOR_M[0] + 2.0 * _CASING_M[0]
-    if right - left > wide + 0.1 and height > _DOOR_M[1] + _CASING_M[0]:
-        yield "Door", "door", _door(middle, far)
-        ends = [(left, middle - 0.5 * wide), (middle + 0.5 * wide, right)]
-    else:
+    space = door_space(size)
+    if space is None:
         ends = [(left, right)]
+    else:
+        yield "Door", "door", _door(0.5 * (space[0] + space[1]), far)
+        ends = [(left, space[0]), (space[1], right)]
     boards = [_block((a, far - thick, 0.0), (b, far, tall)) for a, b in ends]
     yield "Skirting", "skirting", joined(boards)
     radius, drop = 0.5 * _LAMP_M[0], _LAMP_M[1]

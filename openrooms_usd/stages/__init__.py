@@ -2,7 +2,7 @@
 
 - `base`, `runner`, `draft`, `reports`: the contract, what runs one, where its layer waits;
 - `captures`, `captured`, `scanned`: what comes from a capture or a scan;
-- `layout` (`partitions`, `openings`, `joinery`, `trim`, `beyond`, `surroundings`);
+- `layout` (`partitions`, `openings`, `joinery`, `trim`, `beyond`, `decor`, `surroundings`);
 - `alignment` (`catalogue`, `placement`, `poses`, `tops`, `following`, `substitutes`, `aligned`,
   `furnished`, `instances`, `segmented`, `shelf`);
 - `materials` (`surfaces`, `swatches`, `choosing`, `palette`, `appearance`, `dressing`, `looks`);

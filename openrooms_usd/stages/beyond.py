@@ -5,6 +5,7 @@
     /World/Room/Beyond          Scope
         door_0                  Xform, in the frame of its wall, named as the opening
             Floor               Mesh, like Ceiling, Wall_0, Wall_1, Wall_2, Door, Skirting, Lamp
+            Picture_0           Xform, like Runner: parts of things from the library
 """
 
 import math
@@ -18,6 +19,8 @@ from pxr import Gf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.geometry.hallways import SHEET_M, Hallway, hallway
 from openrooms_usd.geometry.walls import Wall
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.decor import author_decor
 from openrooms_usd.stages.joinery import author_mesh
 from openrooms_usd.stages.openings import Cut
 from openrooms_usd.usd.lights import define_mesh_light
@@ -30,6 +33,8 @@ Array = NDArray[np.float64]
 # opening's middle; metres.
 _DEPTHS_M: Final = (1.7, 1.4, 1.15, 0.95, 0.8)
 _HALF_LENGTHS_M: Final = (2.2, 1.6, 1.1, 0.75, 0.55)
+# Where the door across stands, from the left to the right.
+_DOORS: Final = (0.08, 0.3, 0.5, 0.7, 0.92)
 # Between it and another opening of its wall, and beside its own; metres.
 _BESIDE_M: Final = 0.12
 # Before windows nothing stands so near, metres.
@@ -42,14 +47,13 @@ _LEAF_GAP_M: Final = 0.06
 _LUMEN, _KELVIN = 800.0, 3000.0
 
 
-def author_beyond(stage: Usd.Stage, corners: Array, cuts: Sequence[Cut], notes: list[str]) -> None:
+def author_beyond(context: StageContext, corners: Array, cuts: Sequence[Cut]) -> None:
     """Build a hallway behind each opening that leads to one and can be looked through.
 
     Args:
-        stage: Where to.
+        context: Of the layout stage; its notes receive a sentence for each that has no space.
         corners: (N, 2) the room's floor, counter-clockwise, metres.
         cuts: All openings.
-        notes: Receives a sentence for each that has no space for one.
     """
     taken = [_zone(cut) for cut in cuts if cut.kind == "window" and not cut.wall.partition]
     for cut in cuts:
@@ -57,17 +61,20 @@ def author_beyond(stage: Usd.Stage, corners: Array, cuts: Sequence[Cut], notes: 
             continue
         size = _fitted(cut, cuts, corners, taken)
         if size is None:
-            notes.append(f"{cut.name}: there is no space for a hallway behind it; it leads outside")
+            context.notes.append(
+                f"{cut.name}: there is no space for a hallway behind it; it leads outside"
+            )
             continue
         taken.append(_plan(cut.wall, size))
-        _author(stage, cut, size)
+        rng = context.rng("layout", "beyond", cut.name)
+        _author(context.stage, cut, size._replace(door=float(rng.choice(_DOORS))), rng)
 
 
 def _is_seen_through(cut: Cut) -> bool:
     return cut.kind != "door" or cut.open > 0.0 or cut.style in names.SEE_THROUGH
 
 
-def _author(stage: Usd.Stage, cut: Cut, size: Hallway) -> None:
+def _author(stage: Usd.Stage, cut: Cut, size: Hallway, rng: np.random.Generator) -> None:
     UsdGeom.Scope.Define(stage, names.BEYOND)
     path = f"{names.BEYOND}/{cut.name}"
     prim = UsdGeom.Xform.Define(stage, path).GetPrim()
@@ -76,6 +83,7 @@ def _author(stage: Usd.Stage, cut: Cut, size: Hallway) -> None:
     for name, category, mesh in hallway(size):
         part = names.LIGHT_BULB if category == "ceiling_lamp" else ""
         author_mesh(stage, f"{path}/{name}", mesh, category=category, part=part)
+    author_decor(stage, path, size, rng)
 
 
 def author_beyond_lamps(stage: Usd.Stage) -> None:

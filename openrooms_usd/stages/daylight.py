@@ -42,9 +42,9 @@ def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
     """
     key, kind, site = f"{code_digest(__name__)} {environment.model_dump_json()}", "sky", None
     if isinstance(environment, OutsideEnvironment):
-        kind, site = "outside", site_of(context, environment)
-        key = f"{key} {site}"
         windows = {Path(portal.path).name: portal for portal in portals(context.stage, "window")}
+        kind, site = "outside", site_of(context, environment, portals(context.stage))
+        key = f"{key} {site}"
         author_nearby(context, site, windows)
     file = f"{kind}_{_sum(key)[:8]}.exr"
     target = context.keep(file)

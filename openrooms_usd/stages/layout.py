@@ -91,7 +91,7 @@ class LayoutStage:
         _author_shell(stage, plan)
         for cut in plan.cuts:
             author_opening(stage, cut, plan.walls, plan.finish, context.notes)
-        author_beyond(stage, plan.corners, plan.cuts, context.notes)
+        author_beyond(context, plan.corners, plan.cuts)
 
 
 def described_plan(layout: PolygonLayout, notes: list[str]) -> Plan:

@@ -1,11 +1,11 @@
-"""What stands near the windows of a room that lies somewhere: land, plants, houses, sills.
+"""What stands near the windows of a room that lies somewhere: plants, houses, sills.
 
 ::
 
     /World/Outside              Xform, in the frame of the scene of the panorama
         Materials               Scope
-        Plants                  Scope: abstract prims, one for each kind, for instances
-        Land                    Xform, like House_0, window_0: Meshes below it
+        Plants                  abstract: one prim for each kind, for instances
+        House_0                 Xform, like window_0: Meshes below it
         Tree_3                  Xform, an instance of its kind, like Bush_1, Hedge_2
 
 Nothing of it collides or moves, and none of it is furniture: it is lit by what the panorama shines,
@@ -13,7 +13,7 @@ and is seen in pictures.
 """
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -25,10 +25,9 @@ from openrooms_usd.codedigest import code_digest
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.lights import OutsideEnvironment
 from openrooms_usd.draws import generator
-from openrooms_usd.geometry.faces import prism
-from openrooms_usd.geometry.polygons import grown as widened
-from openrooms_usd.library.outside.foliage import PLANTS
-from openrooms_usd.library.outside.ledges import LOOKS, flower_places, ledges
+from openrooms_usd.library.outside.foliage import PLANTS, lobe
+from openrooms_usd.library.outside.ledges import LOOKS, NET, NET_PASSES, flower_places, ledges
+from openrooms_usd.library.outside.near import Window
 from openrooms_usd.library.outside.panorama import HEIGHT
 from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.outside.solid import WOOD, Look, Part, Placed, Solid
@@ -41,21 +40,35 @@ from openrooms_usd.usd.portals import Portal
 from openrooms_usd.usd.semantics import label
 from openrooms_usd.usd.transforms import author_matrix
 
-# How often there are flowers at the windows of a room in an upper storey.
-_FLOWERS_SHARE: Final = 0.3
-# The upper storeys of a room's own house begin above its ceiling by so much, metres.
-_SLAB_M: Final = 0.35
-_WALL_M: Final = 0.15
+# How often there are flowers at the windows of a room in an upper storey, and screens at any.
+_FLOWERS_SHARE, _SCREENS_SHARE = 0.3, 0.2
+# What is as thin as a thread mirrors nothing to speak of.
+_NET_IOR: Final = 1.02
+_GREY: Final = np.full(3, 0.12)
 _MATERIALS: Final = f"{names.OUTSIDE}/Materials"
 _PLANTS: Final = f"{names.OUTSIDE}/Plants"
+_LOBE: Final = f"{_PLANTS}/Lobe"
 
 
-def site_of(context: StageContext, environment: OutsideEnvironment) -> Site:
-    """Where the room stands in its scene; without an outline where nothing shall be near."""
+def site_of(context: StageContext, environment: OutsideEnvironment, ways: Sequence[Portal]) -> Site:
+    """Where the room stands in its scene; without an outline where nothing shall be near.
+
+    Args:
+        context: Of the lights stage.
+        environment: What lies outside.
+        ways: The outer faces of what the room is looked out of.
+    """
     seed = context.room.seed if environment.seed is None else environment.seed
-    walls = surroundings(context.stage).walls if environment.near else np.zeros((0, 2, 2))
+    walls = surroundings(context.stage).walls if environment.near and ways else np.zeros((0, 2, 2))
     outline = tuple((float(x), float(y)) for x, y in np.round(walls[:, 0], 3)) or None
-    return Site(environment.scene, seed, environment.storey, environment.facing, outline)
+    places = tuple(map(_plan, ways)) if outline else ()
+    return Site(environment.scene, seed, environment.storey, environment.facing, outline, places)
+
+
+def _plan(window: Portal) -> Window:
+    x, y, _ = np.round(window.world_from_portal[:3, 3], 3).tolist()
+    out_x, out_y, _ = np.round(window.world_from_portal[:3, 2], 6).tolist()
+    return Window(x, y, out_x, out_y)
 
 
 def author_nearby(context: StageContext, site: Site, windows: Mapping[str, Portal]) -> None:
@@ -69,18 +82,15 @@ def author_nearby(context: StageContext, site: Site, windows: Mapping[str, Porta
     if site.outline is None:
         return
     stage, room = context.stage, surroundings(context.stage)
-    near, solid = site.near(HEIGHT)
+    solid = site.near(HEIGHT)
     frame = site.world_from_scene(HEIGHT, room.floor)
     author_matrix(UsdGeom.Xform.Define(stage, names.OUTSIDE).GetPrim(), frame)
-    scene_from_world: NDArray[np.float64] = np.linalg.inv(frame)
+    scene_from_world = np.asarray(np.linalg.inv(frame), dtype=np.float64)
     for name, portal in windows.items():
         _add_ledges(solid, name, portal, scene_from_world, room, site)
-    if site.storey == 0 and room.ceiling is not None:
-        _add_own(solid, site, room.ceiling, near.own + frame[2, 3], scene_from_world)
     materials = dict(_materials(context, solid.looks))
     kinds = sorted({placed.kind for placed in solid.placed})
-    for kind in kinds:
-        _author_kind(stage, kind, materials[WOOD], site.seed)
+    _author_kinds(stage, kinds, materials[WOOD], site.seed)
     for part in solid.parts:
         _author_part(stage, part, materials)
     for placed in solid.placed:
@@ -93,10 +103,12 @@ def _add_ledges(
 ) -> None:  # fmt: skip
     face = to_scene @ portal.world_from_portal
     sill = float(portal.world_from_portal[2, 3]) - 0.5 * portal.height - room.floor
-    rng = generator(site.seed, "outside", "flowers")
-    flowers = site.storey > 0 and rng.random() < _FLOWERS_SHARE
-    for ledge in ledges(portal.width, portal.height, sill, high=site.storey > 0, flowers=flowers):
-        solid.looks.setdefault(ledge.look, Look(np.array(LOOKS[ledge.look])))
+    rng, high = generator(site.seed, "outside", "windows"), site.storey > 0
+    flowers, screen = high and rng.random() < _FLOWERS_SHARE, rng.random() < _SCREENS_SHARE
+    made = ledges(portal.width, portal.height, sill, high=high, flowers=flowers, screen=screen)
+    for ledge in made:
+        look = Look(_GREY, NET_PASSES) if ledge.look == NET else Look(np.array(LOOKS[ledge.look]))
+        solid.looks.setdefault(ledge.look, look)
         mesh = ledge.mesh.transformed(face)
         solid.parts.append(Part(name, ledge.name, ledge.category, mesh, ledge.look))
         if ledge.name == "Box":
@@ -108,28 +120,17 @@ def _add_ledges(
                     )
 
 
-def _add_own(
-    solid: Solid, site: Site, ceiling: float, top: float, to_scene: NDArray[np.float64]
-) -> None:
-    """The storeys above the room, which shade the land and plants."""
-    assert site.outline is not None
-    bottom = ceiling + _SLAB_M
-    if top - bottom < 1.0:
-        return
-    corners = widened(np.array(site.outline), _WALL_M, 4.0)
-    mesh = prism(corners, bottom, top)
-    solid.looks.setdefault("Stone", Look(np.array(LOOKS["Stone"])))
-    solid.parts.append(Part("Own", "Above", "house", mesh.transformed(to_scene), "Stone"))
-
-
 def _materials(
     context: StageContext, looks: Mapping[str, Look]
 ) -> Iterator[tuple[str, UsdShade.Material]]:
     UsdGeom.Scope.Define(context.stage, _MATERIALS)
     for name, look in looks.items():
         color = _color(context, name, look)
-        surface = PreviewSurface(base_color=color, roughness=1.0, ior=1.0)
-        yield name, define_preview_surface(context.stage, f"{_MATERIALS}/{name}", surface)
+        ior = 1.0 if look.passes is None else _NET_IOR
+        surface = PreviewSurface(base_color=color, roughness=1.0, ior=ior, pane=look.passes)
+        material = define_preview_surface(context.stage, f"{_MATERIALS}/{name}", surface)
+        material.GetPrim().SetAssetInfoByKey(names.LICENCE_KEY, names.LICENCE)
+        yield name, material
 
 
 def _color(context: StageContext, name: str, look: Look) -> tuple[float, float, float] | Texture:
@@ -145,21 +146,43 @@ def _color(context: StageContext, name: str, look: Look) -> tuple[float, float, 
     return Texture(context.asset(file), color_space="sRGB")
 
 
-def _author_kind(stage: Usd.Stage, kind: str, wood: UsdShade.Material, seed: int) -> None:
-    """A plant that instances show; its leaves wear what the instance does."""
-    stage.CreateClassPrim(f"{_PLANTS}")
-    path = f"{_PLANTS}/{kind.capitalize()}"
-    UsdGeom.Xform.Define(stage, path)
-    grown = PLANTS[kind](generator(seed, "outside", "foliage", kind))
-    define_mesh(stage, f"{path}/Leaves", grown.leaves, double_sided=True)
-    if grown.wood is not None:
-        stem = define_mesh(stage, f"{path}/Stem", grown.wood).GetPrim()
-        UsdShade.MaterialBindingAPI.Apply(stem).Bind(wood)
+def _author_kinds(
+    stage: Usd.Stage, kinds: Iterable[str], wood: UsdShade.Material, seed: int
+) -> None:
+    """Plants that instances show; their leaves wear what the instance does."""
+    stage.CreateClassPrim(_PLANTS)
+    define_mesh(stage, f"{_LOBE}/Leaves", lobe(_foliage(seed, "lobe")), double_sided=True)
+    for kind in kinds:
+        path = f"{_PLANTS}/{kind.capitalize()}"
+        UsdGeom.Xform.Define(stage, path)
+        grown = PLANTS[kind](_foliage(seed, kind))
+        if grown.leaves is not None:
+            define_mesh(stage, f"{path}/Leaves", grown.leaves, double_sided=True)
+        for number, matrix in enumerate(grown.lobes):
+            _author_instance(stage, f"{path}/Lobe_{number}", _LOBE, matrix)
+        if grown.wood is not None:
+            stem = define_mesh(stage, f"{path}/Stem", grown.wood).GetPrim()
+            UsdShade.MaterialBindingAPI.Apply(stem).Bind(wood)
+
+
+def _foliage(seed: int, kind: str) -> np.random.Generator:
+    return generator(seed, "outside", "foliage", kind)
+
+
+def _author_instance(
+    stage: Usd.Stage, path: str, shown: str, matrix: NDArray[np.float64]
+) -> Usd.Prim:
+    prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+    prim.GetReferences().AddInternalReference(shown)
+    prim.SetInstanceable(True)
+    author_matrix(prim, matrix)
+    return prim
 
 
 def _author_part(stage: Usd.Stage, part: Part, materials: Mapping[str, UsdShade.Material]) -> None:
     thing = UsdGeom.Xform.Define(stage, f"{names.OUTSIDE}/{part.thing}").GetPrim()
-    prim = define_mesh(stage, thing.GetPath().AppendChild(part.name), part.mesh).GetPrim()
+    path, sheet = thing.GetPath().AppendChild(part.name), part.look == NET
+    prim = define_mesh(stage, path, part.mesh, double_sided=sheet).GetPrim()
     label(prim, part.category)
     UsdShade.MaterialBindingAPI.Apply(prim).Bind(materials[part.look])
 
@@ -167,9 +190,7 @@ def _author_part(stage: Usd.Stage, part: Part, materials: Mapping[str, UsdShade.
 def _author_placed(
     stage: Usd.Stage, placed: Placed, materials: Mapping[str, UsdShade.Material]
 ) -> None:
-    prim = UsdGeom.Xform.Define(stage, f"{names.OUTSIDE}/{placed.name}").GetPrim()
-    prim.GetReferences().AddInternalReference(f"{_PLANTS}/{placed.kind.capitalize()}")
-    prim.SetInstanceable(True)
-    author_matrix(prim, placed.matrix)
+    shown = f"{_PLANTS}/{placed.kind.capitalize()}"
+    prim = _author_instance(stage, f"{names.OUTSIDE}/{placed.name}", shown, placed.matrix)
     label(prim, placed.category)
     UsdShade.MaterialBindingAPI.Apply(prim).Bind(materials[placed.look])

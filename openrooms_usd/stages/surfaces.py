@@ -36,6 +36,8 @@ _FIXED: Final[dict[str, tuple[str, str]]] = {
     "door": ("trim", "white"),
     "ceiling_lamp": ("trim", "white"),
 }
+# What stands in hallways.
+_THINGS: Final = frozenset({"picture", "rug"})
 _TILES: Final = Look(substance="specular_stone")
 
 
@@ -47,9 +49,22 @@ def shell_surfaces(context: StageContext, chooser: Chooser) -> Surfaces:
         if not prim.IsA(UsdGeom.Gprim) or prim.GetPath().HasPrefix(names.OPENINGS):
             continue
         category = read_label(prim, names.CATEGORY) or ""
-        if bound_material(prim) is None:
+        if bound_material(prim) is not None:
+            continue
+        if category in _THINGS:
+            found[str(prim.GetPath())] = _thing(chooser, prim, category)
+        else:
             found[str(prim.GetPath())] = _surface(context, chooser, prim, category)
     return found
+
+
+def _thing(chooser: Chooser, prim: Usd.Prim, category: str) -> Swatch:
+    """What a part of a thing in a hallway is made of."""
+    thing = prim.GetParent()
+    kinds = sorted({read_label(part, names.PART) or "" for part in thing.GetChildren()})
+    kind, key = read_label(prim, names.PART) or "", str(thing.GetPath())
+    finish = chooser.finishes(category, kinds, key)[kind]
+    return chooser.finish(finish, "beyond", key, kind)
 
 
 def check_walls(context: StageContext) -> None:

@@ -9,11 +9,12 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
 from openrooms_usd.description import parse_room
-from openrooms_usd.geometry.hallways import Hallway, hallway
+from openrooms_usd.geometry.hallways import Hallway, door_space, hallway
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.beyond import author_beyond_lamps
 from openrooms_usd.stages.daylight import author_portals
+from openrooms_usd.stages.decor import decor
 from openrooms_usd.stages.layout import LayoutStage
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.lights import MeshLight, read_lights
@@ -130,3 +131,20 @@ def test_its_lamp_gives_its_lumens() -> None:
         weights = np.array([0.2126, 0.7152, 0.0722])
         assert np.pi * area * float(light.radiance @ weights) == pytest.approx(800.0, rel=1e-3)
     assert UsdLux.MeshLightAPI(stage.GetPrimAtPath(lights[0].path))
+
+
+def test_what_it_holds_stays_within_it_and_clear_of_its_door() -> None:
+    size, kinds = Hallway(-2.0, 2.2, 0.2, 1.9, 2.5), set()
+    for seed in range(12):
+        place = size._replace(door=(seed % 5) / 4)
+        door = door_space(place)
+        assert door is not None and size.left < door[0] < door[1] < size.right
+        for thing in decor(place, np.random.default_rng(seed)):
+            (wide, deep, tall), (x, y, z) = thing.size, thing.at
+            kinds.add(thing.category)
+            assert size.left <= x - 0.5 * wide and x + 0.5 * wide <= size.right
+            assert size.near <= y - 0.5 * deep and y + 0.5 * deep <= size.far
+            assert z >= 0.0 and z + tall < size.height
+            if thing.category == "picture":
+                assert x + 0.5 * wide < door[0] or x - 0.5 * wide > door[1]
+    assert kinds == {"picture", "rug"}

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, frustum, sphere
@@ -19,33 +20,44 @@ SHADES: Final = 8
 
 # How high a piece of hedge is to its length, and how thick; in its height.
 HEDGE_LONG, HEDGE_DEEP = 1.25, 0.45
-# How much wider than its lobes a heap of leaves is.
-_LOBE_SHARE: Final = 0.86
-_SIDES: Final = 5
+# The ball below the leaves of a lobe, as a part of its radius; clumps of leaves on it.
+_LOBE_SHARE: Final = 0.84
+_CLUMPS: Final = 120
+_SIDES: Final = 6
+_NO_LOBES: Final[NDArray[np.float64]] = np.zeros((0, 4, 4))
 
 
 class Grown(NamedTuple):
     """A plant, its foot at the origin.
 
     Attributes:
-        leaves: Faces whose texture coordinates lie in the column of their shade.
+        leaves: Faces whose texture coordinates lie in the column of their shade; None where it has
+            lobes.
         wood: Its stem; None where none is seen.
+        lobes: (N, 4, 4) where `lobe` stands in its crown.
     """
 
-    leaves: Mesh
-    wood: Mesh | None
+    leaves: Mesh | None
+    wood: Mesh | None = None
+    lobes: NDArray[np.float64] = _NO_LOBES
+
+
+def lobe(rng: np.random.Generator) -> Mesh:
+    """A part of a crown, of radius 1: clumps of leaves on a ball."""
+    way = _unit(rng.standard_normal((_CLUMPS, 3)))
+    at = way * rng.uniform(0.86, 1.16, (_CLUMPS, 1))
+    core = sphere(_LOBE_SHARE, segments=_SIDES)
+    return joined([_shaded(core, 2), _clumps(rng, at, way, 0.3 * rng.uniform(0.7, 1.3, _CLUMPS))])
 
 
 def tree(rng: np.random.Generator) -> Grown:
     """A broad-leaved tree; its crown is about three quarters as wide as the tree is high."""
-    lobes, radii = _heap(rng, 10, np.array([0.27, 0.27, 0.27]), 0.6, (0.12, 0.17))
-    return Grown(_crown(rng, lobes, radii, 420, 0.055), _stem(0.026, 0.62))
+    return Grown(None, _stem(0.026, 0.62), _heap(rng, 11, 0.27, 0.27, 0.6, (0.13, 0.18)))
 
 
 def bush(rng: np.random.Generator) -> Grown:
     """A bush, wider than high."""
-    lobes, radii = _heap(rng, 6, np.array([0.38, 0.38, 0.24]), 0.48, (0.24, 0.32))
-    return Grown(_crown(rng, lobes, radii, 240, 0.12), None)
+    return Grown(None, None, _heap(rng, 5, 0.36, 0.24, 0.46, (0.26, 0.36)))
 
 
 def fir(rng: np.random.Generator) -> Grown:
@@ -60,24 +72,23 @@ def fir(rng: np.random.Generator) -> Grown:
     flat = np.stack([0.3 * np.cos(angle), 0.3 * np.sin(angle), np.ones(count)], axis=1)
     clumps = _clumps(rng, at, flat, 0.05 + 0.05 * drop, along=out)
     core = frustum(0.16, 0.005, 0.86, segments=_SIDES, base=(0.0, 0.0, 0.1))
-    return Grown(joined([_shaded(core, 0), clumps]), _stem(0.02, 0.15))
+    return Grown(joined([_shaded(core, 1), clumps]), _stem(0.02, 0.15))
 
 
 def hedge(rng: np.random.Generator) -> Grown:
-    """A piece of clipped hedge along X, `HEDGE_LONG` long, that repeats."""
+    """A piece of clipped hedge along X, `HEDGE_LONG` long, that repeats, seen from -Y."""
     half, deep = 0.5 * HEDGE_LONG, 0.5 * HEDGE_DEEP
     top, side = HEDGE_LONG * HEDGE_DEEP, HEDGE_LONG
-    count = 400
-    on_top = rng.random(count) < top / (top + 2.0 * side)
-    face = np.where(rng.random(count) < 0.5, 1.0, -1.0)
+    count = 190
+    on_top = rng.random(count) < top / (top + side)
     at = np.stack(
         [rng.uniform(-half, half, count),
-         np.where(on_top, rng.uniform(-deep, deep, count), face * deep),
+         np.where(on_top, rng.uniform(-deep, deep, count), -deep),
          np.where(on_top, 0.97, rng.random(count) * 0.98)], axis=1,
     )  # fmt: skip
-    out = np.stack([np.zeros(count), np.where(on_top, 0.0, face), np.where(on_top, 1.0, 0.2)], 1)
+    out = np.stack([np.zeros(count), np.where(on_top, 0.0, -1.0), np.where(on_top, 1.0, 0.2)], 1)
     core = box((HEDGE_LONG, HEDGE_DEEP - 0.04, 0.95), (0.0, 0.0, 0.475))
-    return Grown(joined([_shaded(core, 1), _clumps(rng, at, out, np.full(count, 0.07))]), None)
+    return Grown(joined([_shaded(core, 2), _clumps(rng, at, out, np.full(count, 0.08))]))
 
 
 PLANTS: Final[Mapping[str, Callable[[np.random.Generator], Grown]]] = MappingProxyType(
@@ -87,27 +98,22 @@ PLANTS: Final[Mapping[str, Callable[[np.random.Generator], Grown]]] = MappingPro
 
 
 def _heap(
-    rng: np.random.Generator, count: int, size: Floats, middle: float, radii: tuple[float, float]
-) -> tuple[Floats, Floats]:
-    """(N, 3) middles and (N,) radii of the lobes of a crown."""
+    rng: np.random.Generator, count: int, wide: float, tall: float, middle: float,
+    radii: tuple[float, float],
+) -> NDArray[np.float64]:  # fmt: skip
+    """(N, 4, 4) lobes around the middle of a crown, each turned otherwise."""
     # Spread evenly over a sphere, so that none is bald.
     turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)) + rng.uniform(0.0, 2.0 * np.pi)
     up = 1.0 - 2.0 * (np.arange(count) + 0.5) / count
     flat = np.sqrt(1.0 - up**2)
     way = np.stack([flat * np.cos(turn), flat * np.sin(turn), up], axis=1)
-    at = way * size * rng.uniform(0.7, 1.05, (count, 1)) + [0.0, 0.0, middle]
-    return at, rng.uniform(*radii, count)
-
-
-def _crown(rng: np.random.Generator, lobes: Floats, radii: Floats, count: int, size: float) -> Mesh:
-    which = rng.integers(len(lobes), size=count)
-    way = _unit(rng.standard_normal((count, 3)) + 0.8 * _unit(lobes - lobes.mean(axis=0))[which])
-    at = lobes[which] + way * radii[which, None] * rng.uniform(0.9, 1.12, (count, 1))
-    cores = [
-        _shaded(sphere(_LOBE_SHARE * radius, segments=_SIDES, center=middle), 1)
-        for middle, radius in zip(lobes.tolist(), radii.tolist(), strict=True)
-    ]
-    return joined([*cores, _clumps(rng, at, way, size * rng.uniform(0.7, 1.3, count))])
+    made = np.tile(np.eye(4), (count, 1, 1))
+    spin, size = rng.uniform(0.0, 2.0 * np.pi, count), rng.uniform(*radii, count)
+    c, s = np.cos(spin) * size, np.sin(spin) * size
+    made[:, 0, 0], made[:, 0, 1], made[:, 1, 0], made[:, 1, 1], made[:, 2, 2] = c, -s, s, c, size
+    made[:, :3, 3] = way * [wide, wide, tall] * rng.uniform(0.7, 1.05, (count, 1))
+    made[:, 2, 3] += middle
+    return made
 
 
 def _clumps(

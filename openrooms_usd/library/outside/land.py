@@ -25,9 +25,6 @@ _KINDS: Final = {
     "bed": ((0.05, 0.042, 0.03), 0.2, 0.4),
 }
 _SLAB_M: Final = 0.5
-TILE_M: Final = 4.0
-"""Side of a square of land that repeats, metres: whole slabs."""
-
 # So many rows are worked on at once as processors keep near them.
 _BLOCK_ROWS: Final = 16
 # Beside the eye's own house the land is no nearer than this, metres; and half its side.
@@ -122,20 +119,6 @@ def _albedo(
         albedo[part] *= 1.0 - cover[..., None]
         albedo[part] += np.array(color, dtype=np.float32) * shade[..., None]
     return albedo
-
-
-def tile(kind: str, surfaces: Surfaces, side: int) -> Floats:
-    """(side, side, 3) reflectance of a square of land, `TILE_M` long, that repeats."""
-    color, wide, grain = _KINDS[kind]
-    places = (np.arange(side, dtype=np.float32) + 0.5) / side
-    u, v = places[None, :], places[:, None]
-    tufts = sampled(surfaces.rough, u, v) + 0.6 * nearest(surfaces.white, u, v)
-    shade = 1.0 + 0.3 * wide * sampled(surfaces.smooth, u, v) + 0.5 * grain * tufts
-    if kind == "paving":
-        joint = [(axis * TILE_M / _SLAB_M) % 1.0 < 0.03 for axis in (u, v)]
-        shade = shade * (1.0 - 0.35 * (joint[0] | joint[1]))
-    shade = np.maximum(shade, 0.2)[..., None]
-    return np.asarray(np.array(color, dtype=np.float32) * shade, dtype=np.float32)
 
 
 def _filled(cover: Floats) -> tuple[slice, slice]:

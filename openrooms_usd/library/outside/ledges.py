@@ -1,4 +1,4 @@
-"""What is outside at a window: its sill, a rail where it reaches to the floor, a box of flowers.
+"""What is outside at a window: its sill, a rail, a box of flowers, a screen against insects.
 
 In the frame of the window's outer face: its middle is the origin, x along it, y up, z outwards.
 """
@@ -13,13 +13,16 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
 
 # Of the sill: beside the window, outwards, thick.
-_SILL_M: Final = (0.03, 0.11, 0.025)
+_SILL_M: Final = (0.03, 0.07, 0.025)
 # Where people could fall out: from a sill so low, up to a rail so high above the floor.
 _LOW_SILL_M: Final = 0.6
 _RAIL_M: Final = 1.0
 _BAR_M: Final = (0.014, 0.11)
 _RAIL_OFF_M: Final = 0.06
 _BOX_M: Final = (0.16, 0.15)
+# Of a wider window one part alone has a screen, so wide; how far that stands back in the wall.
+_SCREEN_M: Final = 0.75
+_SCREEN_BACK_M: Final = 0.02
 
 
 class Ledge(NamedTuple):
@@ -29,7 +32,7 @@ class Ledge(NamedTuple):
         name: Unique at the window.
         category: What it is.
         mesh: In the frame of the window's outer face.
-        look: ``Stone``, ``Metal`` or ``Clay``.
+        look: One of `LOOKS`, or `NET`.
     """
 
     name: str
@@ -39,15 +42,20 @@ class Ledge(NamedTuple):
 
 
 LOOKS: Final = {
-    "Stone": (0.42, 0.41, 0.39),
+    "Slate": (0.12, 0.12, 0.125),
     "Metal": (0.05, 0.052, 0.055),
     "Clay": (0.3, 0.13, 0.075),
 }
 """Their reflectances."""
 
+NET: Final = "Net"
+"""The look of screens: finer than anybody sees, so that it only dims."""
+NET_PASSES: Final = (0.66, 0.66, 0.67)
+"""What a screen lets through: threads of 0.23 mm, 1.2 mm apart."""
+
 
 def ledges(
-    width: float, height: float, sill: float, *, high: bool, flowers: bool
+    width: float, height: float, sill: float, *, high: bool, flowers: bool, screen: bool
 ) -> Iterator[Ledge]:
     """What is at a window.
 
@@ -57,11 +65,15 @@ def ledges(
         sill: Its height above the floor, metres.
         high: Whether it is above the lowest storey.
         flowers: Whether there is a box, where there is no rail.
+        screen: Whether there is a screen against insects.
     """
     beside, out, thick = _SILL_M
     foot = -0.5 * height
     board = box((width + 2.0 * beside, thick, out), (0.0, foot - 0.5 * thick, 0.5 * out))
-    yield Ledge("Sill", "windowsill", board, "Stone")
+    yield Ledge("Sill", "windowsill", board, "Slate")
+    if screen:
+        wide = width if width < 2.0 * _SCREEN_M else _SCREEN_M
+        yield Ledge("Screen", "insect_screen", _screen(wide, height, 0.5 * (wide - width)), NET)
     if high and sill < _LOW_SILL_M:
         yield Ledge("Rail", "railing", _rail(width, foot, foot - sill + _RAIL_M), "Metal")
     elif flowers:
@@ -81,6 +93,15 @@ def flower_places(width: float, height: float) -> Iterator[NDArray[np.float64]]:
         place = upright @ np.diag([0.8 * size, 0.7 * size, size, 1.0])
         place[:3, 3] = x, -0.5 * height - 0.12 * tall, _SILL_M[1] + 0.5 * deep + 0.01
         yield place
+
+
+def _screen(width: float, height: float, x: float) -> Mesh:
+    """A sheet that is seen from both sides."""
+    side = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    flat = side * [width, height] + [x, 0.0]
+    points = np.column_stack([flat, np.full(4, -_SCREEN_BACK_M)])
+    normals = np.tile(np.array([0, 0, 1], np.float32), (4, 1))
+    return Mesh(points, np.array([4], np.int32), np.arange(4, dtype=np.int32), normals)
 
 
 def _rail(width: float, foot: float, top: float) -> Mesh:

@@ -5,27 +5,53 @@ Nothing is shown twice: the panorama is drawn of what is left. The frame is that
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from itertools import pairwise
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from openrooms_usd.library.outside.houses import House
-from openrooms_usd.library.outside.land import Zone
 from openrooms_usd.library.outside.noise import Floats
 from openrooms_usd.library.outside.plants import Hedge, Plant
 from openrooms_usd.library.outside.scenes import Scene
 
-# What is nearer is a mesh: plants and houses; hedges and land end where most of them would be seen
-# to end. Metres.
+# What is nearer is a mesh: plants and houses; pieces of hedges, which go around. Metres.
 _NEAR_M: Final = 15.0
-REACH_M: Final = 21.0
+_REACH_M: Final = 20.0
+_PIECE_M: Final = 4.0
+# An eye so high above the land is in an upper storey, from which hedges are seen far below.
+_UPSTAIRS_M: Final = 3.0
 # Between plants and the walls of the room, beyond half of their crowns; metres.
 _CLEAR_M: Final = 1.5
 # A plant whose top is so far below the eye is seen from few places.
 _BELOW_M: Final = 1.5
-_MOST_PLANTS: Final = 18
+_MOST_PLANTS: Final = 8
+# From a window's outward way to what is seen through it: the cosine at most.
+_LEAST_COS: Final = math.cos(math.radians(70.0))
+
+
+class Window(NamedTuple):
+    """Where a room is looked out of, in plan.
+
+    Attributes:
+        x: Its middle.
+        y: The same.
+        out_x: Unit vector outwards.
+        out_y: The same.
+    """
+
+    x: float
+    y: float
+    out_x: float
+    out_y: float
+
+    def shows(self, points: Floats) -> bool:
+        """Whether any of (N, 2) points stands before it."""
+        way = points - np.array([self.x, self.y])
+        ahead = way @ np.array([self.out_x, self.out_y])
+        return bool((ahead > _LEAST_COS * np.linalg.norm(way, axis=1)).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,88 +62,60 @@ class Near:
         plants: Trees and bushes.
         hedges: Pieces of hedges.
         houses: Houses.
-        zones: The land, as rectangles that end at `REACH_M`; none under upper storeys, from which
-            it is seen far away alone.
-        own: Height of the room's own house, metres.
     """
 
     plants: tuple[Plant, ...] = ()
     hedges: tuple[Hedge, ...] = ()
     houses: tuple[House, ...] = ()
-    zones: tuple[Zone, ...] = ()
-    own: float = 0.0
 
 
-def parted(scene: Scene, eye: float, outline: Floats) -> tuple[Near, Scene]:
+def parted(
+    scene: Scene, eye: float, outline: Floats, windows: Sequence[Window]
+) -> tuple[Near, Scene]:
     """The near things of a scene, and the scene without them.
 
     Args:
         scene: All that stands there.
         eye: Its height above the land, metres.
         outline: (N, 2) the room in plan. What would stand in it or at its walls is left out.
+        windows: Of the room; what stands before none of them is left to the panorama.
     """
     import shapely
 
     room = shapely.Polygon(outline)
-    level = eye < 1.0 + 2.0
+    level = eye < _UPSTAIRS_M
     far: list[House | Plant | Hedge] = []
     plants: list[Plant] = []
     hedges: list[Hedge] = []
     houses: list[House] = []
+
+    def shown(points: Floats) -> bool:
+        return any(window.shows(points) for window in windows)
+
     for thing in sorted(scene.things, key=lambda thing: thing.distance):
         if isinstance(thing, House):
             box = shapely.Polygon(thing.plan())
-            if box.distance(room) < _CLEAR_M:
-                continue
-            (houses if box.distance(shapely.Point(0.0, 0.0)) < _NEAR_M else far).append(thing)
+            if box.distance(room) > _CLEAR_M:
+                near = box.distance(shapely.Point(0.0, 0.0)) < _NEAR_M and shown(thing.plan())
+                (houses if near else far).append(thing)
         elif isinstance(thing, Hedge):
-            if not level:
-                far.append(thing)
-                continue
-            inside, outside = _cut(thing)
-            hedges += [
-                piece
-                for piece in inside
-                if shapely.LineString([piece.start, piece.end]).distance(room) > _CLEAR_M
-            ]
-            far += outside
+            for piece in _pieces(thing):
+                line = np.array([piece.start, piece.end])
+                if shapely.LineString(line).distance(room) > _CLEAR_M:
+                    near = level and piece.distance < _REACH_M and shown(line)
+                    (hedges if near else far).append(piece)
         else:
-            half = 0.5 * thing.height * thing.sprite.aspect
-            if shapely.Point(thing.x, thing.y).distance(room) < half + _CLEAR_M:
-                continue
-            seen = thing.distance < _NEAR_M and (level or thing.height > eye - _BELOW_M)
-            (plants if seen and len(plants) < _MOST_PLANTS else far).append(thing)
-    zones = tuple(_clipped(scene.zones)) if level else ()
-    near = Near(tuple(plants), tuple(hedges), tuple(houses), zones, scene.own)
-    return near, replace(scene, things=tuple(far))
+            at, half = np.array([[thing.x, thing.y]]), 0.5 * thing.height * thing.sprite.aspect
+            if shapely.Point(at[0]).distance(room) > half + _CLEAR_M:
+                near = thing.distance < _NEAR_M and (level or thing.height > eye - _BELOW_M)
+                near = near and len(plants) < _MOST_PLANTS and shown(at)
+                (plants if near else far).append(thing)
+    return Near(tuple(plants), tuple(hedges), tuple(houses)), replace(scene, things=tuple(far))
 
 
-def _cut(hedge: Hedge) -> tuple[list[Hedge], list[Hedge]]:
-    """The pieces of a hedge within and beyond a circle."""
+def _pieces(hedge: Hedge) -> Iterator[Hedge]:
     a, b = np.array(hedge.start), np.array(hedge.end)
-    length = float(np.linalg.norm(b - a))
-    along = (b - a) / length
-    foot = -float(a @ along)
-    off = float(np.linalg.norm(a + foot * along))
-    if off >= REACH_M:
-        return [], [hedge]
-    half = math.sqrt(REACH_M**2 - off**2)
-    low, high = max(0.0, foot - half), min(length, foot + half)
-    if low >= high:
-        return [], [hedge]
-
-    def piece(start: float, end: float) -> list[Hedge]:
-        if end - start < 0.3:
-            return []
-        ends = [tuple((a + t * along).tolist()) for t in (start, end)]
-        return [replace(hedge, start=ends[0], end=ends[1])]
-
-    return piece(low, high), [*piece(0.0, low), *piece(high, length)]
-
-
-def _clipped(zones: tuple[Zone, ...]) -> Iterator[Zone]:
-    """The parts of the land that are within reach."""
-    for zone in zones:
-        x, y = ((max(ends[0], -REACH_M), min(ends[1], REACH_M)) for ends in (zone.x, zone.y))
-        if x[0] < x[1] and y[0] < y[1]:
-            yield replace(zone, x=x, y=y)
+    count = max(1, round(float(np.linalg.norm(b - a)) / _PIECE_M))
+    ends = [(float(x), float(y)) for x, y in a + np.linspace(0, 1, count + 1)[:, None] * (b - a)]
+    for start, end in pairwise(ends):
+        yield replace(hedge, start=start, end=end)

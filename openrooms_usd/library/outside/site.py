@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.draws import generator
 from openrooms_usd.library.outside.facades import Surfaces
-from openrooms_usd.library.outside.near import Near, parted
+from openrooms_usd.library.outside.near import Near, Window, parted
 from openrooms_usd.library.outside.scenes import SCENES, Nursery, Scene
 from openrooms_usd.library.outside.solid import Solid, solid
 
@@ -29,6 +29,7 @@ class Site:
         storey: Of the room; 0 is level with the land.
         facing: Where the front of the house looks: degrees counter-clockwise from +X.
         outline: The room in plan, corners in metres; None where nothing is near.
+        windows: Where it is looked out of, in plan.
     """
 
     scene: str
@@ -36,6 +37,7 @@ class Site:
     storey: int = 0
     facing: float = 90.0
     outline: tuple[tuple[float, float], ...] | None = None
+    windows: tuple[Window, ...] = ()
 
     @property
     def eye(self) -> float:
@@ -79,13 +81,16 @@ class Site:
 
     def _parted(self, whole: Scene, height: int) -> tuple[Near, Scene]:
         back = np.linalg.inv(self.world_from_scene(height, 0.0))
-        outline = np.array(self.outline) @ back[:2, :2].T + back[:2, 3]
-        return parted(whole, self.eye, outline)
+        turn, move = back[:2, :2], back[:2, 3]
+        windows = [
+            Window(*(turn @ window[:2] + move), *(turn @ window[2:])) for window in self.windows
+        ]
+        return parted(whole, self.eye, np.array(self.outline) @ turn.T + move, windows)
 
-    def near(self, height: int) -> tuple[Near, Solid]:
-        """What is near, and its meshes."""
+    def near(self, height: int) -> Solid:
+        """What is near, as meshes."""
         near, _ = self._parted(SCENES[self.scene](self.nursery(drawn=False)), height)
-        return near, solid(near, self.surfaces(), generator(self.seed, "outside", "near"))
+        return solid(near, self.surfaces(), generator(self.seed, "outside", "near"))
 
     def nursery(self, *, drawn: bool = True) -> Nursery:
         """What the scene chooses from.

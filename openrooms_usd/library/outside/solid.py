@@ -1,4 +1,4 @@
-"""Near things as meshes with their reflectance: land, plants, houses, and what is at windows.
+"""Near things as meshes with their reflectance: plants, houses, and what is at windows.
 
 All of it is lit by the sun and the sky of the panorama, so it carries no light of its own. The
 frame is that of the scene, with the land at z = 0.
@@ -19,18 +19,13 @@ from openrooms_usd.library.outside.facades import Surfaces
 from openrooms_usd.library.outside.faces import Face, Hit, World
 from openrooms_usd.library.outside.foliage import HEDGE_DEEP, HEDGE_LONG, SHADES
 from openrooms_usd.library.outside.houses import House
-from openrooms_usd.library.outside.land import TILE_M, Zone, tile
 from openrooms_usd.library.outside.near import Near
 from openrooms_usd.library.outside.noise import Floats
 from openrooms_usd.library.outside.plants import Hedge, Plant
 from openrooms_usd.library.outside.shadows import Shadows
 
-# Pixels of a square of land, and metres of a pixel of a house.
-_TILE_PIXELS: Final = 256
 _HOUSE_PIXEL_M: Final = 0.04
 _MOST_PIXELS: Final = 400
-# Zones lie over each other by so much, metres.
-_LAYER_M: Final = 0.012
 # Under an even sky of this a face shows its reflectance; lamps behind its windows are nothing.
 _EVEN_NITS: Final = 1e6
 _WOOD: Final = (0.085, 0.07, 0.055)
@@ -38,10 +33,8 @@ _WOOD: Final = (0.085, 0.07, 0.055)
 _LEAF_GAIN: Final = 1.35
 # Of leaves within a crown and outside, as parts of their reflectance.
 _SHADE_RANGE: Final = (0.35, 1.45)
-_ABOUT: Final = {
-    "lawn": "grass", "meadow": "grass", "field": "field", "asphalt": "road", "paving": "sidewalk",
-    "gravel": "path", "kerb": "sidewalk", "line": "road", "bed": "earth",
-}  # fmt: skip
+# Leaves whose colours differ by less than about this part look alike.
+_COLOR_STEP: Final = 0.22
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +43,11 @@ class Look:
 
     Attributes:
         albedo: (3,) or (H, W, 3), scene-linear Rec.709, the first row on top.
-        gloss: Whether it has a coat that mirrors.
+        passes: What a sheet of it lets straight through, by primary; None where it is opaque.
     """
 
     albedo: Floats
-    gloss: bool = False
+    passes: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +116,6 @@ def solid(near: Near, surfaces: Surfaces, rng: np.random.Generator) -> Solid:
         rng: Turns plants.
     """
     made = Solid(looks={WOOD: Look(np.array(_WOOD))})
-    _add_land(made, near.zones, surfaces)
     for number, plant in enumerate(near.plants):
         made.placed.append(_plant(made, plant, number, rng))
     for number, piece in enumerate(_pieces(near.hedges)):
@@ -133,23 +125,9 @@ def solid(near: Near, surfaces: Surfaces, rng: np.random.Generator) -> Solid:
     return made
 
 
-def _add_land(made: Solid, zones: Iterable[Zone], surfaces: Surfaces) -> None:
-    for number, zone in enumerate(zones):
-        look = zone.kind.capitalize()
-        if look not in made.looks:
-            made.looks[look] = Look(tile(zone.kind, surfaces, _TILE_PIXELS))
-        (left, right), (low, high) = zone.x, zone.y
-        flat = np.array([(left, low), (right, low), (right, high), (left, high)])
-        points = np.column_stack([flat, np.full(4, number * _LAYER_M)])
-        mesh = Mesh(points, np.array([4], np.int32), np.arange(4, dtype=np.int32),
-                    np.tile(np.array([0, 0, 1], np.float32), (4, 1)),
-                    (flat / TILE_M).astype(np.float32))  # fmt: skip
-        made.parts.append(Part("Land", f"{look}_{number}", _ABOUT[zone.kind], mesh, look))
-
-
 def _leaves(made: Solid, albedo: Floats) -> str:
     """The look of leaves of about a colour: few differ, so that few pictures are kept."""
-    coarse = np.exp(np.round(np.log(albedo) / 0.12) * 0.12)
+    coarse = np.exp(np.round(np.log(albedo) / _COLOR_STEP) * _COLOR_STEP)
     known = [name for name in made.looks if name.startswith("Leaves")]
     shades = np.geomspace(*_SHADE_RANGE, SHADES)[None, :, None] * _LEAF_GAIN
     for name in known:
@@ -191,10 +169,8 @@ def _hedge(made: Solid, hedge: Hedge, start: Floats, end: Floats, number: int) -
     deep = out * hedge.height
     # The picture of it stands at its near side.
     middle = 0.5 * (start + end) - 0.5 * HEDGE_DEEP * deep
-    # Every second piece is turned, so that they differ.
-    turn = -1.0 if number % 2 else 1.0
     matrix = np.eye(4)
-    matrix[:2, 0], matrix[:2, 1] = turn * along, -turn * deep
+    matrix[:2, 0], matrix[:2, 1] = along, -deep
     matrix[2, 2], matrix[:2, 3] = hedge.height, middle
     return Placed(f"Hedge_{number}", "hedge", "hedge", matrix, _leaves(made, hedge.albedo))
 
