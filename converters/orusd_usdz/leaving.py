@@ -26,8 +26,8 @@ def leave_out(stage: Usd.Stage, profile: Profile) -> tuple[Report, Edit]:
             reason = f"programs that know no {prim.GetTypeName()} would take it for a lamp"
             report.add(prim.GetPath(), "skipped", f"left out: {reason}")
             continue
-        profile = UsdLux.ShapingAPI(prim).GetShapingIesFileAttr()
-        if profile and profile.Get() and profile.Get().path:
+        asset = UsdLux.ShapingAPI(prim).GetShapingIesFileAttr().Get()
+        if asset and asset.path:
             reason = "it shines evenly: USDZ archives hold no IES profiles"
             report.add(prim.GetPath(), "approximated", reason)
         else:

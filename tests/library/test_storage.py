@@ -110,7 +110,7 @@ def test_leaning_books_rest_on_a_corner() -> None:
 
 def test_bindings_are_told_apart() -> None:
     books = Shelf((0, 0, 0), (1.2, 0.3, 0.35)).filled(np.random.default_rng(1), 0.95)
-    covers, pages = bound(books)
+    covers, pages, _ = bound(books)
     assert 3 <= len(covers) <= BINDINGS
     assert len(pages) == 1
     total = sum(mesh.volume() for mesh in covers)
