@@ -177,7 +177,7 @@ def diffuse_alone(scene: Path, target: Path) -> Path:
                 made.Set(value)
             shader.CreateInput("normal", Sdf.ValueTypeNames.Normal3f).DisconnectSource()
             material = prim.GetParent()
-            if material.HasAttribute(names.MATERIAL_PANE):
+            if material.GetAttribute(names.MATERIAL_PANE).HasAuthoredValue():
                 material.GetAttribute(names.MATERIAL_PANE).Set((1.0, 1.0, 1.0))
                 shader.GetInput("opacity").Set(0.0)
     stage.Export(str(target))

@@ -216,7 +216,8 @@ class Seen:
 def is_pane(prim: Usd.Prim) -> bool:
     """Whether geometry and labels look through it."""
     material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-    return bool(material) and material.GetPrim().HasAttribute("openrooms:material:pane")
+    pane = material.GetPrim().GetAttribute("openrooms:material:pane") if material else None
+    return bool(pane) and pane.HasAuthoredValue()
 
 
 def ray_cast(stage: Usd.Stage, camera: str, width: int, height: int) -> Seen:
