@@ -4,7 +4,7 @@
 
     /World/Outside              Xform, in the frame of the scene of the panorama
         Materials               Scope
-        Plants                  abstract: one prim for each kind, for instances
+        Plants                  abstract: one prim for each kind and look, for instances
         House_0                 Xform, like window_0: Meshes below it
         Tree_3                  Xform, an instance of its kind, like Bush_1, Hedge_2
 
@@ -25,7 +25,7 @@ from openrooms_usd.codedigest import code_digest
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.lights import OutsideEnvironment
 from openrooms_usd.draws import generator
-from openrooms_usd.library.outside.foliage import PLANTS, lobe
+from openrooms_usd.library.outside.foliage import PLANTS, Grown, lobe
 from openrooms_usd.library.outside.ledges import LOOKS, NET, NET_PASSES, flower_places, ledges
 from openrooms_usd.library.outside.near import Window
 from openrooms_usd.library.outside.panorama import HEIGHT
@@ -47,7 +47,6 @@ _NET_IOR: Final = 1.02
 _GREY: Final = np.full(3, 0.12)
 _MATERIALS: Final = f"{names.OUTSIDE}/Materials"
 _PLANTS: Final = f"{names.OUTSIDE}/Plants"
-_LOBE: Final = f"{_PLANTS}/Lobe"
 
 
 def site_of(context: StageContext, environment: OutsideEnvironment, ways: Sequence[Portal]) -> Site:
@@ -89,12 +88,12 @@ def author_nearby(context: StageContext, site: Site, windows: Mapping[str, Porta
     for name, portal in windows.items():
         _add_ledges(solid, name, portal, scene_from_world, room, site)
     materials = dict(_materials(context, solid.looks))
-    kinds = sorted({placed.kind for placed in solid.placed})
-    _author_kinds(stage, kinds, materials[WOOD], site.seed)
+    worn = sorted({(placed.kind, placed.look) for placed in solid.placed})
+    _author_kinds(stage, worn, materials, site.seed)
     for part in solid.parts:
         _author_part(stage, part, materials)
     for placed in solid.placed:
-        _author_placed(stage, placed, materials)
+        _author_placed(stage, placed)
 
 
 def _add_ledges(
@@ -147,22 +146,52 @@ def _color(context: StageContext, name: str, look: Look) -> tuple[float, float, 
 
 
 def _author_kinds(
-    stage: Usd.Stage, kinds: Iterable[str], wood: UsdShade.Material, seed: int
+    stage: Usd.Stage,
+    worn: Iterable[tuple[str, str]],
+    materials: Mapping[str, UsdShade.Material],
+    seed: int,
 ) -> None:
-    """Plants that instances show; their leaves wear what the instance does."""
+    """Plants that instances show: each kind's shape once, and a copy for each look of its leaves.
+
+    The bindings stand in the copies, since not all programs hand an instance's down to its meshes.
+    """
     stage.CreateClassPrim(_PLANTS)
-    define_mesh(stage, f"{_LOBE}/Leaves", lobe(_foliage(seed, "lobe")), double_sided=True)
-    for kind in kinds:
-        path = f"{_PLANTS}/{kind.capitalize()}"
+    define_mesh(stage, f"{_PLANTS}/Lobe/Leaves", lobe(_foliage(seed, "lobe")), double_sided=True)
+    grown: dict[str, Grown] = {}
+    for kind, look in worn:
+        shape, path = f"{_PLANTS}/{kind.capitalize()}", _plant(kind, look)
+        if kind not in grown:
+            grown[kind] = _author_shape(stage, shape, kind, seed)
         UsdGeom.Xform.Define(stage, path)
-        grown = PLANTS[kind](_foliage(seed, kind))
-        if grown.leaves is not None:
-            define_mesh(stage, f"{path}/Leaves", grown.leaves, double_sided=True)
-        for number, matrix in enumerate(grown.lobes):
-            _author_instance(stage, f"{path}/Lobe_{number}", _LOBE, matrix)
-        if grown.wood is not None:
-            stem = define_mesh(stage, f"{path}/Stem", grown.wood).GetPrim()
-            UsdShade.MaterialBindingAPI.Apply(stem).Bind(wood)
+        if grown[kind].leaves is not None:
+            _author_copy(stage, f"{path}/Leaves", f"{shape}/Leaves", materials[look])
+        if grown[kind].wood is not None:
+            _author_copy(stage, f"{path}/Stem", f"{shape}/Stem", materials[WOOD])
+        if len(grown[kind].lobes):
+            _author_copy(
+                stage, f"{_plant('lobe', look)}/Leaves", f"{_PLANTS}/Lobe/Leaves", materials[look]
+            )
+        for number, matrix in enumerate(grown[kind].lobes):
+            _author_instance(stage, f"{path}/Lobe_{number}", _plant("lobe", look), matrix)
+
+
+def _plant(kind: str, look: str) -> str:
+    return f"{_PLANTS}/{kind.capitalize()}_{look}"
+
+
+def _author_shape(stage: Usd.Stage, path: str, kind: str, seed: int) -> Grown:
+    grown = PLANTS[kind](_foliage(seed, kind))
+    if grown.leaves is not None:
+        define_mesh(stage, f"{path}/Leaves", grown.leaves, double_sided=True)
+    if grown.wood is not None:
+        define_mesh(stage, f"{path}/Stem", grown.wood)
+    return grown
+
+
+def _author_copy(stage: Usd.Stage, path: str, shape: str, material: UsdShade.Material) -> None:
+    prim = stage.DefinePrim(path)
+    prim.GetReferences().AddInternalReference(shape)
+    UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
 
 
 def _foliage(seed: int, kind: str) -> np.random.Generator:
@@ -187,10 +216,7 @@ def _author_part(stage: Usd.Stage, part: Part, materials: Mapping[str, UsdShade.
     UsdShade.MaterialBindingAPI.Apply(prim).Bind(materials[part.look])
 
 
-def _author_placed(
-    stage: Usd.Stage, placed: Placed, materials: Mapping[str, UsdShade.Material]
-) -> None:
-    shown = f"{_PLANTS}/{placed.kind.capitalize()}"
+def _author_placed(stage: Usd.Stage, placed: Placed) -> None:
+    shown = _plant(placed.kind, placed.look)
     prim = _author_instance(stage, f"{names.OUTSIDE}/{placed.name}", shown, placed.matrix)
     label(prim, placed.category)
-    UsdShade.MaterialBindingAPI.Apply(prim).Bind(materials[placed.look])

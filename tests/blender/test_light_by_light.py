@@ -234,7 +234,7 @@ def test_lamps_and_sky_of_a_room_light_it_alike(
         in_mean, in_blocks = close.get(name, usual)
         a, b = seen_alike(picture, theirs[name])
         np.testing.assert_allclose(mean(b), mean(a), rtol=in_mean, err_msg=name)
-        assert np.abs(b - a).sum() < in_blocks * a.sum(), name
+        assert np.abs(b - a).sum() <= in_blocks * a.sum(), name
 
 
 def test_what_shines_besides_reflecting_diffusely_takes_its_light_from_it_in_cycles(

