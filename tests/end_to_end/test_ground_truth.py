@@ -47,14 +47,17 @@ def test_geometry_and_labels_are_those_of_the_prims(shown, seen) -> None:
         paths = np.vectorize(lambda prim: str(prim.GetPath()) if prim else "")(ours.prims)
         same = hit & (shown.names(view, "part") == paths)
         assert (same == hit).mean() > 0.998
-        # ... the numbers agree to float precision (0.5 um in 4 m), but for an edge's two faces.
+        # ... the numbers agree to float precision (0.5 um in 4 m); the light of a screen that is on
+        # stands 0.6 mm before it, and farther along a slanting ray.
+        screens = np.vectorize(lambda prim: prim.GetName().startswith("screen"))(ours.prims[same])
+        close = np.where(screens, 2e-3, 2e-6)
         for name, expected in (
             ("position", ours.position),
             ("distance", ours.distance[..., None]),
             ("depth", ours.depth[..., None]),
         ):
             off = np.abs(theirs[name][same] - expected[same]).max(axis=1)
-            assert (off > 2e-6).mean() < 0.002 and off.max() < 0.005, name
+            assert (off < close).all(), name
         turned = np.abs(theirs["normal_geometric"][same] - ours.normal[same]).max(axis=1) > 1e-3
         assert turned.mean() < 0.004, "other triangles of one mesh, along their edges"
         for y, x in np.argwhere(same):
