@@ -16,6 +16,8 @@ CELL_M: Final = 0.05
 HALF_PATH: Final = 0.3
 # How near to a place the free floor must come for somebody to use it, metres.
 REACH_M: Final = 0.3
+# What is cut off is so much narrower than the widest floor that is not, metres (half of it).
+_NARROWER_M: Final = 0.1
 # What is farther away than this does not matter, metres.
 _MAX_CLEARANCE_M: Final = 1.0
 
@@ -57,13 +59,18 @@ class Floor:
         return x[None, :] + 0.0 * y[:, None], y[:, None] + 0.0 * x[None, :]
 
     def connected(self) -> NDArray[np.bool_] | None:
-        """(H, W) the cells that people can reach from all doors; None when a door is cut off."""
+        """(H, W) the cells that people can reach from all doors.
+
+        None when a door is cut off, or floor that is as wide as what can be reached.
+        """
         free = self.clear >= HALF_PATH
         labels = components(free)
         found = {self._label(labels, x, y) for x, y in self.doors}
         if len(found) != 1 or 0 in found:
             return None
-        return np.asarray(labels == found.pop())
+        reachable = np.asarray(labels == found.pop())
+        beyond = self.clear[free & ~reachable].max(initial=0.0)
+        return reachable if beyond < self.clear[reachable].max() - _NARROWER_M else None
 
     def _label(self, labels: NDArray[np.int64], x: float, y: float) -> int:
         i, j = self._cell(x, y)

@@ -81,23 +81,30 @@ class Shape:
 
     def tops(self, x: Array, y: Array) -> Array:
         """(N,) where vertical lines meet it last, metres; -inf where they miss it."""
-        a, b, c = np.moveaxis(self.corners, 1, 0)
-        within = (self.corners[..., 0].min(axis=1) <= x.max()) & (
-            self.corners[..., 0].max(axis=1) >= x.min()
-        )
-        within &= (self.corners[..., 1].min(axis=1) <= y.max()) & (
-            self.corners[..., 1].max(axis=1) >= y.min()
-        )
-        a, b, c = a[within], b[within], c[within]
-        e, f = b - a, c - a
-        px, py = x[:, None] - a[:, 0], y[:, None] - a[:, 1]
-        area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            v = (px * f[:, 1] - py * f[:, 0]) / area
-            w = (e[:, 0] * py - e[:, 1] * px) / area
-            hit = (area != 0.0) & (v >= -1e-9) & (w >= -1e-9) & (v + w <= 1.0 + 1e-9)
-            heights = np.where(hit, a[:, 2] + v * e[:, 2] + w * f[:, 2], -np.inf)
-        return np.asarray(heights.max(axis=1, initial=-np.inf))
+        return tops(self.corners, x, y)
+
+
+def tops(corners: Array, x: Array, y: Array) -> Array:
+    """(N,) where vertical lines meet triangles last, metres; -inf where they miss all.
+
+    Args:
+        corners: (T, 3, 3) metres.
+        x: (N,) metres.
+        y: (N,) metres.
+    """
+    low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
+    near = (low[:, 0] <= x.max()) & (high[:, 0] >= x.min())
+    near &= (low[:, 1] <= y.max()) & (high[:, 1] >= y.min())
+    a, b, c = np.moveaxis(corners[near], 1, 0)
+    e, f = b - a, c - a
+    px, py = x[:, None] - a[:, 0], y[:, None] - a[:, 1]
+    area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        v = (px * f[:, 1] - py * f[:, 0]) / area
+        w = (e[:, 0] * py - e[:, 1] * px) / area
+        hit = (area != 0.0) & (v >= -1e-9) & (w >= -1e-9) & (v + w <= 1.0 + 1e-9)
+        heights = np.where(hit, a[:, 2] + v * e[:, 2] + w * f[:, 2], -np.inf)
+    return np.asarray(heights.max(axis=1, initial=-np.inf))
 
 
 def _sliced(mesh: Mesh) -> list[Array]:

@@ -80,7 +80,7 @@ def _stands(body: Body, support: Body | None, scene: Scene) -> Iterator[str]:
         yield f"{body.name} stands over the edge of {on}"
     elif not (
         soft or body.category in HELD or within
-        or within_hull(middle_of_mass(body)[:2], base[held][:, :2])
+        or within_hull(middle_of_mass(body)[:2], _contacts(base[held], body, support))
         or (_leans(body) and _leant_on(body, scene))
     ):  # fmt: skip
         yield f"{body.name} would tip over on {on}"
@@ -94,6 +94,14 @@ def _underside(body: Body) -> np.ndarray:
     points = np.concatenate([corners.reshape(-1, 3), *(INNER @ corners)])
     points = points[points[:, 2] < level]
     return np.asarray(points[:: 1 + len(points) // MOST_POINTS])
+
+
+def _contacts(held: np.ndarray, body: Body, support: Body | None) -> np.ndarray:
+    """(N, 2) where a body stands: what of it is held, and corners of what holds it below it."""
+    if support is None:
+        return held[:, :2]
+    tops = support.points[np.abs(support.points[:, 2] - body.low[2]) < TOUCH]
+    return np.concatenate([held, tops[over(tops, body, TOUCH)]])[:, :2]
 
 
 def middle_of_mass(body: Body) -> np.ndarray:

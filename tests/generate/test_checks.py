@@ -200,6 +200,14 @@ def test_stacks_stand_while_their_middle_of_mass_is_held(shift: float, stands: b
     assert fallen(upper, table, on="table") != []
 
 
+@pytest.mark.parametrize(("shift", "stands"), [(0.008, True), (0.045, True), (0.058, False)])
+def test_stacks_stand_on_corners_of_what_is_below_them(shift: float, stands: bool) -> None:
+    tile = Shapes(2).of("coaster", (0.1, 0.1, 0.006), "tile").meshes[0]
+    lower = Body("lower", "coaster", form(tile), at(0, 0, 0))
+    upper = Body("upper", "coaster", form(tile), at(shift, 0.1 * shift, 0.006))
+    assert (fallen(upper, lower, on="lower") == []) == stands
+
+
 def test_what_stands_on_one_foot_tips() -> None:
     foot, weight = box((0.05, 0.05, 0.1), (0, 0, 0.05)), box((0.4, 0.4, 0.1), (0.15, 0, 0.15))
     lamp = Body("lamp", "table_lamp", form(joined([foot, weight])), at(0, 0, 0))

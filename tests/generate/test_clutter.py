@@ -7,21 +7,24 @@ import numpy as np
 import pytest
 
 from openrooms_usd.generate import generate, write
-from openrooms_usd.generate.clutter.draping import edges, hang_over
+from openrooms_usd.generate.clutter.draping import Edge, edges, hang_over
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.hooks import pegs
 from openrooms_usd.generate.clutter.laying import thing_of
-from openrooms_usd.generate.clutter.levels import crossings, levels_of
+from openrooms_usd.generate.clutter.levels import along_edges, crossings, levels_of
+from openrooms_usd.generate.clutter.resting import rest_on
 from openrooms_usd.generate.clutter.settling import settle, vessels
 from openrooms_usd.generate.clutter.sills import sills
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.rooms import Generated
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.shell import Gap, Shell
-from openrooms_usd.geometry.mesh import joined
+from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.windows import BOARD, reveal_depth, window
 from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.library.furniture.lying import DRAPED_WALL_M
 
 SIZE = (0.4, 0.18, 1.05)
 
@@ -157,3 +160,44 @@ def test_towels_hang_between_the_posts_of_their_rails(width: float) -> None:
         assert fit is not None
         assert abs(fit.x) + 0.5 * fit.size[0] < 0.5 * width - 0.05
         assert fit.y + 0.5 * fit.size[1] <= 0.5 * 0.075  # clear of the wall
+
+
+def test_cloths_hang_between_posts_that_are_higher_than_the_back() -> None:
+    posts = [box((0.04, 0.03, 0.5), (side * 0.2, 0.2, 0.57)) for side in (-1, 1)]
+    chair = Item("chair", "chair", (0.44, 0.45, 0.82), "slats")
+    corners = Shape((box((0.36, 0.02, 0.35), (0.0, 0.2, 0.625)), *posts)).corners
+    edge = Edge("chair_back", chair, 0, along_edges(corners))
+    for seed in range(20):
+        fit = hang_over(edge, 0.38, 0.4, np.random.default_rng(seed))
+        assert fit is not None and fit.size[0] > 0.25
+        assert abs(fit.x) + 0.5 * fit.size[0] < 0.18
+        assert fit.z + fit.size[2] == pytest.approx(0.8 + DRAPED_WALL_M, abs=0.002)
+
+
+CUBE = box((0.1, 0.1, 0.1), (0.0, 0.0, 0.05))
+RIDGE = box((0.1, 0.1, 0.1), (0.0, 0.0, 0.0)).transformed(about_x(np.pi / 4))
+SPIKE = Mesh(
+    np.array([[0.001, 0, 0], [-0.001, 0.0007, 0], [0, -0.001, 0], [0.0001, 0, 0.05]]),
+    np.full(4, 3), np.array([0, 1, 3, 1, 2, 3, 2, 0, 3, 0, 2, 1]),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("below", "upper", "lifted", "near"),
+    [
+        (CUBE, CUBE, 0.1, 1e-9),
+        (CUBE, CUBE.moved((0.02, 0.03, 0.2)), -0.1, 1e-9),
+        (CUBE, CUBE.moved((0.2, 0.0, 0.0)), -np.inf, 0.0),
+        # On a slope of 45 degrees, 5 cm before its ridge; a corner is what touches.
+        (RIDGE, CUBE.moved((0.0, 0.1, 0.0)), 0.1 / np.sqrt(2) - 0.05, 1e-6),
+        (CUBE, RIDGE, 0.1 + 0.1 / np.sqrt(2), 0.0015),
+        # Between all lines.
+        (SPIKE, CUBE, 0.05, 1e-6),
+        (CUBE, SPIKE.transformed(np.diag([1.0, 1.0, -1.0])), 0.15, 1e-6),
+    ],
+)
+def test_things_rest_where_they_meet_first(
+    below: Mesh, upper: Mesh, lifted: float, near: float
+) -> None:
+    found = rest_on(Shape((below,)).corners, Shape((upper,)).corners)
+    assert found == pytest.approx(lifted, abs=near)

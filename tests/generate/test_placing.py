@@ -136,3 +136,10 @@ def test_items_turn_with_their_group() -> None:
     item = Item("a", "chair", (0.5, 0.5, 0.8), "slat", 1.0, 0.0, yaw=170.0).posed((2.0, 1.0, 90.0))
     assert (item.x, item.y) == pytest.approx((2.0, 2.0))
     assert item.yaw == pytest.approx(-100.0)
+
+
+@pytest.mark.parametrize(("y", "sound"), [(1.2, False), (2.2, True)])
+def test_the_widest_floor_is_not_cut_off_from_the_door(y: float, sound: bool) -> None:
+    floor = floor_of(Shell(SQUARE, 2.5, (Gap("door", 0, 1.0, 0.9, 0.0, 2.0),)))
+    beyond = floor.with_boxes(box(2.0, y, 4.0, 0.3, 0.0, 2.0)[None])
+    assert (beyond.connected() is not None) == sound

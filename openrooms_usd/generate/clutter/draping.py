@@ -21,6 +21,11 @@ from openrooms_usd.library.furniture.lying import DRAPED_WALL_M, Place
 _SHORTER_SHARE: Final = 0.66
 # Between cloth and edge: above it, and on either side; metres.
 _ABOVE_M, _BESIDE_M = 0.001, 0.002
+# What is so far aside of a cloth counts as below it, and what is so far within its ends carries it,
+# metres.
+_ASIDE_M, _WITHIN_M = 0.005, 0.03
+# Posts are so much higher than the edge between them, metres; cloths are no narrower than this.
+_POST_M, _NARROWEST_M = 0.003, 0.16
 # What a cloth may hang over, metres.
 _THINNEST_M, _THICKEST_M = 0.016, 0.28
 _LEAST_DROP_M: Final = 0.15
@@ -113,11 +118,13 @@ def hang_over(
     turn = np.radians(way.out - 90.0)
     out, along = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
     deep, long = (float(np.abs(axis) @ edge.carrier.size[:2]) for axis in (out, along))
-    width = round(min(width, way.share * long), 2)
     v0 = float(rng.uniform(*way.along)) * long
     u, v, z = edge.points[:, :2] @ out, edge.points[:, :2] @ along, edge.points[:, 2]
-    near = np.abs(v - v0) <= 0.5 * width + 0.005
-    there = near & (u >= way.reach[0] * deep) & (u <= way.reach[1] * deep)
+    over = (u >= way.reach[0] * deep) & (u <= way.reach[1] * deep)
+    width = round(min(width, way.share * long), 2)
+    width = _between_posts(width, np.abs(v[over] - v0), z[over])
+    near = np.abs(v - v0) <= 0.5 * width + _ASIDE_M
+    there = near & over
     if not there.any():
         return None
     top = float(z[there].max())
@@ -135,3 +142,20 @@ def hang_over(
     x, y = (middle * out + v0 * along).tolist()
     base = top + DRAPED_WALL_M + _ABOVE_M - height
     return Fit((width, depth, height), x, y, base, way.out)
+
+
+def _between_posts(width: float, aside: Array, z: Array) -> float:
+    """A cloth's width, less where it would meet posts at its ends that are higher than the edge.
+
+    Args:
+        width: Metres.
+        aside: (N,) how far points of the edge are from its middle, metres.
+        z: (N,) how high they are, metres.
+    """
+    while width > _NARROWEST_M:
+        top = z[aside <= 0.5 * width + _ASIDE_M].max(initial=-np.inf)
+        inner = z[aside <= 0.5 * width - _WITHIN_M].max(initial=-np.inf)
+        if top - inner <= _POST_M:
+            break
+        width = round(width - _ASIDE_M, 3)
+    return width

@@ -16,7 +16,7 @@ from openrooms_usd.generate.clutter.resting import skin_of
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
-from openrooms_usd.geometry.rotations import tilted
+from openrooms_usd.geometry.rotations import about_z, tilted
 
 # Between things that lie beside each other, metres.
 _GAP_M: Final = 0.004
@@ -61,6 +61,16 @@ class Thing:
     def high(self) -> Array:
         """(3,) its greatest corner, metres."""
         return np.asarray(self.points.max(axis=0))
+
+    @cached_property
+    def corners(self) -> Array:
+        """(T, 3, 3) of its triangles, leant likewise, metres."""
+        return np.asarray(self.form.corners @ tilted(*self.tilt).T)
+
+    def above(self, pose: Pose) -> Array:
+        """(T, 3, 3) likewise, at a place and turned there."""
+        x, y, yaw = pose
+        return np.asarray(self.corners @ about_z(np.radians(yaw)).T + np.array([x, y, 0.0]))
 
     @property
     def size(self) -> tuple[float, float, float]:

@@ -125,6 +125,7 @@ def crossings(
     steep = np.abs(normal[:, 2]) < 1e-12
     first = np.ceil((corners[..., :2].min(axis=1) - low) / side - 0.5).astype(int)
     last = np.floor((corners[..., :2].max(axis=1) - low) / side - 0.5).astype(int)
+    first, last = np.maximum(first, 0), np.minimum(last, [columns - 1, rows - 1])
     counts = np.maximum(last - first + 1, 0)
     each = np.where(steep, 0, counts[:, 0] * counts[:, 1])
     t = np.repeat(np.arange(len(each)), each)
@@ -135,8 +136,7 @@ def crossings(
     area = normal[t, 2]
     v = (px * f[t, 1] - py * f[t, 0]) / area
     w = (e[t, 0] * py - e[t, 1] * px) / area
-    hit = (v >= 0.0) & (w >= 0.0) & (v + w <= 1.0) & (i >= 0) & (j >= 0)
-    hit &= (i < columns) & (j < rows)
+    hit = (v >= 0.0) & (w >= 0.0) & (v + w <= 1.0)
     t, v, w = t[hit], v[hit], w[hit]
     z = a[t, 2] + v * e[t, 2] + w * f[t, 2]
     length = np.linalg.norm(normal, axis=1)

@@ -5,16 +5,19 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.generate.boxes import Array, Pose
+from openrooms_usd.generate.boxes import Array
 from openrooms_usd.generate.clutter.levels import crossings, edge_cells
-from openrooms_usd.generate.shapes import Shape
-from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.generate.shapes import Shape, tops
 
 # Of a relief's cells, metres.
 RELIEF_CELL_M: Final = 0.005
-# Things touch each other within this of their lowest and highest points, metres.
-_CONTACT_M: Final = 0.03
-_MOST_CONTACTS: Final = 500
+# Between the lines along which things come down on others: at least so many metres, and no more
+# lines than this side by side. Corners stand out by less from the faces where the next line meets
+# them, metres.
+_LINE_M: Final = 0.002
+_LINES: Final = 80
+_STEP_M: Final = 0.004
+_MOST_CORNERS: Final = 200
 _UPSIDE_DOWN: Final = np.diag([1.0, 1.0, -1.0])
 # No more points of a thing than this are looked at.
 _MOST_POINTS: Final = 5000
@@ -75,27 +78,66 @@ def skin_of(shape: Shape) -> Array:
     return np.concatenate([points, between.reshape(-1, 3), shape.corners.mean(axis=1)])
 
 
-def rest_on(below: Shape, below_skin: Array, upper: Shape, upper_skin: Array, pose: Pose) -> float:
-    """How high an object's origin is that comes down on another: points of each on faces of both.
+def rest_on(below: Array, upper: Array) -> float:
+    """How far an object that comes down on another is lifted until it rests on it.
+
+    Vertical lines through both say how near their faces are, and what stands out between the
+    lines has corners: those are looked at exactly.
 
     Args:
-        below: What carries it.
-        below_skin: (N, 3) points of its surface, metres.
-        upper: The object.
-        upper_skin: (M, 3) points of its surface, metres.
-        pose: Of the object in the carrier's frame.
+        below: (T, 3, 3) corners of the triangles of what carries it, metres.
+        upper: (U, 3, 3) those of the object, turned and above its place there; metres.
+
+    Returns:
+        Metres; -inf where it passes by.
     """
-    x, y, yaw = pose
-    low = few(upper_skin[upper_skin[:, 2] < upper_skin[:, 2].min() + _CONTACT_M])
-    points = low @ about_z(np.radians(yaw)).T
-    found = below.tops(x + points[:, 0], y + points[:, 1]) - points[:, 2]
-    high = few(below_skin[below_skin[:, 2] > below_skin[:, 2].max() - _CONTACT_M])
-    local = (high - np.array([x, y, 0.0])) @ about_z(np.radians(yaw))
-    over = Shape(tuple(mesh.transformed(_UPSIDE_DOWN) for mesh in upper.meshes))
-    other = over.tops(local[:, 0], local[:, 1]) + high[:, 2]
-    return float(max(found.max(), other.max()))
+    bounds = [(c.min(axis=(0, 1))[:2], c.max(axis=(0, 1))[:2]) for c in (below, upper)]
+    low, high = np.maximum(bounds[0][0], bounds[1][0]), np.minimum(bounds[0][1], bounds[1][1])
+    if (high <= low).any():
+        return -np.inf
+    over = _Lines.through(below, low, high)
+    under = _Lines.through(upper @ _UPSIDE_DOWN, low, high)
+    met = float((over.heights + under.heights).max())
+    sides = ((over, upper), (under, below @ _UPSIDE_DOWN))
+    return max(met, *(lines.lift(corners.reshape(-1, 3), met) for lines, corners in sides))
 
 
-def few(points: Array, most: int = _MOST_CONTACTS) -> Array:
-    """Some of many points, spread over all of them."""
-    return points[:: 1 + len(points) // most]
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """Where vertical lines on a grid meet triangles last.
+
+    Attributes:
+        corners: (T, 3, 3) of those triangles that come near, metres.
+        low: (2,) the least corner of the grid, metres.
+        side: Between lines, metres.
+        heights: (H, W) metres; -inf where they miss all.
+    """
+
+    corners: Array
+    low: Array
+    side: float
+    heights: Array
+
+    @staticmethod
+    def through(corners: Array, low: Array, high: Array) -> "_Lines":
+        """Lines over a rectangle of the plan."""
+        plan = corners[..., :2]
+        near = ((plan.min(axis=1) <= high) & (plan.max(axis=1) >= low)).all(axis=1)
+        side = max(_LINE_M, float((high - low).max()) / _LINES)
+        columns, rows = (np.floor((high - low) / side).astype(int) + 1).tolist()
+        heights = np.full(rows * columns, -np.inf)
+        cell, z, _ = crossings(corners[near], low, columns, rows, side)
+        np.maximum.at(heights, cell, z)
+        return _Lines(corners[near], low, side, heights.reshape(rows, columns))
+
+    def lift(self, points: Array, met: float) -> float:
+        """How far points must be lifted to be above the triangles, if farther than known."""
+        cells = np.floor((points[:, :2] - self.low) / self.side).astype(int)
+        there = ((cells >= 0) & (cells < self.heights.shape[::-1])).all(axis=1)
+        points, (i, j) = points[there], cells[there].T
+        near = self.heights[j, i] - points[:, 2] > met - _STEP_M
+        points = np.unique(points[near], axis=0)
+        points = points[:: 1 + len(points) // _MOST_CORNERS]
+        if not len(points):
+            return -np.inf
+        return float((tops(self.corners, points[:, 0], points[:, 1]) - points[:, 2]).max())

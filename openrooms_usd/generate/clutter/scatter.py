@@ -274,9 +274,7 @@ class Scatter:
 
     def _rise(self, below: Thing, upper: Thing, pose: Pose) -> float:
         """How far above the lowest point of a thing that of another comes to rest on it."""
-        shapes = self.surfaces.shapes
-        low, high = (shapes.of(thing.name, *thing.make) for thing in (below, upper))
-        origin = rest_on(low, below.skin, high, upper.skin, pose)
+        origin = rest_on(below.corners, upper.above(pose))
         return origin + float(upper.low[2]) - float(below.low[2])
 
     def _place(

@@ -9,7 +9,7 @@ import numpy as np
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import Thing, thing_of
-from openrooms_usd.generate.clutter.resting import Relief, rest_on, skin_of
+from openrooms_usd.generate.clutter.resting import Relief, rest_on
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
@@ -43,7 +43,6 @@ class Vessel:
         carrier: The vessel.
         group: The index of its group.
         shape: Its form.
-        skin: (N, 3) points of its surface, in its frame; metres.
         relief: Its upper side.
         held: What lies in it: keys, things, and their poses and heights in its frame.
     """
@@ -52,7 +51,6 @@ class Vessel:
     carrier: Item
     group: int
     shape: Shape
-    skin: Array
     relief: Relief
     held: list[Held] = field(default_factory=list)
 
@@ -72,7 +70,7 @@ def vessels(items: Sequence[tuple[int, Item]], surfaces: Surfaces) -> Iterator[V
             middle = float(relief.at(np.zeros(1), np.zeros(1))[0])
             if -np.inf < middle < (1.0 - _HOLLOW_SHARE) * item.size[2]:
                 shape = surfaces.shape(item)
-                yield Vessel(place, item, group, shape, skin_of(shape), relief)
+                yield Vessel(place, item, group, shape, relief)
 
 
 def fill_vessel(scatter: Scatter, number: int, vessel: Vessel, level: int) -> None:
@@ -120,7 +118,7 @@ def settle(vessel: Vessel, thing: Thing, key: str, rng: np.random.Generator) -> 
     coarse = vessel.relief.rest(points, places[:, 0], places[:, 1])
     for at in np.argsort(coarse, kind="stable")[:_LOOKED_AT]:
         pose = (*places[at].tolist(), yaw)
-        z = rest_on(vessel.shape, vessel.skin, thing.form, thing.skin, pose)
+        z = rest_on(vessel.shape.corners, thing.above(pose))
         if z + _WITHIN_SHARE * thing.size[2] > height or not _stands(vessel, points, pose, z):
             continue
         if all(_clear(thing, pose, z, other) for other in vessel.held):
@@ -140,7 +138,7 @@ def _clear(thing: Thing, pose: Pose, z: float, other: Held) -> bool:
     _, below, at, low = other
     back = (0.0, 0.0, -at[2])
     x, y = placed(back, pose[0] - at[0], pose[1] - at[1])
-    lifted = rest_on(below.form, below.skin, thing.form, thing.skin, (x, y, pose[2] - at[2]))
+    lifted = rest_on(below.corners, thing.above((x, y, pose[2] - at[2])))
     return low + lifted < z + _LIFTED_M
 
 

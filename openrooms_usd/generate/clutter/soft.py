@@ -9,7 +9,7 @@ import numpy as np
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import Thing
-from openrooms_usd.generate.clutter.resting import Relief, few
+from openrooms_usd.generate.clutter.resting import Relief, rest_on
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.rotations import about_z
@@ -24,12 +24,6 @@ _RISE_M: Final = 0.012
 # Of the lowest points of a thing none is farther than this above what it lies on, metres.
 _MAX_GAP_M: Final = 0.013
 _LOWEST_M: Final = 0.005
-# What of a thing may touch what it lies on, above its lowest point, metres, and so many of its
-# points.
-_CONTACT_M, _CONTACTS = 0.05, 200
-# Its underside is looked at between so many of its lowest points.
-_CORNERS: Final = 40
-_SHARES: Final = np.array([0.25, 0.5])
 # Which part of a bed or a seat is meant: least and greatest x and y, as shares of its size.
 _PARTS: Final[dict[Place, tuple[float, float, float, float]]] = {
     "bed_head": (-0.42, 0.42, 0.0, 0.45),
@@ -127,7 +121,7 @@ def lean(
         return None
     # A little before that place it may stand better, and still leans.
     tried = (
-        _laid(seat, thing, key, points, (x, float(steps[at]), yaw), float(z[at]))
+        _laid(seat, thing, key, points, (x, float(steps[at]), yaw))
         for at in range(count - 1, max(count - 4, -1), -1)
     )
     return next((laid for laid in tried if laid is not None), None)
@@ -148,22 +142,15 @@ def drop(
     z = seat.relief.rest(points, x, y)
     best = int(np.argmin(z))
     place = (float(x[best]), float(y[best]), yaw)
-    return _laid(seat, thing, key, points, place, float(z[best]))
+    return _laid(seat, thing, key, points, place)
 
 
 def _laid(
-    seat: Seat, thing: Thing, key: str, points: Array, place: Pose, z: float
+    seat: Seat, thing: Thing, key: str, points: Array, place: Pose
 ) -> tuple[Item, Pose] | None:
     x, y, yaw = place
-    # The grid has the highest of each cell: by so much less the faces themselves are met, but
-    # also between the points of a flat underside.
-    low = few(points[points[:, 2] < points[:, 2].min() + _CONTACT_M], _CONTACTS)
-    met = float((seat.shape.tops(x + low[:, 0], y + low[:, 1]) - low[:, 2]).max())
+    z = rest_on(seat.shape.corners, thing.above(place))
     base = points[points[:, 2] < points[:, 2].min() + _LOWEST_M]
-    some = few(base, _CORNERS)
-    across = (some[:, None] + _SHARES[:, None, None, None] * (some - some[:, None])).reshape(-1, 3)
-    over = seat.relief.at(x + across[:, 0], y + across[:, 1]) - across[:, 2]
-    z = max(met, z - _MAX_GAP_M, float(over.max()) - _LOWEST_M)
     gap = base[:, 2] + z - seat.relief.at(x + base[:, 0], y + base[:, 1])
     if not np.isfinite(z) or gap.max() > _MAX_GAP_M:
         return None
