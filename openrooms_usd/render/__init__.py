@@ -1,12 +1,13 @@
 """Renders USD stages: the contract of renderers, and the driver that writes what they give.
 
 ``driver`` is the story of a run: ``plan`` says what it shall render, ``given`` who gives which
-channel, ``scene`` translates the stage, ``contract`` is what an adapter implements, ``opened`` puts
-its light and the core's exact channels together, ``shading``, ``friction`` and ``denoise`` (of all
-light: ``denoised_light``) make others of them, and ``run`` writes, beside the next view
-(``writer``). The files are ``exr``, ``previews`` (with ``tone`` and ``color``), ``sheet``,
-``manifest`` and the ``folder`` of them all. ``reading`` and ``manifest_schema`` give finished
-renders back and trust no file; ``relight``, ``probes``, ``datasets`` and ``coco`` use them.
+channel, ``job`` holds both and opens the stage for them, ``scene`` translates the stage,
+``contract`` is what an adapter implements, ``opened`` puts its light and the core's exact channels
+together, ``shading``, ``friction`` and ``denoise`` (of all light: ``denoised_light``) make others
+of them, and ``run`` writes, beside the next view (``writer``). The files are ``exr``, ``previews``
+(with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all. ``reading``
+and ``manifest_schema`` give finished renders back and trust no file; ``relight``, ``probes``,
+``datasets`` and ``coco`` use them.
 ``bake`` writes light as textures, ``paths`` renders walks as videos.
 
 Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves``

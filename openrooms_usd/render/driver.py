@@ -2,31 +2,18 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from openrooms_usd import adapters, claims, ledger
-from openrooms_usd.channels import each
-from openrooms_usd.convert import add_missing
+from openrooms_usd import claims, ledger
 from openrooms_usd.progress import Progress, part, silent
 from openrooms_usd.render import folder, manifest
-from openrooms_usd.render.contract import (
-    DEFAULT_BOUNCES,
-    DEFAULT_GRID,
-    NO_OPTIONS,
-    PHOTOGRAPH,
-    Renderer,
-    View,
-)
-from openrooms_usd.render.denoise import DENOISED, load_denoiser
-from openrooms_usd.render.denoised_light import Denoise, with_denoised_light
-from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
-from openrooms_usd.render.given import available, check_method, choose_method
-from openrooms_usd.render.plan import choose_cameras, choose_channels, paths_of, plan, sized
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, NO_OPTIONS, PHOTOGRAPH
+from openrooms_usd.render.denoised_light import Denoise
+from openrooms_usd.render.job import RenderJob
 from openrooms_usd.render.run import Run, raw_bytes
-from openrooms_usd.render.shading import Shading
 from openrooms_usd.render.writer import ViewWriter, view_writer
 
 
@@ -120,106 +107,54 @@ def render_stage(
         OutputError: The folder cannot be written.
         RenderError: The renderer cannot do it.
     """
-    from openrooms_usd.render.opened import open_with
-    from openrooms_usd.usd.cameras import photograph
-    from openrooms_usd.usd.diagnostics import reading
-    from openrooms_usd.usd.fields_of_view import set_field_of_view
-    from openrooms_usd.usd.layers import open_stage
-
     # 1. Refuse what cannot work before anything slow begins.
-    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
-    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    request = plan(
-        choose_channels(channels, available(adapter.channels)),
-        resolution,
+    job = RenderJob.of(
+        channels=channels,
+        resolution=resolution,
+        field_of_view=field_of_view,
+        grid=grid,
+        error_maps=error_maps,
         samples=samples,
         error=error,
         seconds=seconds,
         seed=seed,
         bounces=bounces,
-        grid=grid,
+        method=method,
         tone=tone,
         f_stop=f_stop,
+        renderer=renderer,
+        options=options,
+        denoise=denoise,
     )
-    named = check_method(method)
-    denoiser = load_denoiser() if denoise else None
-    asked = written = request.channels
-    if denoiser:
-        denoiser.check(asked)
-        request = replace(request, guides=True)
-        written = (*asked, DENOISED)
-    before_friction = request.channels
-    if FRICTION in asked:
-        request = replace(request, channels=FrictionMap.needs(before_friction))
-    before_shading = request.channels
-    shading = Shading(adapter.channels)
-    if shading.makes(asked):
-        request = replace(request, channels=shading.needs(before_shading))
-    # Errors of what is made of others are told by making it twice.
-    halved = error_maps or shading.makes(asked) or denoise == "all"
-    request = replace(request, halves=halved)
     folder.check_writable(out)
 
     with claims.claimed(out, ledger.RENDER_FILE) as kept:
         # 2. Translate the stage.
-        stage = open_stage(path)
-        if field_of_view is not None:
-            set_field_of_view(stage, field_of_view)
-        began = time.perf_counter()
-        with reading(path):
-            opened = open_with(adapter, stage, options)
-            add_missing(opened.report, stage)
-        translation = time.perf_counter() - began
-        request = sized(request, resolution or opened.resolution)
-        views = choose_cameras(cameras, opened.cameras)
-        paths = paths_of(request, len(views))
-        request = replace(request, method=choose_method(named, opened.session, paths))
-        folder.check_replaceable(out, views)
-        listed = replace(request, channels=written)
-        lights = len(opened.lights)
-        folder.check_space(out, raw_bytes(listed, lights))
+        opened = job.open(path, cameras)
+        folder.check_replaceable(out, opened.views)
+        folder.check_space(out, raw_bytes(opened.listed, len(opened.lights)))
 
         # 3. Render view by view; each is written, and then in the manifest, beside the next.
-        entry = manifest.run_entry(path, renderer, opened, listed)
-        if denoiser:
-            entry["denoiser"] = denoiser.entry()
-        friction = None
-        if FRICTION in asked:
-            friction = FrictionMap(read_materials(stage, opened.legend.material))
-            entry["friction"] = friction.entry()
-        run = Run(out, entry, opened.report, kept, opened.lights)
+        session, views = opened.opened.session, opened.views
+        run = Run(out, opened.entry(), opened.report, kept, opened.lights)
         run.timing |= {
-            "machine": manifest.machine_entry(opened.session.backend),
-            "translation": translation,
+            "machine": manifest.machine_entry(session.backend),
+            "translation": opened.translation,
         }
         with view_writer() as writer:
-            for index, (name, camera) in enumerate(views.items()):
+            for index, name in enumerate(views):
                 share = part(partial(_checked, writer, progress), name, index, len(views))
                 began = time.perf_counter()
-                view = opened.render(replace(request, camera=camera), share)
+                view = opened.render(name, share)
                 took = time.perf_counter() - began
-                if shading.makes(asked):
-                    view = shading.complete(view, each(before_shading, lights))
-                if friction:
-                    view = friction.complete(view, each(before_friction, lights))
-                if denoiser:
-                    clean = with_denoised_light(view, denoiser).denoised if denoise == "all" else {}
-                    view = replace(denoiser.complete(view), denoised=clean)
-                if not error_maps:
-                    view = _without_halves(view)
-                shown = photograph(stage.GetPrimAtPath(camera)) if camera else None
+                shown = opened.photograph(name)
                 # What is told of the next view is no part of this one's manifest.
                 told = opened.report.as_dict()
-                writer.put(view, partial(run.add, name, view, listed, took, shown, told))
-    return RenderSummary(out, run.manifest, run.timing, opened.session.advice, tuple(run.stay))
+                writer.put(view, partial(run.add, name, view, opened.listed, took, shown, told))
+    return RenderSummary(out, run.manifest, run.timing, session.advice, tuple(run.stay))
 
 
 def _checked(writer: ViewWriter, progress: Progress, what: str, fraction: float) -> None:
     """Progress of what is rendered while a view before is written, which may fail."""
     writer.check()
     progress(what, fraction)
-
-
-def _without_halves(view: View) -> View:
-    images = {name: replace(image, halves=None) for name, image in view.images.items()}
-    return replace(view, images=images)
