@@ -13,6 +13,7 @@ EXPORTERS: Final = "openrooms_usd.exporters"
 DATASETS: Final = "openrooms_usd.datasets"
 ENGINES: Final = "openrooms_usd.engines"
 SEGMENTERS: Final = "openrooms_usd.segmenters"
+EXECUTORS: Final = "openrooms_usd.executors"
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -40,7 +41,8 @@ def load(group: str, name: str) -> Any:
     """Import the adapter ``name`` of a group and make one.
 
     Args:
-        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`, `SEGMENTERS`.
+        group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`, `SEGMENTERS`,
+            `EXECUTORS`.
         name: The name under which it is registered.
 
     Returns:

@@ -26,6 +26,8 @@ _KINDS: Final = (
     adapters.EXPORTERS,
     adapters.ENGINES,
     adapters.SEGMENTERS,
+    adapters.DATASETS,
+    adapters.EXECUTORS,
 )
 
 

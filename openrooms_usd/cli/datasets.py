@@ -1,17 +1,124 @@
-"""The command ``dataset``."""
+"""The commands ``dataset plan``, ``run``, ``status``, ``verify`` and ``write``."""
 
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
     from openrooms_usd.render.datasets import DatasetSummary
 
+# A person mends these first; the rest is in --json.
+_MOST_SHOWN: Final = 20
 
-@click.command()
+_FILE: Final = click.argument("file", type=click.Path(path_type=Path), metavar="DATASET.yaml")
+_FOLDER: Final = click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+
+
+@click.group()
+def dataset() -> None:
+    """Make datasets: many rooms by one file, or finished renders as others store them."""
+
+
+@dataset.command()
+@_FILE
+@click.option("-o", "--out", type=click.Path(path_type=Path),
+              help="Write the plan there; to standard output by default.")  # fmt: skip
+def plan(file: Path, out: Path | None) -> None:
+    """Print what a dataset.yaml stands for: a line of JSON for each view of each room."""
+    from openrooms_usd.dataset.plan import lines, plan_jobs
+    from openrooms_usd.dataset.store import write_lines
+    from openrooms_usd.description import load_dataset
+
+    rows = lines(plan_jobs(load_dataset(file)))
+    if out is not None:
+        echo(f"wrote {out}: {write_lines(out, rows)} views")
+        return
+    for row in rows:
+        click.echo(row)
+
+
+@dataset.command()
+@_FILE
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True,
+              help="The dataset's folder.")  # fmt: skip
+@click.option("--workers", type=click.IntRange(1, 1024), default=1, show_default=True,
+              help="How many rooms are worked on at once.")  # fmt: skip
+@click.option("--executor", default="local", show_default=True, metavar="NAME",
+              help="Who works: local, or another that is installed.")  # fmt: skip
+@json_option
+def run(file: Path, out: Path, workers: int, executor: str, as_json: bool) -> None:
+    """Make a dataset, or what is left of it: what is finished stays.
+
+    Leaves with code 1 when views could not be made; they are tried again by the next run.
+    """
+    from openrooms_usd.dataset.run import run_dataset
+
+    with progress_bar(hidden=as_json, first="planning") as progress:
+        done = run_dataset(file, out, workers=workers, executor=executor, progress=progress)
+    if as_json:
+        print_json(done.as_dict())
+    else:
+        for note in done.notes:
+            echo(f"note: {note}")
+        for unit, reason in list(done.failed.items())[:_MOST_SHOWN]:
+            echo(f"failed: {unit}: {reason}")
+        echo(f"wrote {out}: {done.made} views, {done.kept} were there, {len(done.failed)} failed")
+        if done.failed:
+            echo(f"next:  {command_line('orusd', 'dataset', 'status', out)}")
+    sys.exit(1 if done.failed else 0)
+
+
+@dataset.command()
+@_FOLDER
+@json_option
+def status(folder: Path, as_json: bool) -> None:
+    """Say how far a dataset is: what is finished, what has failed and why."""
+    from openrooms_usd.dataset.status import status_of
+
+    found = status_of(folder)
+    if as_json:
+        print_json(found.as_dict())
+        return
+    failed = len(found.failures)
+    echo(
+        f"{found.finished} of {found.units} views are finished, {failed} failed, {found.left} left"
+    )
+    for fault, count in found.faults.items():
+        echo(f"{count} views: {fault}")
+    for failure in found.failures[:_MOST_SHOWN]:
+        echo(f"failed: {failure.unit} ({failure.attempts} times): {failure.reason}")
+    if failed > _MOST_SHOWN:
+        echo(f"and {failed - _MOST_SHOWN} more: --json lists them")
+
+
+@dataset.command()
+@_FOLDER
+@json_option
+def verify(folder: Path, as_json: bool) -> None:
+    """Compare every file of a dataset with its checksum.
+
+    Leaves with code 1 when a file is missing or changed.
+    """
+    from openrooms_usd.dataset.verify import verify as compare
+
+    with progress_bar(hidden=as_json, first="reading") as progress:
+        found = compare(folder, progress)
+    if as_json:
+        print_json(found.as_dict())
+    else:
+        for damage in found.damages:
+            echo(f"{damage.file}: {damage.what}")
+        echo(f"{found.files} files of {found.views} views, {len(found.damages)} damaged")
+        if found.unfinished:
+            echo(f"{found.unfinished} views are not finished")
+    sys.exit(1 if found.damages else 0)
+
+
+@dataset.command()
 @click.argument("renders", type=click.Path(path_type=Path), nargs=-1, required=True,
                 metavar="RENDER...")  # fmt: skip
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True,
@@ -35,7 +142,7 @@ if TYPE_CHECKING:
               "loaders cannot hold: leave them out, drop the least lights, or keep.")  # fmt: skip
 @click.option("--first", type=int, default=1, show_default=True, help="The first view's number.")
 @json_option
-def dataset(
+def write(
     renders: tuple[Path, ...],
     out: Path,
     kind: str,

@@ -24,11 +24,12 @@ def init(folder: Path, as_json: bool) -> None:
 
 
 @click.command()
-def schema() -> None:
-    """Print the JSON Schema of room.yaml (draft 2020-12)."""
+@click.argument("name", type=click.Choice(["room", "dataset"]), default="room")
+def schema(name: str) -> None:
+    """Print the JSON Schema of room.yaml, or of dataset.yaml (draft 2020-12)."""
     from openrooms_usd.description.schema import schema_text
 
-    echo(schema_text(), nl=False)
+    echo(schema_text(name), nl=False)
 
 
 @click.command()

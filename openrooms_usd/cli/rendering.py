@@ -98,7 +98,7 @@ def _resolution(
 @click.option("--frames", is_flag=True, help="Write every frame of the video too.")
 @click.option(
     "--dataset", "root", type=click.Path(path_type=Path), metavar="ROOT",
-    help="Also write OpenRooms' files there, as `orusd dataset` does.",
+    help="Also write OpenRooms' files there, as `orusd dataset write` does.",
 )  # fmt: skip
 @click.option(
     "--dataset-layout", "layout", type=click.Choice(["split", "merged"]), default="split",

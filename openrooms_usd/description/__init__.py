@@ -1,9 +1,10 @@
-"""room.yaml: its models, how it is read, and its JSON Schema.
+"""room.yaml and dataset.yaml: their models, how they are read, and their JSON Schemas.
 
 - `syntax`, `scalars`, `reading`: YAML with places; `units`, `moments`, `nearest`: single values;
 - `model`, `room`: the models, by section `layout`, `trim`,
   `polygon`, `captured`, `scanned`, `generate`,
   `alignment`, `materials`, `lights`, `cameras`, `physics`;
+- `dataset`: the model of dataset.yaml;
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
   has none;
 - `mistakes`, `diagnosis`: what is wrong, in words; `files`, `data`: of a file, of Python;
@@ -11,13 +12,21 @@
 """
 
 from openrooms_usd.description.alignment import named_objects
-from openrooms_usd.description.files import dump_room, load_room, parse_room
+from openrooms_usd.description.dataset import Dataset
+from openrooms_usd.description.files import (
+    dump_room,
+    load_dataset,
+    load_room,
+    parse_room,
+)
 from openrooms_usd.description.layout import named_openings
 from openrooms_usd.description.room import Room, room_of
 
 __all__ = [
+    "Dataset",
     "Room",
     "dump_room",
+    "load_dataset",
     "load_room",
     "named_objects",
     "named_openings",

@@ -1,13 +1,15 @@
-"""From a file or a text to a room, and back."""
+"""From a file or a text to a room or a dataset, and from a room back."""
 
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import yaml
 from pydantic import ValidationError
 
+from openrooms_usd.description.dataset import Dataset
 from openrooms_usd.description.diagnosis import diagnose
 from openrooms_usd.description.mistakes import Mistake, refusal
+from openrooms_usd.description.model import Model
 from openrooms_usd.description.reading import read_yaml
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.scalars import FIRST, PLAIN
@@ -16,6 +18,8 @@ from openrooms_usd.errors import DescriptionError
 from openrooms_usd.untrusted import MOST_BYTES, read_bytes
 
 MAX_BYTES: Final = MOST_BYTES["description"]
+
+Described = TypeVar("Described", bound=Model)
 
 
 def load_room(path: Path) -> Room:
@@ -50,16 +54,39 @@ def parse_room(text: str | bytes, name: str = "room.yaml", *, folder: Path | Non
     Raises:
         DescriptionError: It is no valid description; the message lists every mistake.
     """
+    room = _parsed(Room, text, name)
+    return room if folder is None else room.located(folder)
+
+
+def load_dataset(path: Path) -> Dataset:
+    """Read a dataset.yaml.
+
+    Args:
+        path: The YAML file.
+
+    Returns:
+        The dataset, with every default filled in.
+
+    Raises:
+        InputError: The file is missing or cannot be read.
+        DescriptionError: It is no valid description; the message lists every mistake.
+    """
+    text = read_bytes(path, "description", remedy="docs/datasets.md shows one to start from")
+    return _parsed(Dataset, text, str(path)).located(path.parent)
+
+
+def _parsed(model: type[Described], text: str | bytes, name: str) -> Described:
+    """What a text describes; all its mistakes at once."""
     data, mistakes = read_yaml(_decoded(text, name), name)
     try:
-        room = Room.model_validate(data)
+        found = model.model_validate(data)
     except ValidationError as error:
         places = {mistake.place for mistake in mistakes}
-        further = (found for found in diagnose(error, data, Room) if found.place not in places)
+        further = (row for row in diagnose(error, data, model) if row.place not in places)
         raise refusal(name, [*mistakes, *further]) from None
     if mistakes:
         raise refusal(name, mistakes)
-    return room if folder is None else room.located(folder)
+    return found
 
 
 def dump_room(room: Room) -> str:

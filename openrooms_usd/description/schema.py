@@ -1,13 +1,16 @@
-"""The JSON Schema of room.yaml, from which editors complete and check while one types."""
+"""The JSON Schemas of room.yaml and dataset.yaml: editors complete and check by them."""
 
 import json
 from typing import Any, Final
 
 from pydantic.json_schema import GenerateJsonSchema
 
+from openrooms_usd.description.dataset import Dataset
+from openrooms_usd.description.model import Model
 from openrooms_usd.description.room import Room
 
 FILE: Final = "room.schema.json"
+DATASET_FILE: Final = "dataset.schema.json"
 HINT: Final = f"# yaml-language-server: $schema=./{FILE}"
 """The first line of a room.yaml that lies beside its schema."""
 
@@ -35,19 +38,33 @@ def room_schema() -> dict[str, Any]:
     What needs more than one field, such as that a polygon must not cross itself, is beyond it:
     `openrooms_usd.description.load_room` checks that too.
     """
-    schema = Room.model_json_schema(schema_generator=_Untitled)
+    return _schema(Room, "room")
+
+
+def dataset_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of a dataset.yaml."""
+    return _schema(Dataset, "dataset")
+
+
+def schema_text(name: str = "room") -> str:
+    """A JSON Schema as the text of a file.
+
+    Args:
+        name: ``room`` or ``dataset``.
+    """
+    schema = dataset_schema() if name == "dataset" else room_schema()
+    return json.dumps(schema, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _schema(model: type[Model], name: str) -> dict[str, Any]:
+    schema = model.model_json_schema(schema_generator=_Untitled)
     _limit_numbers(schema)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "$id": "urn:openrooms-usd:room",
+        "$id": f"urn:openrooms-usd:{name}",
         **schema,
-        "title": "room.yaml",
+        "title": f"{name}.yaml",
     }
-
-
-def schema_text() -> str:
-    """The JSON Schema as the text of a file."""
-    return json.dumps(room_schema(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def _limit_numbers(node: Any) -> None:

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -104,7 +104,7 @@ class Run:
             OutputError: It cannot be written.
             RenderError: The renderer did not give what was asked for.
         """
-        _check(name, view, request, len(self._lights))
+        check_view(name, view, request, len(self._lights))
         began = time.perf_counter()
         # Where one of them finds no space, neither appears: the view first, then what lists it.
         with (
@@ -113,9 +113,7 @@ class Run:
         ):
             previews = write_view(beside, view, request.tone, check)
             check()
-            entry = manifest.view_entry(name, view, previews, self._lights, photograph)
-            if FITTED in view.images:
-                entry["fits"] = _fit(beside, name, view)
+            entry = describe_view(beside, name, view, previews, self._lights, photograph)
             took = {
                 # Channels that share rays each count them: their sum may exceed the whole.
                 "channels": {channel: image.seconds for channel, image in view.images.items()},
@@ -127,7 +125,7 @@ class Run:
             }
             timed = _with_view(self.timing, name, took)
             if manifest.by_light(request) and not self._rows:
-                self._write_openings(lists)
+                write_openings(lists, self._lights)
             manifest.write_json(lists / folder.MANIFEST, listed)
             manifest.write_json(lists / folder.TIMING, timed)
             rows = {**self._rows, name: sheet.tiles(name, previews)}
@@ -137,13 +135,36 @@ class Run:
         gone = self._earlier - listed["views"].keys()
         self.stay = folder.remove_views(self._out, gone, self._ledger)
 
-    def _write_openings(self, target: Path) -> None:
-        """The surroundings as each opening sees them, the same for all views."""
-        for light in self._lights:
-            if light.environment is not None:
-                path = target / folder.opening_file(light.name)
-                path.parent.mkdir(exist_ok=True)
-                exr.write_rgb(path, light.environment)
+
+def write_openings(target: Path, lights: Iterable[LightRecord]) -> None:
+    """Write the surroundings as each opening sees them, the same for all views, into a folder."""
+    for light in lights:
+        if light.environment is not None:
+            path = target / folder.opening_file(light.name)
+            path.parent.mkdir(exist_ok=True)
+            exr.write_rgb(path, light.environment)
+
+
+def describe_view(
+    target: Path,
+    name: str,
+    view: View,
+    previews: Mapping[str, Preview],
+    lights: Sequence[LightRecord] = (),
+    photograph: Mapping[str, str] | None = None,
+) -> manifest.Plain:
+    """What the manifest says of a view whose files were written; fits are written beside them.
+
+    Args:
+        target: The folder of its files.
+        name: The view's name.
+        view: What was rendered.
+        previews: What `write_view` gave.
+        lights: Those of the scene.
+        photograph: What it stands for in a capture, if anything.
+    """
+    entry = manifest.view_entry(name, view, previews, lights, photograph)
+    return entry | ({"fits": _fit(target, name, view)} if FITTED in view.images else {})
 
 
 def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:
@@ -179,7 +200,12 @@ def _with_view(entry: manifest.Plain, name: str, view: manifest.Plain) -> manife
     return {**entry, "views": {**entry["views"], name: view}}
 
 
-def _check(name: str, view: View, request: RenderRequest, lights: int) -> None:
+def check_view(name: str, view: View, request: RenderRequest, lights: int) -> None:
+    """See that a view has all that was asked for.
+
+    Raises:
+        RenderError: A channel is missing, or has another size.
+    """
     for channel in each(request.channels, lights):
         shape = shape_of(channel, request)
         image = view.images.get(channel)

@@ -107,14 +107,29 @@ def _bind_room(context: StageContext, palette: Palette, looks: Sequence[Surfaces
     swatches = [swatch for look in looks for swatch in look.values()]
     materials = define_all(stage, scope, palette, swatches, context.asset(TEXTURES))
     layer, several = stage.GetEditTarget().GetLayer(), len(looks) > 1
+    prims = _family(stage, [path for look in looks for path in look]) if several else []
     with Sdf.ChangeBlock():
         for number, surfaces in enumerate(looks):
             room = _variant(layer, number) if several else Sdf.Path(names.ROOM)
+            for path in prims:
+                Sdf.CreatePrimInLayer(layer, path.ReplacePrefix(names.ROOM, room))
             for path, swatch in surfaces.items():
                 target = materials[swatch].GetPath()
                 _bind(layer, Sdf.Path(path).ReplacePrefix(names.ROOM, room), target)
         if several:
             _select(layer, names.ROOM, context.room.materials.look)
+
+
+def _family(stage: Usd.Stage, paths: Iterable[str]) -> list[Sdf.Path]:
+    """Some prims of the room with all that stand beside them or their parents, in their order.
+
+    What is said in a variant is weaker than what any layer says outside: prims named there alone
+    would come before the others, and those who number prims would number them otherwise.
+    """
+    parents = {prefix.GetParentPath() for path in paths for prefix in Sdf.Path(path).GetPrefixes()}
+    room = stage.GetPrimAtPath(names.ROOM)
+    inner = (prim.GetPath() for prim in Usd.PrimRange(room)) if room else ()
+    return [path for path in inner if path != names.ROOM and path.GetParentPath() in parents]
 
 
 def _variant(layer: Sdf.Layer, look: int) -> Sdf.Path:

@@ -126,12 +126,18 @@ def test_make_is_only_asked_for_targets_that_exist() -> None:
 
 
 @pytest.mark.parametrize("block", [b for b in BLOCKS if b.language in ("yaml", "yml")], ids=str)
-def test_yaml_loads_as_a_room_or_as_a_part_of_one(block: Block, tmp_path: Path) -> None:
-    from openrooms_usd.description import load_room
+def test_yaml_loads_as_a_room_or_a_part_of_one_or_as_a_dataset(
+    block: Block, tmp_path: Path
+) -> None:
+    from openrooms_usd.description import load_dataset, load_room
     from openrooms_usd.description.room import Room
 
     data = yaml.safe_load(block.text)
     assert isinstance(data, dict)
+    if "rooms" in data:
+        (tmp_path / "dataset.yaml").write_text(block.text, encoding="utf-8")
+        load_dataset(tmp_path / "dataset.yaml")
+        return
     assert set(data) <= {field.alias or name for name, field in Room.model_fields.items()}
     (tmp_path / "room.yaml").write_text(block.text, encoding="utf-8")
     load_room(tmp_path / "room.yaml")

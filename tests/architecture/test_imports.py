@@ -23,6 +23,7 @@ RANKS = (
     (
         "comparison",
         "compose",
+        "dataset",
         "doctor",
         "validate",
         "validation",

@@ -30,6 +30,7 @@ DATA = {
     "orusd_schemas/py.typed",
     "orusd_schemas/generatedSchema.usda",
     "orusd_schemas/plugInfo.json",
+    "orusd_schemas/dataset.schema.json",
     "orusd_schemas/room.schema.json",
     "orusd_schemas/schema.usda",
 }
@@ -68,7 +69,15 @@ def test_a_wheel_registers_the_command_and_the_adapters(wheel: zipfile.ZipFile) 
     points = configparser.ConfigParser()
     points.read_string(wheel.read(name).decode())
     assert dict(points["console_scripts"]) == {"orusd": "openrooms_usd.cli:main"}
-    kinds = {"importers", "renderers", "exporters", "datasets", "engines", "segmenters"}
+    kinds = {
+        "importers",
+        "renderers",
+        "exporters",
+        "datasets",
+        "engines",
+        "executors",
+        "segmenters",
+    }
     assert kinds == {
         section.removeprefix("openrooms_usd.") for section in points if "openrooms_usd" in section
     }

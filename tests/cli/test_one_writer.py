@@ -58,7 +58,7 @@ def test_who_writes_waits_for_nobody(command: str, orusd: Any, lab: Any, tmp_pat
         "compose": ["compose", lab.room, "-o", out],
         "import": ["import", "boxes", table, "-o", out],
         "render": ["render", lab.scene, "-o", out, *lab.QUICK],
-        "dataset": ["dataset", lab.rendered, "-o", out],
+        "dataset": ["dataset", "write", lab.rendered, "-o", out],
         "edits adopt": ["edits", "adopt", out / "scene.usda"],
         "simulate": ["simulate", out / "scene.usda"],
     }

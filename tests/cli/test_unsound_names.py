@@ -19,7 +19,7 @@ READERS = (
     ("simulate", "*.usda"),
     ("annotate", "*", "-o", "out.json"),
     ("relight", "*", "-o", "out", "--light", "a=1"),
-    ("dataset", "*", "-o", "out"),
+    ("dataset", "write", "*", "-o", "out"),
     ("import", "boxes", "*.csv", "-o", "out"),
     ("import", "scan", "*.ply", "-o", "out"),
     ("import", "scannet", "*", "-o", "out"),

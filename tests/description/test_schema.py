@@ -15,7 +15,13 @@ from pydantic import ValidationError
 
 from openrooms_usd.description import Room, reading
 from openrooms_usd.description.model import MISTAKE
-from openrooms_usd.description.schema import FILE, room_schema, schema_text
+from openrooms_usd.description.schema import (
+    DATASET_FILE,
+    FILE,
+    dataset_schema,
+    room_schema,
+    schema_text,
+)
 
 ROOT = Path(__file__).parents[2]
 VALIDATOR = Draft202012Validator(room_schema())
@@ -42,6 +48,12 @@ def test_the_schema_is_a_schema() -> None:
 def test_the_copy_that_is_shipped_is_fresh() -> None:
     shipped = resources.files("orusd_schemas").joinpath(FILE).read_text(encoding="utf-8")
     assert shipped == schema_text(), "run: orusd schema > schemas/orusd_schemas/room.schema.json"
+
+
+def test_the_schema_of_datasets_is_one_and_fresh() -> None:
+    Draft202012Validator.check_schema(dataset_schema())
+    shipped = resources.files("orusd_schemas").joinpath(DATASET_FILE).read_text(encoding="utf-8")
+    assert shipped == schema_text("dataset"), f"run: orusd schema dataset > .../{DATASET_FILE}"
 
 
 def test_there_are_examples() -> None:

@@ -75,7 +75,7 @@ def test_a_damaged_light_is_named(render: RenderedScene, tmp_path: Path) -> None
 
 def test_the_command(render: RenderedScene, tmp_path: Path) -> None:
     out = tmp_path / "mask_data"
-    arguments = ["dataset", str(render.folder), "-o", str(out), "--layout", "merged"]
+    arguments = ["dataset", "write", str(render.folder), "-o", str(out), "--layout", "merged"]
     done = CliRunner().invoke(orusd, arguments)
     assert done.exit_code == 0, done.output
     assert "of 2 views" in done.output

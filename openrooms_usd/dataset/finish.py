@@ -1,0 +1,172 @@
+"""What is written once the views are there: what is told of all rooms, and their other forms."""
+
+import hashlib
+import json
+import os
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+from typing import Any, Final
+
+from openrooms_usd import adapters
+from openrooms_usd.dataset.plan import Job
+from openrooms_usd.dataset.store import Store, write_json, write_lines
+from openrooms_usd.description import Dataset
+from openrooms_usd.description.dataset import Output
+from openrooms_usd.errors import InputError, OrusdError
+from openrooms_usd.progress import Progress, silent
+from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
+from openrooms_usd.render.folder import MANIFEST
+from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.untrusted import read_text
+
+INDEX: Final = "index.jsonl"
+SPLITS: Final = "splits.json"
+LICENCES: Final = "licences.json"
+OUTPUTS: Final = "outputs"
+# Of all that one release calls its own, the names of variants; others have one render a folder.
+_OPENROOMS: Final = "openrooms"
+_RELEASED: Final = {
+    "main": "main_xml",
+    "mainDiffMat": "mainDiffMat_xml",
+    "mainDiffLight": "mainDiffLight_xml",
+}
+
+
+def finish(store: Store, dataset: Dataset, progress: Progress = silent) -> tuple[str, ...]:
+    """Write the manifests, the index, the splits and the licences, and the forms asked for.
+
+    All of it follows from the records: what is there already is written again with the same bytes.
+
+    Args:
+        store: Where everything lies.
+        dataset: What it is.
+        progress: Called with what is written and the finished fraction.
+
+    Returns:
+        Sentences for people: forms that rooms could not be written in, and why.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    splits: dict[str, list[str]] = defaultdict(list)
+    licences: Counter[str] = Counter()
+    for rooms in _rooms(store):
+        found = [job for job in rooms if store.write_manifest(job)]
+        if found:
+            splits[found[0].room.split].append(found[0].room.name)
+        licences.update(_licences(store, found))
+    write_json(store.root / SPLITS, splits)
+    write_json(store.root / LICENCES, {"rooms": licences})
+    write_lines(store.root / INDEX, _index(store))
+    notes = []
+    for output in dataset.outputs:
+        progress(output.kind, 1.0)
+        notes += [note for rooms in _rooms(store) for note in _write(store, output, rooms)]
+    return tuple(dict.fromkeys(notes))
+
+
+def _rooms(store: Store) -> Iterator[list[Job]]:
+    """The jobs of each room."""
+    for _, jobs in groupby(store.jobs(), key=lambda job: job.room.number):
+        yield list(jobs)
+
+
+def _licences(store: Store, jobs: list[Job]) -> set[str]:
+    """The terms of all that went into a room."""
+    found: set[str] = set()
+    for job in jobs:
+        record = store.scene_record(job)
+        found |= set(record["licences"]) if record else set()
+    return found
+
+
+def _index(store: Store) -> Iterator[str]:
+    """One line for each finished view: what it is, its camera, its errors and its checksums."""
+    for job in store.jobs():
+        for _, record in store.records(job):
+            entry = record["entry"]
+            row = {
+                "unit": record["unit"],
+                "room": record["room"],
+                "variant": record["variant"],
+                "split": record["split"],
+                "source": record["source"],
+                "folder": f"renders/{record['unit']}",
+                "resolution": entry["resolution"],
+                "K": entry["K"],
+                "world_from_camera": entry["world_from_camera"],
+                "errors": {
+                    name: channel["estimated_robust_error"]
+                    for name, channel in entry["channels"].items()
+                    if channel["estimated_robust_error"]
+                },
+                "quality": record["quality"],
+                "files": {name: file["sha256"] for name, file in record["files"].items()},
+            }
+            yield json.dumps(row, sort_keys=True, ensure_ascii=False, allow_nan=False)
+
+
+def _write(store: Store, output: Output, jobs: list[Job]) -> Iterator[str]:
+    """Write a room in one form, unless it is written so already; what is to be said of that."""
+    found = [job for job in jobs if (store.render(job) / MANIFEST).is_file()]
+    found = [job for job in found if next(store.records(job), None)]
+    if output.kind == _OPENROOMS:
+        found = [job for job in found if job.variant in _RELEASED]
+    if not found:
+        return
+    done = store.root / "records" / found[0].room.name / f"{output.kind}.json"
+    key = _key(store, output, found)
+    if _is_written(done, key):
+        return
+    try:
+        summaries = list(_forms(store, output, found))
+    except OrusdError as error:
+        yield f"{output.kind}: {found[0].room.name}: {error.message}"
+        return
+    for missing in summaries:
+        yield from (f"{output.kind}: no {name}: {why}" for name, why in sorted(missing.items()))
+    write_json(done, {"key": key})
+
+
+def _forms(store: Store, output: Output, jobs: list[Job]) -> Iterator[dict[str, str]]:
+    """Write a room: all its variants as one scene of OpenRooms, else each render by itself."""
+    writer: DatasetWriter = adapters.load(adapters.DATASETS, output.kind)
+    root = store.root / OUTPUTS / output.kind
+    renders = [read_render(store.render(job)) for job in jobs]
+    if output.kind != _OPENROOMS:
+        for job, render in zip(jobs, renders, strict=True):
+            yield writer.write([render], root / job.name, DatasetOptions()).missing
+        return
+    room = jobs[0].room
+    options = DatasetOptions(
+        scene=f"scene{room.number:04d}_00",
+        splits=tuple(_RELEASED[job.variant] for job in jobs),
+        subset=room.split,
+        layout=output.layout,
+        crowded=output.crowded,
+    )
+    yield writer.write(_shared_views(renders), root, options).missing
+
+
+def _shared_views(renders: list[RenderedScene]) -> list[RenderedScene]:
+    """The renders with the views that all of them have: variants of a scene share them."""
+    names = [name for name in renders[0].views if all(name in one.views for one in renders)]
+    return [replace(one, views={name: one.views[name] for name in names}) for one in renders]
+
+
+def _key(store: Store, output: Output, jobs: list[Job]) -> str:
+    """What determines a form of a room: the files of its views, and what is asked for."""
+    files = [record["files"] for job in jobs for _, record in store.records(job)]
+    told: list[Any] = [output.model_dump(mode="json"), jobs[0].room.split, files]
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+
+def _is_written(path: Path, key: str) -> bool:
+    with suppress(InputError, ValueError):
+        if os.path.lexists(path):
+            return bool(json.loads(read_text(path)).get("key") == key)
+    return False

@@ -1,0 +1,227 @@
+"""The plan of a dataset: what there is to do, as data that follows from its file and the code.
+
+A unit is one view of one variant of one room. A job is what is opened together: the views of one
+variant of one room. Jobs come one after the other and are never held all at once: a million units
+take no memory.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from functools import cache
+from itertools import groupby
+from operator import itemgetter
+from pathlib import PurePosixPath
+from typing import Any, Final
+
+from openrooms_usd import adapters
+from openrooms_usd.categories import registry
+from openrooms_usd.codedigest import code_digest
+from openrooms_usd.description.dataset import SPLITS, Dataset, GeneratedRooms, Split
+from openrooms_usd.errors import InputError
+from openrooms_usd.names import STAGES
+from openrooms_usd.untrusted import opened
+
+# What makes the views of a job, but for what is loaded by name.
+_MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generate")
+_STAGES: Final = "openrooms_usd.stages"
+# The fractional part of the golden ratio: multiples of it fill 0 to 1 evenly, however many.
+_GOLDEN: Final = 0.6180339887498949
+_LARGEST_SEED: Final = 2**31
+_KEY_DIGITS: Final = 32
+
+
+@dataclass(frozen=True)
+class PlannedRoom:
+    """A room of the plan.
+
+    Attributes:
+        name: What its folders are called.
+        number: Its place among all rooms of the dataset.
+        source: What makes it: ``type``, ``seed``, ``clutter`` and ``style`` of a generated room,
+            ``file`` and the ``sha256`` of a described one.
+        split: What it is for.
+    """
+
+    name: str
+    number: int
+    source: Mapping[str, Any]
+    split: Split
+
+
+@dataclass(frozen=True)
+class Job:
+    """The views of one variant of one room.
+
+    Attributes:
+        room: The room.
+        variant: As what it is rendered.
+        seed: Draws what is other in the variant.
+        key: Names all that determines its files: unequal where they may differ.
+        views: The numbers of its views.
+    """
+
+    room: PlannedRoom
+    variant: str
+    seed: int
+    key: str
+    views: tuple[int, ...]
+
+    @property
+    def name(self) -> str:
+        """The room and the variant, as a path."""
+        return f"{self.room.name}/{self.variant}"
+
+    def units(self) -> list[str]:
+        """The names of its units, as paths."""
+        return [f"{self.name}/{view_name(number)}" for number in self.views]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data that `job_of` makes the job of again."""
+        return asdict(self)
+
+
+def job_of(data: Mapping[str, Any]) -> Job:
+    """A job from plain data."""
+    rest = {**data, "room": PlannedRoom(**data["room"]), "views": tuple(data["views"])}
+    return Job(**rest)
+
+
+def view_name(number: int) -> str:
+    """What the folder of a view is called."""
+    return f"view_{number}"
+
+
+def plan_rooms(dataset: Dataset) -> Iterator[PlannedRoom]:
+    """The rooms of a dataset, in its order.
+
+    Rooms that are added at the end change nothing of those before them.
+
+    Raises:
+        InputError: A description is not there.
+    """
+    number = 0
+    taken: dict[str, int] = {}
+    for part, rooms in enumerate(dataset.rooms):
+        if isinstance(rooms, GeneratedRooms):
+            for index in range(rooms.count):
+                kind = rooms.types[index % len(rooms.types)]
+                seed = _drawn(dataset.seed, "room", part, kind, index) % _LARGEST_SEED
+                source: dict[str, Any] = {
+                    "type": kind, "seed": seed, "clutter": rooms.clutter, "style": rooms.style
+                }  # fmt: skip
+                yield PlannedRoom(f"{kind}_{number}", number, source, _split(dataset, number))
+                number += 1
+            continue
+        for file in rooms.files:
+            name = _room_name(file, taken)
+            # A room.yaml that is wrong is found when its turn comes: the rest goes on.
+            source = {"file": file, "sha256": _file_digest(dataset, file)}
+            yield PlannedRoom(name, number, source, _split(dataset, number))
+            number += 1
+
+
+def plan_jobs(dataset: Dataset) -> Iterator[Job]:
+    """The jobs of a dataset, room by room.
+
+    Raises:
+        InputError: A description is not there, or there is no such renderer.
+    """
+    settings = {
+        **dataset.model_dump(mode="json", include={"views", "channels", "budget", "rendering"}),
+        "code": _code(dataset.rendering.renderer),
+    }
+    # Sorted and written once: jobs are many.
+    shared = json.dumps(settings, sort_keys=True)
+    views = tuple(range(dataset.views.count))
+    for room in plan_rooms(dataset):
+        source = json.dumps(room.source, sort_keys=True)
+        for variant in dataset.variants:
+            seed = _drawn(dataset.seed, "variant", room.name, variant) % _LARGEST_SEED
+            text = f"{shared}\n{room.name}\n{source}\n{variant}\n{seed}"
+            key = hashlib.sha256(text.encode()).hexdigest()[:_KEY_DIGITS]
+            yield Job(room, variant, seed, key, views)
+
+
+def lines(jobs: Iterable[Job]) -> Iterator[str]:
+    """A plan as text: one line of JSON for each unit."""
+    for job in jobs:
+        shared = json.dumps(
+            {
+                "key": job.key,
+                "number": job.room.number,
+                "room": job.room.name,
+                "seed": job.seed,
+                "source": job.room.source,
+                "split": job.room.split,
+                "variant": job.variant,
+            }
+        )
+        for number, unit in zip(job.views, job.units(), strict=True):
+            yield f'{shared[:-1]}, "unit": "{unit}", "view": {number}}}'
+
+
+def jobs_of(text: Iterable[str]) -> Iterator[Job]:
+    """The jobs of a plan as text.
+
+    Raises:
+        ValueError: It is no such text.
+        KeyError: As ValueError.
+    """
+    rows = (json.loads(line) for line in text)
+    for key, units in groupby(rows, key=itemgetter("key")):
+        found = list(units)
+        row = found[0]
+        room = PlannedRoom(row["room"], row["number"], row["source"], row["split"])
+        views = tuple(int(unit["view"]) for unit in found)
+        yield Job(room, row["variant"], row["seed"], key, views)
+
+
+def _drawn(seed: int, *key: str | int) -> int:
+    """A whole number that depends on a seed and a key alone."""
+    text = json.dumps([seed, "dataset", *key]).encode()
+    return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
+
+
+def _split(dataset: Dataset, number: int) -> Split:
+    """What a room is for: any run of rooms in their order has nearly the shares that are asked."""
+    at = (_drawn(dataset.seed, "split") / 2**64 + number * _GOLDEN) % 1.0
+    total = 0.0
+    for name in SPLITS:
+        total += getattr(dataset.splits, name)
+        if at < total:
+            return name
+    return next(name for name in reversed(SPLITS) if getattr(dataset.splits, name) > 0.0)
+
+
+def _room_name(file: str, taken: dict[str, int]) -> str:
+    """A name for a described room: its folder's, and a number where that repeats."""
+    path = PurePosixPath(file)
+    words = path.parent.name if path.stem == "room" and path.parent.name else path.stem
+    plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in words)
+    name = f"room_{plain}"
+    taken[name] = taken.get(name, 0) + 1
+    return name if taken[name] == 1 else f"{name}_again_{taken[name]}"
+
+
+def _file_digest(dataset: Dataset, file: str) -> str:
+    remedy = "names of files in a dataset.yaml begin in its folder"
+    with opened(dataset.folder / file, "description", remedy=remedy) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+@cache
+def _code(renderer: str) -> str:
+    """A digest of all code that makes views."""
+    found = adapters.available(adapters.RENDERERS)
+    if renderer not in found:
+        raise InputError(
+            f"no renderer is named {renderer!r}",
+            place="rendering.renderer",
+            remedy=f"installed: {', '.join(found)}",
+        )
+    importers = sorted(point.module for point in adapters.available(adapters.IMPORTERS).values())
+    stages = [f"{_STAGES}.{name}" for name in STAGES if name != "physics"]
+    stages += [f"{_STAGES}.physics.stage", f"{_STAGES}.runner"]
+    return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, found[renderer].module)

@@ -1,0 +1,93 @@
+"""How far a dataset is: what is finished, what has failed and why, what is left."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from openrooms_usd.dataset.plan import view_name
+from openrooms_usd.dataset.store import Store
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A view that could not be made.
+
+    Attributes:
+        unit: Its name.
+        code: What kind of error it was.
+        reason: Why.
+        attempts: How often it has been tried.
+    """
+
+    unit: str
+    code: str
+    reason: str
+    attempts: int
+
+
+@dataclass(frozen=True)
+class Status:
+    """How far a dataset is.
+
+    Attributes:
+        root: Its folder.
+        units: How many views it shall have.
+        finished: How many it has.
+        failures: Those that could not be made.
+        faults: How many finished views have each fault, by what is wrong with them.
+    """
+
+    root: Path
+    units: int
+    finished: int
+    failures: tuple[Failure, ...] = ()
+    faults: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def left(self) -> int:
+        """How many views have not been tried, or not by this plan."""
+        return self.units - self.finished - len(self.failures)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for ``--json``."""
+        return {
+            "root": str(self.root),
+            "units": self.units,
+            "finished": self.finished,
+            "failed": len(self.failures),
+            "left": self.left,
+            "failures": [vars(failure) for failure in self.failures],
+            "faults": self.faults,
+        }
+
+
+def status_of(root: Path) -> Status:
+    """Count what a dataset has.
+
+    Args:
+        root: Its folder.
+
+    Raises:
+        InputError: There is no dataset.
+    """
+    store = Store(root)
+    units, finished = 0, 0
+    failures: list[Failure] = []
+    faults: Counter[str] = Counter()
+    for job in store.jobs():
+        for view in job.views:
+            units += 1
+            if record := store.record(job, view):
+                finished += 1
+                faults.update(record["quality"]["faults"])
+            elif found := store.failure(job, view):
+                failures.append(
+                    Failure(
+                        f"{job.name}/{view_name(view)}",
+                        str(found["code"]),
+                        str(found["reason"]),
+                        int(found["attempts"]),
+                    )
+                )
+    return Status(root, units, finished, tuple(failures), dict(sorted(faults.items())))

@@ -1,0 +1,222 @@
+"""A room of the plan as a description, and its variants: other materials, other lights.
+
+Everything that is not said to be other stays: the shell, the objects and the cameras. Other
+materials are another look of the room (``materials.look``); what a person said of a material
+stays. Other lights are another moment outside, and lamps of another brightness and hue, some off.
+"""
+
+import math
+from collections.abc import Mapping
+from datetime import date, datetime, timedelta
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd.dataset.plan import Job
+from openrooms_usd.description import Room, load_room, named_objects, parse_room, room_of
+from openrooms_usd.description.alignment import ObjectList
+from openrooms_usd.description.dataset import DatasetViews
+from openrooms_usd.description.lights import (
+    ConstantEnvironment,
+    FileEnvironment,
+    Lamp,
+    SkyEnvironment,
+)
+from openrooms_usd.description.moments import zone
+from openrooms_usd.draws import generator
+from openrooms_usd.generate import expanded, generate, write
+from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.library.lamplight import lamp_kelvin
+from openrooms_usd.library.solar import sun_position
+
+Section = dict[str, Any]
+
+OTHER_MATERIALS: Final = frozenset({"mainDiffMat", "mainDiffMatLight"})
+OTHER_LIGHTS: Final = frozenset({"mainDiffLight", "mainDiffMatLight"})
+
+# Of light that is redrawn: how often a lamp is on, and the range of factors of what lamps and
+# surroundings give.
+_ON_SHARE: Final = 0.7
+_LAMP_FACTOR: Final = (0.5, 1.6)
+_OUTSIDE_FACTOR: Final = (0.4, 1.8)
+_TINT: Final = (0.85, 1.15)
+# Moments are tried until the sun stands so high; clocks are read to so many minutes.
+_LEAST_ELEVATION_DEG: Final = 6.0
+_MOST_TRIES: Final = 60
+_CLOCK_MIN: Final = 10
+_OVERCAST_SHARE: Final = 0.25
+_TURBIDITY: Final = (2.2, 4.5)
+# What the generator says of the room itself, which is drawn anew with other materials.
+_DRAWN_SURFACES: Final = ("floor", "walls", "trim", "accents", "cladding", "beams")
+
+
+def described(job: Job, folder: Path) -> Room:
+    """The room of a job, before its variant.
+
+    Args:
+        job: The job.
+        folder: Where the names of files in the dataset.yaml begin.
+
+    Raises:
+        InputError: The file cannot be read, or no such room can be made.
+        DescriptionError: It has mistakes.
+    """
+    source = job.room.source
+    if "file" in source:
+        return load_room(folder / str(source["file"]))
+    made = generate(source["type"], source["seed"], None, source["style"], source["clutter"])
+    return parse_room(write(made), job.room.name)
+
+
+def realised(job: Job, views: DatasetViews, folder: Path) -> Room:
+    """The room of a job as it is composed: in its variant, with the cameras of the dataset.
+
+    Args:
+        job: The job.
+        views: From where it is seen.
+        folder: Where the names of files in the dataset.yaml begin.
+
+    Raises:
+        InputError: As `described`.
+        DescriptionError: As `described`.
+    """
+    room = described(job, folder)
+    if job.variant in OTHER_LIGHTS:
+        # Lamps can only be named where they are listed.
+        room = with_other_lights(expanded(room), job.seed)
+    if job.variant in OTHER_MATERIALS:
+        room = with_other_materials(room, generated="file" not in job.room.source)
+    return _with_cameras(room, views)
+
+
+def with_other_materials(room: Room, *, generated: bool = False) -> Room:
+    """The same room in its next look.
+
+    Args:
+        room: The room.
+        generated: Whether nobody said anything of its surfaces, so that they are other, too.
+    """
+    data = room.as_dict()
+    section: Section = data.setdefault("materials", {})
+    if generated:
+        for name in _DRAWN_SURFACES:
+            section.pop(name, None)
+    look = room.materials.look + 1
+    section |= {"look": look, "looks": max(room.materials.looks, look + 1)}
+    return _again(room, data)
+
+
+def with_other_lights(room: Room, seed: int) -> Room:
+    """The same room at another moment, under other lamps.
+
+    Args:
+        room: The room; its objects are listed, or its lamps in ``lights``.
+        seed: Draws all that is other.
+    """
+    data = room.as_dict()
+    section: Section = data.setdefault("lights", {})
+    rng = generator(seed, "dataset", "environment")
+    section["environment"] = _environment(room, section.get("environment", {}), rng)
+    section["lamps"] = _lamps(room, seed)
+    return _again(room, data)
+
+
+def _with_cameras(room: Room, views: DatasetViews) -> Room:
+    data = room.as_dict()
+    section: Section = data.setdefault("cameras", {})
+    section["resolution"] = list(views.resolution)
+    if views.source == "select":
+        own = (getattr(view, "fov", None) for view in room.cameras.views)
+        fov = views.fov or next((angle for angle in own if angle), None)
+        select = {"from": "select", "count": views.count, "prefer": views.prefer}
+        data["cameras"] = {
+            "resolution": list(views.resolution),
+            "views": [select | ({"fov": fov} if fov else {})],
+        }
+    return _again(room, data)
+
+
+def _again(room: Room, data: Mapping[str, Any]) -> Room:
+    found = room_of(data)
+    return found.located(room.folder) if room.folder else found
+
+
+def _environment(room: Room, given: Mapping[str, Any], rng: np.random.Generator) -> Section:
+    now = room.lights.environment
+    factor = float(rng.uniform(*_OUTSIDE_FACTOR))
+    if isinstance(now, SkyEnvironment):
+        return {**given, **_moment(now, rng)}
+    if isinstance(now, FileEnvironment):
+        turned = (now.rotate + float(rng.uniform(0.0, 360.0))) % 360.0
+        kept = "scale" if now.illuminance is None else "illuminance"
+        value = now.illuminance or now.scale or 1.0
+        return {**given, "rotate": round(turned, 1), kept: round(value * factor, 6)}
+    assert isinstance(now, ConstantEnvironment)
+    color = [round(part * float(rng.uniform(*_TINT)), 4) for part in now.color]
+    return {**given, "color": color, "illuminance": round(now.illuminance * factor, 1)}
+
+
+def _moment(now: SkyEnvironment, rng: np.random.Generator) -> Section:
+    """Another day and hour at the same place, by daylight where there is any."""
+    local_zone = zone(now.utc_offset, now.longitude)
+    year = date.fromisoformat(now.date).year
+    best: tuple[float, datetime] | None = None
+    for _ in range(_MOST_TRIES):
+        day = date(year, 1, 1) + timedelta(days=int(rng.integers(365)))
+        minute = _CLOCK_MIN * int(rng.integers(24 * 60 // _CLOCK_MIN))
+        local = datetime(day.year, day.month, day.day, minute // 60, minute % 60, tzinfo=local_zone)
+        height = sun_position(local, now.latitude, now.longitude).elevation
+        if best is None or height > best[0]:
+            best = height, local
+        if height >= _LEAST_ELEVATION_DEG:
+            best = height, local
+            break
+    assert best is not None
+    return {
+        "date": best[1].date().isoformat(),
+        "time": f"{best[1]:%H:%M}",
+        "turbidity": round(float(rng.uniform(*_TURBIDITY)), 1),
+        "overcast": bool(rng.random() < _OVERCAST_SHARE),
+    }
+
+
+def _lamps(room: Room, seed: int) -> dict[str, Section]:
+    """What every lamp emits; one of them is on at least."""
+    found = {}
+    for name in _lamp_names(room):
+        # Drawn for each, so that one that is added changes no other.
+        rng = generator(seed, "dataset", "lamp", name)
+        lamp = room.lights.lamps.get(name, Lamp())
+        found[name] = _lamp(room, lamp, rng)
+    if found and not any(row["on"] for row in found.values()):
+        next(iter(found.values()))["on"] = True
+    return found
+
+
+def _lamp_names(room: Room) -> list[str]:
+    """The lamps that are listed in the room or in its lights."""
+    listed = dict.fromkeys(room.lights.lamps)
+    if isinstance(room.alignment, ObjectList):
+        rows = named_objects(room.alignment.objects)
+        listed |= dict.fromkeys(name for name, row in rows if _emits(row.category))
+    return list(listed)
+
+
+def _emits(word: str) -> bool:
+    spec = CATEGORIES.get(word)
+    return bool(spec and spec.emits)
+
+
+def _lamp(room: Room, lamp: Lamp, rng: np.random.Generator) -> Section:
+    row = lamp.model_dump(mode="json", exclude_unset=True)
+    row["on"] = bool(rng.random() < _ON_SHARE)
+    least, most = map(math.log, _LAMP_FACTOR)
+    factor = math.exp(float(rng.uniform(least, most)))
+    kelvin = int(rng.choice(lamp_kelvin(room.room)))
+    if lamp.radiance is not None:
+        row["radiance"] = [round(part * factor, 4) for part in lamp.radiance]
+        return row
+    if lamp.lumen is not None:
+        row["lumen"] = round(lamp.lumen * factor, 1)
+    return row if lamp.color is not None else {**row, "kelvin": kelvin}

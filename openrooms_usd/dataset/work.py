@@ -1,0 +1,225 @@
+"""What a worker does: make the room of a job, open it once, and render its views one by one.
+
+All of it can be done again at any moment, with the same bytes; what is finished stays. A view that
+fails is told, and the next one is begun.
+"""
+
+import gc
+import re
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from openrooms_usd import atomic, claims, ledger
+from openrooms_usd.compose import compose_room
+from openrooms_usd.dataset.executor import Task, Told
+from openrooms_usd.dataset.plan import Job, job_of, view_name
+from openrooms_usd.dataset.quality import look_at
+from openrooms_usd.dataset.store import SCENE_RECORD, Store, write_json
+from openrooms_usd.dataset.variants import realised
+from openrooms_usd.description import Dataset
+from openrooms_usd.errors import OrusdError, RenderError
+from openrooms_usd.render.folder import OPENINGS_FOLDER
+from openrooms_usd.render.job import OpenedJob, RenderJob
+from openrooms_usd.render.manifest import by_light
+from openrooms_usd.render.run import check_view, describe_view, write_openings, write_view
+from openrooms_usd.validation.licences import licences
+
+# What a worker tells of a view.
+BEGUN: Final = "begun"
+FINISHED: Final = "finished"
+FAILED: Final = "failed"
+
+_NUMBER: Final = re.compile(r"(\d+)")
+
+ReportRow = tuple[str, Any, str]
+
+
+def task_of(job: Job, dataset: Dataset, root: Path, threads: int) -> Task:
+    """A job as plain data, with all that a worker must know.
+
+    Args:
+        job: The job; its views are those that are to be made.
+        dataset: What it is of.
+        root: The dataset's folder.
+        threads: How many threads it may use.
+    """
+    return {
+        "job": job.as_dict(),
+        "dataset": dataset.model_dump(mode="json", by_alias=True),
+        "folder": str(dataset.folder.absolute()),
+        "root": str(root.absolute()),
+        "threads": threads,
+    }
+
+
+def work(task: Task) -> Iterator[Told]:
+    """Make the views of a task.
+
+    Yields:
+        What becomes of each: it is begun, finished, or has failed for a reason.
+    """
+    job, left = job_of(task["job"]), list(task["job"]["views"])
+    try:
+        with ExitStack() as held:
+            room = _OpenRoom.of(task, job, held)
+            while left:
+                yield {"event": BEGUN, "view": left[0]}
+                yield room.attempt(left.pop(0))
+            # All views that are finished by now, not these alone.
+            views = tuple(range(task["dataset"]["views"]["count"]))
+            room.store.write_manifest(replace(job, views=views))
+    except Exception as error:
+        # Where the room itself fails, none of its views can be made.
+        yield from ({"event": FAILED, "view": view, "reason": reason_of(error)} for view in left)
+    finally:
+        # A room holds gigabytes; the next one shall find them free.
+        gc.collect()
+
+
+def reason_of(error: BaseException) -> dict[str, str]:
+    """Why something failed, as plain data."""
+    if isinstance(error, OrusdError):
+        return {"code": error.code, "reason": str(error)}
+    return {"code": "unexpected", "reason": f"{type(error).__name__}: {error}"}
+
+
+@dataclass(frozen=True, eq=False)
+class _OpenRoom:
+    """A room that is made and opened, ready for its views.
+
+    Attributes:
+        job: The job.
+        store: Where everything lies.
+        opened: The opened room.
+        error: The error that a view shall have at most.
+        rows: What the report says of the room itself.
+        took: Seconds for what all views share.
+    """
+
+    job: Job
+    store: Store
+    opened: OpenedJob
+    error: float | None
+    rows: tuple[ReportRow, ...]
+    took: Mapping[str, float]
+
+    @classmethod
+    def of(cls, task: Task, job: Job, held: ExitStack) -> "_OpenRoom":
+        """Compose the room and open it; say what its views share.
+
+        Args:
+            task: The task.
+            job: Its job.
+            held: Takes the claim of the render's folder.
+        """
+        from openrooms_usd.usd.diagnostics import quiet
+
+        held.enter_context(quiet())
+        store, dataset = Store(Path(task["root"])), Dataset.model_validate(task["dataset"])
+        folder, began = Path(task["folder"]), time.perf_counter()
+        held.enter_context(claims.claimed(store.render(job), ledger.RENDER_FILE))
+        described = realised(job, dataset.views, folder)
+        base = described.folder or folder
+        made = compose_room(described, store.scene(job), base=base, workers=task["threads"])
+        composed = time.perf_counter() - began
+        opened = _render_job(dataset, job).open(made.scene, views=dataset.views.count)
+        took = {"compose": composed, "translation": opened.translation}
+        rows = tuple(opened.report.rows)
+        room = cls(job, store, opened, dataset.budget.error, rows, took)
+        room._share()
+        return room
+
+    def _share(self) -> None:
+        """Write what all views share: what openings see, and the record of the scene."""
+        folder, job = self.store.render(self.job), self.job
+        if by_light(self.opened.listed):
+            with atomic.filling(folder) as beside:
+                write_openings(beside, self.opened.lights)
+        found = sorted({one.licence for one in licences(self.opened.stage)})
+        record = {
+            "key": job.key,
+            "entry": self.opened.entry(),
+            "report": self.opened.report.as_dict(),
+            "licences": found,
+            "files": self.store.digests(job, OPENINGS_FOLDER),
+        }
+        write_json(self.store.record_path(job, SCENE_RECORD), record)
+
+    def attempt(self, view: int) -> Told:
+        """Make one view; what became of it."""
+        try:
+            self._make(view)
+        except Exception as error:
+            return {"event": FAILED, "view": view, "reason": reason_of(error)}
+        return {"event": FINISHED, "view": view}
+
+    def _make(self, number: int) -> None:
+        """Render a view, write it whole, and then its record."""
+        name, opened, store, job = view_name(number), self.opened, self.store, self.job
+        camera = self._camera(number)
+        # What is told of one view is no part of another's record, whichever came first.
+        opened.report.rows[:] = self.rows
+        began = time.perf_counter()
+        view = opened.render(camera)
+        rendered = time.perf_counter()
+        request, lights = opened.listed, opened.lights
+        check_view(name, view, request, len(lights))
+        with atomic.appearing(store.render(job) / name) as beside:
+            previews = write_view(beside, view, request.tone)
+            shown = opened.photograph(camera)
+            entry = describe_view(beside, name, view, previews, lights, shown)
+        told = [row for row in opened.report.rows if row not in self.rows]
+        record = {
+            "unit": f"{job.name}/{name}",
+            "room": job.room.name,
+            "variant": job.variant,
+            "split": job.room.split,
+            "source": dict(job.room.source),
+            "entry": entry,
+            "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
+            "quality": look_at(view, self.error),
+            "files": store.digests(job, name),
+        }
+        took = {"render": rendered - began, "output": time.perf_counter() - rendered}
+        store.finish(job, number, record, {**self.took, **took})
+
+    def _camera(self, number: int) -> str:
+        """The camera of a view, by name."""
+        cameras = sorted(self.opened.views, key=_by_number)
+        if number >= len(cameras):
+            raise RenderError(
+                f"the room has {len(cameras)} views and no view {number}",
+                place=self.job.room.name,
+                remedy="ask for fewer views",
+            )
+        return cameras[number]
+
+
+def _by_number(name: str) -> list[tuple[int, str]]:
+    """So that view_10 comes after view_9."""
+    return [(int(p), "") if p.isdigit() else (0, p) for p in _NUMBER.split(name)]
+
+
+def _render_job(dataset: Dataset, job: Job) -> RenderJob:
+    budget, light = dataset.budget, dataset.rendering
+    return RenderJob.of(
+        channels=dataset.channels,
+        resolution=dataset.views.resolution,
+        field_of_view=dataset.views.fov,
+        grid=light.grid,
+        error_maps=light.error_maps,
+        samples=budget.samples,
+        error=budget.error,
+        seconds=budget.seconds,
+        # Rooms that share a seed would share the pattern of their noise.
+        seed=job.seed,
+        bounces=light.bounces,
+        method=light.method,
+        renderer=light.renderer,
+        options=light.options,
+        denoise=light.denoise,
+    )

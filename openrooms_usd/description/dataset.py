@@ -1,0 +1,202 @@
+"""dataset.yaml: which rooms, seen how often, in which variants, with which ground truth."""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, Self, get_args
+
+from pydantic import Field, PrivateAttr, Tag
+
+from openrooms_usd.description.cameras import FieldOfView, Pixels
+from openrooms_usd.description.model import (
+    CheckedModel,
+    Found,
+    Model,
+    Number,
+    PrimName,
+    Switch,
+    Whole,
+    by_source,
+    peek,
+    peek_list,
+)
+from openrooms_usd.description.room import RoomType
+from openrooms_usd.description.styles import InteriorStyle
+
+Variant = Literal["main", "mainDiffMat", "mainDiffLight", "mainDiffMatLight"]
+Split = Literal["train", "val", "test"]
+SPLITS: Final[tuple[Split, ...]] = get_args(Split)
+
+_MOST_ROOMS: Final = 10_000_000
+# How far shares may be from 1 together: they are written with few digits.
+_SHARES_TOLERANCE: Final = 1e-6
+
+_Share = Annotated[Number, Field(ge=0, le=1)]
+_Samples = Annotated[Whole, Field(ge=1, le=2**20)]
+_Error = Annotated[Number, Field(ge=1e-9, le=1e3)]
+_Seconds = Annotated[Number, Field(ge=1e-3, le=1e7)]
+_Text = Annotated[str, Field(min_length=1)]
+
+
+class GeneratedRooms(Model):
+    """Rooms from nothing."""
+
+    source: Literal["generate"] = Field(default="generate", alias="from")
+    types: tuple[RoomType, ...] = Field(default=get_args(RoomType), min_length=1)
+    """The kinds of rooms, by turns; all of them by default."""
+    count: Whole = Field(ge=1, le=_MOST_ROOMS)
+    """How many rooms."""
+    clutter: Annotated[Whole, Field(ge=0, le=3)] = 2
+    """How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy."""
+    style: InteriorStyle | None = None
+    """What furniture, materials and colours go together; drawn for each room by default."""
+
+
+class DescribedRooms(Model):
+    """Rooms of which there is a room.yaml: drawn by people, or imported from captures."""
+
+    source: Literal["descriptions"] = Field(default="descriptions", alias="from")
+    files: tuple[_Text, ...] = Field(min_length=1)
+    """Their room.yaml, relative to this file."""
+
+
+Rooms = Annotated[
+    Annotated[GeneratedRooms, Tag("generate")] | Annotated[DescribedRooms, Tag("descriptions")],
+    by_source("generate", files="descriptions"),
+]
+
+
+class DatasetViews(Model):
+    """From where each room is seen."""
+
+    source: Literal["select", "described"] = Field(default="select", alias="from")
+    """``select``: the best of many views; ``described``: the first cameras of the room's own."""
+    count: Whole = Field(default=3, ge=1, le=1000)
+    """How many views of each room."""
+    resolution: tuple[Pixels, Pixels] = (640, 480)
+    """Width and height in pixels."""
+    fov: FieldOfView | None = None
+    """Horizontal field of view of all cameras; by default what the room's cameras have."""
+    prefer: Literal["photograph", "paper"] = "photograph"
+    """How views are selected: see the cameras of room.yaml."""
+
+
+class Budget(CheckedModel):
+    """When a view is good enough: one of the three."""
+
+    samples: _Samples | None = None
+    """Samples a pixel; 64 where nothing else is said."""
+    error: _Error | None = None
+    """Estimated robust error of the radiance."""
+    seconds: _Seconds | None = None
+    """Seconds a view; how much is done in them no two runs have alike."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """More than one of them."""
+        has = [name for name in cls.model_fields if peek(given, name) is not None]
+        for name in has[1:]:
+            yield Found((name,), f"a view stops by one of these; {has[0]} is given already")
+
+
+class Rendering(Model):
+    """How light is computed."""
+
+    renderer: _Text = "mitsuba"
+    """A registered renderer."""
+    options: dict[str, str] = Field(default_factory=dict)
+    """What is asked of it, by name, such as the variant of Mitsuba."""
+    method: Literal["cache", "reference"] | None = None
+    """As `orusd render --method`; by default what takes less time."""
+    bounces: Annotated[Whole, Field(ge=0, le=1024)] = 7
+    """At most this many scatterings on the way from a light to the camera."""
+    grid: tuple[Pixels, Pixels] = (160, 120)
+    """Columns and rows of hemispheres of environment."""
+    error_maps: Switch = False
+    """Whether views have the estimated error of every pixel."""
+    denoise: Switch = False
+    """Whether views have a denoised radiance beside the raw one."""
+
+
+class Output(Model):
+    """A form in which finished rooms are written besides."""
+
+    kind: _Text = Field(alias="as")
+    """Whose: openrooms, nerf, or another that is installed."""
+    layout: Literal["split", "merged"] = "split"
+    """Of openrooms: a tree for each channel, or one folder, which published loaders read."""
+    crowded: Literal["leave-out", "drop", "keep"] = "leave-out"
+    """Of openrooms: what becomes of views with more lights than loaders have room for."""
+
+
+class Shares(CheckedModel):
+    """Which part of the rooms is for what; a room with all its views is in one of them."""
+
+    train: _Share = 0.8
+    """For training."""
+    val: _Share = 0.1
+    """For validation."""
+    test: _Share = 0.1
+    """For tests."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Shares that are not 1 together."""
+        found = [peek(given, name) for name in cls.model_fields]
+        usual = [info.default for info in cls.model_fields.values()]
+        shares = [u if share is None else share for share, u in zip(found, usual, strict=True)]
+        if all(isinstance(share, (int, float)) for share in shares):
+            total = math.fsum(shares)
+            if abs(total - 1.0) > _SHARES_TOLERANCE:
+                yield Found((), f"train, val and test are {total:g} together, not 1")
+
+
+class Dataset(CheckedModel):
+    """A dataset, as dataset.yaml describes it."""
+
+    name: PrimName = "dataset"
+    """Its name, for people."""
+    seed: Whole = Field(default=0, ge=0, lt=2**63)
+    """Fixes everything that is drawn."""
+    rooms: tuple[Rooms, ...] = Field(min_length=1)
+    """Where the rooms come from."""
+    views: DatasetViews = Field(default_factory=DatasetViews)
+    """From where each room is seen."""
+    variants: tuple[Variant, ...] = Field(default=("main",), min_length=1)
+    """What each room is rendered as: ``main``, with other materials (``mainDiffMat``), other lights
+    (``mainDiffLight``) or both (``mainDiffMatLight``)."""
+    channels: tuple[_Text, ...] = Field(default=("usual",), min_length=1)
+    """Names as of `orusd render --channels`: usual, all, or those of `orusd channels`."""
+    budget: Budget = Field(default_factory=Budget)
+    """When a view is good enough."""
+    rendering: Rendering = Field(default_factory=Rendering)
+    """How light is computed."""
+    outputs: tuple[Output, ...] = ()
+    """Forms in which finished rooms are written besides EXR and manifest."""
+    splits: Shares = Field(default_factory=Shares)
+    """Which part of the rooms is for what."""
+    retries: Whole = Field(default=1, ge=0, le=100)
+    """How often a view that fails is tried again."""
+
+    _folder: Path = PrivateAttr(default_factory=Path)
+
+    @property
+    def folder(self) -> Path:
+        """Where the names of files in it begin."""
+        return self._folder
+
+    def located(self, folder: Path) -> Self:
+        """The same dataset, whose names of files begin in a folder."""
+        found = self.model_copy()
+        found._folder = folder
+        return found
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """Variants and outputs that are named twice."""
+        variants = peek_list(given, "variants")
+        kinds = [peek(row, "as") or peek(row, "kind") for row in peek_list(given, "outputs")]
+        for where, names in (("variants", variants), ("outputs", kinds)):
+            for index, name in enumerate(names):
+                if name in names[:index]:
+                    yield Found((where, index), f"{name} is given twice")

@@ -1,0 +1,70 @@
+"""A small dataset: rooms that compose in a moment, and one that cannot be composed at all."""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ROOM = """\
+name: small
+room: office
+seed: 3
+layout:
+  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
+  openings:
+    - {kind: window, wall: 0}
+alignment:
+  objects:
+    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
+    - {category: ceiling_lamp, at: [2, 1.5]}
+materials: {resolution: 16}
+"""
+POISONED = ROOM.replace("category: chair", "category: chiar")
+DATASET = """\
+name: small
+seed: 5
+rooms:
+  - files: [good/room.yaml, poisoned/room.yaml]
+views: {count: 2, resolution: [24, 18]}
+variants: [main, mainDiffMat]
+channels: [radiance, depth, instance, valid]
+budget: {samples: 2}
+rendering: {renderer: preview}
+retries: 0
+"""
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    """The dataset.yaml, with its rooms beside it."""
+    return write_source(tmp_path / "source")
+
+
+@pytest.fixture(scope="session", name="write_source")
+def write_source_fixture() -> Callable[[Path], Path]:
+    return write_source
+
+
+def write_source(folder: Path) -> Path:
+    for name, text in (("good", ROOM), ("poisoned", POISONED)):
+        (folder / name).mkdir(parents=True)
+        (folder / name / "room.yaml").write_text(text)
+    (folder / "dataset.yaml").write_text(DATASET)
+    return folder / "dataset.yaml"
+
+
+@pytest.fixture(scope="session")
+def checksums() -> Callable[[Path], dict[str, str]]:
+    """Of all files of a dataset but times, failures, and lists of what may be removed again."""
+
+    def of(root: Path) -> dict[str, str]:
+        return {
+            path.relative_to(root).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in sorted(root.rglob("*"))
+            if path.is_file()
+            and not path.name.startswith(".orusd.")
+            and path.relative_to(root).parts[0] not in ("timing", "failures")
+        }
+
+    return of

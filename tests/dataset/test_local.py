@@ -1,0 +1,61 @@
+"""The executor of this machine: processes that keep what they loaded, and may die."""
+
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from openrooms_usd.dataset.executor import Lost
+from openrooms_usd.dataset.local import LocalExecutor
+
+
+@pytest.fixture(autouse=True)
+def importable(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Processes import what they work by its name."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parent))
+
+
+def work() -> Any:
+    return import_module("executor_tasks").work
+
+
+def told(names: list[str], workers: int) -> list[tuple[str, Any]]:
+    tasks = [{"name": name} for name in names]
+    return [(task["name"], what) for task, what in LocalExecutor().run(tasks, work(), workers)]
+
+
+def test_one_worker_does_all_and_tells_in_order() -> None:
+    found = told(["a", "b"], 1)
+    assert [name for name, _ in found] == ["a", "a", "b", "b"]
+    assert found[1][1] == {"ended": "a"}
+    assert len({what["process"] for _, what in found if "process" in what}) == 1
+
+
+def test_a_worker_that_dies_is_told_and_replaced() -> None:
+    found = told(["a", "dies", "raises", "b"], 1)
+    lost = {name: what.reason for name, what in found if isinstance(what, Lost)}
+    assert lost == {"dies": "the worker died (SIGKILL)", "raises": "ValueError: no such thing"}
+    assert ("b", {"ended": "b"}) in found
+    assert len({what["process"] for _, what in found if not isinstance(what, Lost) and
+                "process" in what}) == 2  # fmt: skip
+
+
+def test_tasks_are_taken_when_a_worker_is_free() -> None:
+    taken = []
+
+    def tasks() -> Iterator[dict[str, str]]:
+        for name in "abcdef":
+            taken.append(name)
+            yield {"name": name}
+
+    running = LocalExecutor().run(tasks(), work(), 2)
+    next(running)
+    assert len(taken) <= 3
+    running.close()
+
+
+@pytest.mark.parametrize("names", [[], ["a"]])
+def test_fewer_tasks_than_workers(names: list[str]) -> None:
+    assert [name for name, _ in told(names, 3)] == [name for name in names for _ in range(2)]

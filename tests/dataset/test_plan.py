@@ -1,0 +1,110 @@
+"""The plan follows from the file: the same lines each time, and none that another room moves."""
+
+from collections import Counter
+from itertools import islice
+from pathlib import Path
+
+import pytest
+
+from openrooms_usd.dataset.plan import Job, jobs_of, lines, plan_jobs
+from openrooms_usd.description import load_dataset
+from openrooms_usd.errors import DescriptionError, InputError
+
+GENERATED = """\
+seed: 7
+rooms:
+  - {types: [bedroom, kitchen], count: 1000}
+views: {count: 2}
+variants: [main, mainDiffLight]
+"""
+
+
+def planned(tmp_path: Path, text: str) -> list[Job]:
+    (tmp_path / "dataset.yaml").write_text(text)
+    return list(plan_jobs(load_dataset(tmp_path / "dataset.yaml")))
+
+
+def test_the_same_file_gives_the_same_plan(tmp_path: Path) -> None:
+    jobs = planned(tmp_path, GENERATED)
+    assert list(lines(jobs)) == list(lines(planned(tmp_path, GENERATED)))
+    units = [unit for job in jobs for unit in job.units()]
+    assert len(set(units)) == len(units) == 4000
+    assert units[:2] == ["bedroom_0/main/view_0", "bedroom_0/main/view_1"]
+
+
+def test_a_plan_as_text_is_the_same_plan(tmp_path: Path) -> None:
+    jobs = planned(tmp_path, GENERATED)[:40]
+    assert list(jobs_of(lines(jobs))) == jobs
+
+
+def test_rooms_that_are_added_at_the_end_move_no_other(tmp_path: Path) -> None:
+    more = planned(tmp_path, GENERATED.replace("1000", "1200"))
+    assert more[:2000] == planned(tmp_path, GENERATED)
+
+
+def test_every_number_is_drawn_from_the_seed(tmp_path: Path) -> None:
+    jobs, others = planned(tmp_path, GENERATED), planned(tmp_path, GENERATED.replace("7", "8"))
+    assert len({job.room.source["seed"] for job in jobs}) == 1000
+    assert len({job.seed for job in jobs}) == len({job.key for job in jobs}) == 2000
+    assert not {job.key for job in jobs} & {job.key for job in others}
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["budget: {samples: 3}", "views: {count: 3}", "channels: [depth]", "rendering: {bounces: 1}"],
+)
+def test_what_determines_pixels_is_in_the_key(tmp_path: Path, change: str) -> None:
+    before = planned(tmp_path, GENERATED)[0]
+    section = change.partition(":")[0]
+    kept = "".join(f"{line}\n" for line in GENERATED.splitlines() if not line.startswith(section))
+    after = planned(tmp_path, f"{kept}{change}\n")[0]
+    assert after.key != before.key
+
+
+def test_what_determines_none_is_not(tmp_path: Path) -> None:
+    before = planned(tmp_path, GENERATED)[0]
+    after = planned(tmp_path, f"{GENERATED}retries: 4\nname: other\noutputs: [{{as: nerf}}]\n")[0]
+    assert after == before
+
+
+def test_splits_have_their_shares_in_every_run_of_rooms(tmp_path: Path) -> None:
+    rooms = [job.room for job in planned(tmp_path, GENERATED) if job.variant == "main"]
+    for start in (0, 333, 900):
+        found = Counter(room.split for room in islice(rooms, start, start + 100))
+        assert abs(found["train"] - 80) <= 2 and abs(found["val"] - 10) <= 2
+    alone = planned(tmp_path, GENERATED + "splits: {train: 0, val: 0, test: 1}\n")
+    assert {job.room.split for job in alone} == {"test"}
+
+
+def test_a_description_is_in_the_key_by_its_content(source: Path) -> None:
+    before = list(plan_jobs(load_dataset(source)))
+    room = source.parent / "good" / "room.yaml"
+    room.write_text(room.read_text().replace("seed: 3", "seed: 4"))
+    after = list(plan_jobs(load_dataset(source)))
+    assert [a.key == b.key for a, b in zip(after, before, strict=True)] == [False] * 2 + [True] * 2
+    room.unlink()
+    with pytest.raises(InputError, match="no such file"):
+        list(plan_jobs(load_dataset(source)))
+
+
+def test_mistakes_are_told_with_their_places(tmp_path: Path) -> None:
+    (tmp_path / "dataset.yaml").write_text(
+        "seeed: 2\nrooms:\n  - {types: [living_rom], count: 0}\n  - files: []\n"
+        "variants: [main, main]\nbudget: {samples: 3, error: 0.1}\nsplits: {train: 0.9}\n"
+    )
+    with pytest.raises(DescriptionError) as caught:
+        load_dataset(tmp_path / "dataset.yaml")
+    said = str(caught.value)
+    for fragment in (
+        "7 mistakes", ":1:1: seeed: unknown key (did you mean 'seed'?)",
+        ":3:14: rooms[0].types[0]: found 'living_rom' (did you mean 'living_room'?)",
+        ":3:34: rooms[0].count: expected at least 1", ":4:12: rooms[1].files",
+        ":5:18: variants[1]: main is given twice", ":6:29: budget.error: a view stops by one",
+        ":7:9: splits: train, val and test are 1.1 together, not 1",
+    ):  # fmt: skip
+        assert fragment in said
+
+
+def test_an_unknown_renderer_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no renderer is named"):
+        planned(tmp_path, GENERATED + "rendering: {renderer: nonsense}\n")

@@ -1,0 +1,159 @@
+"""The story of a run, told by an executor that only pretends."""
+
+import errno
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from openrooms_usd import adapters, atomic
+from openrooms_usd.dataset import run
+from openrooms_usd.dataset.executor import Lost, Task
+from openrooms_usd.dataset.plan import Job, job_of
+from openrooms_usd.dataset.store import SCENE_RECORD, Store, write_json
+from openrooms_usd.dataset.work import BEGUN, FAILED, FINISHED
+
+Fate = Callable[[str, int], str]
+
+
+class Pretending:
+    """Finishes what its fate lets it; counts how often each view was begun."""
+
+    def __init__(self, fate: Fate) -> None:
+        self.fate = fate
+        self.begun: Counter[str] = Counter()
+
+    def run(self, tasks: Iterable[Task], work: Any, workers: int) -> Iterator[tuple[Task, Any]]:
+        for task in tasks:
+            yield from ((task, told) for told in self._told(task))
+
+    def _told(self, task: Task) -> Iterator[Any]:
+        job, store = job_of(task["job"]), Store(Path(task["root"]))
+        if self.fate(job.name, -1) == "dies":
+            yield Lost("the worker died")
+            return
+        share(store, job)
+        for view in job.views:
+            unit = f"{job.name}/{view}"
+            self.begun[unit] += 1
+            fate = self.fate(job.name, view)
+            yield {"event": BEGUN, "view": view}
+            if fate == "dies":
+                yield Lost("the worker died")
+                return
+            if fate == "fails":
+                reason = {"code": "render", "reason": "no light"}
+                yield {"event": FAILED, "view": view, "reason": reason}
+                continue
+            finish(store, job, view)
+            yield {"event": FINISHED, "view": view}
+
+
+def share(store: Store, job: Job) -> None:
+    report = {"approximated": 0, "losses": []}
+    record = {"key": job.key, "entry": {}, "report": report, "licences": ["CC0"], "files": {}}
+    write_json(store.record_path(job, SCENE_RECORD), record)
+
+
+def finish(store: Store, job: Job, view: int) -> None:
+    entry = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
+    record = {
+        "unit": f"{job.name}/view_{view}", "room": job.room.name, "variant": job.variant,
+        "split": job.room.split, "source": {}, "entry": entry, "told": [],
+        "quality": {"measures": {}, "faults": []}, "files": {},
+    }  # fmt: skip
+    store.finish(job, view, record, {})
+
+
+@pytest.fixture
+def pretend(monkeypatch: pytest.MonkeyPatch) -> Callable[[Fate], Pretending]:
+    def install(fate: Fate) -> Pretending:
+        crew, load = Pretending(fate), adapters.load
+        monkeypatch.setattr(
+            adapters, "load", lambda g, n: crew if g == adapters.EXECUTORS else load(g, n)
+        )
+        return crew
+
+    return install
+
+
+GOOD, BAD = "room_good/main", "room_poisoned/main"
+
+
+def test_what_fails_is_recorded_and_the_rest_goes_on(
+    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+) -> None:
+    crew = pretend(lambda job, view: "fails" if (job, view) == (GOOD, 0) else "")
+    done = run.run_dataset(source, tmp_path / "out")
+    assert done.failed == {f"{GOOD}/view_0": "no light"}
+    assert (done.made, done.kept) == (7, 0)
+    assert set(crew.begun.values()) == {1}
+
+
+def test_what_fails_is_tried_so_often(
+    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+) -> None:
+    source.write_text(source.read_text().replace("retries: 0", "retries: 3"))
+    tries: Counter[int] = Counter()
+
+    def fate(job: str, view: int) -> str:
+        tries[view] += (job, view) == (GOOD, 1)
+        return "fails" if (job, view) == (GOOD, 0) or (tries[1] < 3 and (job, view) == (GOOD, 1)) else ""  # fmt: skip # noqa: E501
+
+    crew = pretend(fate)
+    done = run.run_dataset(source, tmp_path / "out")
+    assert done.failed == {f"{GOOD}/view_0": "no light"}
+    assert crew.begun[f"{GOOD}/0"] == 4
+    assert crew.begun[f"{GOOD}/1"] == 3
+    assert crew.begun[f"{BAD}/0"] == 1
+    again = run.run_dataset(source, tmp_path / "out")
+    assert (again.made, again.kept) == (0, 7)
+
+
+def test_a_worker_that_dies_takes_one_view_with_it(
+    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+) -> None:
+    crew = pretend(lambda job, view: "dies" if (job, view) == (GOOD, 0) else "")
+    done = run.run_dataset(source, tmp_path / "out")
+    assert done.failed == {f"{GOOD}/view_0": "the worker died"}
+    assert done.made == 7
+    assert set(crew.begun.values()) == {1}
+
+
+def test_a_room_that_kills_its_worker_takes_its_views_alone(
+    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+) -> None:
+    pretend(lambda job, view: "dies" if job == GOOD and view < 0 else "")
+    done = run.run_dataset(source, tmp_path / "out")
+    assert sorted(done.failed) == [f"{GOOD}/view_0", f"{GOOD}/view_1"]
+    assert done.made == 6
+
+
+def test_a_disk_that_takes_no_record_of_a_failure_stops_nothing(
+    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    pretend(lambda job, view: "fails" if (job, view) == (GOOD, 0) else "")
+    write = atomic.write_text
+
+    def full(target: Path, text: str) -> None:
+        if "failures" in target.parts:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(target, text)
+
+    monkeypatch.setattr(atomic, "write_text", full)
+    done = run.run_dataset(source, tmp_path / "out")
+    assert done.failed == {f"{GOOD}/view_0": "no light"}
+    assert done.made == 7
+
+
+def test_the_folder_of_another_dataset_is_refused(
+    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+) -> None:
+    pretend(lambda job, view: "")
+    run.run_dataset(source, tmp_path / "out")
+    source.write_text(source.read_text().replace("name: small", "name: other"))
+    with pytest.raises(Exception, match="another dataset"):
+        run.run_dataset(source, tmp_path / "out")
