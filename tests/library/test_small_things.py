@@ -182,3 +182,15 @@ def test_tapering_and_ovals() -> None:
     wide = oval(pot, (2.0, 1.0, 1.0))
     np.testing.assert_allclose(wide.points[:, 0], 2 * pot.points[:, 0])
     np.testing.assert_allclose(wide.points[:, 1], pot.points[:, 1])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_rolled_napkins_lie_on_their_ends_not_on_their_rings(seed: int) -> None:
+    parts = make("napkin", (0.2, 0.045, 0.045), "ringed", np.random.default_rng(seed)).parts
+    cloth, ring = parts["cloth"], parts["ring"]
+    flat = cloth.points[cloth.points[:, 2] < 2e-4]
+    assert ring.extent[0, 2] > 0.001
+    assert np.ptp(flat[:, 0]) > 0.19 and flat[:, 1].min() < -0.001 and flat[:, 1].max() > 0.0
+    # The ring is around the cloth there.
+    inner = np.abs(cloth.points[:, 0]) < 0.0121
+    assert np.abs(cloth.points[inner, 1]).max() < np.abs(ring.points[:, 1]).max()

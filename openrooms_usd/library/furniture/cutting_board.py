@@ -106,7 +106,7 @@ CATEGORY: Final = BuiltCategory(
     lies=(
         Lies(
             on=("worktop",),
-            pose="leaning",
+            pose="on_back",
             styles=("paddle",),
             cluster="cooking",
             weight=0.7,

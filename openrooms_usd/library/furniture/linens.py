@@ -20,7 +20,7 @@ from openrooms_usd.library.furniture.lying import DRAPED_WALL_M, LOOP_BACK_M, LO
 Array = NDArray[np.float64]
 
 # The share of a roll's height by which it is pressed flat below.
-_PRESSED: Final = 0.04
+_PRESSED: Final = 0.06
 
 
 def between(front: Array, back: Array) -> Mesh:
@@ -78,8 +78,8 @@ def folded_pile(size: Size, layers: int, rng: np.random.Generator) -> Mesh:
     return boxed(between(made[1][:, ::-1], made[0][:, ::-1]), size)
 
 
-def rolled(size: Size, rng: np.random.Generator) -> Mesh:
-    """A cloth rolled up along X."""
+def rolled(size: Size, rng: np.random.Generator, columns: int = 3) -> Mesh:
+    """A cloth rolled up along X, of so many columns of points."""
     width, depth, height = size
     turns = 3.25
     angle = np.linspace(0.0, 2.0 * np.pi * turns, 44)
@@ -89,7 +89,7 @@ def rolled(size: Size, rng: np.random.Generator) -> Mesh:
     # The loose end lies at the back, below the middle.
     a = angle - angle[-1] - 0.1 * start
     line = np.stack([radius * np.cos(a) * depth / height, 0.5 * height + radius * np.sin(a)], 1)
-    x = np.linspace(-0.5 * width, 0.5 * width, 3)
+    x = np.linspace(-0.5 * width, 0.5 * width, columns)
     front, back = _along(line, thick, x)
     # Its weight presses it flat where it lies.
     flat = min(front[..., 2].min(), back[..., 2].min()) + _PRESSED * height

@@ -1,5 +1,6 @@
 """Napkins: folded flat, and in a ring."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -8,7 +9,10 @@ from openrooms_usd.categories import makes
 from openrooms_usd.categories.makes import ANY
 from openrooms_usd.categories.record import NO_SYNSET, PLAIN_HINGES, RIGID, UNLABELED, Classes
 from openrooms_usd.categories.schemes import METAL, Scheme
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import lathe
+from openrooms_usd.geometry.uv import metric
 from openrooms_usd.library.furniture.built import (
     HANGS_NOT,
     NO_APPLIANCE,
@@ -21,6 +25,10 @@ from openrooms_usd.library.furniture.linens import folded_pile, rolled
 from openrooms_usd.library.furniture.lying import Lies
 from openrooms_usd.library.furniture.posing import turned
 
+# Half the length of a ring, metres, and how thick the roll is in it, as a share of its ends.
+_HALF_RING_M: Final = 0.012
+_WAIST_SHARE: Final = 0.8
+
 
 def folded(size: Size, rng: np.random.Generator) -> Parts:
     """A napkin folded into a rectangle."""
@@ -29,13 +37,23 @@ def folded(size: Size, rng: np.random.Generator) -> Parts:
 
 def ringed(size: Size, rng: np.random.Generator) -> Parts:
     """A napkin rolled and drawn through a ring."""
-    width, depth, height = size
-    r = 0.5 * height - 0.002
-    roll = rolled((width, depth - 0.004, 2.0 * r), rng).moved((0.0, 0.0, 0.002))
-    band = lathe([(1.0 * r, -0.012), (1.0 * r + 0.002, -0.012), (1.0 * r + 0.002, 0.012),
-                  (1.0 * r, 0.012)], segments=28)  # fmt: skip
+    _, depth, height = size
+    roll = _waisted(rolled(size, rng, columns=9), size)
+    inner = _WAIST_SHARE * 0.5 * height
+    outer, half = inner + 0.002, _HALF_RING_M
+    band = lathe([(inner, -half), (outer, -half), (outer, half), (inner, half)], segments=28)
     laid = turned(band, "y", 90.0).transformed(np.diag([1.0, depth / height, 1.0]))
     return {"cloth": roll, "ring": laid.moved((0.0, 0.0, 0.5 * height))}
+
+
+def _waisted(roll: Mesh, size: Size) -> Mesh:
+    """A roll drawn together where the ring is; it lies on its ends, which are flat below."""
+    width, _, height = size
+    x, y, z = roll.points.T
+    out = np.clip((np.abs(x) - _HALF_RING_M) / (0.5 * width - _HALF_RING_M), 0.0, 1.0)
+    share = _WAIST_SHARE + (1.0 - _WAIST_SHARE) * out * (2.0 - out)
+    points = np.stack([x, share * y, 0.5 * height + share * (z - 0.5 * height)], axis=1)
+    return metric(with_normals(replace(roll, points=points), crease=60.0))[0]
 
 
 CATEGORY: Final = BuiltCategory(
