@@ -110,6 +110,54 @@ def test_a_pane_mirrors_what_stands_before_it(build: Any, shoot: Any, variant: s
             np.testing.assert_allclose(images[name].pixels.mean(axis=(0, 1)), expected, rtol=1e-3)
 
 
+def test_mirrored_light_is_where_the_pane_is_seen(build: Any, shoot: Any, variant: str) -> None:
+    made = build()
+    bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(50, 50, 50))
+    made.quad("/Wall", [(-9, 9, 5), (9, 9, 5), (9, -9, 5), (-9, -9, 5)], material=bright)
+    sheet(made, "/Pane", [(0, -5, 0), (5, -5, 0), (5, 5, 0), (0, 5, 0)])
+    made.camera((0, 0, 3), (0, 0, 0), up=(0, 1, 0), fov=2)
+    made.dome(radiance=0.0)
+    seen = shoot(made.stage, "radiance", samples=3, bounces=3).images["radiance"]
+    left, right = np.split(seen.pixels, 2, axis=1)
+    assert not left.any()
+    expected = [50 * shares(1.0, tint)[0] for tint in TINT]
+    np.testing.assert_allclose(right, np.broadcast_to(expected, right.shape), rtol=1e-3)
+
+
+def test_light_samples_are_blocked_as_mitsuba_says(build: Any, variant: str) -> None:
+    """But for panes; and those that nobody wants are none."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from openrooms_usd.render.scene.sources import sources_of
+    from openrooms_usd.render.scene.translate import translate
+    from orusd_mitsuba import variants
+    from orusd_mitsuba.plugins.build import Builder
+    from orusd_mitsuba.transport.light_index import LightIndex
+    from orusd_mitsuba.transport.panes import Panes
+
+    mi.set_variant(variants.choose("auto").variant)
+    made = build()
+    made.quad("/Board", [(-1, -1, 0.5), (0, -1, 0.5), (0, 1, 0.5), (-1, 1, 0.5)])
+    scene = translate(_room(made, pane=True))
+    built = Builder(scene.origin).scene(scene)
+    index = LightIndex(sources_of(scene), built, scene.origin, Panes(scene))
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(3, 4096)
+    way = mi.warp.square_to_uniform_sphere(sampler.next_2d())
+    si = built.ray_intersect(mi.Ray3f(mi.Point3f((-scene.origin).tolist()), way))
+    number = sampler.next_2d()
+    _, expected = built.sample_emitter_direction(si, number, True, si.is_valid())
+    to, found = built.sample_emitter_direction(si, number, False, si.is_valid())
+    lit = si.is_valid() & (to.pdf != 0.0)
+    expected *= index.through(si.spawn_ray_to(to.p), lit)
+    blocked = dr.any(found != 0.0) & ~dr.any(expected != 0.0)
+    assert 0 < dr.count(blocked)[0] < dr.count(lit)[0]
+    found *= index.unblocked(si, to, lit & (number.x < 0.5))
+    wanted = dr.select(number.x < 0.5, expected, 0.0)
+    np.testing.assert_array_equal(found.numpy(), wanted.numpy())
+
+
 def _furnace(made: Any, tint: Any) -> Usd.Stage:
     """Panes in even light from everywhere."""
     for number, x in enumerate((-0.4, 0.3)):

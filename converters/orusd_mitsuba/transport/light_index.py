@@ -75,6 +75,18 @@ class LightIndex:
             return mi.Color3f(1.0)
         return self.panes.through(ray, end, active)
 
+    def unblocked(self, si: Any, to: Any, active: Any) -> Any:
+        """What comes of light samples to surfaces: a colour, 0 where anything stands in the way.
+
+        Args:
+            si: The surfaces.
+            to: The samples.
+            active: Which of them are wanted: those that would bring anything.
+        """
+        ray = si.spawn_ray_to(to.p)
+        free = active & ~self._built.ray_test(ray, active)
+        return dr.select(free, self.through(ray, free), 0.0)
+
     def meet_panes(
         self, ray: Any, end: Any, sampler: Any, active: Any, mirrors: Any
     ) -> tuple[Any, Any, Any, Any]:

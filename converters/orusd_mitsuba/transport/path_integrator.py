@@ -18,6 +18,9 @@ from orusd_mitsuba.transport.paths import Paths, TracedPaths
 
 # Sets the seeds of pixels apart from those of paths.
 _SHIFT_SALT: Final = 0x5EED5EED
+# And those of which pane mirrors, and of paths from there.
+_PANE_SALT: Final = 0x3A7E5EED
+_MIRROR_SALT: Final = 0x71C35EED
 
 
 class PathIntegrator(BandedIntegrator):
@@ -67,7 +70,7 @@ class PathIntegrator(BandedIntegrator):
             sampler, ray, accumulator, first=self._first, numbers=numbers, looks_through=True
         )
         if self._index.panes is not None:
-            self._in_panes(sampler, ray, accumulator)
+            self._in_panes(band, ray, accumulator)
         wanted = (
             [accumulator.kinds]
             if accumulator.lights is None
@@ -76,11 +79,25 @@ class PathIntegrator(BandedIntegrator):
         means = np.concatenate([band.means(entries) for entries in wanted])
         return np.ascontiguousarray(np.moveaxis(means, 1, 3))
 
-    def _in_panes(self, sampler: Any, ray: Any, accumulator: PathAccumulator) -> None:
-        """What the camera sees mirrored in panes; each sample also looks straight through them."""
+    def _in_panes(self, band: Band, ray: Any, accumulator: PathAccumulator) -> None:
+        """What the camera sees mirrored in panes; each sample also looks straight through them.
+
+        Most samples look at no pane: only the others are followed, in a row of their own.
+        """
         assert self._index.panes is not None
         hit = self._built.ray_intersect_preliminary(ray)
         end = dr.select(hit.is_valid(), hit.t, dr.inf)
-        weight, onto, found = self._index.panes.mirror(ray, end, sampler, mi.Bool(True))
-        before = Prefix(weight, mi.UInt32(1), mi.UInt32(self._index.elsewhere), counted=False)
-        self._paths.follow(sampler, onto, accumulator, active=found, prefix=before)
+        chosen = band.sampler(_PANE_SALT)
+        weight, onto, found = self._index.panes.mirror(ray, end, chosen, mi.Bool(True))
+        dr.eval(weight, onto, found)
+        which: Any = dr.compress(found)
+        count = dr.width(which)
+        if not count:
+            return
+        weight = dr.gather(mi.Color3f, weight, which)
+        onto = mi.Ray3f(dr.gather(mi.Point3f, onto.o, which), dr.gather(mi.Vector3f, onto.d, which))
+        crossed = mi.UInt32(self._index.elsewhere)
+        before = Prefix(weight, mi.UInt32(1), crossed, counted=False)
+        self._paths.follow(
+            band.sampler(_MIRROR_SALT, count), onto, accumulator.part(which), prefix=before
+        )

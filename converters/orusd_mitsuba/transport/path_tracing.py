@@ -187,12 +187,13 @@ def trace(
             looking = dr.select(segments == 0, numbers.light, looking)
             lobe = dr.select(segments == 0, numbers.lobe, lobe)
             turning = dr.select(segments == 0, numbers.direction, turning)
-        to, incident = built.sample_emitter_direction(si, looking, True, rough)
-        smooth = rough & (to.pdf != 0.0)
-        incident *= index.through(si.spawn_ray_to(to.p), smooth)
+        to, incident = built.sample_emitter_direction(si, looking, False, rough)
         value, pdf, sample, weight = bsdf.eval_pdf_sample(
             context, si, si.to_local(to.d), lobe, turning, onwards
         )
+        # A shadow ray is cast only where it decides on something.
+        smooth = rough & (to.pdf != 0.0) & dr.any(value * incident != 0.0)
+        incident *= index.unblocked(si, to, smooth)
         null = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Null)
         null &= ~turned
         certain = mi.has_flag(sample.sampled_type, mi.BSDFFlags.Delta) | null | turned
