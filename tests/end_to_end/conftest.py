@@ -99,7 +99,7 @@ QUICK = (("bathroom", 11),)
 
 
 # How much lies about in each type; nothing where it is not named.
-CLUTTER = {"bedroom": "2", "kitchen": "1", "living_room": "2"}
+CLUTTER = {"bedroom": "1", "kitchen": "1", "living_room": "2"}
 
 
 def described(kind: str, seed: str, folder: Path) -> str:

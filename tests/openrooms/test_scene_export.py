@@ -108,7 +108,7 @@ def loaded(exported: tuple[Loaded, Report]) -> Loaded:
 def members(path: Path) -> list[tuple[Object, np.ndarray]]:
     stage = Usd.Stage.Open(str(path))
     rows = []
-    for one in objects_of(stage, translate(stage)).members:
+    for one in objects_of(stage, translate(stage, outside=False)).members:
         parts = one.parts.values()
         corners = [own.corners.reshape(-1, 3) for part in parts for own in part.triangles]
         rows.append((one, np.concatenate(corners)))

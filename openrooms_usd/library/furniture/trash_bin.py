@@ -28,8 +28,12 @@ from openrooms_usd.library.furniture.joinery import (
     Style,
     board,
     profiled,
+    strip,
 )
 from openrooms_usd.library.furniture.posing import hoop, oval, tapered
+
+# Of a flap that swings, above its centre of mass.
+_PIVOT_ABOVE_M: Final = 0.008
 
 
 def _bucket(low: float, high: float, z: tuple[float, float], wall: float, rim: float) -> Mesh:
@@ -155,10 +159,9 @@ def bin_swing(size: Size, rng: np.random.Generator) -> Furniture:
     cheek = profiled(gable, 0.12 * width, SIDE, 0.004)
     cheeks = [cheek.moved((side * (x - 0.06 * width), 0.0, 0.0)) for side in (-1.0, 1.0)]
     ridge = board((-x + 0.01, -0.3 * y, h - 0.01), (x - 0.01, 0.3 * y, h - 0.001), 0.003)
-    top, low = np.array([-0.31 * y, h - 0.012]), np.array([-0.97 * y, hood + 0.006])
-    flap = profiled(
-        [top, low, np.add(low, (0.01, 0.0)), np.add(top, (0.0, -0.008))], 0.75 * width, SIDE, 0.001
-    )
+    top, low = np.array([-0.31 * y, h - 0.016]), np.array([-0.95 * y, hood + 0.006])
+    # Of one thickness, so that its middle is its centre of mass, and it hangs shut.
+    flap = profiled(strip([top, low], 0.005), 0.75 * width, SIDE, 0.001)
     rear = profiled(
         [
             (0.31 * y, h - 0.012),
@@ -170,8 +173,8 @@ def bin_swing(size: Size, rng: np.random.Generator) -> Furniture:
         SIDE,
         0.001,
     )
-    middle = 0.5 * (top + low)
-    pivot = (0.0, float(middle[0]) + 0.004, float(middle[1]))
+    across, up = (0.5 * (top + low)).tolist()
+    pivot = (0.0, across, up + _PIVOT_ABOVE_M)
     return Furniture(
         {"container": body, "frame": joined([*cheeks, ridge, rear]), "lid": flap},
         (Joint("lid_0", "hinge", ("lid",), pivot, (1.0, 0.0, 0.0), (-55.0, 55.0)),),
