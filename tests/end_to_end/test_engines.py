@@ -62,10 +62,10 @@ class Engine:
         words = [self.python, str(script), str(scene), str(SECONDS)]
         done = subprocess.run(words, capture_output=True, text=True, timeout=900)
         assert done.returncode == 0, done.stderr[-3000:]
-        # Engines say things of their own, before it and when they close.
+        # Engines say things of their own, before it, and when they close even in its line.
         said = [line for line in done.stdout.splitlines() if line.startswith('{"bodies"')]
         assert said, done.stdout[-3000:]
-        return dict(json.loads(said[-1]))
+        return dict(json.JSONDecoder().raw_decode(said[-1])[0])
 
 
 ENGINES = (

@@ -15,13 +15,15 @@ import numpy as np
 import OpenImageIO
 import pytest
 from numpy.typing import NDArray
-from pxr import Usd
+from pxr import Usd, UsdGeom
 
 import openrooms_usd as ou
+from openrooms_usd import names
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.demo import copy_example
 from openrooms_usd.render.reading import read_render
 from openrooms_usd.usd.cameras import list_cameras
+from openrooms_usd.usd.materials import bound_material
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import MODULES
 
@@ -96,6 +98,16 @@ def shown(node: Node, glb: Path, camera: str, folder: Path, *kinds: str) -> dict
     return json.loads((folder / "report.json").read_text())  # type: ignore[no-any-return]
 
 
+def panes(stage: Usd.Stage) -> list[str]:
+    """The meshes that are clear panes."""
+    found = []
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
+        material = bound_material(prim) if prim.IsA(UsdGeom.Mesh) else None
+        if material and material.GetPrim().GetAttribute(names.MATERIAL_PANE).HasAuthoredValue():
+            found.append(str(prim.GetPath()))
+    return found
+
+
 SMALLER = {"compression": "draco", "pictures": "webp"}
 
 
@@ -122,7 +134,9 @@ def test_three_js_shows_the_same_room(
     legend = read_render(tmp_path / "render").legend("part")
     parts = np.array([legend.get(k, "") for k in range(int(view["part"].max()) + 1)])
     same = theirs == parts[view["part"]]
-    assert same.mean() > 0.99
+    # Our labels look through clear panes.
+    seen = ~np.isin(theirs, panes(stage))
+    assert seen.mean() > 0.8 and same[seen].mean() > 0.99
     color = linear_from_srgb(picture(tmp_path / "base_color.png"))
     off = np.abs(color - view["base_color"])[same]
     print(name, same.mean(), off.mean(), (color - view["base_color"])[same].mean())
