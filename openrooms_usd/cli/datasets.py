@@ -1,4 +1,4 @@
-"""The commands ``dataset plan``, ``run``, ``status``, ``verify`` and ``write``."""
+"""The commands of ``dataset``: ``plan``, ``run``, ``status``, ``verify``, ``stats``, ``write``."""
 
 import sys
 from pathlib import Path
@@ -116,6 +116,29 @@ def verify(folder: Path, as_json: bool) -> None:
         if found.unfinished:
             echo(f"{found.unfinished} views are not finished")
     sys.exit(1 if found.damages else 0)
+
+
+@dataset.command()
+@_FOLDER
+@json_option
+def stats(folder: Path, as_json: bool) -> None:
+    """Count what a dataset holds: rooms, objects and pixels of each class, seconds, errors."""
+    from openrooms_usd.dataset.stats import stats_of
+
+    found = stats_of(folder).as_dict()
+    if as_json:
+        print_json(found)
+        return
+    for title, rows in found.items():
+        if not isinstance(rows, dict):
+            echo(f"{title}: {rows:,}")
+            continue
+        echo(f"{title}:")
+        for name, value in list(rows.items())[:_MOST_SHOWN]:
+            echo(f"  {name:<24} {value:>14,.4g}" if isinstance(value, float) else
+                 f"  {name:<24} {value:>14,}")  # fmt: skip
+        if len(rows) > _MOST_SHOWN:
+            echo(f"  and {len(rows) - _MOST_SHOWN} more: --json lists them")
 
 
 @dataset.command()

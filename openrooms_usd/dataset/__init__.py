@@ -7,5 +7,5 @@ and renders its views, with a look at each (``quality``). ``store`` knows where 
 lets it appear whole, with a record of every file.
 
 ``run`` is the story of a run; ``finish`` writes what is told of all rooms, and their other forms.
-``status`` and ``verify`` read the records again.
+``status``, ``verify`` and ``stats`` read the records again.
 """

@@ -18,6 +18,7 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, job_of, view_name
 from openrooms_usd.dataset.quality import look_at
+from openrooms_usd.dataset.stats import class_pixels
 from openrooms_usd.dataset.store import SCENE_RECORD, Store, write_json
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
@@ -182,6 +183,7 @@ class _OpenRoom:
             "entry": entry,
             "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
             "quality": look_at(view, self.error),
+            "pixels": class_pixels(view, opened.opened.legend.semantic),
             "files": store.digests(job, name),
         }
         took = {"render": rendered - began, "output": time.perf_counter() - rendered}

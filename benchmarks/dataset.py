@@ -1,0 +1,130 @@
+"""Datasets: views an hour against their error, what the runner adds, and planning a million units.
+
+The first table runs one dataset of generated rooms for each number of samples. Seconds are of the
+clock; those of a phase are what workers measured, so with one worker what is left over is the
+runner's: planning, starting a worker, records, checksums, manifests and the index. A run that has
+nothing left to do says what of that does not grow with the views.
+"""
+
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from benchmarks.report import publish, table
+from benchmarks.scenes import orusd
+
+PHASES: Final = ("compose", "translation", "render", "output")
+# What all views of a job share; the rest each view has for itself.
+_SHARED: Final = frozenset({"compose", "translation"})
+
+_PLANNING: Final = """
+import resource, sys, time
+from openrooms_usd.dataset.plan import lines, plan_jobs
+from openrooms_usd.dataset.store import write_lines
+from openrooms_usd.description import load_dataset
+from pathlib import Path
+began = time.process_time()
+count = write_lines(Path(sys.argv[2]), lines(plan_jobs(load_dataset(Path(sys.argv[1])))))
+took = time.process_time() - began
+print(count, took, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+@click.command(help=__doc__)
+@click.option("--types", default="living_room,bedroom,kitchen", show_default=True)
+@click.option("--rooms", type=int, default=3, show_default=True)
+@click.option("--views", type=int, default=3, show_default=True, help="Of each room.")
+@click.option("--size", type=(int, int), default=(640, 480), show_default=True)
+@click.option("--channels", default="all", show_default=True)
+@click.option("--samples", type=int, multiple=True, default=(16, 64), show_default=True)
+@click.option("--workers", type=int, default=1, show_default=True)
+@click.option("--units", type=int, default=1_000_000, show_default=True, help="To be planned.")
+@click.option("--quick", is_flag=True, help="One small room and ten thousand units.")
+@click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
+def main(
+    types: str,
+    rooms: int,
+    views: int,
+    size: tuple[int, int],
+    channels: str,
+    samples: tuple[int, ...],
+    workers: int,
+    units: int,
+    quick: bool,
+    target: Path | None,
+) -> None:
+    if quick:
+        types, rooms, views, size, samples, units = "bathroom", 1, 2, (64, 48), (4,), 10_000
+    wanted: dict[str, Any] = {
+        "rooms": [{"types": types.split(","), "count": rooms}],
+        "views": {"count": views, "resolution": list(size)},
+        "channels": channels.split(","),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        runs = [measure(Path(folder), wanted, count, workers) for count in samples]
+        planning = measure_planning(Path(folder), units)
+    heads = (
+        "samples", "robust error", "views an hour", "s a view", "MB a view", *PHASES, "runner %",
+        "of it fixed %",
+    )  # fmt: skip
+    markdown = table(heads, [list(row.values()) for row in runs])
+    plan = table(("units", "processor s", "MiB"), [list(planning.values())])
+    publish("dataset", {"runs": runs, "planning": planning}, f"{markdown}\n\n{plan}", target)
+
+
+def measure(folder: Path, wanted: dict[str, Any], samples: int, workers: int) -> dict[str, Any]:
+    """Make a dataset, and see where the time went."""
+    # JSON is YAML.
+    file, out = folder / f"{samples}.yaml", folder / f"out_{samples}"
+    file.write_text(json.dumps({**wanted, "budget": {"samples": samples}}))
+    words = ("dataset", "run", file, "-o", out, "--workers", workers)
+    whole, idle = (_timed(*words) for _ in range(2))
+    phases: Counter[str] = Counter()
+    for room in sorted((out / "timing").glob("*/*")):
+        rows = [json.loads(path.read_text()) for path in sorted(room.glob("*.json"))]
+        for phase in PHASES:
+            phases[phase] += sum(row[phase] for row in rows[: 1 if phase in _SHARED else None])
+    lines = (out / "index.jsonl").read_text().splitlines()
+    errors = [json.loads(line)["errors"].get("radiance", 0.0) for line in lines]
+    size = sum(p.stat().st_size for p in (out / "renders").rglob("*") if p.is_file())
+    count = len(lines)
+    return {
+        "samples": samples,
+        "error": statistics.median(errors),
+        "views_an_hour": 3600.0 * count / whole,
+        "s_a_view": whole / count,
+        "MB_a_view": size / count / 1e6,
+        **{f"{phase}_s": phases[phase] / count for phase in PHASES},
+        "runner_percent": 100.0 * (whole * workers - sum(phases.values())) / (whole * workers),
+        "fixed_percent": 100.0 * idle / whole,
+    }
+
+
+def measure_planning(folder: Path, units: int) -> dict[str, float]:
+    """Plan as many units, in a process of its own."""
+    file = folder / "many.yaml"
+    file.write_text(f"rooms: [{{count: {units // 10}}}]\nviews: {{count: 10}}\n")
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", _PLANNING, file, folder / "plan.jsonl"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    count, seconds, memory = map(float, done.stdout.split())
+    return {"units": int(count), "processor_s": seconds, "MiB": memory}
+
+
+def _timed(*words: object) -> float:
+    began = time.perf_counter()
+    orusd(*words)
+    return time.perf_counter() - began
+
+
+if __name__ == "__main__":
+    main()
