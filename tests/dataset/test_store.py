@@ -64,6 +64,7 @@ def test_status_counts_and_tells_reasons(store: Store) -> None:
 def test_what_is_made_at_last_has_failed_no_more(store: Store) -> None:
     store.finish(JOB, 1, {"files": {}, "entry": {}, "told": [], "quality": {"faults": []}}, {})
     assert not status_of(store.root).failures
+    assert store.failure(JOB, 1) is None
 
 
 def test_records_of_another_plan_count_for_nothing(store: Store) -> None:
