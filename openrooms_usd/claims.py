@@ -67,7 +67,8 @@ def locked(folder: Path) -> Iterator[bool]:
     if key in _HELD:
         yield False
         return
-    is_new = not folder.exists()
+    with writing(folder):
+        is_new = not folder.exists()
     with atomic.making(folder), _exclusively(folder) as was_killed:
         _HELD.add(key)
         if is_new:

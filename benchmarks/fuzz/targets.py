@@ -16,7 +16,7 @@ _COMMANDS = (
     "convert {in}/scene.usda --to usdphysics",
     "annotate {in}/render -o",
     "relight {in}/render/view_0 --light lamp=2 -o",
-    "dataset {in}/render -o",
+    "dataset write {in}/render -o",
     "generate --type office -o",
 )
 # What lies beside every case, and what cannot.
@@ -32,7 +32,9 @@ _READERS = (
     "compose *.yaml -o {out}", "validate *.usda", "validate *.usdz", "edits orphans *",
     "edits fit *", "edits adopt */scene.usda", "edits adopt {in}/scene.usda --from *.usdc",
     "annotate * -o {out}",
-    "relight * -o {out} --light lamp=1", "dataset * -o {out}", "convert *.usda {out}",
+    "relight * -o {out} --light lamp=1", "dataset write * -o {out}", "convert *.usda {out}",
+    "dataset plan *.yaml", "dataset run *.yaml -o {out}", "dataset status *", "dataset verify *",
+    "dataset stats *",
     "render *.usda -o {out} --renderer fake", "simulate *.usda",
 )  # fmt: skip
 _SOURCES = ("{in}/" + "x" * 300, "{in}/" + "x/" * 2100, "{in}/../beside/circle/x", "{in}/none")

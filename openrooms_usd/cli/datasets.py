@@ -18,7 +18,21 @@ _FILE: Final = click.argument("file", type=click.Path(path_type=Path), metavar="
 _FOLDER: Final = click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
 
 
-@click.group()
+class _Commands(click.Group):
+    """Says to who names a render where finished renders go."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command."""
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            said = f"{error.message} `orusd dataset write` is for finished renders."
+            raise click.UsageError(said, ctx) from None
+
+
+@click.group(cls=_Commands)
 def dataset() -> None:
     """Make datasets: many rooms by one file, or finished renders as others store them."""
 

@@ -13,7 +13,8 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd.dataset.plan import Job
-from openrooms_usd.dataset.store import Record, Store
+from openrooms_usd.dataset.records import Record
+from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.contract import View
 from openrooms_usd.untrusted import read_text
@@ -82,7 +83,7 @@ def stats_of(root: Path) -> Stats:
     store, found = Store(root), Stats()
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     errors: dict[str, list[float]] = defaultdict(list)
-    seconds: Counter[str] = Counter()
+    seconds = dict.fromkeys(_PHASES, 0.0)
     known: set[int] = set()
     for job in store.jobs():
         records = dict(store.records(job))
@@ -102,7 +103,7 @@ def stats_of(root: Path) -> Stats:
     for name, counted in counts.items():
         setattr(found, name, dict(counted.most_common()))
     found.errors = {name: statistics.median(errors[name]) for name in sorted(errors)}
-    found.seconds = {phase: seconds[phase] for phase in _PHASES}
+    found.seconds = seconds
     return found
 
 
@@ -119,7 +120,7 @@ def _take_errors(errors: Mapping[str, list[float]], record: Record) -> None:
             errors[name].append(error)
 
 
-def _take_seconds(seconds: Counter[str], path: Path, is_first: bool) -> None:
+def _take_seconds(seconds: dict[str, float], path: Path, is_first: bool) -> None:
     with suppress(InputError, ValueError):
         timing = json.loads(read_text(path)) if os.path.lexists(path) else {}
         for phase in _PHASES:

@@ -22,17 +22,20 @@ from typing import Any, Final
 
 from openrooms_usd import atomic, removal
 from openrooms_usd.dataset.plan import Job, jobs_of, lines, view_name
+from openrooms_usd.dataset.records import (
+    SCENE,
+    FailureRecord,
+    Record,
+    SceneRecord,
+    ViewRecord,
+    read_record,
+)
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.render.folder import MANIFEST
 from openrooms_usd.untrusted import opened, read_text
 
-Record = dict[str, Any]
-
 FILE: Final = "dataset.yaml"
 PLAN: Final = "plan.jsonl"
-SCENE_RECORD: Final = "scene"
-"""The record of what the views of a job share."""
-
 _REMEDY: Final = "run it again: what is damaged is made anew"
 
 
@@ -95,15 +98,15 @@ class Store:
 
     def scene_record(self, job: Job) -> Record | None:
         """What the views of a job share; None where it is not written, or of another plan."""
-        return _read(self.record_path(job, SCENE_RECORD), job.key)
+        return read_record(self.record_path(job, SCENE), job.key, SceneRecord)
 
     def record(self, job: Job, view: int) -> Record | None:
         """The record of a finished view; None where it is not finished, or of another plan."""
-        return _read(self.record_path(job, view_name(view)), job.key)
+        return read_record(self.record_path(job, view_name(view)), job.key, ViewRecord)
 
     def failure(self, job: Job, view: int) -> Record | None:
         """Why a view could not be made; None where nothing is known of that."""
-        return _read(self.failure_path(job, view), job.key)
+        return read_record(self.failure_path(job, view), job.key, FailureRecord)
 
     def is_finished(self, job: Job, view: int) -> bool:
         """Whether a view is finished."""
@@ -212,16 +215,6 @@ def _write_where_other(path: Path, text: str) -> None:
 
 def _text(data: Mapping[str, Any]) -> str:
     return json.dumps(data, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def _read(path: Path, key: str) -> Record | None:
-    if not os.path.lexists(path):
-        return None
-    try:
-        found = json.loads(read_text(path, "json", remedy=_REMEDY))
-    except (InputError, ValueError, RecursionError):
-        return None
-    return found if isinstance(found, dict) and found.get("key") == key else None
 
 
 def _digest(path: Path) -> dict[str, Any]:

@@ -18,8 +18,9 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, job_of, view_name
 from openrooms_usd.dataset.quality import look_at
+from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.stats import class_pixels
-from openrooms_usd.dataset.store import SCENE_RECORD, Store, write_json
+from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
 from openrooms_usd.errors import OrusdError, RenderError
@@ -148,7 +149,7 @@ class _OpenRoom:
             "licences": found,
             "files": self.store.digests(job, OPENINGS_FOLDER),
         }
-        write_json(self.store.record_path(job, SCENE_RECORD), record)
+        write_json(self.store.record_path(job, SCENE), record)
 
     def attempt(self, view: int) -> Told:
         """Make one view; what became of it."""

@@ -269,3 +269,8 @@ def test_filling_spares_what_is_no_file(tmp_path: Path) -> None:
         (beside / "a").write_text("a")
         (beside / "b").write_text("b")
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["b"]
+
+
+def test_a_folder_that_no_disk_can_have_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="too long"), claims.locked(tmp_path / ("x" * 300)):
+        pass

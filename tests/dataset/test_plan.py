@@ -87,6 +87,11 @@ def test_a_description_is_in_the_key_by_its_content(source: Path) -> None:
         list(plan_jobs(load_dataset(source)))
 
 
+def test_the_example_is_one() -> None:
+    example = Path(__file__).parents[2] / "examples" / "dataset.yaml"
+    assert sum(1 for _ in lines(plan_jobs(load_dataset(example)))) == 300
+
+
 def test_mistakes_are_told_with_their_places(tmp_path: Path) -> None:
     (tmp_path / "dataset.yaml").write_text(
         "seeed: 2\nrooms:\n  - {types: [living_rom], count: 0}\n  - files: []\n"

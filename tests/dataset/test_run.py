@@ -12,7 +12,8 @@ from openrooms_usd import adapters, atomic
 from openrooms_usd.dataset import run
 from openrooms_usd.dataset.executor import Lost, Task
 from openrooms_usd.dataset.plan import Job, job_of
-from openrooms_usd.dataset.store import SCENE_RECORD, Store, write_json
+from openrooms_usd.dataset.records import SCENE
+from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.work import BEGUN, FAILED, FINISHED
 
 Fate = Callable[[str, int], str]
@@ -54,7 +55,7 @@ class Pretending:
 def share(store: Store, job: Job) -> None:
     report = {"approximated": 0, "losses": []}
     record = {"key": job.key, "entry": {}, "report": report, "licences": ["CC0"], "files": {}}
-    write_json(store.record_path(job, SCENE_RECORD), record)
+    write_json(store.record_path(job, SCENE), record)
 
 
 def finish(store: Store, job: Job, view: int) -> None:
@@ -62,7 +63,7 @@ def finish(store: Store, job: Job, view: int) -> None:
     record = {
         "unit": f"{job.name}/view_{view}", "room": job.room.name, "variant": job.variant,
         "split": job.room.split, "source": {}, "entry": entry, "told": [],
-        "quality": {"measures": {}, "faults": []}, "files": {},
+        "quality": {"measures": {}, "faults": []}, "pixels": {}, "files": {},
     }  # fmt: skip
     store.finish(job, view, record, {})
 

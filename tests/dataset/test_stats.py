@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from openrooms_usd.dataset.plan import Job, PlannedRoom
+from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.stats import class_pixels, stats_of
-from openrooms_usd.dataset.store import SCENE_RECORD, Store, write_json
+from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.render.contract import Image, View
 
 
@@ -26,15 +27,21 @@ def root(tmp_path: Path) -> Path:
     store.write_plan(JOBS)
     for number, one in enumerate(JOBS):
         legend = {"category": {"5": "chair", "6": "chair", "7": "desk"}}
-        write_json(
-            store.record_path(one, SCENE_RECORD), {"key": one.key, "entry": {"legend": legend}}
-        )
+        report = {"approximated": 0, "losses": []}
+        shared = {"entry": {"legend": legend}, "report": report, "licences": [], "files": {}}
+        write_json(store.record_path(one, SCENE), {"key": one.key, **shared})
         for view in one.views[: 1 if number == 3 else 2]:
             error = {"estimated_robust_error": 0.1 * (number + 1)}
+            channels = {"radiance": error, "depth": {"estimated_robust_error": 0.0}}
             record = {
-                "entry": {
-                    "channels": {"radiance": error, "depth": {"estimated_robust_error": 0.0}}
-                },
+                "unit": "",
+                "room": "",
+                "variant": "",
+                "split": "",
+                "source": {},
+                "told": [],
+                "quality": {"measures": {}, "faults": []},
+                "entry": {"resolution": [], "K": [], "world_from_camera": [], "channels": channels},
                 "pixels": {"floor": 10, "chair": view},
                 "files": {"a": {"sha256": "", "bytes": 100}, "b": {"sha256": "", "bytes": 1}},
             }

@@ -6,12 +6,21 @@ from typing import Any
 import pytest
 
 from openrooms_usd.dataset.plan import Job, PlannedRoom
+from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.status import status_of
-from openrooms_usd.dataset.store import SCENE_RECORD, Store, write_json
+from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.errors import InputError
 
 JOB = Job(PlannedRoom("room_a", 0, {"file": "a.yaml", "sha256": "0"}, "train"), "main", 4, "k", (0, 1, 2))  # fmt: skip # noqa: E501
+
+
+ENTRY = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
+RECORD: dict[str, Any] = {
+    "unit": "room_a/main/view_0", "room": "room_a", "variant": "main", "split": "train",
+    "source": {}, "entry": ENTRY, "told": [], "pixels": {}, "files": {},
+    "quality": {"measures": {}, "faults": ["it is dark"]},
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -32,13 +41,8 @@ def store(tmp_path: Path) -> Store:
         "licences": [],
         "files": store.digests(JOB, "openings"),
     }
-    write_json(store.record_path(JOB, SCENE_RECORD), shared)
-    record = {
-        "entry": {"camera": "/c"},
-        "told": [],
-        "quality": {"measures": {}, "faults": ["it is dark"]},
-        "files": store.digests(JOB, "view_0"),
-    }
+    write_json(store.record_path(JOB, SCENE), shared)
+    record = {**RECORD, "files": store.digests(JOB, "view_0")}
     store.finish(JOB, 0, record, {"render": 1.0})
     for _ in range(2):
         store.fail(JOB, 1, {"code": "render", "reason": "no light"})
@@ -62,7 +66,7 @@ def test_status_counts_and_tells_reasons(store: Store) -> None:
 
 
 def test_what_is_made_at_last_has_failed_no_more(store: Store) -> None:
-    store.finish(JOB, 1, {"files": {}, "entry": {}, "told": [], "quality": {"faults": []}}, {})
+    store.finish(JOB, 1, RECORD, {})
     assert not status_of(store.root).failures
     assert store.failure(JOB, 1) is None
 
@@ -100,9 +104,16 @@ def test_every_damage_is_named(store: Store, file: str, what: str) -> None:
     assert verify(store.root).damages == (Damage(f"renders/room_a/main/{file}", what),)
 
 
-def test_a_damaged_record_makes_its_view_unfinished(store: Store) -> None:
-    store.record_path(JOB, "view_0").write_text('{"key": "k", "fil')
+@pytest.mark.parametrize(
+    "text", ['{"key": "k", "fil', '{"key": "k"}', "[]", "3", "\x00", '{"key": ["k"]}', "[" * 9999]
+)
+def test_a_damaged_record_makes_its_view_unfinished(store: Store, text: str) -> None:
+    store.record_path(JOB, "view_0").write_text(text)
     assert status_of(store.root).finished == 0
+    store.record_path(JOB, SCENE).write_text(text)
+    store.failure_path(JOB, 1).write_text(text)
+    assert status_of(store.root).left == 3
+    assert verify(store.root).views == 0
 
 
 def test_a_folder_without_a_dataset_is_refused(tmp_path: Path) -> None:
