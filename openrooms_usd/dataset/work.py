@@ -129,7 +129,9 @@ class _OpenRoom:
         made = compose_room(described, store.scene(job), base=base, workers=task["threads"])
         composed = time.perf_counter() - began
         opened = _render_job(dataset, job).open(made.scene, views=dataset.views.count)
-        took = {"compose": composed, "translation": opened.translation}
+        # Lights are worked out when they are first asked for; all views share them, too.
+        assert opened.lights is not None
+        took = {"compose": composed, "translation": time.perf_counter() - began - composed}
         rows = tuple(opened.report.rows)
         room = cls(job, store, opened, dataset.budget.error, rows, took)
         room._share()
