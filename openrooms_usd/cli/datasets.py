@@ -52,7 +52,7 @@ def plan(file: Path, out: Path | None) -> None:
         echo(f"wrote {out}: {write_lines(out, rows)} views")
         return
     for row in rows:
-        click.echo(row)
+        echo(row)
 
 
 @dataset.command()
