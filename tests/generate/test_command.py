@@ -16,12 +16,12 @@ def run(*words: object) -> tuple[int, str]:
 
 
 def test_one_room(tmp_path: Path) -> None:
-    words = ("generate", "--type", "office", "--seed", 3, "-o", tmp_path / "a")
+    words = ("generate", "--type", "closet", "--seed", 3, "-o", tmp_path / "a")
     code, said = run(*words)
     assert code == 0 and "objects" in said and "orusd compose" in said
     path = tmp_path / "a/room.yaml"
-    assert path.read_text() == write(generate("office", 3, clutter=2))
-    assert load_room(path).name == "office_3"
+    assert path.read_text() == write(generate("closet", 3, clutter=2))
+    assert load_room(path).name == "closet_3"
     assert run(*words)[0] == 0  # the same room again
 
 
