@@ -405,14 +405,14 @@ def test_what_is_no_stage_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_ten_thousand_instances_are_looked_at_once(small_room: SmallRoom) -> None:
+def test_thousands_of_instances_are_looked_at_once(small_room: SmallRoom) -> None:
     from openrooms_usd.validation.model import Subject
 
     path = small_room.folder / "layers/alignment.usda"
     layer = Sdf.Layer.FindOrOpen(str(path))
     source = Sdf.Path(f"{names.FURNITURE}/chair_0")
     with Sdf.ChangeBlock():
-        for i in range(2, 10_000):
+        for i in range(2, 3_000):
             Sdf.CopySpec(layer, source, layer, source.ReplaceName(f"chair_{i}"))
     layer.Save()
     stage = layers.open_stage(small_room.scene)
