@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.real.things import Thing
+from benchmarks.real.things import PlacedObject
 from benchmarks.real.truth import Frame
 from benchmarks.scan.contacts import penetration
 
@@ -50,7 +50,7 @@ class BodyScore:
 
 
 def body_score(
-    things: Sequence[Thing], outlines: Sequence[Array], frame: Frame, ceiling: float | None
+    things: Sequence[PlacedObject], outlines: Sequence[Array], frame: Frame, ceiling: float | None
 ) -> BodyScore:
     """Measure the meshes of a room.
 

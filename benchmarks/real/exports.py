@@ -7,7 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.real.things import Thing, things_of
+from benchmarks.real.things import PlacedObject, things_of
 from benchmarks.real.truth import Truth
 
 # The groups of an export, and the kinds of openings that they become.
@@ -84,7 +84,7 @@ def export_score(
 
 
 def _right(
-    thing: Thing, entry: Mapping[str, Any], substitutes: Mapping[str, Sequence[str] | None]
+    thing: PlacedObject, entry: Mapping[str, Any], substitutes: Mapping[str, Sequence[str] | None]
 ) -> tuple[bool, bool, bool]:
     """Whether category, size and place of an object are the export's."""
     accepted = substitutes.get(entry["label"]) or [entry["label"]]

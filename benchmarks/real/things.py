@@ -23,7 +23,7 @@ _THINNEST: Final = 0.02  # metres; what is flatter has no proportion
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class PlacedObject:
     """An object of a stage, in the capture's axes, metres.
 
     Attributes:
@@ -73,7 +73,7 @@ class ThingScore:
         return ThingScore(*(getattr(self, f.name) + getattr(more, f.name) for f in fields(self)))
 
 
-def things_of(scene: Path) -> dict[str, Thing]:
+def things_of(scene: Path) -> dict[str, PlacedObject]:
     """The furniture of a composed stage by the capture's identifiers."""
     from pxr import Gf, Usd, UsdGeom
 
@@ -83,7 +83,7 @@ def things_of(scene: Path) -> dict[str, Thing]:
     purposes = [UsdGeom.Tokens.default_, UsdGeom.Tokens.render]
     boxes = UsdGeom.BBoxCache(Usd.TimeCode.Default(), purposes, True)
     parent = stage.GetPrimAtPath("/World/Furniture")
-    found: dict[str, Thing] = {}
+    found: dict[str, PlacedObject] = {}
     for prim in parent.GetChildren() if parent else ():
         key = prim.GetAttribute("openrooms:source:id")
         box = boxes.ComputeUntransformedBound(prim).ComputeAlignedRange()
@@ -96,7 +96,7 @@ def things_of(scene: Path) -> dict[str, Thing]:
         flat = sorted(np.delete(size, up), reverse=True)
         middle = back.Transform(matrix.Transform((box.GetMin() + box.GetMax()) / 2))
         points, faces = _mesh(prim, np.array(back))
-        found[str(key.Get())] = Thing(
+        found[str(key.Get())] = PlacedObject(
             prim.GetName(),
             next((str(next(iter(v))) for name in _LABELS if (v := _value(prim, name))), None),
             (float(flat[0]), float(flat[1]), float(size[up])),
@@ -152,7 +152,7 @@ def fans(counts: NDArray[np.int64], rows: NDArray[np.int64]) -> NDArray[np.int64
 
 def thing_score(
     said: Mapping[str, str],
-    placed: Mapping[str, Thing],
+    placed: Mapping[str, PlacedObject],
     truth: Truth,
     substitutes: Mapping[str, Sequence[str] | None],
 ) -> ThingScore:

@@ -37,7 +37,7 @@ class Hole(NamedTuple):
     optics: int = OPAQUE
 
 
-class Thing(NamedTuple):
+class Placed(NamedTuple):
     """A model that stands somewhere."""
 
     cad: str
@@ -70,7 +70,7 @@ def built(
     outline: Sequence[tuple[float, float]],
     height: float = 2.5,
     holes: Sequence[Hole] = (),
-    things: Sequence[Thing] = (),
+    things: Sequence[Placed] = (),
 ) -> SimulatedRoom:
     """A room of an outline, counter-clockwise, with holes and furniture.
 
@@ -115,7 +115,7 @@ def _nyu(category: str) -> int:
     return number_of(class_of(category, names.NYU40), names.NYU40)
 
 
-def _found(thing: Thing, number: int) -> FoundObject:
+def _found(thing: Placed, number: int) -> FoundObject:
     half = np.radians(thing.yaw) / 2
     turn = np.array([np.cos(half), 0, 0, np.sin(half)])
     pose = Pose(np.array(thing.at), turn, np.array(thing.scale))

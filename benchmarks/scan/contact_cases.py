@@ -6,7 +6,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from benchmarks.scan.built import Hole, Thing, built
+from benchmarks.scan.built import Hole, Placed, built
 from benchmarks.scan.contacts import contacts
 from benchmarks.scan.hints import rough
 from benchmarks.scan.methods import Reconstruction
@@ -28,53 +28,53 @@ class ContactCase(NamedTuple):
         impossible: Instances that stand in truth where nothing can: their errors do not count.
     """
 
-    things: tuple[Thing, ...]
+    things: tuple[Placed, ...]
     ceiling: bool = True
     impossible: frozenset[int] = frozenset()
 
 
 CONTACT_CASES: Final[Mapping[str, ContactCase]] = {
     "seen from one side": ContactCase((
-        Thing("cabinet", (0.51, 3.79, 0)), Thing("sofa", (2.5, 3.59, 0)),
-        Thing("shelf", (4.84, 2.5, 0), -90), Thing("cube", (0.31, 0.31, 0)),
+        Placed("cabinet", (0.51, 3.79, 0)), Placed("sofa", (2.5, 3.59, 0)),
+        Placed("shelf", (4.84, 2.5, 0), -90), Placed("cube", (0.31, 0.31, 0)),
     )),
     "symmetric": ContactCase((
-        Thing("cube", (1.5, 1.5, 0), 20), Thing("cube", (4.0, 0.8, 0), 45),
-        Thing("table", (3.0, 2.2, 0), 65), Thing("cabinet", (1.5, 3.79, 0)),
+        Placed("cube", (1.5, 1.5, 0), 20), Placed("cube", (4.0, 0.8, 0), 45),
+        Placed("table", (3.0, 2.2, 0), 65), Placed("cabinet", (1.5, 3.79, 0)),
     )),
     "chairs under a table": ContactCase((
-        Thing("table", (2.5, 2.0, 0)), Thing("chair", (2.2, 1.75, 0), 180),
-        Thing("chair", (2.8, 2.25, 0)), Thing("chair", (1.65, 2.0, 0), 90),
+        Placed("table", (2.5, 2.0, 0)), Placed("chair", (2.2, 1.75, 0), 180),
+        Placed("chair", (2.8, 2.25, 0)), Placed("chair", (1.65, 2.0, 0), 90),
     )),
     "stacked shelves": ContactCase((
-        Thing("shelf", (2.5, 3.85, 0)), Thing("shelf", (2.5, 3.85, 1.0)),
-        Thing("shelf", (3.31, 3.85, 0)),
+        Placed("shelf", (2.5, 3.85, 0)), Placed("shelf", (2.5, 3.85, 1.0)),
+        Placed("shelf", (3.31, 3.85, 0)),
     )),
     "boxes in a shelf": ContactCase((
-        Thing("shelf", (2.5, 3.85, 0)), Thing("carton", (2.3, 3.84, 0.02)),
-        Thing("carton", (2.6, 3.84, 0.35)), Thing("carton", (2.35, 3.84, 0.68)),
-        Thing("carton", (2.6, 3.84, 1.0)),
+        Placed("shelf", (2.5, 3.85, 0)), Placed("carton", (2.3, 3.84, 0.02)),
+        Placed("carton", (2.6, 3.84, 0.35)), Placed("carton", (2.35, 3.84, 0.68)),
+        Placed("carton", (2.6, 3.84, 1.0)),
     )),
     "table through a wall": ContactCase((
-        Thing("table", (2.5, 3.66, 0)), Thing("chair", (2.5, 2.9, 0), 180),
+        Placed("table", (2.5, 3.66, 0)), Placed("chair", (2.5, 2.9, 0), 180),
     ), impossible=frozenset({1})),
     "counters in a row": ContactCase((
-        Thing("counter", (0.32, 3.69, 0)), Thing("counter", (0.93, 3.69, 0)),
-        Thing("counter", (1.54, 3.69, 0)), Thing("counter", (2.15, 3.69, 0)),
+        Placed("counter", (0.32, 3.69, 0)), Placed("counter", (0.93, 3.69, 0)),
+        Placed("counter", (1.54, 3.69, 0)), Placed("counter", (2.15, 3.69, 0)),
     )),
     "L-shaped sofa around a table": ContactCase((
-        Thing("sectional", (3.99, 2.99, 0)), Thing("cube", (3.6, 2.55, 0)),
-        Thing("chair", (2.2, 1.0, 0), 30),
+        Placed("sectional", (3.99, 2.99, 0)), Placed("cube", (3.6, 2.55, 0)),
+        Placed("chair", (2.2, 1.0, 0), 30),
     )),
     "table and chairs on a rug": ContactCase((
-        Thing("rug", (2.5, 2.0, 0)), Thing("table", (2.5, 2.0, 0.012)),
-        Thing("chair", (2.2, 1.75, 0.012), 180), Thing("chair", (2.8, 2.3, 0.012)),
+        Placed("rug", (2.5, 2.0, 0)), Placed("table", (2.5, 2.0, 0.012)),
+        Placed("chair", (2.2, 1.75, 0.012), 180), Placed("chair", (2.8, 2.3, 0.012)),
     )),
     "television on its wall above a cabinet": ContactCase((
-        Thing("cabinet", (2.5, 3.79, 0)), Thing("television", (2.5, 3.965, 0.95)),
+        Placed("cabinet", (2.5, 3.79, 0)), Placed("television", (2.5, 3.965, 0.95)),
     )),
     "pendant lamp, ceiling not seen": ContactCase((
-        Thing("pendant", (2.5, 2.0, 1.7)), Thing("table", (2.5, 2.0, 0)),
+        Placed("pendant", (2.5, 2.0, 1.7)), Placed("table", (2.5, 2.0, 0)),
     ), ceiling=False),
 }  # fmt: skip
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.scan.built import Hole, Thing, built
+from benchmarks.scan.built import Hole, Placed, built
 from benchmarks.scan.rooms import SimulatedRoom
 from benchmarks.scan.symmetry import surface_samples
 from openrooms_usd.scan.points.cloud import Cloud
@@ -42,7 +42,7 @@ def _room() -> SimulatedRoom:
     holes = (Hole(0, 1.0, 0.9, 0.0, 2.0), Hole(2, 2.0, 1.6, 0.9, 2.1, "window"))
     places = [(x, y) for x in (1.2, 3.0, 4.8, 6.6) for y in (1.2, 3.0, 4.8)]
     names = ("table", "chair", "cabinet", "shelf")
-    things = [Thing(names[i % 4], (x, y, 0), 25.0 * i) for i, (x, y) in enumerate(places)]
+    things = [Placed(names[i % 4], (x, y, 0), 25.0 * i) for i, (x, y) in enumerate(places)]
     outline = ((0, 0), (8, 0), (8, 6), (3, 6), (3, 5.9), (0, 5.9))
     return built(outline, holes=holes, things=things)
 

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.scan.built import Hole, Thing, built
+from benchmarks.scan.built import Hole, Placed, built
 from benchmarks.scan.corridors import with_corridors
 from benchmarks.scan.rooms import GLASS, MIRROR, SimulatedRoom
 from benchmarks.scan.scanner import Scan, Scanner, simulate
@@ -47,12 +47,12 @@ NICHES: Final[Outline] = (
     (3.5, 4), (3.5, 4.4), (2.0, 4.4), (2.0, 4), (0, 4),
 )  # fmt: skip
 LIVING: Final = (
-    Thing("sofa", (2.5, 0.45, 0), 180), Thing("table", (2.5, 2.0, 0), 0),
-    Thing("chair", (1.2, 3.0, 0), 30), Thing("cabinet", (4.2, 3.78, 0), 0),
+    Placed("sofa", (2.5, 0.45, 0), 180), Placed("table", (2.5, 2.0, 0), 0),
+    Placed("chair", (1.2, 3.0, 0), 30), Placed("cabinet", (4.2, 3.78, 0), 0),
 )  # fmt: skip
 
 
-def plain(*things: Thing) -> SimulatedRoom:
+def plain(*things: Placed) -> SimulatedRoom:
     """5 x 4 m with a door and a window."""
     return built(rectangle(5, 4), holes=(DOOR, WINDOW), things=things or LIVING)
 
@@ -71,7 +71,7 @@ def corridor(seed: int) -> HardCase:
 def bathroom(seed: int) -> HardCase:
     """2 x 2 m, with a mirror."""
     holes = (Hole(0, 0.4, 0.8, 0.0, 2.0), Hole(2, 0.6, 0.8, 1.1, 1.9, "window", MIRROR))
-    room = built(rectangle(2, 2), holes=holes, things=(Thing("cabinet", (1.0, 1.78, 0)),))
+    room = built(rectangle(2, 2), holes=holes, things=(Placed("cabinet", (1.0, 1.78, 0)),))
     return HardCase(scanned(room, seed))
 
 
@@ -133,7 +133,7 @@ def several_rooms(seed: int) -> HardCase:
 
 def columns(seed: int) -> HardCase:
     """A pier, a niche, and a column that stands free."""
-    column = Thing("cube", (2.2, 2.0, 0), 0, (0.6, 0.6, 2.5 / 0.6))
+    column = Placed("cube", (2.2, 2.0, 0), 0, (0.6, 0.6, 2.5 / 0.6))
     return HardCase(scanned(built(NICHES, holes=(DOOR,), things=(column,)), seed))
 
 
@@ -145,8 +145,8 @@ def one_sided(seed: int) -> HardCase:
 def symmetric(seed: int) -> HardCase:
     """Furniture that looks alike after a turn."""
     things = (
-        Thing("cube", (1.5, 1.5, 0), 20), Thing("cabinet", (4.2, 3.75, 0)),
-        Thing("table", (3.0, 2.0, 0), 65), Thing("cube", (4.0, 0.8, 0), 45),
+        Placed("cube", (1.5, 1.5, 0), 20), Placed("cabinet", (4.2, 3.75, 0)),
+        Placed("table", (3.0, 2.0, 0), 65), Placed("cube", (4.0, 0.8, 0), 45),
     )  # fmt: skip
     return HardCase(scanned(plain(*things), seed))
 
@@ -154,8 +154,8 @@ def symmetric(seed: int) -> HardCase:
 def pushed_under(seed: int) -> HardCase:
     """Chairs that are pushed under a table."""
     things = (
-        Thing("table", (2.5, 2.0, 0)), Thing("chair", (2.2, 1.75, 0), 180),
-        Thing("chair", (2.8, 2.25, 0), 0), Thing("chair", (1.5, 2.0, 0), 90),
+        Placed("table", (2.5, 2.0, 0)), Placed("chair", (2.2, 1.75, 0), 180),
+        Placed("chair", (2.8, 2.25, 0), 0), Placed("chair", (1.5, 2.0, 0), 90),
     )  # fmt: skip
     return HardCase(scanned(plain(*things), seed))
 
@@ -163,13 +163,16 @@ def pushed_under(seed: int) -> HardCase:
 def stacked(seed: int) -> HardCase:
     """Two shelves, one upon the other, and a third beside them."""
     things = (
-        Thing("shelf", (2.5, 3.85, 0)), Thing("shelf", (2.5, 3.85, 1.0)),
-        Thing("shelf", (3.3, 3.85, 0)), Thing("chair", (1.5, 1.5, 0), 200),
+        Placed("shelf", (2.5, 3.85, 0)), Placed("shelf", (2.5, 3.85, 1.0)),
+        Placed("shelf", (3.3, 3.85, 0)), Placed("chair", (1.5, 1.5, 0), 200),
     )  # fmt: skip
     return HardCase(scanned(plain(*things), seed))
 
 
 def through_a_wall(seed: int) -> HardCase:
     """A table that the scan itself shows 6 cm inside a wall."""
-    things = (Thing("table", (2.5, 3.66, 0)), Thing("chair", (2.5, 2.9, 0), 180))
+    things = (
+        Placed("table", (2.5, 3.66, 0)),
+        Placed("chair", (2.5, 2.9, 0), 180),
+    )
     return HardCase(scanned(plain(*things), seed))

@@ -125,13 +125,8 @@ class RenderJob:
         return Shading(self.adapter.channels)
 
     @cached_property
-    def before_friction(self) -> tuple[str, ...]:
-        """What views have before friction is added."""
-        return self.request.channels
-
-    @cached_property
-    def before_shading(self) -> tuple[str, ...]:
-        """What views have before friction and shading are made of others."""
+    def shaded(self) -> tuple[str, ...]:
+        """The channels of a view once shading is made: all that is asked for or friction needs."""
         asked = self.request.channels
         return FrictionMap.needs(asked) if FRICTION in asked else asked
 
@@ -144,7 +139,7 @@ class RenderJob:
     @property
     def rendered(self) -> RenderRequest:
         """What the renderer and the core are asked for."""
-        asked, shades = self.before_shading, self.shading.makes(self.request.channels)
+        asked, shades = self.shaded, self.shading.makes(self.request.channels)
         return replace(
             self.request,
             channels=self.shading.needs(asked) if shades else asked,
@@ -259,9 +254,9 @@ class OpenedJob:
         job, lights = self.job, len(self.lights)
         view = self.opened.render(replace(self.request, camera=self.views[name]), progress)
         if job.shading.makes(job.request.channels):
-            view = job.shading.complete(view, each(job.before_shading, lights))
+            view = job.shading.complete(view, each(job.shaded, lights))
         if self.friction:
-            view = self.friction.complete(view, each(job.before_friction, lights))
+            view = self.friction.complete(view, each(job.request.channels, lights))
         if job.denoiser:
             clean = with_denoised_light(view, job.denoiser).denoised if job.denoise == "all" else {}
             view = replace(job.denoiser.complete(view), denoised=clean)

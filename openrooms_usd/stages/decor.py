@@ -25,7 +25,7 @@ _BEFORE_M: Final = 0.3
 _RUNNERS: Final = frozenset({"bordered", "fringed", "runner"})
 
 
-class Thing(NamedTuple):
+class Decoration(NamedTuple):
     """A thing in a hallway.
 
     Attributes:
@@ -41,7 +41,7 @@ class Thing(NamedTuple):
     at: tuple[float, float, float]
 
 
-def decor(size: Hallway, rng: np.random.Generator) -> Iterator[Thing]:
+def decor(size: Hallway, rng: np.random.Generator) -> Iterator[Decoration]:
     """What a hallway holds, drawn."""
     thick = _PICTURE_M[1]
     low, high = door_space(size) or (size.right, size.right)
@@ -53,12 +53,12 @@ def decor(size: Hallway, rng: np.random.Generator) -> Iterator[Thing]:
         tall = wide * float(rng.choice((0.75, 1.0, 1.35)))
         middle = 0.5 * (left + right)
         at = (middle, size.far - 0.5 * thick - 0.002, _EYE_LEVEL_M - 0.5 * tall)
-        yield Thing(f"Picture_{number}", "picture", (wide, thick, tall), at)
+        yield Decoration(f"Picture_{number}", "picture", (wide, thick, tall), at)
     long = size.right - size.left - 2.0 * _BEFORE_M
     deep = min(_RUNNER_M[0], size.far - size.near - _BEFORE_M)
     if long > 1.0 and rng.random() < _RUNNER_SHARE:
         at = (0.5 * (size.left + size.right), 0.5 * (size.near + size.far), 0.0)
-        yield Thing("Runner", "rug", (long, deep, _RUNNER_M[1]), at)
+        yield Decoration("Runner", "rug", (long, deep, _RUNNER_M[1]), at)
 
 
 def author_decor(stage: Usd.Stage, path: str, size: Hallway, rng: np.random.Generator) -> None:

@@ -18,7 +18,7 @@ from openrooms_usd.library.furniture import category
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.penetration import penetration
 from openrooms_usd.validation.model import Complaint, Subject
-from openrooms_usd.validation.roomview import RoomView, Thing
+from openrooms_usd.validation.roomview import RoomObject, RoomView
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def outside_room(subject: Subject) -> Iterator[Complaint]:
             yield path, "the camera is outside of the room"
 
 
-def _beyond(room: RoomView, thing: Thing) -> float:
+def _beyond(room: RoomView, thing: RoomObject) -> float:
     """How far a thing reaches out of the room, metres."""
     ends = np.stack([thing.low, thing.high])
     box = ends[np.indices((2, 2, 2)).reshape(3, -1).T, np.arange(3)]
@@ -77,7 +77,7 @@ def _beyond_points(room: RoomView, points: Array) -> float:
     return max(out)
 
 
-def _notched(room: RoomView, thing: Thing) -> bool:
+def _notched(room: RoomView, thing: RoomObject) -> bool:
     import shapely
 
     if room.outline is None:
@@ -94,7 +94,7 @@ def cameras_inside(subject: Subject) -> Iterator[Complaint]:
                 yield path, f"the camera is inside of {thing.name}"
 
 
-def _is_in(place: Array, thing: Thing) -> bool:
+def _is_in(place: Array, thing: RoomObject) -> bool:
     """Whether most of the ways out of a thing meet its surface from behind."""
     triangles = thing.body.triangles.reshape(-1, 3)
     caster = RayCaster(triangles, np.arange(len(triangles)).reshape(-1, 3))
@@ -123,7 +123,7 @@ def _depth(a: Body, b: Body, yields: float) -> float:
     return 0.0 if found is None else found.depth
 
 
-def _yields(thing: Thing) -> float:
+def _yields(thing: RoomObject) -> float:
     """How far a thing gives way, metres."""
     known = record(thing.category)
     return 0.0 if known is None or isinstance(known.yields, Without) else known.yields

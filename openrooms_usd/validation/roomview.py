@@ -28,7 +28,7 @@ _CORNERS: Final = np.indices((2, 2, 2)).reshape(3, -1).T
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class RoomObject:
     """A piece of furniture.
 
     Attributes:
@@ -110,7 +110,7 @@ class RoomView:
     stage: Usd.Stage
 
     @cached_property
-    def things(self) -> tuple[Thing, ...]:
+    def things(self) -> tuple[RoomObject, ...]:
         """What stands below the furniture's prim and can be seen."""
         found: dict[str, list[PlacedMesh]] = {}
         for mesh in read_meshes(self.stage, outside=False, bare=True):
@@ -119,12 +119,12 @@ class RoomView:
                 found.setdefault(f"{names.FURNITURE}/{name.partition('[')[0]}", []).append(mesh)
         return tuple(self._thing(path, meshes) for path, meshes in found.items())
 
-    def _thing(self, path: str, meshes: list[PlacedMesh]) -> Thing:
+    def _thing(self, path: str, meshes: list[PlacedMesh]) -> RoomObject:
         prim = self.stage.GetPrimAtPath(path)
         axes = local_to_world(prim, UsdGeom.XformCache(TIME))[:3, :3]
         corners = np.concatenate([self._corners(mesh) for mesh in meshes])
         label = read_label(prim, names.CATEGORY)
-        return Thing(
+        return RoomObject(
             path, label or "", axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-12),
             tuple(meshes), corners.min(axis=0), corners.max(axis=0),
         )  # fmt: skip
@@ -216,10 +216,10 @@ class RoomView:
         closed = self.ceiling is not None and self.outline is not None
         return bool(shining) and (not closed or bool(read_portals(self.stage)))
 
-    def pairs(self, deeper: float) -> Iterator[tuple[Thing, Thing]]:
+    def pairs(self, deeper: float) -> Iterator[tuple[RoomObject, RoomObject]]:
         """Things whose boxes overlap by more than so many metres along all axes."""
         order = sorted(self.things, key=lambda thing: float(thing.low[0]))
-        open_: list[Thing] = []
+        open_: list[RoomObject] = []
         for thing in order:
             open_ = [other for other in open_ if other.high[0] > thing.low[0] + deeper]
             for other in open_:

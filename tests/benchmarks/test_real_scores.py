@@ -176,14 +176,14 @@ def test_polygons_become_fans():
 
 
 def thing(x=2.0, y=1.5, z=0.0, side=0.5):
-    from benchmarks.real.things import Thing
+    from benchmarks.real.things import PlacedObject
 
     low, high = np.array([x, y, z]), np.array([x, y, z]) + side
     corners = np.array([[a, b, c] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
     points = low + corners * side
-    return Thing("chair_1", "chair", (side, side, side), (low + high) / 2, points, faces)
+    return PlacedObject("chair_1", "chair", (side, side, side), (low + high) / 2, points, faces)
 
 
 def test_labels_that_say_nothing_may_only_become_boxes(tmp_path):

@@ -10,7 +10,7 @@ from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.clutter.draping import Edge, edges, hang_over
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.hooks import pegs
-from openrooms_usd.generate.clutter.laying import thing_of
+from openrooms_usd.generate.clutter.laying import posed_object
 from openrooms_usd.generate.clutter.levels import along_edges, crossings, levels_of
 from openrooms_usd.generate.clutter.resting import rest_on
 from openrooms_usd.generate.clutter.settling import settle, vessels
@@ -116,7 +116,7 @@ def test_loops_lie_on_the_crooks_of_hooks(name: str, style: str) -> None:
     rack = Item("rack", "coat_rack", (0.7, 0.075, 0.11), "plank", z=1.6, on="wall")
     (peg, *others) = pegs([("by the door", [rack])], surfaces)
     assert len(others) == 3 and peg.at[1] < 0.0  # before the board
-    thing = thing_of(surfaces, name, (CATEGORIES[name].styles[style].size or SIZE, style))
+    thing = posed_object(surfaces, name, (CATEGORIES[name].styles[style].size or SIZE, style))
     x, y, z = peg.hung(thing.size)
     corners = thing.form.corners + np.array([x, y, z])
     # A line upwards through the crook leaves the body, and meets the loop just above the crook.
@@ -132,7 +132,7 @@ def test_fruit_settles_in_its_bowl() -> None:
     surfaces = Surfaces(Shapes(1))
     bowl = Item("bowl", "bowl", (0.28, 0.28, 0.1), "round", z=0.7)
     (vessel,) = vessels([(0, bowl)], surfaces)
-    apple = thing_of(surfaces, "fruit", ((0.078, 0.078, 0.08), "apple"))
+    apple = posed_object(surfaces, "fruit", ((0.078, 0.078, 0.08), "apple"))
     rng = np.random.default_rng(1)
     laid = [item for k in range(12) if (item := settle(vessel, apple, f"apple {k}", rng))]
     assert 2 <= len(laid) < 12  # then others would carry it

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from openrooms_usd.generate.boxes import Pose, overlap
-from openrooms_usd.generate.clutter.laying import Thing, fits, item_at, thing_of
+from openrooms_usd.generate.clutter.laying import PosedObject, fits, item_at, posed_object
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
@@ -133,15 +133,15 @@ def put_beside(scatter: Scatter, spot: Spot, other: Item, part: Part) -> None:
         _put_at(scatter, spot, thing, (*local, other.yaw - spot.carrier.yaw))
 
 
-def _part(scatter: Scatter, part: Part) -> Thing | None:
+def _part(scatter: Scatter, part: Part) -> PosedObject | None:
     if part.category not in CATEGORIES:
         return None
     lies = Lies(on=("dining_table",), styles=part.styles, makes=1)
     make = scatter.makes.draw(part.category, lies)
-    return thing_of(scatter.surfaces, part.category, make) if make else None
+    return posed_object(scatter.surfaces, part.category, make) if make else None
 
 
-def _put_at(scatter: Scatter, spot: Spot, thing: Thing, local: Pose) -> bool:
+def _put_at(scatter: Scatter, spot: Spot, thing: PosedObject, local: Pose) -> bool:
     """Put a thing on a surface at a place in its carrier's frame, if it is free."""
     if not fits(spot, thing.size, np.array([local[:2]]), np.array([local[2]]))[0]:
         return False

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose, overlap
-from openrooms_usd.generate.clutter.laying import Taken, Thing
+from openrooms_usd.generate.clutter.laying import PosedObject, Taken
 from openrooms_usd.generate.items import STEP_M, Item, placed
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.library.furniture.lying import Place
@@ -35,7 +35,7 @@ class Ground:
     taken: Taken
     rng: np.random.Generator
 
-    def place(self, place: Place, thing: Thing) -> Pose | None:
+    def place(self, place: Place, thing: PosedObject) -> Pose | None:
         """Where a thing stands on the floor without being in the way; None where it would be.
 
         Args:
@@ -47,7 +47,7 @@ class Ground:
                 return pose
         return None
 
-    def hang(self, thing: Thing, low: float) -> Pose | None:
+    def hang(self, thing: PosedObject, low: float) -> Pose | None:
         """Where a thing hangs on a wall with nothing before it, its lower edge at a height."""
         if low + thing.size[2] > self.room.shell.height - 0.08:
             return None
@@ -77,7 +77,7 @@ class Ground:
         shell = self.room.shell
         return bool(overlap(box, shell.walls).any() or overlap(box, shell.attached).any())
 
-    def _free(self, thing: Thing, pose: Pose) -> bool:
+    def _free(self, thing: PosedObject, pose: Pose) -> bool:
         box = thing.standing(pose, 0.0)
         if not self.room.shell.contains(box[:, :2]).all() or self._meets(box, 0.01, 0.005):
             return False
@@ -92,7 +92,7 @@ class Ground:
         self.room.floor = floor
         return True
 
-    def _poses(self, place: Place, thing: Thing) -> Iterator[Pose]:
+    def _poses(self, place: Place, thing: PosedObject) -> Iterator[Pose]:
         source = _SOURCES.get(place)
         if source is not None:
             for _ in range(_TRIES):
@@ -100,7 +100,7 @@ class Ground:
                 if pose is not None:
                     yield pose
 
-    def _by_door(self, thing: Thing) -> Pose | None:
+    def _by_door(self, thing: PosedObject) -> Pose | None:
         doors = self.room.shell.doors
         if not doors:
             return None
@@ -110,30 +110,30 @@ class Ground:
         at = gap.at + away * (1 if self.rng.random() < 0.5 else -1)
         return self._at_wall(gap.side, at, thing) if 0.0 < at < side.length else None
 
-    def _at_wall(self, side: int, at: float, thing: Thing, turned: float = 8.0) -> Pose:
+    def _at_wall(self, side: int, at: float, thing: PosedObject, turned: float = 8.0) -> Pose:
         wall = self.room.shell.sides[side]
         x, y = wall.point(at, 0.5 * thing.size[1] + _WALL_GAP_M + 0.1 * thing.size[0]).tolist()
         return x, y, wall.yaw + float(self.rng.uniform(-turned, turned))
 
-    def _by_wall(self, thing: Thing) -> Pose | None:
+    def _by_wall(self, thing: PosedObject) -> Pose | None:
         sides = self.room.shell.sides
         lengths = np.array([side.length for side in sides])
         side = int(self.rng.choice(len(sides), p=lengths / lengths.sum()))
         return self._at_wall(side, float(self.rng.uniform(0.0, sides[side].length)), thing)
 
-    def _corner(self, thing: Thing) -> Pose | None:
+    def _corner(self, thing: PosedObject) -> Pose | None:
         side = int(self.rng.integers(len(self.room.shell.sides)))
         half = 0.5 * thing.size[0] + 0.05 + 0.1 * thing.size[1]
         length = self.room.shell.sides[side].length
         at = half if self.rng.random() < 0.5 else length - half
         return self._at_wall(side, at, thing, 5.0)
 
-    def _anywhere(self, thing: Thing) -> Pose | None:
+    def _anywhere(self, thing: PosedObject) -> Pose | None:
         low, high = self.room.shell.corners.min(axis=0), self.room.shell.corners.max(axis=0)
         x, y = self.rng.uniform(low, high).tolist()
         return x, y, float(self.rng.uniform(-180.0, 180.0))
 
-    def _beside(self, thing: Thing, *names: str) -> Pose | None:
+    def _beside(self, thing: PosedObject, *names: str) -> Pose | None:
         """Beside a piece of furniture, to its right or left."""
         found = [item for item in self.items if item.category in names and item.z < 0.1]
         if not found:
@@ -146,7 +146,7 @@ class Ground:
         px, py = placed((item.x, item.y, item.yaw), x, y)
         return px, py, item.yaw + float(self.rng.uniform(-15, 15))
 
-    def _by_media(self, thing: Thing) -> Pose | None:
+    def _by_media(self, thing: PosedObject) -> Pose | None:
         """At the wall, beside what a television stands on."""
         below = [item.on for item in self.items if item.category == "television"]
         found = [item for item in self.items if item.key in below and item.z < 0.1]
@@ -159,7 +159,7 @@ class Ground:
         px, py = placed((item.x, item.y, item.yaw), side * away, y)
         return px, py, item.yaw + float(self.rng.uniform(-12, 12))
 
-    def _before(self, thing: Thing, *names: str) -> Pose | None:
+    def _before(self, thing: PosedObject, *names: str) -> Pose | None:
         """On the floor before a piece of furniture."""
         found = [item for item in self.items if item.category in names]
         if not found:
@@ -170,7 +170,7 @@ class Ground:
         px, py = placed((item.x, item.y, item.yaw), x, y)
         return px, py, item.yaw + float(self.rng.uniform(-6, 6))
 
-    def _below(self, thing: Thing, *names: str) -> Pose | None:
+    def _below(self, thing: PosedObject, *names: str) -> Pose | None:
         """Below a table, towards its back."""
         found = [item for item in self.items if item.category in names]
         if not found:
@@ -182,7 +182,7 @@ class Ground:
         return px, py, item.yaw + float(self.rng.uniform(-20, 20))
 
 
-_SOURCES: Final[dict[Place, Callable[[Ground, Thing], Pose | None]]] = {
+_SOURCES: Final[dict[Place, Callable[[Ground, PosedObject], Pose | None]]] = {
     "floor_by_door": Ground._by_door,
     "floor_by_wall": Ground._by_wall,
     "floor_corner": Ground._corner,

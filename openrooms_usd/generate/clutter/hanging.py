@@ -4,7 +4,7 @@ from openrooms_usd.generate.clutter.amounts import DRAPED, HUNG
 from openrooms_usd.generate.clutter.draping import Edge, hang_over
 from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.hooks import Peg
-from openrooms_usd.generate.clutter.laying import item_at, thing_of
+from openrooms_usd.generate.clutter.laying import item_at, posed_object
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.library.furniture import category
 
@@ -30,7 +30,7 @@ def drape(scatter: Scatter, number: int, edge: Edge, level: int) -> None:
         low <= side <= high for low, side, high in zip(spec.least, fit.size, spec.most, strict=True)
     ):
         return
-    thing = thing_of(scatter.surfaces, drawn[0], (fit.size, style))
+    thing = posed_object(scatter.surfaces, drawn[0], (fit.size, style))
     pose = (*carrier.at(fit.x, fit.y), carrier.yaw + fit.yaw)
     box = thing.standing(pose, carrier.z + fit.z)
     if not len(scatter.taken.near(box, {carrier.key})):
@@ -54,7 +54,7 @@ def hang(scatter: Scatter, number: int, peg: Peg, ground: Ground, level: int) ->
     make = scatter.makes.draw(*drawn) if drawn and wanted else None
     if drawn is None or make is None:
         return
-    thing, carrier = thing_of(scatter.surfaces, drawn[0], make), peg.carrier
+    thing, carrier = posed_object(scatter.surfaces, drawn[0], make), peg.carrier
     x, y, z = peg.hung(thing.size)
     turn = peg.yaw + 180.0 * float(peg.yaw > 0.0 and scatter.rng.random() < 0.5)
     pose = (*carrier.at(x, y), carrier.yaw + turn)

@@ -33,7 +33,7 @@ Tilt = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class PosedObject:
     """Something to lay down: a make in a pose.
 
     Attributes:
@@ -92,12 +92,12 @@ class Thing:
         return found
 
 
-def thing_of(surfaces: Surfaces, name: str, make: Make, tilt: Tilt = (0.0, 0.0)) -> Thing:
+def posed_object(surfaces: Surfaces, name: str, make: Make, tilt: Tilt = (0.0, 0.0)) -> PosedObject:
     """A make in a pose."""
     shape = surfaces.shapes.of(name, *make)
     points = np.concatenate([mesh.points for mesh in shape.meshes])
     turn = tilted(*tilt).T if any(tilt) else np.eye(3)
-    return Thing(name, make, tilt, shape, points @ turn, skin_of(shape) @ turn)
+    return PosedObject(name, make, tilt, shape, points @ turn, skin_of(shape) @ turn)
 
 
 @dataclass
@@ -204,7 +204,7 @@ def _posed(pose: Pose, local: Array, turns: Array) -> Array:
     return np.column_stack([x, y, pose[2] + turns])
 
 
-def item_at(thing: Thing, key: str, middle: Pose, z: float, on: str) -> Item:
+def item_at(thing: PosedObject, key: str, middle: Pose, z: float, on: str) -> Item:
     """An item whose box has its middle at a place, and its lowest point at a height."""
     offset = -0.5 * (thing.low + thing.high)
     x, y = placed(middle, float(offset[0]), float(offset[1]))

@@ -12,12 +12,12 @@ from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS, amount_of
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.laying import (
+    PosedObject,
     Taken,
-    Thing,
     Tilt,
     item_at,
     places_on,
-    thing_of,
+    posed_object,
 )
 from openrooms_usd.generate.clutter.making import Makes, candidates
 from openrooms_usd.generate.clutter.resting import rest_on
@@ -107,7 +107,7 @@ class Scatter:
                 continue
             leans = lies.pose == "leaning"
             tilt = (-float(self.rng.uniform(4.0, 16.0)), 0.0) if leans else (0.0, 0.0)
-            thing = thing_of(self.surfaces, name, make, _TILTS.get(lies.pose, tilt))
+            thing = posed_object(self.surfaces, name, make, _TILTS.get(lies.pose, tilt))
             for _ in range(_TRIES_ON_SEAT):
                 laid = (lean if leans else drop)(seat, thing, self.key(name), self.rng)
                 if laid is None:
@@ -135,7 +135,7 @@ class Scatter:
             if drawn is None or make is None:
                 continue
             name, lies = drawn
-            thing = thing_of(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
+            thing = posed_object(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
             z = 0.0
             if place == "wall":
                 z = given(category(name).level, 1.3) + float(self.rng.uniform(-0.1, 0.15))
@@ -182,7 +182,7 @@ class Scatter:
         make = self.makes.draw(name, lies, room)
         if make is None:
             return
-        thing = thing_of(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
+        thing = posed_object(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
         if lies.pose == "row":
             laid = self._row(number, spot, thing, lies, count)
         elif lies.pose == "stacked":
@@ -193,7 +193,7 @@ class Scatter:
                 # What lies together is alike only where a room has one make of it.
                 other = self.makes.draw(name, lies, room) if index and lies.makes > 1 else None
                 if other is not None:
-                    thing = thing_of(self.surfaces, name, other, thing.tilt)
+                    thing = posed_object(self.surfaces, name, other, thing.tilt)
                 item = self._put(number, spot, thing, lies)
                 laid += [item] if item is not None else []
         if laid:
@@ -205,7 +205,7 @@ class Scatter:
         high = float(spot.level.clear[spot.level.clear > 0.0].max())
         return x1 - x0, y1 - y0, min(high, 1.2) - 0.005
 
-    def _put(self, number: int, spot: Spot, thing: Thing, lies: Lies) -> Item | None:
+    def _put(self, number: int, spot: Spot, thing: PosedObject, lies: Lies) -> Item | None:
         """One thing somewhere on a surface."""
         middle = self._place(number, spot, thing.size, lies)
         if middle is None:
@@ -215,7 +215,7 @@ class Scatter:
         return item
 
     def _row(
-        self, number: int, spot: Spot, thing: Thing, lies: Lies, count: int
+        self, number: int, spot: Spot, thing: PosedObject, lies: Lies, count: int
     ) -> list[Item]:  # fmt: skip
         """Several alike side by side, fewer where there is no space."""
         width, depth, height = thing.size
@@ -235,7 +235,7 @@ class Scatter:
         return []
 
     def _stack(
-        self, number: int, spot: Spot, thing: Thing, lies: Lies, count: int, room: Size
+        self, number: int, spot: Spot, thing: PosedObject, lies: Lies, count: int, room: Size
     ) -> list[Item]:
         """Several on top of each other, none larger than the one below."""
         width, depth, height = thing.size
@@ -266,13 +266,13 @@ class Scatter:
             carrier, below = item.key, upper
         return laid
 
-    def _next(self, below: Thing, lies: Lies, high: float) -> Thing | None:
+    def _next(self, below: PosedObject, lies: Lies, high: float) -> PosedObject | None:
         """What may lie on top of something: no larger than that."""
         width, depth, _ = below.make[0]
         make = self.makes.draw(below.name, lies, (width + 0.002, depth + 0.002, high))
-        return thing_of(self.surfaces, below.name, make) if make else None
+        return posed_object(self.surfaces, below.name, make) if make else None
 
-    def _rise(self, below: Thing, upper: Thing, pose: Pose) -> float:
+    def _rise(self, below: PosedObject, upper: PosedObject, pose: Pose) -> float:
         """How far above the lowest point of a thing that of another comes to rest on it."""
         origin = rest_on(below.corners, upper.above(pose))
         return origin + float(upper.low[2]) - float(below.low[2])
@@ -299,8 +299,15 @@ class Scatter:
         )
 
     def _take(
-        self, number: int, spot: Spot, item: Item, thing: Thing, middle: Pose, z: float, lies: Lies
-    ) -> None:
+        self,
+        number: int,
+        spot: Spot,
+        item: Item,
+        thing: PosedObject,
+        middle: Pose,
+        z: float,
+        lies: Lies,
+    ) -> None:  # fmt: skip
         self.add(spot.group, item, thing.standing((item.x, item.y, item.yaw), z))
         back = (0.0, 0.0, -spot.pose[2])
         local = placed(back, middle[0] - spot.pose[0], middle[1] - spot.pose[1])

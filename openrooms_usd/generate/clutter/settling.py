@@ -8,7 +8,7 @@ import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
-from openrooms_usd.generate.clutter.laying import Thing, thing_of
+from openrooms_usd.generate.clutter.laying import PosedObject, posed_object
 from openrooms_usd.generate.clutter.resting import Relief, rest_on
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.items import Item, placed, wrapped
@@ -31,7 +31,7 @@ _LOWEST_M, _MAX_GAP_M = 0.005, 0.012
 _WITHIN_SHARE: Final = 0.4
 
 
-Held = tuple[str, Thing, Pose, float]
+Held = tuple[str, PosedObject, Pose, float]
 
 
 @dataclass(eq=False)
@@ -88,7 +88,7 @@ def fill_vessel(scatter: Scatter, number: int, vessel: Vessel, level: int) -> No
         make = scatter.makes.draw(*drawn, (0.8 * width, 0.8 * depth, height)) if drawn else None
         if drawn is None or make is None:
             continue
-        thing = thing_of(scatter.surfaces, drawn[0], make)
+        thing = posed_object(scatter.surfaces, drawn[0], make)
         item = settle(vessel, thing, scatter.key(drawn[0]), scatter.rng)
         if item is None:
             continue
@@ -101,7 +101,7 @@ def fill_vessel(scatter: Scatter, number: int, vessel: Vessel, level: int) -> No
         scatter.add(vessel.group, item, box)
 
 
-def settle(vessel: Vessel, thing: Thing, key: str, rng: np.random.Generator) -> Item | None:
+def settle(vessel: Vessel, thing: PosedObject, key: str, rng: np.random.Generator) -> Item | None:
     """A thing at the lowest place in a vessel that others leave; None without one.
 
     Args:
@@ -133,7 +133,7 @@ def _stands(vessel: Vessel, points: Array, pose: Pose, z: float) -> bool:
     return bool(np.isfinite(z) and (base[:, 2] + z - below).max() < _MAX_GAP_M)
 
 
-def _clear(thing: Thing, pose: Pose, z: float, other: Held) -> bool:
+def _clear(thing: PosedObject, pose: Pose, z: float, other: Held) -> bool:
     """Whether what lies there already would not lift a thing."""
     _, below, at, low = other
     back = (0.0, 0.0, -at[2])
@@ -142,7 +142,7 @@ def _clear(thing: Thing, pose: Pose, z: float, other: Held) -> bool:
     return low + lifted < z + _LIFTED_M
 
 
-def _item(carrier: Item, thing: Thing, key: str, pose: Pose, z: float) -> Item:
+def _item(carrier: Item, thing: PosedObject, key: str, pose: Pose, z: float) -> Item:
     x, y = carrier.at(pose[0], pose[1])
     size, style = thing.make
     return Item(

@@ -8,7 +8,7 @@ import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
-from openrooms_usd.generate.clutter.laying import Thing
+from openrooms_usd.generate.clutter.laying import PosedObject
 from openrooms_usd.generate.clutter.resting import Relief, rest_on
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
@@ -93,7 +93,7 @@ def seats(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> I
 
 
 def lean(
-    seat: Seat, thing: Thing, key: str, rng: np.random.Generator
+    seat: Seat, thing: PosedObject, key: str, rng: np.random.Generator
 ) -> tuple[Item, Pose] | None:  # fmt: skip
     """A thing pushed back on a seat until it meets what is behind, and leans on that.
 
@@ -128,7 +128,7 @@ def lean(
 
 
 def drop(
-    seat: Seat, thing: Thing, key: str, rng: np.random.Generator
+    seat: Seat, thing: PosedObject, key: str, rng: np.random.Generator
 ) -> tuple[Item, Pose] | None:  # fmt: skip
     """A thing that lies on a seat, somewhere and turned in some way."""
     x0, x1, y0, y1 = seat.reach
@@ -146,7 +146,7 @@ def drop(
 
 
 def _laid(
-    seat: Seat, thing: Thing, key: str, points: Array, place: Pose
+    seat: Seat, thing: PosedObject, key: str, points: Array, place: Pose
 ) -> tuple[Item, Pose] | None:
     x, y, yaw = place
     z = rest_on(seat.shape.corners, thing.above(place))
