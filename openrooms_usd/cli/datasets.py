@@ -136,7 +136,7 @@ def verify(folder: Path, as_json: bool) -> None:
 @_FOLDER
 @json_option
 def stats(folder: Path, as_json: bool) -> None:
-    """Count what a dataset holds: rooms, objects and pixels of each class, seconds, errors."""
+    """Count what a dataset holds: rooms, objects, pixels, materials, lights, seconds, errors."""
     from openrooms_usd.dataset.stats import stats_of
 
     found = stats_of(folder).as_dict()
@@ -145,14 +145,17 @@ def stats(folder: Path, as_json: bool) -> None:
         return
     for title, rows in found.items():
         if not isinstance(rows, dict):
-            echo(f"{title}: {rows:,}")
+            echo(f"{title}: {_number(rows)}")
             continue
         echo(f"{title}:")
         for name, value in list(rows.items())[:_MOST_SHOWN]:
-            echo(f"  {name:<24} {value:>14,.4g}" if isinstance(value, float) else
-                 f"  {name:<24} {value:>14,}")  # fmt: skip
+            echo(f"  {name:<24} {_number(value):>14}")
         if len(rows) > _MOST_SHOWN:
             echo(f"  and {len(rows) - _MOST_SHOWN} more: --json lists them")
+
+
+def _number(value: float) -> str:
+    return f"{value:,.4g}" if isinstance(value, float) else f"{value:,}"
 
 
 @dataset.command()

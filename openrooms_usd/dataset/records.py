@@ -65,6 +65,8 @@ class ViewRecord(_Part):
     told: list[dict[str, str]]
     quality: Quality
     pixels: dict[str, _Count]
+    materials: dict[str, _Count] = {}
+    depth: list[_Count] = []
     files: dict[str, FileEntry]
 
 
@@ -75,16 +77,27 @@ class ReportEntry(_Part):
     losses: list[dict[str, str]]
 
 
+class LightEntry(_Part):
+    """A light of a scene."""
+
+    kind: str
+    on: bool
+    lumen: float
+    kelvin: float | None = None
+
+
 class SceneEntry(_Part):
     """What the manifest says of all views."""
 
     legend: dict[str, dict[str, str]] = {}
+    lights: list[LightEntry] = []
 
 
 class SceneRecord(_Part):
     """What the views of a job share."""
 
     key: str
+    type: str = ""
     entry: SceneEntry
     report: ReportEntry
     licences: list[str]

@@ -19,8 +19,8 @@ from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, job_of, view_name
 from openrooms_usd.dataset.quality import look_at
 from openrooms_usd.dataset.records import SCENE
-from openrooms_usd.dataset.stats import class_pixels
 from openrooms_usd.dataset.store import Store, write_json
+from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
 from openrooms_usd.errors import OrusdError, RenderError
@@ -99,7 +99,8 @@ class _OpenRoom:
         opened: The opened room.
         error: The error that a view shall have at most.
         rows: What the report says of the room itself.
-        took: Seconds for what all views share.
+        materials: What pixels of each material are counted as, by its number.
+        took: Seconds for what all views share, and how many threads there were.
     """
 
     job: Job
@@ -107,6 +108,7 @@ class _OpenRoom:
     opened: OpenedJob
     error: float | None
     rows: tuple[ReportRow, ...]
+    materials: Mapping[int, str]
     took: Mapping[str, float]
 
     @classmethod
@@ -132,12 +134,14 @@ class _OpenRoom:
         # Lights are worked out when they are first asked for; all views share them, too.
         assert opened.lights is not None
         took = {"compose": composed, "translation": time.perf_counter() - began - composed}
+        took["threads"] = task["threads"]
         rows = tuple(opened.report.rows)
-        room = cls(job, store, opened, dataset.budget.error, rows, took)
-        room._share()
+        materials = material_names(opened.stage, opened.opened.legend.material)
+        room = cls(job, store, opened, dataset.budget.error, rows, materials, took)
+        room._share(described.room)
         return room
 
-    def _share(self) -> None:
+    def _share(self, kind: str) -> None:
         """Write what all views share: what openings see, and the record of the scene."""
         folder, job = self.store.render(self.job), self.job
         if by_light(self.opened.listed):
@@ -146,6 +150,7 @@ class _OpenRoom:
         found = sorted({one.licence for one in licences(self.opened.stage)})
         record = {
             "key": job.key,
+            "type": kind,
             "entry": self.opened.entry(),
             "report": self.opened.report.as_dict(),
             "licences": found,
@@ -186,11 +191,12 @@ class _OpenRoom:
             "entry": entry,
             "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
             "quality": look_at(view, self.error),
-            "pixels": class_pixels(view, opened.opened.legend.semantic),
+            **tally(view, opened.opened.legend.semantic, self.materials),
             "files": store.digests(job, name),
         }
         took = {"render": rendered - began, "output": time.perf_counter() - rendered}
-        store.finish(job, number, record, {**self.took, **took})
+        timing = {**self.took, **took, "channels": channel_seconds(view)}
+        store.finish(job, number, record, timing)
 
     def _camera(self, number: int) -> str:
         """The camera of a view, by name."""
