@@ -17,6 +17,7 @@ from openrooms_usd.stages.draft import Draft
 from openrooms_usd.usd import activation
 from openrooms_usd.usd import layers as usd_layers
 from openrooms_usd.usd.diagnostics import composition_errors, reason
+from openrooms_usd.usd.preflight import check_stage_file
 from openrooms_usd.version import __version__
 
 _CLASSES: Final = {
@@ -39,8 +40,15 @@ def stages() -> list[Stage]:
 
 
 def create_edits(draft: Draft) -> None:
-    """Make the layer for human edits when there is none yet; never touch it again."""
-    if not draft.layer(names.EDITS).exists():
+    """Make the layer for human edits when there is none yet; never touch it again.
+
+    Raises:
+        InputError: USD cannot read the one that is there; what it says would be lost in silence.
+    """
+    edits = draft.layer(names.EDITS)
+    if edits.exists():
+        check_stage_file(edits, is_whole=True)
+    else:
         layer = Sdf.Layer.CreateAnonymous(".usda")
         usd_layers.apply_metadata(layer)
         draft.export(layer, names.EDITS)

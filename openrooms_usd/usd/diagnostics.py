@@ -27,6 +27,8 @@ _NOISE: Final = re.compile(
     r"|\s*\bpxrInternal_\w+?__pxrReserved__::"
     r"|(?: at line \d+)? (?:in|of) (?:file )?\S+\.(?:cpp|h)\b(?: line \d+)?"
 )
+# A line and a column of a text.
+_PLACED: Final = re.compile(r":\d+:\d+: ")
 # Longer sentences quote the file itself.
 _MAX_REASON_CHARACTERS: Final = 300
 
@@ -42,8 +44,11 @@ def reason(error: BaseException) -> str:
     if not isinstance(error, Tf.ErrorException) or not error.args:
         return plain(error) or "it is damaged"
     try:
-        # The first of its errors is the cause, the others what followed from it.
-        return plain(error.args[0].commentary) or "it is damaged"
+        # The first of its errors is the cause, the others what followed from it; of a value that
+        # is wrong only one of those says in which line.
+        said = [one.commentary for one in error.args]
+        placed = [text for text in said if _PLACED.search(text)]
+        return plain((placed or said)[0]) or "it is damaged"
     except UnicodeDecodeError as other:
         return reason(other)
 
