@@ -22,6 +22,7 @@ PORTALS: Final = "/World/Lights/Portals"
 SCREENS: Final = "/World/Lights/Screens"
 OUTSIDE: Final = "/World/Outside"  # lights: what stands near the windows
 CAMERAS: Final = "/World/Cameras"  # cameras
+SPARE_CAMERA: Final = "spare"  # what those are called that are kept in case
 PHYSICS: Final = "/World/Physics"  # physics
 PHYSICS_SCENE: Final = "/World/Physics/Scene"
 ROOM_PHYSICS: Final = "/World/Room/Physics"  # physics

@@ -103,6 +103,8 @@ def status(folder: Path, as_json: bool) -> None:
     )
     for fault, count in found.faults.items():
         echo(f"{count} views: {fault}")
+    for row in found.rejected[:_MOST_SHOWN]:
+        echo(f"replaced: {row['camera']} of {row['unit']}: {', '.join(row['faults'])}")
     for failure in found.failures[:_MOST_SHOWN]:
         echo(f"failed: {failure.unit} ({failure.attempts} times): {failure.reason}")
     if failed > _MOST_SHOWN:

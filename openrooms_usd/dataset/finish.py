@@ -29,6 +29,8 @@ LICENCES: Final = "licences.json"
 OUTPUTS: Final = "outputs"
 # Of all that one release calls its own, the names of variants; others have one render a folder.
 _OPENROOMS: Final = "openrooms"
+# What is told of views of paths, stereo cameras and photographs.
+_OF_SHOTS: Final = ("frame", "stereo", "photograph")
 _RELEASED: Final = {
     "main": "main_xml",
     "mainDiffMat": "mainDiffMat_xml",
@@ -105,6 +107,8 @@ def _index(store: Store) -> Iterator[str]:
                     if channel["estimated_robust_error"]
                 },
                 "quality": record["quality"],
+                "rejected": record["rejected"],
+                **{name: entry[name] for name in _OF_SHOTS if name in entry},
                 "files": {name: file["sha256"] for name, file in record["files"].items()},
             }
             yield json.dumps(row, sort_keys=True, ensure_ascii=False, allow_nan=False)

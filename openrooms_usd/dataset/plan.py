@@ -134,7 +134,7 @@ def plan_jobs(dataset: Dataset) -> Iterator[Job]:
     }
     # Sorted and written once: jobs are many.
     shared = json.dumps(settings, sort_keys=True)
-    views = tuple(range(dataset.views.count))
+    views = tuple(range(dataset.views.units))
     for room in plan_rooms(dataset):
         source = json.dumps(room.source, sort_keys=True)
         for variant in dataset.variants:

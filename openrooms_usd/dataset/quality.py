@@ -1,9 +1,11 @@
 """A look at every view: what a person would throw away without a second one.
 
-Nothing is hidden by it: views stay, and their records say what is wrong with them.
+Some faults are the camera's: another one would not have them. They are told by exact channels alone
+(`JUDGED`), before any light is computed, and so are the same in all variants of a room. Of the rest
+nothing is hidden: such views stay, and their records say what is wrong with them.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -26,19 +28,44 @@ _EMPTY_SHARE: Final = 0.3
 _LEAST_INSTANCES: Final = 2
 _DIGITS: Final = 6
 
+_IN_SOMETHING: Final = "the camera is in something"
+_OBSTRUCTED: Final = "something stands in front of the camera"
+_EMPTY: Final = "it is empty"
+_ONE_THING: Final = "it shows one thing alone"
+_OF_THE_CAMERA: Final = frozenset({_IN_SOMETHING, _OBSTRUCTED, _EMPTY, _ONE_THING})
 
-def look_at(view: View, error: float | None = None) -> dict[str, Any]:
+JUDGED: Final = ("depth", "instance", "valid")
+"""The channels by which cameras are judged."""
+
+# What is nowhere 0 where there is a surface, and what is not 0 everywhere where there is light.
+_OF_SURFACES: Final = frozenset(
+    {*JUDGED, "distance", "position", "normal", "normal_geometric", "normal_camera", "part"}
+)
+_OF_LIGHT: Final = frozenset({"radiance", "irradiance", "environment"})
+
+
+def look_at(view: View, error: float | None = None, asked: Sequence[str] = ()) -> dict[str, Any]:
     """Measures of a view, and what is wrong with it.
 
     Args:
         view: What was rendered.
         error: The estimated robust error that its radiance shall have at most, if any.
+        asked: The single channels that it shall have.
 
     Returns:
         ``measures`` by name, as far as its channels tell them, and ``faults``, one sentence each.
     """
     measures = dict(_measures(view))
-    return {"measures": measures, "faults": list(_faults(measures, view, error))}
+    return {"measures": measures, "faults": list(_faults(measures, view, error, asked))}
+
+
+def camera_faults(view: View) -> list[str]:
+    """What is wrong with a view that another camera would not have.
+
+    Args:
+        view: It has the channels of `JUDGED`.
+    """
+    return [fault for fault in look_at(view)["faults"] if fault in _OF_THE_CAMERA]
 
 
 def _measures(view: View) -> Iterator[tuple[str, float | int]]:
@@ -70,24 +97,38 @@ def _seen(pixels: Mapping[str, NDArray[np.float32]]) -> NDArray[np.bool_] | None
     return pixels["depth"][..., 0] > 0.0 if "depth" in pixels else None
 
 
-def _faults(measures: Mapping[str, float], view: View, error: float | None) -> Iterator[str]:
-    if measures.get("bright_nits", np.inf) < _DARK_NITS:
+def _faults(
+    measures: Mapping[str, float], view: View, error: float | None, asked: Sequence[str]
+) -> Iterator[str]:
+    dark = measures.get("bright_nits", np.inf) < _DARK_NITS
+    if dark:
         yield "it is dark"
     if measures.get("blown_share", 0.0) > _BLOWN_SHARE:
         yield "most of it is brighter than white"
     if measures.get("nearest_m", np.inf) < _IN_WALL_M:
-        yield "the camera is in something"
+        yield _IN_SOMETHING
     elif measures.get("close_share", 0.0) > _CLOSE_SHARE:
-        yield "something stands in front of the camera"
+        yield _OBSTRUCTED
     if measures.get("seen_share", 1.0) < _EMPTY_SHARE:
-        yield "it is empty"
+        yield _EMPTY
     elif measures.get("instances", _LEAST_INSTANCES) < _LEAST_INSTANCES:
-        yield "it shows one thing alone"
+        yield _ONE_THING
     if error is not None and measures.get("error", 0.0) > error:
         yield "it is noisier than asked for"
+    filled = _OF_SURFACES if measures.get("seen_share", 0.0) > 0.0 else frozenset()
+    if missing := list(_missing(view, asked, filled if dark else filled | _OF_LIGHT)):
+        yield f"nothing is in {', '.join(missing)}"
     broken = [name for name, image in view.images.items() if not np.isfinite(image.pixels).all()]
     if broken:
         yield f"not all numbers are finite in {', '.join(broken)}"
+
+
+def _missing(view: View, asked: Sequence[str], filled: frozenset[str]) -> Iterator[str]:
+    """Channels that are not there, have no pixels, or are 0 everywhere though they cannot be."""
+    for name in asked:
+        image = view.images.get(name)
+        if image is None or not image.pixels.size or (name in filled and not image.pixels.any()):
+            yield name
 
 
 def _rounded(value: Any) -> float:

@@ -52,6 +52,14 @@ class Quality(_Part):
     faults: list[str]
 
 
+class Rejection(_Part):
+    """A camera that was left out."""
+
+    camera: str
+    world_from_camera: _Rows
+    faults: list[str]
+
+
 class ViewRecord(_Part):
     """A finished view."""
 
@@ -64,6 +72,7 @@ class ViewRecord(_Part):
     entry: ViewEntry
     told: list[dict[str, str]]
     quality: Quality
+    rejected: list[Rejection]
     pixels: dict[str, _Count]
     materials: dict[str, _Count] = {}
     depth: list[_Count] = []

@@ -36,6 +36,7 @@ class Status:
         finished: How many it has.
         failures: Those that could not be made.
         faults: How many finished views have each fault, by what is wrong with them.
+        rejected: The cameras in whose place others were taken, with what is wrong with their views.
     """
 
     root: Path
@@ -43,6 +44,7 @@ class Status:
     finished: int
     failures: tuple[Failure, ...] = ()
     faults: dict[str, int] = field(default_factory=dict)
+    rejected: tuple[dict[str, Any], ...] = ()
 
     @property
     def left(self) -> int:
@@ -59,6 +61,7 @@ class Status:
             "left": self.left,
             "failures": [vars(failure) for failure in self.failures],
             "faults": self.faults,
+            "rejected": list(self.rejected),
         }
 
 
@@ -75,12 +78,14 @@ def status_of(root: Path) -> Status:
     units, finished = 0, 0
     failures: list[Failure] = []
     faults: Counter[str] = Counter()
+    rejected: list[dict[str, Any]] = []
     for job in store.jobs():
         for view in job.views:
             units += 1
             if record := store.record(job, view):
                 finished += 1
                 faults.update(record["quality"]["faults"])
+                rejected += [{"unit": record["unit"], **row} for row in record["rejected"]]
             elif found := store.failure(job, view):
                 failures.append(
                     Failure(
@@ -90,4 +95,5 @@ def status_of(root: Path) -> Status:
                         int(found["attempts"]),
                     )
                 )
-    return Status(root, units, finished, tuple(failures), dict(sorted(faults.items())))
+    found = dict(sorted(faults.items()))
+    return Status(root, units, finished, tuple(failures), found, tuple(rejected))

@@ -47,6 +47,8 @@ _MOST_TRIES: Final = 60
 _CLOCK_MIN: Final = 10
 _OVERCAST_SHARE: Final = 0.25
 _TURBIDITY: Final = (2.2, 4.5)
+# A walk leads past so many of the best views.
+_STOPS: Final = 5
 # What the generator says of the room itself, which is drawn anew with other materials.
 _DRAWN_SURFACES: Final = ("floor", "walls", "trim", "accents", "cladding", "beams")
 
@@ -87,7 +89,7 @@ def realised(job: Job, views: DatasetViews, folder: Path) -> Room:
         room = with_other_lights(expanded(room), job.seed)
     if job.variant in OTHER_MATERIALS:
         room = with_other_materials(room, generated="file" not in job.room.source)
-    return _with_cameras(room, views)
+    return with_cameras(room, views)
 
 
 def with_other_materials(room: Room, *, generated: bool = False) -> Room:
@@ -122,14 +124,23 @@ def with_other_lights(room: Room, seed: int) -> Room:
     return _again(room, data)
 
 
-def _with_cameras(room: Room, views: DatasetViews) -> Room:
+def with_cameras(room: Room, views: DatasetViews) -> Room:
+    """The same room with the cameras that the views of a dataset are chosen among."""
     data = room.as_dict()
     section: Section = data.setdefault("cameras", {})
     section["resolution"] = list(views.resolution)
-    if views.source == "select":
+    if views.source == "capture":
+        data["cameras"] = {"from": "capture", "resolution": list(views.resolution)}
+    elif views.source != "described":
         own = (getattr(view, "fov", None) for view in room.cameras.views)
         fov = views.fov or next((angle for angle in own if angle), None)
-        select = {"from": "select", "count": views.count, "prefer": views.prefer}
+        is_path = views.source == "path"
+        select = {
+            "from": "select",
+            "count": _STOPS if is_path else views.count,
+            "spare": 0 if is_path else views.replace,
+            "prefer": views.prefer,
+        }
         data["cameras"] = {
             "resolution": list(views.resolution),
             "views": [select | ({"fov": fov} if fov else {})],

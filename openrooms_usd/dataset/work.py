@@ -5,25 +5,26 @@ fails is told, and the next one is begun.
 """
 
 import gc
-import re
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 from openrooms_usd import atomic, claims, ledger
+from openrooms_usd.channels import each
 from openrooms_usd.compose import compose_room
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, job_of, view_name
 from openrooms_usd.dataset.quality import look_at
 from openrooms_usd.dataset.records import SCENE
+from openrooms_usd.dataset.shots import Shot, shot, shots_of
 from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
-from openrooms_usd.errors import OrusdError, RenderError
+from openrooms_usd.errors import OrusdError
 from openrooms_usd.render.folder import OPENINGS_FOLDER
 from openrooms_usd.render.job import OpenedJob, RenderJob
 from openrooms_usd.render.manifest import by_light
@@ -34,8 +35,6 @@ from openrooms_usd.validation.licences import licences
 BEGUN: Final = "begun"
 FINISHED: Final = "finished"
 FAILED: Final = "failed"
-
-_NUMBER: Final = re.compile(r"(\d+)")
 
 ReportRow = tuple[str, Any, str]
 
@@ -72,7 +71,7 @@ def work(task: Task) -> Iterator[Told]:
                 yield {"event": BEGUN, "view": left[0]}
                 yield room.attempt(left.pop(0))
             # All views that are finished by now, not these alone.
-            views = tuple(range(task["dataset"]["views"]["count"]))
+            views = tuple(range(room.views))
             room.store.write_manifest(replace(job, views=views))
     except Exception as error:
         # Where the room itself fails, none of its views can be made.
@@ -97,6 +96,8 @@ class _OpenRoom:
         job: The job.
         store: Where everything lies.
         opened: The opened room.
+        views: How many views it shall have.
+        shots: From where they are seen.
         error: The error that a view shall have at most.
         rows: What the report says of the room itself.
         materials: What pixels of each material are counted as, by its number.
@@ -106,6 +107,8 @@ class _OpenRoom:
     job: Job
     store: Store
     opened: OpenedJob
+    views: int
+    shots: Sequence[Shot]
     error: float | None
     rows: tuple[ReportRow, ...]
     materials: Mapping[int, str]
@@ -130,14 +133,16 @@ class _OpenRoom:
         base = described.folder or folder
         made = compose_room(described, store.scene(job), base=base, workers=task["threads"])
         composed = time.perf_counter() - began
-        opened = _render_job(dataset, job).open(made.scene, views=dataset.views.count)
+        opened = _render_job(dataset, job).open(made.scene, views=dataset.views.units)
         # Lights are worked out when they are first asked for; all views share them, too.
         assert opened.lights is not None
+        shots = shots_of(dataset.views, opened)
         took = {"compose": composed, "translation": time.perf_counter() - began - composed}
         took["threads"] = task["threads"]
         rows = tuple(opened.report.rows)
         materials = material_names(opened.stage, opened.opened.legend.material)
-        room = cls(job, store, opened, dataset.budget.error, rows, materials, took)
+        views, error = dataset.views.units, dataset.budget.error
+        room = cls(job, store, opened, views, shots, error, rows, materials, took)
         room._share(described.room)
         return room
 
@@ -169,17 +174,17 @@ class _OpenRoom:
     def _make(self, number: int) -> None:
         """Render a view, write it whole, and then its record."""
         name, opened, store, job = view_name(number), self.opened, self.store, self.job
-        camera = self._camera(number)
+        taken = shot(self.shots, number, job.room.name)
         # What is told of one view is no part of another's record, whichever came first.
         opened.report.rows[:] = self.rows
         began = time.perf_counter()
-        view = opened.render(camera)
+        view = opened.shoot(taken.camera, taken.name)
         rendered = time.perf_counter()
         request, lights = opened.listed, opened.lights
         check_view(name, view, request, len(lights))
         with atomic.appearing(store.render(job) / name) as beside:
             previews = write_view(beside, view, request.tone)
-            shown = opened.photograph(camera)
+            shown = opened.photograph(taken.view) if taken.view else None
             entry = describe_view(beside, name, view, previews, lights, shown)
         told = [row for row in opened.report.rows if row not in self.rows]
         record = {
@@ -188,31 +193,16 @@ class _OpenRoom:
             "variant": job.variant,
             "split": job.room.split,
             "source": dict(job.room.source),
-            "entry": entry,
+            "entry": {**entry, **taken.told},
+            "rejected": [dict(one) for one in taken.rejected],
             "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
-            "quality": look_at(view, self.error),
+            "quality": look_at(view, self.error, each(request.channels, len(lights))),
             **tally(view, opened.opened.legend.semantic, self.materials),
             "files": store.digests(job, name),
         }
         took = {"render": rendered - began, "output": time.perf_counter() - rendered}
         timing = {**self.took, **took, "channels": channel_seconds(view)}
         store.finish(job, number, record, timing)
-
-    def _camera(self, number: int) -> str:
-        """The camera of a view, by name."""
-        cameras = sorted(self.opened.views, key=_by_number)
-        if number >= len(cameras):
-            raise RenderError(
-                f"the room has {len(cameras)} views and no view {number}",
-                place=self.job.room.name,
-                remedy="ask for fewer views",
-            )
-        return cameras[number]
-
-
-def _by_number(name: str) -> list[tuple[int, str]]:
-    """So that view_10 comes after view_9."""
-    return [(int(p), "") if p.isdigit() else (0, p) for p in _NUMBER.split(name)]
 
 
 def _render_job(dataset: Dataset, job: Job) -> RenderJob:

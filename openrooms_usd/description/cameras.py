@@ -109,6 +109,8 @@ class SelectedCameras(Viewed):
     """Prefix of the cameras' names."""
     count: Whole = Field(default=3, ge=1, le=1000)
     """How many to keep."""
+    spare: Whole = Field(default=0, ge=0, le=1000)
+    """How many more, named ``spare_0`` and so on, for views that turn out to be of no use."""
     prefer: Literal["photograph", "paper"] = "photograph"
     """``photograph``: level views from corners, doorways and walls that show the room's main
     things whole; ``paper``: tilted views along the walls, scored as in the OpenRooms paper."""

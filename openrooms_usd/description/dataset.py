@@ -19,9 +19,11 @@ from openrooms_usd.description.model import (
     by_source,
     peek,
     peek_list,
+    peek_text,
 )
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.styles import InteriorStyle
+from openrooms_usd.description.units import PositiveLength
 
 Variant = Literal["main", "mainDiffMat", "mainDiffLight", "mainDiffMatLight"]
 Split = Literal["train", "val", "test"]
@@ -66,19 +68,41 @@ Rooms = Annotated[
 ]
 
 
-class DatasetViews(Model):
+class DatasetViews(CheckedModel):
     """From where each room is seen."""
 
-    source: Literal["select", "described"] = Field(default="select", alias="from")
-    """``select``: the best of many views; ``described``: the first cameras of the room's own."""
+    source: Literal["select", "described", "capture", "path"] = Field(
+        default="select", alias="from"
+    )
+    """``select``: the best of many views; ``described``: the first cameras of the room's own;
+    ``capture``: photographs of the capture, evenly spread; ``path``: the frames of a walk."""
     count: Whole = Field(default=3, ge=1, le=1000)
-    """How many views of each room."""
+    """How many views of each room; of a stereo camera pairs of views."""
     resolution: tuple[Pixels, Pixels] = (640, 480)
     """Width and height in pixels."""
     fov: FieldOfView | None = None
     """Horizontal field of view of all cameras; by default what the room's cameras have."""
     prefer: Literal["photograph", "paper"] = "photograph"
     """How views are selected: see the cameras of room.yaml."""
+    replace: Whole = Field(default=5, ge=0, le=1000)
+    """How many further cameras of a room may be tried in place of those whose views are of no use;
+    not of a path."""
+    rate: Annotated[Whole, Field(ge=1, le=240)] | None = None
+    """Frames of a path a second; 4 by default."""
+    stereo: PositiveLength | None = None
+    """How far right of each camera there is another one that looks the same way."""
+
+    @property
+    def units(self) -> int:
+        """How many views a room has in one variant."""
+        return self.count * (2 if self.stereo else 1)
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """What only a path has."""
+        source = peek_text(given, "from") or peek_text(given, "source")
+        if peek(given, "rate") is not None and source != "path":
+            yield Found(("rate",), "only a path has frames a second (from: path)")
 
 
 class Budget(CheckedModel):

@@ -111,6 +111,7 @@ def select_views(
     aspect: float = 4.0 / 3.0,
     places: Array | None = None,
     rating: Rating | None = None,
+    spare: int = 0,
 ) -> Views:
     """The best views that differ from each other and together show the room, best first.
 
@@ -122,16 +123,17 @@ def select_views(
         aspect: Width over height of the pictures.
         places: (K, 3) what shall be seen besides, such as the middles of openings; metres.
         rating: How good views are; by default as the paper has it.
+        spare: How many more to keep; they come last, in the order in which they would be taken.
     """
     wanted = np.zeros((0, 3)) if places is None else places
     short = views[clear(caster, views.eyes)]
-    for look, keep in ((FIRST_LOOK, max(3 * count, 32)), (SECOND_LOOK, count)):
+    for look, keep, more in ((FIRST_LOOK, max(3 * count, 32), 0), (SECOND_LOOK, count, spare)):
         scores, parts = rated(
             caster, short, fov_degrees, _shaped(look, aspect), rating or paper_scores
         )
         where = short.eyes, short.forwards
         seen = visible(caster, *where, wanted, fov_degrees=fov_degrees, aspect=aspect)
-        short = short[differing(short, scores, keep, sights_of(parts, seen))]
+        short = short[differing(short, scores, keep, sights_of(parts, seen), more)]
     return short
 
 
@@ -168,7 +170,7 @@ def paper_scores(look: Look) -> Array:
 
 
 def differing(
-    views: Views, scores: Array, count: int, sights: Sights | None = None
+    views: Views, scores: Array, count: int, sights: Sights | None = None, spare: int = 0
 ) -> NDArray[np.int64]:
     """Rows of the best views, each apart from all better ones.
 
@@ -180,13 +182,15 @@ def differing(
         scores: (C,) how good they are.
         count: How many to take.
         sights: What they see: after the best, those count for more that show something new.
+        spare: How many more to take, after these and in the order in which they are taken: what is
+            taken first is the same with any number of them.
     """
     order = _ranked(scores)
     chosen: list[int] = []
     # What has been shown; all is new again when nothing new is left.
     round_start = 0
     for apart in SEPARATIONS:
-        while len(chosen) < count:
+        while len(chosen) < count + spare:
             away = _separations(views, chosen)
             rest = order[(away[order] >= apart) & ~np.isin(order, chosen)]
             if not len(rest):
@@ -198,7 +202,8 @@ def differing(
                     round_start = len(chosen)
                 value = value * news
             chosen.append(int(rest[np.argmax(value)]))
-    return np.array(sorted(chosen, key=lambda row: -scores[row]), dtype=np.int64)
+    best = sorted(chosen[:count], key=lambda row: -scores[row])
+    return np.array([*best, *chosen[count:]], dtype=np.int64)
 
 
 def _separations(views: Views, others: list[int]) -> Array:

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from pxr import Usd
 
     from openrooms_usd.render.opened import OpenedStage
+    from openrooms_usd.usd.cameras import PinholeCamera
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,8 +252,34 @@ class OpenedJob:
         Raises:
             RenderError: The renderer cannot do it.
         """
+        return self.shoot(self.camera(name), self.views[name], progress)
+
+    def camera(self, name: str) -> "PinholeCamera":
+        """The camera of one of `views`, for the job's size.
+
+        Raises:
+            StageError: It cannot make a picture.
+        """
+        return self.opened.camera(replace(self.request, camera=self.views[name]))
+
+    def shoot(
+        self,
+        camera: "PinholeCamera",
+        name: str | None,
+        progress: ViewProgress = lambda done: None,
+    ) -> View:
+        """What any camera sees, with all that is asked for.
+
+        Args:
+            camera: For the job's size.
+            name: Sets its random numbers apart from those of others; a prim path where it has one.
+            progress: Called with the finished fraction, from 0 to 1.
+
+        Raises:
+            RenderError: The renderer cannot do it.
+        """
         job, lights = self.job, len(self.lights)
-        view = self.opened.render(replace(self.request, camera=self.views[name]), progress)
+        view = self.opened.picture(camera, replace(self.request, camera=name), progress)
         if job.shading.makes(job.request.channels):
             view = job.shading.complete(view, each(job.shaded, lights))
         if self.friction:

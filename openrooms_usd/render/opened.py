@@ -124,7 +124,7 @@ class OpenedStage:
             StageError: The camera cannot make a picture.
         """
         _check(request, self._channels, self.session)
-        return self.picture(self._camera(request), request, progress)
+        return self.picture(self.camera(request), request, progress)
 
     def picture(
         self,
@@ -227,7 +227,13 @@ class OpenedStage:
     def _scene(self) -> Scene:
         return self._moving.scene
 
-    def _camera(self, request: RenderRequest) -> PinholeCamera:
+    def camera(self, request: RenderRequest) -> PinholeCamera:
+        """The camera that a request names, for its size and with its lens.
+
+        Raises:
+            RenderError: There is no such camera.
+            StageError: It cannot make a picture.
+        """
         camera = self._described_camera(request)
         if request.f_stop is None:
             return camera

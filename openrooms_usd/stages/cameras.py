@@ -88,12 +88,14 @@ class _Shot:
         view: What asks for it.
         pose: (4, 4) from the camera to the world.
         frame: The photograph that it stands for, if any.
+        prefix: Of its prim name, where that is numbered.
         name: Its prim name.
     """
 
     view: View
     pose: Array
     frame: CapturedFrame | None = None
+    prefix: str = "view"
     name: str = ""
 
 
@@ -146,7 +148,8 @@ def _shots(
     """Every camera with the view that asks for it; selections and captures give several."""
     for number, view in enumerate(context.room.cameras.views):
         if isinstance(view, SelectedCameras):
-            yield from (_Shot(view, matrix) for matrix in selection().choose(context, number, view))
+            chosen = enumerate(selection().choose(context, number, view))
+            yield from (_Shot(view, m, prefix=_prefix(view, place)) for place, m in chosen)
         elif isinstance(view, FrameCameras):
             frames = capture.frames if capture else ()
             yield from (_Shot(view, f.world_from_camera, f) for f in frames[:: view.every])
@@ -155,6 +158,11 @@ def _shots(
         else:
             matrix = np.array(view.world_from_camera)
             yield _Shot(view, pose(nearest_rotation(matrix[:, :3]), matrix[:, 3]))
+
+
+def _prefix(view: SelectedCameras, place: int) -> str:
+    """Those that are kept in case come last."""
+    return view.name if place < view.count else names.SPARE_CAMERA
 
 
 def _named(
@@ -169,9 +177,9 @@ def _named(
         if isinstance(view, FrameCameras) and shot.frame:
             name = frame_name(view.name, shot.frame, taken)
         elif isinstance(view, SelectedCameras):
-            name = _free(view.name, taken)
+            name = _free(shot.prefix, taken)
         else:
-            name = view.name or _free("view", taken)
+            name = view.name or _free(shot.prefix, taken)
         taken.add(name)
         yield replace(shot, name=name)
 

@@ -97,6 +97,7 @@ class Selection:
             aspect=width / height,
             places=self.openings,
             rating=None if view.prefer == "paper" else self._rating(),
+            spare=view.spare,
         )
         if not len(chosen):
             context.notes.append("no free view along the walls: the room is framed as a whole")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.dataset.quality import look_at
+from openrooms_usd.dataset.quality import camera_faults, look_at
 from openrooms_usd.render.contract import Image, View
 
 SHAPE = (12, 16)
@@ -63,3 +63,23 @@ def test_noise_is_held_against_the_budget_alone() -> None:
 def test_channels_that_are_not_asked_for_are_not_missed() -> None:
     found = look_at(view(radiance=None, depth=None, valid=None, instance=None))
     assert found == {"measures": {}, "faults": []}
+
+
+def test_a_channel_that_is_not_there_or_empty_is_missed() -> None:
+    nothing = np.zeros((*SHAPE, 3))
+    black = view(normal=nothing, base_color=nothing)
+    found = look_at(black, asked=("normal", "base_color", "part"))
+    # Black things there are; surfaces without a normal there are not.
+    assert found["faults"] == ["nothing is in normal, part"]
+    lit = view(irradiance=nothing)
+    assert look_at(lit, asked=("irradiance",))["faults"] == ["nothing is in irradiance"]
+    dark = view(irradiance=nothing, radiance=nothing)
+    assert look_at(dark, asked=("irradiance",))["faults"] == ["it is dark"]
+    # Outside there are no normals.
+    empty = view(valid=np.zeros((*SHAPE, 1)), normal=nothing)
+    assert look_at(empty, asked=("normal",))["faults"] == ["it is empty"]
+
+
+def test_faults_of_light_are_not_the_cameras() -> None:
+    dark = view(radiance=np.zeros((*SHAPE, 3)), depth=one_near())
+    assert camera_faults(dark) == ["the camera is in something"]

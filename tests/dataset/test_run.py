@@ -63,7 +63,7 @@ def finish(store: Store, job: Job, view: int) -> None:
     record = {
         "unit": f"{job.name}/view_{view}", "room": job.room.name, "variant": job.variant,
         "split": job.room.split, "source": {}, "entry": entry, "told": [],
-        "quality": {"measures": {}, "faults": []}, "pixels": {}, "files": {},
+        "quality": {"measures": {}, "faults": []}, "rejected": [], "pixels": {}, "files": {},
     }  # fmt: skip
     store.finish(job, view, record, {})
 

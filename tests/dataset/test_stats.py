@@ -52,6 +52,7 @@ def root(tmp_path: Path) -> Path:
                 "source": {},
                 "told": [],
                 "quality": {"measures": {}, "faults": ["it is dark"] if view else []},
+                "rejected": [],
                 "entry": {"resolution": [], "K": [], "world_from_camera": [], "channels": channels},
                 "pixels": {"floor": 10, "chair": view},
                 "materials": {"wood/oak": 4, "wood/cork": 3, "other": view},

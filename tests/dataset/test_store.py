@@ -20,6 +20,7 @@ RECORD: dict[str, Any] = {
     "unit": "room_a/main/view_0", "room": "room_a", "variant": "main", "split": "train",
     "source": {}, "entry": ENTRY, "told": [], "pixels": {}, "files": {},
     "quality": {"measures": {}, "faults": ["it is dark"]},
+    "rejected": [],
 }  # fmt: skip
 
 

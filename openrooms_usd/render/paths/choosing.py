@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd.errors import InputError
@@ -43,7 +44,7 @@ def choose_path(
         RenderError: There is no room for a walk, or a path leads through something.
     """
     if spec == WALK:
-        return _walk(stage, opened, size, frame_times(seconds or WALK_SECONDS, rate), rate)
+        return stage_walk(stage, opened, size, frame_times(seconds or WALK_SECONDS, rate), rate)
     if Path(spec).suffix.lower() in SUFFIXES:
         keys = read_keyframes(Path(spec))
         poses = keys.poses(frame_times(seconds or keys.seconds, rate))
@@ -64,9 +65,25 @@ def choose_path(
     return CameraPath(name, poses, camera.K, rate, camera.exposure)
 
 
-def _walk(
-    stage: Usd.Stage, opened: OpenedStage, size: tuple[int, int], times: np.ndarray, rate: int
+def stage_walk(
+    stage: Usd.Stage,
+    opened: OpenedStage,
+    size: tuple[int, int],
+    times: NDArray[np.float64],
+    rate: int,
 ) -> CameraPath:
+    """A walk past the cameras of a stage, with the widest of their fields of view.
+
+    Args:
+        stage: The stage.
+        opened: The same, opened.
+        size: Width and height of the pictures.
+        times: (F,) seconds of the frames.
+        rate: Frames a second.
+
+    Raises:
+        RenderError: There is no room for a walk.
+    """
     prims = [stage.GetPrimAtPath(path) for path in opened.cameras]
     cameras = [read_camera(prim, *size) for prim in prims] or [framing_camera(stage, *size)]
     widest: PinholeCamera = min(cameras, key=lambda camera: float(camera.K[0, 0]))

@@ -61,7 +61,8 @@ def walk(caster: RayCaster, cameras: Sequence[Array], times: Array) -> Array:
     seconds = _seconds(marks, looks)
     length = float(times[-1] - times[0]) or 1.0
     share = eased((times - times[0]) / length)
-    now = share * seconds[-1]
+    # Nobody runs to see all of it: who has little time sees less.
+    now = share * min(seconds[-1], length)
     along = interpolated(seconds, marks[:, None], now)[:, 0]
     along = np.maximum.accumulate(np.clip(along, 0.0, marks[-1]))
     eyes = np.column_stack([np.interp(along, _lengths(line), line[:, k]) for k in range(3)])

@@ -55,6 +55,13 @@ def test_a_walk_goes_round_walls_and_furniture() -> None:
     np.testing.assert_array_equal(walk(caster, CAMERAS, TIMES), poses)
 
 
+@pytest.mark.parametrize("seconds", [2.0, 5.0, 20.0])
+def test_nobody_runs(seconds: float) -> None:
+    poses = walk(room(WALL, SOFA), CAMERAS, frame_times(seconds, 10))
+    steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
+    assert 0.3 < steps.max() * 10 < 1.4
+
+
 def test_what_cannot_be_reached_is_left_out() -> None:
     closed = ((2.4, 0.0, 0.0), (2.5, 3.0, 2.5))
     poses = walk(room(closed), CAMERAS, TIMES)

@@ -1,0 +1,171 @@
+"""From where the views of a room are seen: cameras of its stage, or the frames of a walk.
+
+All of it follows from the geometry of the room and from the dataset's file, never from light or
+from what is finished already: variants of a room share their cameras, and a run that goes on where
+another was makes the same choice.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd import names
+from openrooms_usd.dataset.quality import JUDGED, camera_faults
+from openrooms_usd.description.dataset import DatasetViews
+from openrooms_usd.errors import RenderError
+from openrooms_usd.render.job import OpenedJob
+from openrooms_usd.render.paths.camera_path import CameraPath, frame_times
+from openrooms_usd.render.paths.choosing import stage_walk
+from openrooms_usd.usd.cameras import PinholeCamera
+
+DEFAULT_RATE: Final = 4
+EYES: Final = ("left", "right")
+
+_NUMBER: Final = re.compile(r"(\d+)")
+
+Rejection = Mapping[str, Any]
+"""A camera that was left out: its name, its pose, and what is wrong with its view."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """From where one view is seen.
+
+    Attributes:
+        name: The camera's prim path, or what sets its random numbers apart from those of others.
+        camera: The camera.
+        view: Its name among those of the opened job; None where the stage has no such camera.
+        told: What the manifest says of it besides, such as when a frame is.
+        rejected: The cameras that it stands in for.
+        after: The camera of the next frame of a path.
+    """
+
+    name: str | None
+    camera: PinholeCamera
+    view: str | None = None
+    told: Mapping[str, Any] = field(default_factory=dict)
+    rejected: Sequence[Rejection] = ()
+    after: PinholeCamera | None = None
+
+
+def shots_of(views: DatasetViews, opened: OpenedJob) -> list[Shot]:
+    """The shots of all views of a room, by their numbers.
+
+    Args:
+        views: What is asked for.
+        opened: The room, opened; its stage has the cameras to choose among.
+
+    Returns:
+        At most as many as are asked for: a room may have fewer cameras.
+
+    Raises:
+        RenderError: There is no room for a walk.
+    """
+    if views.source == "path":
+        found = list(_frames(views, opened))
+    else:
+        cameras = sorted(opened.views, key=_in_order)
+        if views.source == "capture":
+            cameras = _spread(cameras, views.count)
+        found = list(_chosen(views, opened, cameras))
+    return found if views.stereo is None else list(_pairs(found, views.stereo))
+
+
+def shot(shots: Sequence[Shot], number: int, room: str) -> Shot:
+    """The shot of a view.
+
+    Raises:
+        RenderError: The room has no such view.
+    """
+    if number >= len(shots):
+        raise RenderError(
+            f"the room has {len(shots)} views and no view {number}",
+            place=room,
+            remedy="ask for fewer views",
+        )
+    return shots[number]
+
+
+def _chosen(views: DatasetViews, opened: OpenedJob, cameras: Sequence[str]) -> Iterator[Shot]:
+    """The first cameras; for those whose views are of no use, the next ones that nobody took."""
+    spare = iter(cameras[views.count : views.count + views.replace])
+    for name in cameras[: views.count]:
+        if views.replace == 0:
+            yield _shot(opened, name)
+            continue
+        rejected: list[Rejection] = []
+        tried: str | None = name
+        while tried is not None:
+            taken = _shot(opened, tried)
+            faults = _faults(opened, taken)
+            if not faults:
+                yield replace(taken, rejected=tuple(rejected))
+                break
+            pose = taken.camera.world_from_camera.tolist()
+            rejected.append({"camera": tried, "world_from_camera": pose, "faults": faults})
+            tried = next(spare, None)
+        else:
+            # None is left that is better: its faults are told, as those of every view.
+            yield replace(_shot(opened, name), rejected=tuple(rejected[1:]))
+
+
+def _shot(opened: OpenedJob, view: str) -> Shot:
+    return Shot(opened.views[view], opened.camera(view), view)
+
+
+def _faults(opened: OpenedJob, taken: Shot) -> list[str]:
+    """What is wrong with a view by its geometry: no light is computed for it."""
+    request = replace(opened.request, camera=taken.name, channels=JUDGED, guides=False)
+    return camera_faults(opened.opened.picture(taken.camera, request))
+
+
+def _frames(views: DatasetViews, opened: OpenedJob) -> Iterator[Shot]:
+    """The frames of a walk past the stage's cameras, each with the camera after it."""
+    rate = views.rate or DEFAULT_RATE
+    # One more than is asked for: the last frame has one after it, too.
+    times = frame_times((views.count + 1) / rate, rate)
+    request = opened.request
+    size = request.width, request.height
+    path: CameraPath = stage_walk(opened.stage, opened.opened, size, times, rate)
+    cameras = list(path.cameras)
+    for number, camera in enumerate(cameras[:-1]):
+        told = {"frame": {"path": path.name, "number": number, "seconds": float(times[number])}}
+        yield Shot(path.frame_name(number), camera, told=told, after=cameras[number + 1])
+
+
+def _pairs(shots: Sequence[Shot], baseline: float) -> Iterator[Shot]:
+    """Each shot as the left eye, and the right eye beside it."""
+    for number, left in enumerate(shots):
+        for eye, side in enumerate(EYES):
+            moved = _beside(left.camera, eye * baseline)
+            told = {**left.told, "stereo": {"eye": side, "baseline": baseline, "pair": number}}
+            name = f"{left.name}/{side}" if left.name else side
+            after = None if left.after is None else _beside(left.after, eye * baseline)
+            rejected = () if eye else left.rejected
+            yield replace(left, name=name, camera=moved, told=told, after=after, rejected=rejected)
+
+
+def _beside(camera: PinholeCamera, metres: float) -> PinholeCamera:
+    """The same camera, so much to its right."""
+    pose = camera.world_from_camera.copy()
+    pose[:3, 3] += metres * pose[:3, 0]
+    return replace(camera, world_from_camera=pose)
+
+
+def _spread(cameras: Sequence[str], count: int) -> list[str]:
+    """So many of a sequence, evenly spread; then the rest, in case one of them is of no use."""
+    rows = np.unique(np.linspace(0, len(cameras) - 1, min(count, len(cameras))).round().astype(int))
+    taken = [cameras[row] for row in rows]
+    return [*taken, *(name for name in cameras if name not in taken)]
+
+
+def _in_order(name: str) -> tuple[bool, list[tuple[int, str]]]:
+    """So that view_10 comes after view_9, and those that are kept in case come last."""
+    parts = _NUMBER.split(name)
+    return (
+        parts[0] == f"{names.SPARE_CAMERA}_",
+        [(int(part), "") if part.isdigit() else (0, part) for part in parts],
+    )

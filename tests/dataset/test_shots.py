@@ -1,0 +1,113 @@
+"""From where rooms are seen: cameras that are of no use give way, walks and stereo pairs."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from openrooms_usd.compose import compose_room
+from openrooms_usd.dataset.shots import shot, shots_of
+from openrooms_usd.dataset.variants import with_cameras
+from openrooms_usd.description import parse_room
+from openrooms_usd.description.dataset import DatasetViews
+from openrooms_usd.errors import RenderError
+from openrooms_usd.render.job import OpenedJob, RenderJob
+
+ROOM = """\
+name: small
+room: office
+layout: {polygon: [[0, 0], [4, 0], [4, 3], [0, 3]], height: 2.5}
+alignment:
+  objects:
+    - {category: chair, at: [2.0, 1.4], yaw: 180 deg}
+materials: {resolution: 16}
+cameras:
+  views:
+    - {eye: [0.5, 0.5, 1.5], target: [2.0, 1.4, 0.5]}
+    - {eye: [3.97, 1.0, 1.5], target: [5.0, 1.0, 1.5]}
+    - {eye: [3.9, 1.0, 1.5], target: [5.0, 1.0, 1.5]}
+    - {eye: [3.5, 2.5, 1.5], target: [2.0, 1.4, 0.5]}
+    - {eye: [0.5, 2.5, 1.5], target: [2.0, 1.4, 0.5]}
+"""
+
+Open = Callable[[DatasetViews], OpenedJob]
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory: pytest.TempPathFactory) -> Open:
+    """The small room with the cameras that a dataset asks for."""
+
+    def of(views: DatasetViews) -> OpenedJob:
+        room = with_cameras(parse_room(ROOM, "room.yaml"), views)
+        out = tmp_path_factory.mktemp("room")
+        made = compose_room(room, out, base=out)
+        job = RenderJob.of(channels=("depth",), resolution=views.resolution, renderer="preview")
+        return job.open(made.scene)
+
+    return of
+
+
+def views(**given: object) -> DatasetViews:
+    return DatasetViews.model_validate({"resolution": [24, 18], **given})
+
+
+def test_cameras_of_no_use_give_way_to_the_next_ones(opened: Open) -> None:
+    asked = views(**{"from": "described", "count": 3, "replace": 2})
+    room = opened(asked)
+    found = shots_of(asked, room)
+    assert [one.view for one in found] == ["view_0", "view_3", "view_4"]
+    assert [len(one.rejected) for one in found] == [0, 1, 1]
+    (first,) = found[1].rejected
+    assert first["camera"] == "view_1"
+    assert first["faults"] == ["the camera is in something", "it shows one thing alone"]
+    assert first["world_from_camera"][0][3] == 3.97
+    assert found[2].rejected[0]["faults"][0] == "something stands in front of the camera"
+    # Where too few are left, the camera stays that was asked for; who wants no judgement has none.
+    asked = views(**{"from": "described", "count": 3, "replace": 1})
+    assert [one.view for one in shots_of(asked, room)] == ["view_0", "view_3", "view_2"]
+    asked = views(**{"from": "described", "count": 3, "replace": 0})
+    assert [one.view for one in shots_of(asked, room)] == ["view_0", "view_1", "view_2"]
+    with pytest.raises(RenderError, match="3 views and no view 3"):
+        shot(found, 3, "small")
+
+
+def test_spare_cameras_leave_the_chosen_ones_as_they_are(opened: Open) -> None:
+    few, more = views(count=2, replace=0), views(count=2, replace=3)
+    chosen, both = opened(few), opened(more)
+    assert sorted(chosen.views) == ["view_0", "view_1"]
+    assert sorted(both.views) == ["spare_0", "spare_1", "spare_2", "view_0", "view_1"]
+    for name in chosen.views:
+        one, other = chosen.camera(name), both.camera(name)
+        np.testing.assert_array_equal(one.world_from_camera, other.world_from_camera)
+    assert [one.view for one in shots_of(more, both)] == ["view_0", "view_1"]
+
+
+def test_a_path_is_walked_at_a_human_pace_and_height(opened: Open) -> None:
+    asked = views(**{"from": "path", "count": 12, "rate": 3, "fov": 70})
+    found = shots_of(asked, opened(asked))
+    assert [one.told["frame"]["seconds"] for one in found] == pytest.approx(np.arange(12) / 3)
+    eyes = np.array([one.camera.world_from_camera[:3, 3] for one in found])
+    assert ((eyes[:, 2] > 1.1) & (eyes[:, 2] < 1.8)).all()
+    assert (np.linalg.norm(np.diff(eyes, axis=0), axis=1) * 3 < 1.4).all()
+    for before, now in pairwise(found):
+        assert before.after is not None
+        np.testing.assert_array_equal(before.after.world_from_camera, now.camera.world_from_camera)
+
+
+def test_a_stereo_pair_looks_the_same_way_side_by_side(opened: Open) -> None:
+    asked = views(count=2, replace=0, stereo="12 cm")
+    found = shots_of(asked, opened(asked))
+    assert [one.told["stereo"]["eye"] for one in found] == ["left", "right"] * 2
+    assert asked.units == len({one.name for one in found}) == 4
+    for left, right in zip(found[::2], found[1::2], strict=True):
+        moved = np.linalg.inv(left.camera.world_from_camera) @ right.camera.world_from_camera
+        wanted = np.eye(4)
+        wanted[0, 3] = 0.12
+        np.testing.assert_allclose(moved, wanted, atol=1e-12)
+        np.testing.assert_array_equal(left.camera.K, right.camera.K)
+
+
+def test_frames_a_second_are_of_a_path() -> None:
+    with pytest.raises(ValueError, match="only a path"):
+        views(rate=4)
