@@ -178,7 +178,7 @@ class _OpenRoom:
         # What is told of one view is no part of another's record, whichever came first.
         opened.report.rows[:] = self.rows
         began = time.perf_counter()
-        view = opened.shoot(taken.camera, taken.name)
+        view = opened.shoot(taken.camera, taken.name, after=taken.after)
         rendered = time.perf_counter()
         request, lights = opened.listed, opened.lights
         check_view(name, view, request, len(lights))
@@ -223,4 +223,5 @@ def _render_job(dataset: Dataset, job: Job) -> RenderJob:
         renderer=light.renderer,
         options=light.options,
         denoise=light.denoise,
+        flow=dataset.views.source == "path",
     )
