@@ -4,5 +4,6 @@
 ``resizing``, ``mirroring`` and ``toning`` are the transforms, ``transforms`` their contract and
 their chains. ``source`` says where views come from, as a contract; ``opening`` finds the one for a
 folder or a URL; ``folder`` reads renders and datasets as they were written, ``files`` fetches what
-lies elsewhere into a bounded cache. None of these needs torch.
+lies elsewhere into a bounded cache. None of these needs torch; ``tensors`` makes batches of samples
+and ``training`` loads them.
 """

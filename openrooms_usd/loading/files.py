@@ -37,6 +37,10 @@ class MissingFileError(InputError):
 class Files(Protocol):
     """The files below a folder or a URL; it can be pickled, and be a key."""
 
+    def __hash__(self) -> int:
+        """Equal for equal roots."""
+        ...
+
     @contextmanager
     def local(self, wanted: Mapping[str, str]) -> Iterator[Path]:
         """A folder in which some files are, as they lie below the root.

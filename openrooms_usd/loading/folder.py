@@ -111,9 +111,8 @@ class DatasetForm:
             except (ValueError, KeyError, TypeError, AttributeError) as error:
                 place = f"{files}/{INDEX}:{number}"
                 raise InputError(f"this is no line of an index: {error}", place=place) from error
-            if selection.admits(
-                *(row.about[key] for key in ("split", "variant", "room")), row.view
-            ):
+            about = row.about
+            if selection.admits(about["split"], about["variant"], about["room"], row.view):
                 rows.append(row)
         refuse_nothing(len(rows), files, selection)
         return RenderSource(files, rows)

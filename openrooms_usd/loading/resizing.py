@@ -137,13 +137,13 @@ def _geometry(old: Sample, new: Sample, rays: Floats) -> dict[str, Array]:
             steady = (along < _MOST_CHANGE) & (along > 1.0 / _MOST_CHANGE)
         depth = depth * np.where(steady, along, 1.0)
     # What is stored is what all of them are made of.
-    depth = depth.astype(np.float32)[..., None]
-    points = new.rays * depth
+    stored = depth.astype(np.float32)[..., None]
+    points = new.rays * stored
     turn, shift = new.world_from_camera[:3, :3], new.world_from_camera[:3, 3]
     made = {
-        "depth": depth,
+        "depth": stored,
         "distance": np.linalg.norm(points, axis=-1, keepdims=True),
-        "position": np.where(depth > 0.0, points @ turn.T + shift, 0.0),
+        "position": np.where(stored > 0.0, points @ turn.T + shift, 0.0),
     }
     return {name: made[name].astype(np.float32) for name in names}
 

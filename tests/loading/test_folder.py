@@ -1,15 +1,17 @@
 """Views of renders and datasets: what is stored is what comes out, and mistakes are told."""
 
+import importlib
 import json
 import pickle
 import shutil
+import sys
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO
 import pytest
 
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.sample import Sample
 
@@ -110,3 +112,11 @@ def test_a_damaged_view_is_told_by_its_path(dataset: Path, tmp_path: Path) -> No
     path.write_bytes(path.read_bytes()[:300])
     with pytest.raises(InputError, match=r"view_0/channels.exr"):
         open_source(copy).read(0, ["depth"])
+
+
+def test_batches_without_torch_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "torch", None)
+    for name in ("tensors", "training"):
+        monkeypatch.delitem(sys.modules, f"openrooms_usd.loading.{name}", raising=False)
+    with pytest.raises(MissingPackageError, match=r"pip install 'openrooms-usd\[torch\]'"):
+        importlib.import_module("openrooms_usd.loading.training")
