@@ -17,7 +17,7 @@ import numpy as np
 
 from openrooms_usd.channels import Channel
 from openrooms_usd.errors import InputError
-from openrooms_usd.loading.sample import Array, Sample, has_world_x, is_camera_vector
+from openrooms_usd.loading.sample import Array, Sample, has_x, is_camera_vector, is_in_picture
 
 _MIRROR: Final = np.diag([-1.0, 1.0, 1.0, 1.0])
 _X: Final = np.array([-1.0, 1.0, 1.0], np.float32)
@@ -46,8 +46,8 @@ def flipped(sample: Sample) -> Sample:
     """The sample with left and right exchanged."""
 
     def change(channel: Channel, pixels: Array) -> Array:
-        turns = has_world_x(channel) or is_camera_vector(channel)
-        return pixels[..., ::-1, :] * _X if turns else pixels[..., ::-1, :]
+        mirrored = pixels[..., ::-1, :]
+        return mirrored * _X[: mirrored.shape[-1]] if has_x(channel) else mirrored
 
     K = sample.K.copy()
     K[0, 2] = sample.size[0] - K[0, 2]
@@ -100,6 +100,9 @@ def _turned(sample: Sample) -> Sample:
         if is_camera_vector(channel):
             right, up, backward = np.moveaxis(turned, -1, 0)
             return np.stack([-up, right, backward], axis=-1)
+        if is_in_picture(channel):
+            across, down = np.moveaxis(turned, -1, 0)
+            return np.stack([down, -across], axis=-1)
         return turned
 
     width, height = sample.size

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import Channel, definition
 from openrooms_usd.errors import InputError
-from openrooms_usd.loading.sample import Array, Floats, Sample, is_light
+from openrooms_usd.loading.sample import Array, Floats, Sample, is_in_picture, is_light
 
 _GEOMETRY: Final = ("depth", "distance", "position")
 # A surface that is seen so flat that its depth changes more than this within half a pixel keeps
@@ -60,11 +60,13 @@ class Resize:
             return sample
         wide, high = sample.size
         rows, columns = _nearest(high, self.height), _nearest(wide, self.width)
+        pixel_scale = np.array([self.width / wide, self.height / high], np.float32)
 
         def change(channel: Channel, pixels: Array) -> Array:
             if is_light(channel) or channel.name in self.averaged:
                 return area_mean(area_mean(pixels, self.height, -3), self.width, -2)
-            return pixels[..., rows[:, None], columns, :]
+            nearest = pixels[..., rows[:, None], columns, :]
+            return nearest * pixel_scale if is_in_picture(channel) else nearest
 
         scale = np.array([[self.width / wide], [self.height / high], [1.0]])
         resized = replace(

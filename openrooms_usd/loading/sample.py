@@ -94,9 +94,14 @@ def is_scaled(channel: Channel) -> bool:
     return channel.unit in ("nit", "lux")
 
 
-def has_world_x(channel: Channel) -> bool:
-    """Whether the first component is along the world's x."""
-    return channel.frame == "world" and channel.components == ("X", "Y", "Z")
+def has_x(channel: Channel) -> bool:
+    """Whether the first component is along an x: the world's, the camera's right, the picture's."""
+    return channel.components[0] == "X"
+
+
+def is_in_picture(channel: Channel) -> bool:
+    """Whether the components are pixels to the right and down."""
+    return channel.frame == "image"
 
 
 def is_camera_vector(channel: Channel) -> bool:

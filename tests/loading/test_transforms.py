@@ -326,3 +326,28 @@ def test_what_is_forgotten_is_found(what: str, sample: Sample) -> None:
         wrong = planted(sample, what)
         check_geometry(wrong)
         check_light(wrong)
+
+
+@pytest.mark.parametrize("chain", [FLIP, QuarterTurn(), QuarterTurn(3), Resize(24, 18)])
+def test_motion_leads_to_where_the_point_is_in_the_next_frame(
+    chain: Transform, sample: Sample, rng: np.random.Generator
+) -> None:
+    """The flow to a camera that has moved, by its definition, of both pictures changed alike."""
+    step = np.eye(4)
+    step[:3, 3] = (0.1, -0.05, 0.2)
+    after = replace(sample, world_from_camera=sample.world_from_camera @ step, grids={})
+
+    def flow(now: Sample, then: Sample) -> np.ndarray:
+        camera = np.linalg.inv(then.world_from_camera)
+        seen = now.images["position"].astype(float) @ camera[:3, :3].T + camera[:3, 3]
+        place = seen @ then.K.T
+        width, height = now.size
+        u, v = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+        return place[..., :2] / place[..., 2:] - np.stack([u, v], axis=-1)
+
+    images = {**sample.images, "flow": flow(sample, after).astype(np.float32)}
+    now, then = (chain(one, rng) for one in (replace(sample, images=images, grids={}), after))
+    there = (now.images["depth"] > 0)[..., 0]
+    off = np.abs(now.images["flow"] - flow(now, then))[there]
+    # A resized pixel has the flow of the nearest one.
+    assert np.quantile(off, 0.95) < (0.1 if isinstance(chain, Resize) else 1e-3)
