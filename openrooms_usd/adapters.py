@@ -14,7 +14,6 @@ DATASETS: Final = "openrooms_usd.datasets"
 ENGINES: Final = "openrooms_usd.engines"
 SEGMENTERS: Final = "openrooms_usd.segmenters"
 EXECUTORS: Final = "openrooms_usd.executors"
-SOURCES: Final = "openrooms_usd.sources"
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -43,7 +42,7 @@ def load(group: str, name: str) -> Any:
 
     Args:
         group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`, `SEGMENTERS`,
-            `EXECUTORS`, `SOURCES`.
+            `EXECUTORS`.
         name: The name under which it is registered.
 
     Returns:

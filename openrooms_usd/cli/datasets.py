@@ -1,4 +1,4 @@
-"""The commands of ``dataset``: ``plan``, ``run``, ``status``, ``verify``, ``stats``, ``write``."""
+"""The commands of ``dataset``: make one, look at it, and write renders as others store them."""
 
 import sys
 from pathlib import Path
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Final, Literal
 import click
 
 from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import pairs_of
 
 if TYPE_CHECKING:
     from openrooms_usd.render.datasets import DatasetSummary
@@ -63,32 +62,17 @@ def plan(file: Path, out: Path | None) -> None:
 @click.option("--workers", type=click.IntRange(1, 1024), default=1, show_default=True,
               help="How many rooms are worked on at once.")  # fmt: skip
 @click.option("--executor", default="local", show_default=True, metavar="NAME",
-              help="Who works: local, ray, or another that is installed.")  # fmt: skip
-@click.option("--address", metavar="HOST:PORT",
-              help="The cluster of an executor. Short for --option address=…")  # fmt: skip
-@click.option("--option", "pairs", multiple=True, callback=pairs_of, metavar="NAME=VALUE",
-              help="Something that this executor can be asked for. Repeatable.")  # fmt: skip
+              help="Who works: local, or another that is installed.")  # fmt: skip
 @json_option
-def run(
-    file: Path,
-    out: Path,
-    workers: int,
-    executor: str,
-    address: str | None,
-    pairs: tuple[tuple[str, str], ...],
-    as_json: bool,
-) -> None:
+def run(file: Path, out: Path, workers: int, executor: str, as_json: bool) -> None:
     """Make a dataset, or what is left of it: what is finished stays.
 
     Leaves with code 1 when views could not be made; they are tried again by the next run.
     """
     from openrooms_usd.dataset.run import run_dataset
 
-    options = ({} if address is None else {"address": address}) | dict(pairs)
     with progress_bar(hidden=as_json, first="planning") as progress:
-        done = run_dataset(
-            file, out, workers=workers, executor=executor, options=options, progress=progress
-        )
+        done = run_dataset(file, out, workers=workers, executor=executor, progress=progress)
     if as_json:
         print_json(done.as_dict())
     else:
@@ -170,6 +154,32 @@ def stats(folder: Path, as_json: bool) -> None:
             echo(f"  {name:<24} {_number(value):>14}")
         if len(rows) > _MOST_SHOWN:
             echo(f"  and {len(rows) - _MOST_SHOWN} more: --json lists them")
+
+
+@dataset.command()
+@_FOLDER
+@click.option("-o", "--out", type=click.Path(path_type=Path), metavar="PAGE.html",
+              help="The page; report.html in the dataset's folder by default.")  # fmt: skip
+@click.option("--pictures", type=click.IntRange(1, 1000), default=72, show_default=True,
+              help="How many views it shows at most.")  # fmt: skip
+@click.option("--price", type=click.FloatRange(0.0), metavar="MONEY",
+              help="What an hour of a core costs: the page says what 1,000 views do.")  # fmt: skip
+@json_option
+def report(
+    folder: Path, out: Path | None, pictures: int, price: float | None, as_json: bool
+) -> None:
+    """Write a page for browsers: views, what they show, errors, cost, failures, licences.
+
+    It is one file that loads nothing else.
+    """
+    from openrooms_usd.dataset.report.page import write_report
+
+    page = out or folder / "report.html"
+    done = write_report(folder, page, pictures=pictures, price=price)
+    if as_json:
+        print_json(done.as_dict())
+        return
+    echo(f"wrote {done.path}: {done.views} views, {done.pictures} shown, {done.bytes / 1e6:.2f} MB")
 
 
 def _number(value: float) -> str:

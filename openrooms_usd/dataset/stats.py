@@ -1,4 +1,4 @@
-"""What a dataset holds, in numbers: rooms, objects, pixels, materials, lights, seconds and errors."""
+"""What a dataset holds, in numbers: rooms, objects, pixels, lights, seconds and errors."""
 
 import json
 import math
@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd import names
 from openrooms_usd.channels import definition
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.dataset.records import Record
@@ -47,7 +48,7 @@ class Stats:
         rooms: How many rooms of each type.
         splits: How many rooms of each split.
         views: How many views of each variant.
-        objects: How many objects of each category, each room counted once.
+        objects: How many objects of each category, without the shell; each room counted once.
         pixels: How many pixels of each class, in views whose channels tell.
         materials: How many pixels of each substance.
         families: How many pixels of each family of textures.
@@ -141,8 +142,13 @@ class _Count:
         self.named["rooms"][str(kind)] += 1
         self.named["splits"][job.room.split] += 1
         legend = shared.get("entry", {}).get("legend", {})
-        # The shell has no category.
-        self.named["objects"].update(legend.get("category", {}).values())
+        paths = legend.get("instance", {})
+        self.named["objects"].update(
+            category
+            for number, category in legend.get("category", {}).items()
+            # Walls, floors and what is built in are the room's shell.
+            if not str(paths.get(number, "")).startswith(f"{names.ROOM}/")
+        )
 
     def lit_room(self, shared: Record) -> None:
         """Count the lights of a room in a variant."""

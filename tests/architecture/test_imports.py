@@ -29,7 +29,6 @@ RANKS = (
         "validation",
         "package",
         "edits",
-        "loading",
         "stages",
         "render",
         "convert",
@@ -74,7 +73,7 @@ FOR_CONVERTERS = {
     "library",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
     "colorimetry", "errors", "names", "atomic", "claims", "imagefile", "isolation", "ledger",
-    "loading", "progress", "unpickling", "untrusted", "package",
+    "progress", "unpickling", "untrusted", "package",
 }  # fmt: skip
 HEAVY = {
     "pxr",

@@ -42,7 +42,7 @@ def root(tmp_path: Path) -> Path:
         write_json(store.record_path(one, SCENE), {"key": one.key, **shared})
         for view in one.views[: 1 if number == 3 else 2]:
             error = {"estimated_robust_error": 0.1 * (number + 1)}
-            channels = {name: error for name in ("radiance", "direct_0", "direct_1")}
+            channels = dict.fromkeys(("radiance", "direct_0", "direct_1"), error)
             channels["depth"] = {"estimated_robust_error": 0.0}
             record = {
                 "unit": "",
