@@ -65,7 +65,7 @@ pictures: .venv/installed-dev
 	$(BIN)/python -m docs.pictures
 
 clean:
-	rm -rf .venv .venv-blender .venv-newton .venv-physx .venv-mujoco-usd .venv-colmap .venv-usdchecker .node-gltf out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-blender .venv-newton .venv-torch .venv-physx .venv-mujoco-usd .venv-colmap .venv-usdchecker .node-gltf out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 .venv/installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer is needed and none was found:" \

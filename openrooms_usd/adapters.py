@@ -14,6 +14,7 @@ DATASETS: Final = "openrooms_usd.datasets"
 ENGINES: Final = "openrooms_usd.engines"
 SEGMENTERS: Final = "openrooms_usd.segmenters"
 EXECUTORS: Final = "openrooms_usd.executors"
+SOURCES: Final = "openrooms_usd.sources"
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -42,7 +43,7 @@ def load(group: str, name: str) -> Any:
 
     Args:
         group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`, `SEGMENTERS`,
-            `EXECUTORS`.
+            `EXECUTORS`, `SOURCES`.
         name: The name under which it is registered.
 
     Returns:

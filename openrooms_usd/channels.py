@@ -144,6 +144,13 @@ CHANNELS: Final[dict[str, Channel]] = {
                 "material refined by base_color and roughness (docs/friction.md); a material that "
                 "carries only UsdPhysicsMaterialAPI has that value, one that says nothing the mean "
                 "of all substances; 0 without surface"),
+        Channel("flow", ("X", "Y"), "float", "px", "image", "derived",
+                "only of a path's frames: how far what the pixel's centre sees is to the right and "
+                "down in the next frame; of the surroundings as if infinitely far; 0 where it is "
+                "behind the next camera", extra=True),
+        Channel("flow_visible", _ONE, "half", "1", "", "derived",
+                "only of a path's frames: 1 where the next frame shows that point, 0 where it is "
+                "hidden or outside the picture", extra=True),
         Channel("denoised", _RGB, "float", "nit", "", "derived",
                 "radiance after denoising, only with --denoise: for people, no measurement"),
     )
@@ -158,6 +165,9 @@ DEFAULT: Final = tuple(name for name in RENDERED if not CHANNELS[name].extra)
 WRITTEN: Final = (*DEFAULT, "friction")
 """The channels that a run writes unless told otherwise, where the renderer gives all of its own."""
 
+
+FLOWS: Final = ("flow", "flow_visible")
+"""The channels that frames of a path have of the next one."""
 
 CLASS_CHANNELS: Final = {
     names.OPENROOMS45: "semantic",

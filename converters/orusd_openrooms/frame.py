@@ -31,6 +31,8 @@ class Frame:
         lights: Those of the scene that have a place.
         order: How the channels of environment maps are stored.
         instances: The largest number of an object in the scene.
+        missing: By kind of file, why it cannot be made.
+        approximations: By number of a light, what its lobes give at the points of the grid, lux.
     """
 
     view: RenderedView
@@ -38,6 +40,7 @@ class Frame:
     order: Order
     instances: int
     missing: dict[str, str] = field(default_factory=dict)
+    approximations: dict[int, Pixels] = field(default_factory=dict)
 
     @cached_property
     def environment(self) -> Pixels | None:

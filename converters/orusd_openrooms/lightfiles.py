@@ -18,6 +18,8 @@ from orusd_openrooms.rgbe import write_rgbe
 from orusd_openrooms.unoccluded import approximate
 
 _LUMINANCE: Final = LUMINANCE.astype(np.float32)
+# What the light of an opening's lobes is computed from.
+_APPROXIMATED: Final = ("depth", "normal_camera")
 
 
 def write_lights(place: Place, number: int, frame: Frame) -> None:
@@ -73,7 +75,18 @@ def _write_mask(path: Path, frame: Frame, light: Light) -> None:
 
 
 def _write_source(path: Path, frame: Frame, light: Light) -> None:
-    write_pickled(path, lights.source(light, _camera(frame)))
+    write_pickled(path, lights.source(light, _camera(frame), _loss(frame, light)))
+
+
+def _loss(frame: Frame, light: Light) -> float:
+    """The mean absolute error of what an opening's lobes give, lux; 0 where it is not known."""
+    needs = (*_APPROXIMATED, "unoccluded_i")
+    if not light.is_window or frame.lacks(needs):
+        return 0.0
+    true = frame.coarse(frame.light("unoccluded", light))
+    off = np.abs(_approximation(frame, light).astype(np.float64) - true)
+    known = off[np.isfinite(off)]
+    return float(known.mean()) if known.size else 0.0
 
 
 def _write_single_source(path: Path, frame: Frame, light: Light) -> None:
@@ -90,9 +103,17 @@ def _write_shadow(path: Path, frame: Frame, light: Light) -> None:
 
 
 def _write_approximation(path: Path, frame: Frame, light: Light) -> None:
-    points = frame.coarse(_camera_points(frame.view))
-    normals = frame.coarse(frame.view.pixels["normal_camera"])
-    write_rgbe(path, approximate(light, _camera(frame), points, normals))
+    write_rgbe(path, _approximation(frame, light))
+
+
+def _approximation(frame: Frame, light: Light) -> Pixels:
+    """What an opening's lobes give at the points of the grid, computed once."""
+    if light.number not in frame.approximations:
+        points = frame.coarse(_camera_points(frame.view))
+        normals = frame.coarse(frame.view.pixels["normal_camera"])
+        found = approximate(light, _camera(frame), points, normals)
+        frame.approximations[light.number] = found
+    return frame.approximations[light.number]
 
 
 def _camera_points(view: RenderedView) -> Pixels:
@@ -117,7 +138,7 @@ _LIGHT: Final[dict[str, _MadeOfLight]] = {
     "imDS": _shading("direct"),
     "imDSNoOcclu": _shading("unoccluded"),
     "imDSNoOccluApprox": _MadeOfLight(
-        ("depth", "normal_camera"), _write_approximation, lambda light: light.is_window
+        _APPROXIMATED, _write_approximation, lambda light: light.is_window
     ),
     "light": _MadeOfLight((), _write_single_source),
     "lightSrc": _MadeOfLight((), _write_source),

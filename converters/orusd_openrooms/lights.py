@@ -61,12 +61,18 @@ def _box_2d(mask: NDArray[np.bool_]) -> dict[str, int | None]:
     return {name: int(edge) for name, edge in zip(("x1", "x2", "y1", "y2"), edges, strict=True)}
 
 
-def source(light: Light, camera: Array) -> dict[str, Any]:
+def source(light: Light, camera: Array, loss: float = 0.0) -> dict[str, Any]:
     """The parameters of a light: a lamp's radiance, an opening's three lobes.
 
     Axes are in the camera's frame (right, up, backward) and point to where the light comes from.
     What is off has no intensity. Loaders tell so by the first lobe alone: without a sun the lobe of
     the greatest flux takes its place.
+
+    Args:
+        light: The light.
+        camera: (4, 4) from `camera_from_world`.
+        loss: How far off the light of an opening's lobes is in the picture, lux; loaders bring it
+            to the scale of their shadings, and add it up beside their own mean absolute errors.
     """
     if not light.is_window:
         return {"intensity": light.radiance * light.on}
@@ -75,7 +81,7 @@ def source(light: Light, camera: Array) -> dict[str, Any]:
     if not lobes[first].intensity.any():
         brightest = max(lobes, key=lambda name: _arriving(lobes[name], light)[0].sum())
         lobes[first], lobes[brightest] = lobes[brightest], lobes[first]
-    found: dict[str, Any] = {"loss": light.loss, "scale": 1.0}
+    found: dict[str, Any] = {"loss": loss, "scale": 1.0}
     for name, ending in LOBES.items():
         found |= _parameters(lobes[name], light.on, camera, ending)
     return found

@@ -46,8 +46,6 @@ class Light:
         size: (3,) the box's lengths along them, metres; an opening's third is 0.
         radiance: (3,) nits that a lamp emits, or the mean of what an opening lets in.
         lobes: By name, the fit of what an opening lets in; empty for a lamp.
-        loss: How far the fit is from the light: the root of the mean square of what it leaves over
-            that of the light.
     """
 
     number: int
@@ -58,7 +56,6 @@ class Light:
     size: Array
     radiance: Array
     lobes: Mapping[str, Lobe]
-    loss: float = 0.0
 
 
 def lights_of(scene: RenderedScene) -> list[Light]:
@@ -81,7 +78,6 @@ def light_of(record: LightRecord) -> Light:
         size=record.size,
         radiance=record.radiance,
         lobes=lobes if record.kind != LAMP else {},
-        loss=record.fit_error or 0.0,
     )
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import click
 
 from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.renderer import pairs_of
 
 if TYPE_CHECKING:
     from openrooms_usd.render.datasets import DatasetSummary
@@ -62,17 +63,32 @@ def plan(file: Path, out: Path | None) -> None:
 @click.option("--workers", type=click.IntRange(1, 1024), default=1, show_default=True,
               help="How many rooms are worked on at once.")  # fmt: skip
 @click.option("--executor", default="local", show_default=True, metavar="NAME",
-              help="Who works: local, or another that is installed.")  # fmt: skip
+              help="Who works: local, ray, or another that is installed.")  # fmt: skip
+@click.option("--address", metavar="HOST:PORT",
+              help="The cluster of an executor. Short for --option address=…")  # fmt: skip
+@click.option("--option", "pairs", multiple=True, callback=pairs_of, metavar="NAME=VALUE",
+              help="Something that this executor can be asked for. Repeatable.")  # fmt: skip
 @json_option
-def run(file: Path, out: Path, workers: int, executor: str, as_json: bool) -> None:
+def run(
+    file: Path,
+    out: Path,
+    workers: int,
+    executor: str,
+    address: str | None,
+    pairs: tuple[tuple[str, str], ...],
+    as_json: bool,
+) -> None:
     """Make a dataset, or what is left of it: what is finished stays.
 
     Leaves with code 1 when views could not be made; they are tried again by the next run.
     """
     from openrooms_usd.dataset.run import run_dataset
 
+    options = ({} if address is None else {"address": address}) | dict(pairs)
     with progress_bar(hidden=as_json, first="planning") as progress:
-        done = run_dataset(file, out, workers=workers, executor=executor, progress=progress)
+        done = run_dataset(
+            file, out, workers=workers, executor=executor, options=options, progress=progress
+        )
     if as_json:
         print_json(done.as_dict())
     else:

@@ -27,7 +27,7 @@ def renderer_options(**shorthands: str) -> Callable[[Command], Command]:
         for name, text in reversed(shorthands.items()):
             found = click.option(f"--{name}", help=f"{text} Short for --option {name}=…")(found)
         found = click.option(
-            "--option", "pairs", multiple=True, callback=_pairs, metavar="NAME=VALUE",
+            "--option", "pairs", multiple=True, callback=pairs_of, metavar="NAME=VALUE",
             help="Something that this renderer can be asked for. Repeatable.",
         )(found)  # fmt: skip
         return click.option(
@@ -38,7 +38,7 @@ def renderer_options(**shorthands: str) -> Callable[[Command], Command]:
     return decorate
 
 
-def _pairs(
+def pairs_of(
     ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
 ) -> tuple[tuple[str, str], ...]:
     """Names and values, from ``variant=llvm``; the last of a name counts."""

@@ -4,7 +4,8 @@ Tasks and what is told of them are plain data, so that they can go anywhere.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 Task = Mapping[str, Any]
@@ -28,12 +29,32 @@ class Lost:
     reason: str
 
 
-class Executor(Protocol):
-    """Works tasks off; an entry point ``openrooms_usd.executors``."""
+@dataclass(frozen=True)
+class Wanted:
+    """Who is wanted.
 
-    def run(
-        self, tasks: Iterable[Task], work: Work, workers: int
-    ) -> Iterator[tuple[Task, Told | Lost]]:
+    Attributes:
+        workers: How many tasks shall be worked at once.
+        gpus: How many GPUs each of them computes on, unless the options say it.
+        options: What is asked of the executor, by name.
+    """
+
+    workers: int = 1
+    gpus: int = 0
+    options: Mapping[str, str] = field(default_factory=dict)
+
+
+class Crew(Protocol):
+    """Workers.
+
+    Attributes:
+        threads: How many threads each of them shall use.
+    """
+
+    @property
+    def threads(self) -> int: ...  # noqa: D102
+
+    def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
         """Work tasks off, several at once.
 
         Tasks are taken when a worker is free, and not before. A worker that dies is told as `Lost`
@@ -42,9 +63,27 @@ class Executor(Protocol):
         Args:
             tasks: What there is to do.
             work: What does it; what it raises is told as `Lost`.
-            workers: How many tasks are worked at once.
 
         Yields:
             A task and what is told of it, as it happens; of one task in order.
+        """
+        ...
+
+
+class Executor(Protocol):
+    """Hires workers; an entry point ``openrooms_usd.executors``.
+
+    Attributes:
+        options: What may be asked of it, for people, by name.
+    """
+
+    options: Mapping[str, str]
+
+    def hired(self, wanted: Wanted) -> AbstractContextManager[Crew]:
+        """Workers, as long as the block lasts.
+
+        Raises:
+            InputError: An option is wrong, or there is no place for such workers.
+            MissingPackageError: It needs a package that is not installed.
         """
         ...

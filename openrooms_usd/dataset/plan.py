@@ -130,7 +130,7 @@ def plan_jobs(dataset: Dataset) -> Iterator[Job]:
     """
     settings = {
         **dataset.model_dump(mode="json", include={"views", "channels", "budget", "rendering"}),
-        "code": _code(dataset.rendering.renderer),
+        "code": code_of(dataset.rendering.renderer),
     }
     # Sorted and written once: jobs are many.
     shared = json.dumps(settings, sort_keys=True)
@@ -212,8 +212,15 @@ def _file_digest(dataset: Dataset, file: str) -> str:
 
 
 @cache
-def _code(renderer: str) -> str:
-    """A digest of all code that makes views."""
+def code_of(renderer: str) -> str:
+    """A digest of all code that makes views.
+
+    Args:
+        renderer: The name of the renderer.
+
+    Raises:
+        InputError: There is no such renderer.
+    """
     found = adapters.available(adapters.RENDERERS)
     if renderer not in found:
         raise InputError(

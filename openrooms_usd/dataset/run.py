@@ -1,7 +1,7 @@
 """The story of a run: what is not finished is worked off, what fails is tried again, and told."""
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from openrooms_usd import adapters, atomic, claims
 from openrooms_usd.dataset import work
-from openrooms_usd.dataset.executor import Executor, Lost, Task, Told
+from openrooms_usd.dataset.executor import Crew, Executor, Lost, Told, Wanted
 from openrooms_usd.dataset.finish import finish
 from openrooms_usd.dataset.plan import Job, job_of, plan_jobs, view_name
 from openrooms_usd.dataset.store import Store
@@ -20,6 +20,7 @@ from openrooms_usd.render.folder import check_writable
 from openrooms_usd.untrusted import read_bytes
 
 LOCAL: Final = "local"
+_CUDA: Final = "cuda"
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,7 @@ def run_dataset(
     *,
     workers: int = 1,
     executor: str = LOCAL,
+    options: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> RunSummary:
     """Make a dataset, or what is left of it.
@@ -69,6 +71,7 @@ def run_dataset(
         root: The dataset's folder.
         workers: How many rooms are worked on at once.
         executor: The name of who works them off.
+        options: What is asked of it, by name.
         progress: Called with each view and the finished fraction.
 
     Returns:
@@ -80,21 +83,26 @@ def run_dataset(
         OutputError: The folder cannot be written, or is that of another dataset.
     """
     dataset = load_dataset(file)
-    crew: Executor = adapters.load(adapters.EXECUTORS, executor)
+    hirer: Executor = adapters.load(adapters.EXECUTORS, executor)
+    adapters.check_options(adapters.EXECUTORS, executor, hirer.options, options or {})
     check_wishes(dataset)
     check_writable(root)
     with claims.locked(root):
         store = Store(root)
         _keep_file(store, file)
-        run = _Run(store, dataset, crew, max(1, workers), progress)
+        run = _Run(store, dataset, progress)
         run.total = store.write_plan(plan_jobs(dataset))
         run.count()
-        for _ in range(dataset.retries + 1):
-            run.work_off()
-            if not run.failed:
-                break
+        if run.kept < run.total:
+            with hirer.hired(Wanted(workers, _gpus(dataset), options or {})) as crew:
+                run.work_off(crew)
         notes = finish(store, dataset, progress)
     return RunSummary(root, run.made, run.kept, run.failed, notes)
+
+
+def _gpus(dataset: Dataset) -> int:
+    """How many GPUs a worker computes on."""
+    return int(dataset.rendering.options.get("variant") == _CUDA)
 
 
 def check_wishes(dataset: Dataset) -> None:
@@ -139,8 +147,6 @@ class _Run:
 
     store: Store
     dataset: Dataset
-    crew: Executor
-    workers: int
     progress: Progress
     made: int = 0
     kept: int = 0
@@ -152,37 +158,35 @@ class _Run:
         for job in self.store.jobs():
             self.kept += sum(self.store.is_finished(job, view) for view in job.views)
 
-    def work_off(self) -> None:
-        """Try all views that are not finished, once."""
-        self.failed = {}
-        waiting: Iterable[Task] = self._open()
-        while True:
-            # A worker that dies takes one view with it, and not those after it.
-            waiting = list(self._worked(waiting))
-            if not waiting:
+    def work_off(self, crew: Crew) -> None:
+        """Try all views that are not finished, and again those that fail."""
+        for _ in range(self.dataset.retries + 1):
+            self.failed = {}
+            waiting: Iterable[Job] = self._open()
+            while waiting:
+                # A worker that dies takes one view with it, and not those after it.
+                waiting = list(self._worked(crew, waiting))
+            if not self.failed:
                 return
 
-    def _open(self) -> Iterator[Task]:
-        """The jobs with views that are not finished."""
+    def _open(self) -> Iterator[Job]:
+        """The jobs with views that are not finished, and with these alone."""
         for job in self.store.jobs():
             left = [view for view in job.views if not self.store.is_finished(job, view)]
             if left:
-                yield self._task(job, left)
+                yield replace(job, views=tuple(left))
 
-    def _task(self, job: Job, views: Iterable[int]) -> Task:
-        threads = max(1, (os.cpu_count() or 1) // self.workers)
-        part = replace(job, views=tuple(views))
-        return work.task_of(part, self.dataset, self.store.root, threads)
-
-    def _worked(self, waiting: Iterable[Task]) -> Iterator[Task]:
-        """Have tasks worked off.
+    def _worked(self, crew: Crew, waiting: Iterable[Job]) -> Iterator[Job]:
+        """Have jobs worked off.
 
         Yields:
-            What is left of tasks whose workers died.
+            What is left of jobs whose workers died.
         """
         left: dict[str, list[int]] = {}
         begun: dict[str, int] = {}
-        for task, told in self.crew.run(waiting, work.work, self.workers):
+        root, threads = self.store.root, crew.threads
+        tasks = (work.task_of(job, self.dataset, root, threads) for job in waiting)
+        for task, told in crew.run(tasks, work.work):
             job = job_of(task["job"])
             views = left.setdefault(job.key, list(job.views))
             if isinstance(told, Lost):
@@ -193,9 +197,12 @@ class _Run:
                     self._fail(job, view, reason)
                     views.remove(view)
                 if views:
-                    yield self._task(job, left.pop(job.key))
+                    yield replace(job, views=tuple(left.pop(job.key)))
                 continue
             self._hear(job, told, views, begun)
+            if not views:
+                # Of a million jobs only those that are worked on are kept in mind.
+                left.pop(job.key)
 
     def _hear(self, job: Job, told: Told, views: list[int], begun: dict[str, int]) -> None:
         view = int(told["view"])

@@ -16,7 +16,7 @@ from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.channels import each
 from openrooms_usd.compose import compose_room
 from openrooms_usd.dataset.executor import Task, Told
-from openrooms_usd.dataset.plan import Job, job_of, view_name
+from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
 from openrooms_usd.dataset.quality import look_at
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.shots import Shot, shot, shots_of
@@ -24,12 +24,13 @@ from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
-from openrooms_usd.errors import OrusdError
+from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render.folder import OPENINGS_FOLDER
 from openrooms_usd.render.job import OpenedJob, RenderJob
 from openrooms_usd.render.manifest import by_light
 from openrooms_usd.render.run import check_view, describe_view, write_openings, write_view
 from openrooms_usd.validation.licences import licences
+from openrooms_usd.version import __version__
 
 # What a worker tells of a view.
 BEGUN: Final = "begun"
@@ -54,6 +55,7 @@ def task_of(job: Job, dataset: Dataset, root: Path, threads: int) -> Task:
         "folder": str(dataset.folder.absolute()),
         "root": str(root.absolute()),
         "threads": threads,
+        "code": code_of(dataset.rendering.renderer),
     }
 
 
@@ -127,6 +129,12 @@ class _OpenRoom:
 
         held.enter_context(quiet())
         store, dataset = Store(Path(task["root"])), Dataset.model_validate(task["dataset"])
+        if code_of(dataset.rendering.renderer) != task["code"]:
+            raise InputError(
+                "this machine has other code than the one that planned the dataset",
+                place=f"openrooms_usd {__version__}",
+                remedy="install the same version everywhere: records name the code by its digest",
+            )
         folder, began = Path(task["folder"]), time.perf_counter()
         held.enter_context(claims.claimed(store.render(job), ledger.RENDER_FILE))
         described = realised(job, dataset.views, folder)
@@ -178,7 +186,7 @@ class _OpenRoom:
         # What is told of one view is no part of another's record, whichever came first.
         opened.report.rows[:] = self.rows
         began = time.perf_counter()
-        view = opened.shoot(taken.camera, taken.name)
+        view = opened.shoot(taken.camera, taken.name, after=taken.after)
         rendered = time.perf_counter()
         request, lights = opened.listed, opened.lights
         check_view(name, view, request, len(lights))
@@ -223,4 +231,5 @@ def _render_job(dataset: Dataset, job: Job) -> RenderJob:
         renderer=light.renderer,
         options=light.options,
         denoise=light.denoise,
+        flow=dataset.views.source == "path",
     )

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from openrooms_usd import adapters
-from openrooms_usd.channels import each
+from openrooms_usd.channels import FLOWS, each
 from openrooms_usd.convert import Report, add_missing
 from openrooms_usd.render import manifest
 from openrooms_usd.render.contract import (
@@ -56,6 +56,7 @@ class RenderJob:
         error_maps: Whether views have the estimated errors of pixels.
         denoise: Which versions are denoised.
         denoiser: What does it.
+        flow: Whether views are frames of a path, which have the optical flow to the next one.
     """
 
     renderer: str
@@ -68,6 +69,7 @@ class RenderJob:
     error_maps: bool = False
     denoise: Denoise = False
     denoiser: Denoiser | None = None
+    flow: bool = False
 
     @classmethod
     def of(
@@ -89,8 +91,11 @@ class RenderJob:
         renderer: str = "mitsuba",
         options: Mapping[str, str] = NO_OPTIONS,
         denoise: Denoise = False,
+        flow: bool = False,
     ) -> "RenderJob":
         """The job of these wishes, which are those of `openrooms_usd.render.driver.render_stage`.
+
+        ``flow`` asks for the optical flow of views that are the frames of a path.
 
         Raises:
             InputError: A name is unknown, a number is absurd, or nobody gives a channel with this
@@ -117,7 +122,7 @@ class RenderJob:
             denoiser.check(request.channels)
         return cls(
             renderer, adapter, options, request, named, resolution, field_of_view, error_maps,
-            denoise, denoiser,
+            denoise, denoiser, flow,
         )  # fmt: skip
 
     @cached_property
@@ -135,7 +140,7 @@ class RenderJob:
     def written(self) -> tuple[str, ...]:
         """The channels that views have in the end."""
         asked = self.request.channels
-        return (*asked, DENOISED) if self.denoiser else asked
+        return (*asked, *(FLOWS if self.flow else ()), *((DENOISED,) if self.denoiser else ()))
 
     @property
     def rendered(self) -> RenderRequest:
@@ -252,7 +257,8 @@ class OpenedJob:
         Raises:
             RenderError: The renderer cannot do it.
         """
-        return self.shoot(self.camera(name), self.views[name], progress)
+        asked = replace(self.request, camera=self.views[name])
+        return self._completed(self.opened.render(asked, progress))
 
     def camera(self, name: str) -> "PinholeCamera":
         """The camera of one of `views`, for the job's size.
@@ -267,6 +273,7 @@ class OpenedJob:
         camera: "PinholeCamera",
         name: str | None,
         progress: ViewProgress = lambda done: None,
+        after: "PinholeCamera | None" = None,
     ) -> View:
         """What any camera sees, with all that is asked for.
 
@@ -274,12 +281,20 @@ class OpenedJob:
             camera: For the job's size.
             name: Sets its random numbers apart from those of others; a prim path where it has one.
             progress: Called with the finished fraction, from 0 to 1.
+            after: The next camera of a path, where flow is asked for.
 
         Raises:
             RenderError: The renderer cannot do it.
         """
+        asked = replace(self.request, camera=name)
+        view = self._completed(self.opened.picture(camera, asked, progress))
+        if not self.job.flow or after is None:
+            return view
+        return replace(view, images={**view.images, **self.opened.flow(camera, after, asked)})
+
+    def _completed(self, view: View) -> View:
+        """A view with what is made of what was rendered."""
         job, lights = self.job, len(self.lights)
-        view = self.opened.picture(camera, replace(self.request, camera=name), progress)
         if job.shading.makes(job.request.channels):
             view = job.shading.complete(view, each(job.shaded, lights))
         if self.friction:

@@ -34,6 +34,7 @@ from openrooms_usd.render.given import EXACT, choose_method, remedy_for
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
 from openrooms_usd.render.scene.first_hits import first_hits
+from openrooms_usd.render.scene.flow import optical_flow
 from openrooms_usd.render.scene.ground_truth import GroundTruth
 from openrooms_usd.render.scene.light_masks import light_masks
 from openrooms_usd.render.scene.light_records import light_records
@@ -197,6 +198,22 @@ class OpenedStage:
             name: images[name].pixels.reshape(height, n, width, n, -1).mean(axis=(1, 3))
             for name in GUIDES
         }
+
+    def flow(
+        self, camera: PinholeCamera, after: PinholeCamera, request: RenderRequest
+    ) -> dict[str, Image]:
+        """Where what a frame of a path sees is in the next frame (`openrooms_usd.channels.FLOWS`).
+
+        Args:
+            camera: Of the frame, for the request's size.
+            after: Of the next frame, likewise.
+            request: Its size.
+        """
+        start = time.perf_counter()
+        tracer = self.session.tracer or self._caster
+        made = optical_flow(self._scene, tracer, camera, after, (request.width, request.height))
+        seconds = time.perf_counter() - start
+        return {n: Image(pixels, 1, seconds, 0.0, robust_error=0.0) for n, pixels in made.items()}
 
     def move(self, motions: Mapping[str, Array]) -> None:
         """Render from now on what stands elsewhere; the stage is not translated again.

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, SupportsFloat, SupportsIndex
 
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import CHANNELS, FLOWS
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE
 from openrooms_usd.render.contract import (
@@ -24,6 +24,11 @@ ALL: Final = "all"  # stands for all channels that can be had
 USUAL: Final = "usual"  # stands for those that need not be asked for
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
+# What is never asked for by its channel's name, and what to do instead.
+_MADE: Final = {
+    DENOISED: "add --denoise instead",
+    **dict.fromkeys(FLOWS, "the frames of a path have it: `views: {from: path}` in a dataset.yaml"),
+}
 _MOST_PIXELS: Final = 2**27
 # One of a hemisphere's cell is taken for so many of a pixel.
 _SAMPLES_PER_CELL_SAMPLE: Final = 16
@@ -180,11 +185,9 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
             raise InputError(
                 f"no channel is named {name!r}", place="channels", remedy=_nearest(name, CHANNELS)
             )
-        if name == DENOISED:
+        if name in _MADE:
             raise InputError(
-                f"the channel {name!r} is made from others",
-                place="channels",
-                remedy="add --denoise instead",
+                f"the channel {name!r} is made from others", place="channels", remedy=_MADE[name]
             )
         if name not in given:
             raise InputError(

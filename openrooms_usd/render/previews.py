@@ -125,6 +125,16 @@ def _ratio(pixels: Pixels) -> Preview:
     return Preview(color.quantize(pixels), "black 0, white 1")
 
 
+def _flow(pixels: Pixels) -> Preview:
+    lengths = np.linalg.norm(pixels, axis=-1)
+    most = max(float(np.percentile(lengths, 99)), 1e-6)
+    share = np.clip(lengths / most, 0.0, 1.0)[..., None]
+    turn = np.arctan2(pixels[..., 1], pixels[..., 0])[..., None]
+    # Red to the right, and round the circle; black where nothing moves.
+    hue = 0.5 + 0.5 * np.cos(turn - np.array([0.0, 2.0, 4.0]) * np.pi / 3.0)
+    return Preview(color.quantize(share * hue), f"hue: where to, full at {most:.1f} px")
+
+
 def _label(pixels: Pixels) -> Preview:
     return Preview(color.palette(pixels[..., 0].astype(np.int64)), "a colour for every number")
 
@@ -138,4 +148,5 @@ _SHOWN: Final[dict[tuple[str, str], _Show]] = {
     ("1", "RGB"): _reflectance,
     ("1", "Y"): _ratio,
     ("id", "Y"): _label,
+    ("px", "XY"): _flow,
 }

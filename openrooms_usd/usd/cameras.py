@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.framing import FOV_DEG, framing_view
-from openrooms_usd.geometry.pinhole import intrinsics
+from openrooms_usd.geometry.pinhole import intrinsics, pixel_directions
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
@@ -60,6 +60,10 @@ class PinholeCamera:
     focus_distance: float = 0.0
     lens_radius: float = 0.0
     clipping: tuple[float, float] = _CLIPPING_M
+
+    def directions(self, width: int, height: int) -> Array:
+        """(height, width, 3) of the pixels' centres in the OpenCV frame, of planar depth 1."""
+        return pixel_directions(self.K, width, height)
 
 
 def define_camera(

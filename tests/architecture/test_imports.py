@@ -29,6 +29,7 @@ RANKS = (
         "validation",
         "package",
         "edits",
+        "loading",
         "stages",
         "render",
         "convert",
@@ -73,7 +74,7 @@ FOR_CONVERTERS = {
     "library",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
     "colorimetry", "errors", "names", "atomic", "claims", "imagefile", "isolation", "ledger",
-    "progress", "unpickling", "untrusted", "package",
+    "loading", "progress", "unpickling", "untrusted", "package",
 }  # fmt: skip
 HEAVY = {
     "pxr",

@@ -1,6 +1,9 @@
 """A small dataset: rooms that compose in a moment, and one that cannot be composed at all."""
 
 import hashlib
+import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -33,6 +36,35 @@ budget: {samples: 2}
 rendering: {renderer: preview}
 retries: 0
 """
+
+
+MAIN = "from openrooms_usd.cli import main; main()"
+
+
+def start(file: Path, out: object, workers: int = 1, *words: str) -> subprocess.Popen[str]:
+    """Begin a run in a process of its own."""
+    command = [sys.executable, "-c", MAIN, "dataset", "run", str(file), "-o", str(out), "--json"]
+    command += ["--workers", str(workers), *words]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+
+
+@pytest.fixture(scope="session", name="start")
+def start_fixture() -> Callable[..., subprocess.Popen[str]]:
+    return start
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The dataset.yaml, and what an undisturbed run of one worker made of it."""
+    folder = tmp_path_factory.mktemp("made")
+    file, out = write_source(folder / "source"), folder / "out"
+    process = start(file, out)
+    said, wrong = process.communicate()
+    assert process.returncode == 1, wrong
+    done = json.loads(said)
+    assert (done["made"], len(done["failed"])) == (4, 4)
+    return file, out
 
 
 @pytest.fixture

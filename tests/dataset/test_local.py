@@ -1,13 +1,14 @@
 """The executor of this machine: processes that keep what they loaded, and may die."""
 
 from collections.abc import Iterator
+from contextlib import closing
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from openrooms_usd.dataset.executor import Lost
+from openrooms_usd.dataset.executor import Lost, Wanted
 from openrooms_usd.dataset.local import LocalExecutor
 
 
@@ -23,7 +24,8 @@ def work() -> Any:
 
 def told(names: list[str], workers: int) -> list[tuple[str, Any]]:
     tasks = [{"name": name} for name in names]
-    return [(task["name"], what) for task, what in LocalExecutor().run(tasks, work(), workers)]
+    with LocalExecutor().hired(Wanted(workers)) as crew:
+        return [(task["name"], what) for task, what in crew.run(tasks, work())]
 
 
 def test_one_worker_does_all_and_tells_in_order() -> None:
@@ -50,10 +52,9 @@ def test_tasks_are_taken_when_a_worker_is_free() -> None:
             taken.append(name)
             yield {"name": name}
 
-    running = LocalExecutor().run(tasks(), work(), 2)
-    next(running)
-    assert len(taken) <= 3
-    running.close()
+    with LocalExecutor().hired(Wanted(2)) as crew, closing(crew.run(tasks(), work())) as running:
+        next(running)
+        assert len(taken) <= 3
 
 
 @pytest.mark.parametrize("names", [[], ["a"]])

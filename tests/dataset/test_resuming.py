@@ -4,7 +4,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,16 +16,10 @@ from openrooms_usd.render.reading import read_render
 
 pytestmark = pytest.mark.slow
 
-MAIN = "from openrooms_usd.cli import main; main()"
 _PATIENCE_S = 60.0
 
 Checksums = Callable[[Path], dict[str, str]]
-
-
-def start(file: Path, out: Path, workers: int = 1) -> subprocess.Popen[str]:
-    command = [sys.executable, "-c", MAIN, "dataset", "run", str(file), "-o", str(out), "--json"]
-    command += ["--workers", str(workers)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+Start = Callable[..., subprocess.Popen[str]]
 
 
 def kill_when(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
@@ -39,23 +32,8 @@ def kill_when(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
     process.communicate()
 
 
-@pytest.fixture(scope="module")
-def made(
-    tmp_path_factory: pytest.TempPathFactory, write_source: Callable[[Path], Path]
-) -> tuple[Path, Path]:
-    """The dataset.yaml, and what an undisturbed run of one worker made of it."""
-    folder = tmp_path_factory.mktemp("made")
-    file, out = write_source(folder / "source"), folder / "out"
-    process = start(file, out)
-    said, wrong = process.communicate()
-    assert process.returncode == 1, wrong
-    done = json.loads(said)
-    assert (done["made"], len(done["failed"])) == (4, 4)
-    return file, out
-
-
 def test_a_run_that_is_killed_ends_with_the_same_bytes(
-    made: tuple[Path, Path], tmp_path: Path, checksums: Checksums
+    made: tuple[Path, Path], tmp_path: Path, checksums: Checksums, start: Start
 ) -> None:
     file, undisturbed = made
     out = tmp_path / "out"

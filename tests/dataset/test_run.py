@@ -3,14 +3,15 @@
 import errno
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
 from openrooms_usd import adapters, atomic
 from openrooms_usd.dataset import run
-from openrooms_usd.dataset.executor import Lost, Task
+from openrooms_usd.dataset.executor import Lost, Task, Wanted
 from openrooms_usd.dataset.plan import Job, job_of
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.store import Store, write_json
@@ -22,11 +23,18 @@ Fate = Callable[[str, int], str]
 class Pretending:
     """Finishes what its fate lets it; counts how often each view was begun."""
 
+    options: ClassVar[dict[str, str]] = {}
+    threads = 1
+
     def __init__(self, fate: Fate) -> None:
         self.fate = fate
         self.begun: Counter[str] = Counter()
 
-    def run(self, tasks: Iterable[Task], work: Any, workers: int) -> Iterator[tuple[Task, Any]]:
+    @contextmanager
+    def hired(self, wanted: Wanted) -> Iterator["Pretending"]:
+        yield self
+
+    def run(self, tasks: Iterable[Task], work: Any) -> Iterator[tuple[Task, Any]]:
         for task in tasks:
             yield from ((task, told) for told in self._told(task))
 

@@ -65,7 +65,7 @@ def test_the_files_of_a_window_have_its_lobes(rendered: Path, tmp_path: Path) ->
         and found["intensity"].any()
         and found["intensityGrd"].any() != (found["intensitySky"].any())
     )
-    assert 0.0 <= found["loss"] < 0.01
+    assert found["loss"] == 0.0  # the render has no light without occlusion to compare with
 
 
 def test_every_lobe_of_a_fit_has_its_place_in_the_files() -> None:

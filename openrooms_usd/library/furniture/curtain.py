@@ -126,12 +126,12 @@ def sheers(size: Size, rng: np.random.Generator) -> Parts:
 def layered(size: Size, rng: np.random.Generator) -> Parts:
     """Heavy curtains on a rod at the sides, and a sheer behind them."""
     width, depth, height = size
-    front = 0.55 * depth
+    front = 0.5 * depth
     parts = drapes((width, front, height), rng)
     parts = {name: mesh.moved((0.0, 0.5 * (front - depth), 0.0)) for name, mesh in parts.items()}
-    deep = 0.3 * depth
-    # Clear of the casing of the window.
-    y, half, top = 0.36 * depth - 0.5 * deep, 0.5 * width - 0.06, height - 0.06
+    deep = 0.24 * depth
+    # Clear of the casing of the window and of its sill, which stands out 4 cm.
+    y, half, top = 0.25 * depth - 0.5 * deep, 0.5 * width - 0.06, height - 0.06
     cloth = folded((-half, half), (0.01, top), y, deep, 0.1, 0.0015, rng)
     rail = board((-half, y - 0.01, top - 0.004), (half, y + 0.01, top + 0.014), 0.003)
     arms = [board((x - 0.012, -0.5 * depth + 0.4 * front, height - RING - 0.012),

@@ -13,7 +13,8 @@ In the order in which they are needed:
   ``window_lobes``).
 - ``rays`` finds the triangle in the centre of each pixel, ``first_hits`` computes where it is met
   in double precision, ``ground_truth`` looks up geometry, material and labels there, and
-  ``light_masks`` which pixels see each light.
+  ``light_masks`` which pixels see each light; ``flow`` where all that is in the next frame of a
+  path.
 
 `moving` follows what moves in a scene that is open; `digest` tells by what its light differs from
 others'.

@@ -6,7 +6,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.pictures import Array, evaluate
 from openrooms_usd.render.scene.rays import RayTracer, Rows
@@ -70,10 +69,41 @@ def first_hits(
     Surfaces that are less than half opaque at the point are seen through.
     """
     found = tracer.pixels(camera, width, height).ravel()
-    R = camera.world_from_camera[:3, :3]
-    directions = (pixel_directions(camera.K, width, height) @ R.T).reshape(-1, 3)
+    R, eye = camera.world_from_camera[:3, :3], camera.world_from_camera[:3, 3]
+    directions = (camera.directions(width, height) @ R.T).reshape(-1, 3)
+    return _through(scene, tracer, eye, directions, found, (height, width))
+
+
+def hits_along(
+    scene: Scene, tracer: RayTracer, eye: Array, directions: Array, shape: tuple[int, int]
+) -> Hits:
+    """What rays from one point meet, each in the place of a pixel.
+
+    Args:
+        scene: What is seen.
+        tracer: Finds its triangles.
+        eye: (3,) world, metres.
+        directions: (height x width, 3) of any length, which depths are in multiples of; a ray
+            without a direction meets nothing.
+        shape: Height and width.
+    """
+    rows = np.full(len(directions), -1, dtype=np.int64)
+    cast = np.flatnonzero(directions.any(axis=1))
+    rows[cast] = tracer.rays(np.broadcast_to(eye, (len(cast), 3)), directions[cast])
+    return _through(scene, tracer, eye, directions, rows, shape)
+
+
+def _through(
+    scene: Scene,
+    tracer: RayTracer,
+    eye: Array,
+    directions: Array,
+    found: Rows,
+    shape: tuple[int, int],
+) -> Hits:
+    """The hits on triangles that were found, or behind them where these are seen through."""
     for _ in range(_MOST_CLEAR_LAYERS):
-        hits = _hits(scene, camera, (height, width), found, directions)
+        hits = _hits(scene, eye, shape, found, directions)
         clear = _clear(scene, hits)
         if not clear.any():
             break
@@ -82,12 +112,9 @@ def first_hits(
     return hits
 
 
-def _hits(
-    scene: Scene, camera: PinholeCamera, shape: tuple[int, int], found: Rows, directions: Array
-) -> Hits:
+def _hits(scene: Scene, eye: Array, shape: tuple[int, int], found: Rows, directions: Array) -> Hits:
     pixels = np.flatnonzero(found >= 0)
     rows, ahead = found[pixels], directions[pixels]
-    eye = camera.world_from_camera[:3, 3]
     depth, weights, normals = _meet(scene.triangles.corners[rows], eye, ahead)
     return Hits(
         shape,

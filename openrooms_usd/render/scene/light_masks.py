@@ -6,7 +6,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.first_hits import Hits
 from openrooms_usd.render.scene.pictures import Array
@@ -38,7 +37,7 @@ def light_masks(
     """
     height, width = hits.shape
     eye, R = camera.world_from_camera[:3, 3], camera.world_from_camera[:3, :3]
-    directions = (pixel_directions(camera.K, width, height) @ R.T).reshape(-1, 3)
+    directions = (camera.directions(width, height) @ R.T).reshape(-1, 3)
     end = np.full(len(directions), np.inf)
     end[hits.pixels] = hits.depth
     instance = np.zeros(len(directions), dtype=np.int64)

@@ -49,7 +49,8 @@ class LightRecord:
         kelvin: Colour temperature that the stage gives; None where it gives none.
         instance: The lamp's object in the channel ``instance``; 0 for openings.
         gaussians: A fit of the surroundings as an opening sees them: sun, sky, ground.
-        fit_error: RMS of that fit over the RMS of the surroundings, on the outward hemisphere.
+        fit_error: RMS of what that fit leaves over the RMS of the surroundings, by how much of each
+            direction comes in, without a sun that has a lobe by itself.
         environment: (height, 2 height, 3) float32, what an opening's centre sees of the
             surroundings, nits, as the texture of a dome whose pole is the world's Z.
     """

@@ -6,7 +6,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.pictures import Array
@@ -41,7 +40,7 @@ class RayTracer(ABC):
             (height, width) rows of ``scene.triangles``; -1 where there is nothing.
         """
         R, eye = camera.world_from_camera[:3, :3], camera.world_from_camera[:3, 3]
-        directions = (pixel_directions(camera.K, width, height) @ R.T).reshape(-1, 3)
+        directions = (camera.directions(width, height) @ R.T).reshape(-1, 3)
         origins = np.broadcast_to(eye, directions.shape)
         return self.rays(origins, directions).reshape(height, width)
 

@@ -1,7 +1,10 @@
 """Three spherical Gaussians for the surroundings that an opening sees: sun, sky and ground.
 
-The sun is taken by its moments: its direction and flux are kept, and its spread about the
-direction. Sky and ground are fitted to what is left (`window_lobes`).
+A sun is taken by its moments: its direction and flux are kept, and its spread about the direction.
+Sky and ground are fitted to what is left (`window_lobes`). Where no sun shines in, all three lobes
+are fitted, and the sharper of the upper two has the sun's name.
+
+Errors count by how much of each direction comes in: by the cosine to the opening.
 """
 
 from typing import Final
@@ -22,6 +25,8 @@ _FITTED_ROWS: Final = 32
 # much brighter than the median of what the opening sees.
 _SUN_RADIANS: Final = np.radians(6.0)
 _SUN_PER_MEDIAN: Final = 8.0
+# A sun that brings less than this of the light that comes in has no lobe by itself.
+_SUN_SHARE: Final = 0.05
 # No lobe is sharper: half of it within 0.1 degrees.
 _MOST_SHARPNESS: Final = 5e5
 
@@ -30,20 +35,30 @@ def fit(sky: Surroundings, portal: Portal) -> tuple[tuple[Gaussian, ...], float]
     """Sun, sky and ground as an opening sees them.
 
     Returns:
-        The Gaussians, and the root of the mean squared error of their sum over the outward
-        hemisphere, relative to that of the surroundings, both without the sun: a lobe that is as
-        small as the sun is right by its flux, not pixel by pixel.
+        The Gaussians, and the root of the mean squared error of their sum over the directions that
+        come in, weighted by their cosine, relative to that of the surroundings; both without a sun
+        that has a lobe by itself: one that is as small as the sun is right by its flux, not pixel
+        by pixel.
     """
-    outside = sky.directions @ portal.world_from_portal[:3, 2] > 0.0
-    ways, weights = sky.directions[outside], sky.weights[outside]
+    outwards = portal.world_from_portal[:3, 2]
+    outside = sky.directions @ outwards > 0.0
+    ways = sky.directions[outside]
+    weights = sky.weights[outside] * (ways @ outwards)
     light = np.maximum(sky.radiance[outside], 0.0)
-    beams, rest = _sun(ways, weights, light, sky.suns, portal.world_from_portal[:3, 2])
+    beams, rest = _sun(ways, sky.weights[outside], light, sky.suns, outwards)
     if not rest.any():
         return beams, 0.0
-    pair = fitted(_binned(ways, weights, rest))
-    rows = zip(("sky", "ground"), pair.colors, pair.axes, pair.logs, strict=True)
-    lobes = (Gaussian(name, color, axis, float(np.exp(log))) for name, color, axis, log in rows)
-    return (*beams, *lobes), pair.error
+    found = fitted(_binned(ways, weights, rest), 2 if beams else 3)
+    lobes = zip(found.colors, found.axes, np.exp(found.logs).tolist(), strict=True)
+    return (*beams, *_named([*lobes])), found.error
+
+
+def _named(lobes: list[tuple[Array, Array, float]]) -> tuple[Gaussian, ...]:
+    """The lowest is the ground; of two others the sharper is the sun."""
+    ground, *upper = sorted(lobes, key=lambda lobe: lobe[1][2])
+    upper.sort(key=lambda lobe: -lobe[2])
+    names = ("sun", "sky", "ground")[-len(lobes) :]
+    return tuple(Gaussian(name, *lobe) for name, lobe in zip(names, [*upper, ground], strict=True))
 
 
 def _binned(ways: Array, weights: Array, light: Array) -> Lit:
@@ -75,6 +90,9 @@ def _sun(
         return (), light
     excess = np.maximum(light[ring] - around, 0.0) * weights[ring, None]
     flux, share = excess.sum(axis=0), luminance(excess)
+    cosine = ways @ outwards
+    if share @ cosine[ring] < _SUN_SHARE * (weights * cosine @ bright):
+        return (), light
     mean = share @ ways[ring] / share.sum()
     length = float(np.linalg.norm(mean))
     # For a sharp lobe the mean of the cosine about its axis is 1 - 1 / sharpness.
@@ -86,5 +104,8 @@ def _sun(
 
 def _lobe(name: str, axis: Array, flux: Array, sharpness: float) -> Gaussian:
     """A lobe that brings a flux, lux on a surface that faces it if it is sharp."""
-    solid = 2.0 * np.pi * -np.expm1(-2.0 * sharpness) / sharpness
-    return Gaussian(name, np.asarray(flux / solid), np.asarray(axis), sharpness)
+    return Gaussian(name, np.asarray(flux / _solid(sharpness)), np.asarray(axis), sharpness)
+
+
+def _solid(sharpness: float) -> float:
+    return float(2.0 * np.pi * -np.expm1(-2.0 * sharpness) / sharpness)

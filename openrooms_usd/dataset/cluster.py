@@ -1,0 +1,179 @@
+"""Works tasks off on a cluster of Ray, or with a Ray of one's own on this machine.
+
+Each worker is an actor, which keeps what it has loaded from task to task. Ray places it where there
+is room for what it needs and repeats nothing: whether a task is begun again is for the run to say.
+"""
+
+import math
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any, ClassVar, Final
+
+from openrooms_usd.dataset.executor import Lost, Task, Told, Wanted, Work
+from openrooms_usd.dataset.raylink import connected
+from openrooms_usd.dataset.shifts import end_with_parent, messages, understood, worked_off
+from openrooms_usd.errors import InputError
+
+_GIB: Final = 2**30
+_MOST: Final = 1e6
+_LONGEST_REASON: Final = 300  # characters
+_CLIENT: Final = "ray://"
+
+# Else it says on standard output who has died, and warns of workers without a GPU.
+_QUIET: Final = {"RAY_DEDUP_LOGS_SKIP_REGEX": ".", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
+
+Needs = dict[str, Any]
+"""Of each worker, as Ray calls it."""
+
+
+class RayExecutor:
+    """One actor of Ray for each worker."""
+
+    options: ClassVar[Mapping[str, str]] = {
+        "address": "a cluster that is there, as HOST:PORT, or auto: that of this machine",
+        "cpus": "processors of each worker; by default an equal share of all",
+        "gpus": "GPUs of each worker; by default 1 where the renderer is asked for cuda, else 0",
+        "memory": "memory of each worker in GiB",
+        "resources": "what else a node must have for a worker, as NAME:AMOUNT,NAME:AMOUNT",
+    }
+
+    @contextmanager
+    def hired(self, wanted: Wanted) -> Iterator["_Crew"]:
+        """See `openrooms_usd.dataset.executor.Executor.hired`."""
+        workers, address = max(1, wanted.workers), wanted.options.get("address")
+        needs = _needs(wanted)
+        with connected(address, _wished(needs, workers)) as ray:
+            nodes = [node["Resources"] for node in ray.nodes() if node["Alive"]]
+            needs.setdefault("num_cpus", _share(nodes, workers))
+            _check_place(nodes, needs)
+            yield _Crew(ray, workers, needs)
+
+
+@dataclass(frozen=True)
+class _Crew:
+    ray: ModuleType
+    workers: int
+    needs: Needs
+
+    @property
+    def threads(self) -> int:
+        """How many threads each worker shall use."""
+        return max(1, int(self.needs["num_cpus"]))
+
+    def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
+        """See `openrooms_usd.dataset.executor.Crew.run`."""
+        hand = self.ray.remote(max_restarts=0, max_task_retries=0, **self.needs)(Hand)
+
+        def ready(crew: list[_Worker]) -> list[_Worker]:
+            found, _ = self.ray.wait([worker.stream for worker in crew], fetch_local=False)
+            return [worker for worker in crew if worker.stream in found]
+
+        return worked_off(
+            tasks, self.workers, lambda task: _Worker(self.ray, hand.remote(work), task), ready
+        )
+
+
+class Hand:
+    """What runs on a node: does its work, task after task.
+
+    Args:
+        work: The work.
+    """
+
+    def __init__(self, work: Work) -> None:
+        # Its node; else it goes on for seconds when that is killed.
+        end_with_parent()
+        self._work = work
+
+    def messages(self, task: Task) -> Iterator[tuple[str, Any]]:
+        """What it says of a task, as it happens."""
+        yield from messages(self._work, task)
+
+
+class _Worker:
+    """An actor and what it is working on."""
+
+    def __init__(self, ray: ModuleType, actor: Any, task: Task) -> None:
+        self._ray, self._actor, self._is_gone = ray, actor, False
+        self.give(task)
+
+    def give(self, task: Task) -> bool:
+        """Give it a task; whether it is there to take it."""
+        self.task = task
+        if not self._is_gone:
+            # One thing at a time: what was told before a death is heard.
+            call = self._actor.messages.options(
+                num_returns="streaming", _generator_backpressure_num_objects=1
+            )
+            self.stream = call.remote(dict(task))
+        return not self._is_gone
+
+    def hear(self) -> Told | Lost | None:
+        """What it says next; None when it is done with its task."""
+        try:
+            return understood(self._ray.get(next(self.stream)))
+        except self._ray.exceptions.RayError as error:
+            self._is_gone = True
+            return Lost(f"the worker died ({_reason(error)})")
+
+    def stop(self) -> None:
+        """End it: what it has not finished is swept away by who works there next."""
+        with suppress(self._ray.exceptions.RayError):
+            self._ray.kill(self._actor, no_restart=True)
+
+
+def _reason(error: Exception) -> str:
+    """What Ray says of a death, without the names of its own parts."""
+    lines = [line.strip() for line in str(error).splitlines() if not line.startswith("\t")]
+    said = " ".join(lines)
+    _, found, detail = said.partition("exit detail: ")
+    return (detail.partition(" Some common causes")[0] if found else said)[:_LONGEST_REASON]
+
+
+def _wished(needs: Needs, workers: int) -> int:
+    """The processors of a Ray of one's own: all workers have a place, also on a small machine."""
+    each = needs.get("num_cpus", max(1, (os.cpu_count() or 1) // workers))
+    return math.ceil(each * workers)
+
+
+def _needs(wanted: Wanted) -> Needs:
+    """What each worker needs, as far as it is said."""
+    given = wanted.options
+    needs: Needs = {"num_gpus": _amount("gpus", given.get("gpus", str(wanted.gpus)))}
+    if "cpus" in given:
+        needs["num_cpus"] = _amount("cpus", given["cpus"])
+    if "memory" in given:
+        needs["memory"] = int(_amount("memory", given["memory"]) * _GIB)
+    rows = [row.partition(":") for row in given.get("resources", "").split(",") if row]
+    needs["resources"] = {name: _amount("resources", amount or "1") for name, _, amount in rows}
+    return needs
+
+
+def _amount(option: str, text: str) -> float:
+    with suppress(ValueError):
+        if 0.0 <= float(text) <= _MOST:
+            return float(text)
+    raise InputError(f"{text!r} is no amount", place=option, remedy="write a number, such as 1")
+
+
+def _share(nodes: list[Mapping[str, float]], workers: int) -> int:
+    """The processors of a worker where nothing is said: all of them, for all workers alike."""
+    counts = [int(node.get("CPU", 0)) for node in nodes]
+    return max(1, min(max(counts, default=1), sum(counts) // workers))
+
+
+def _check_place(nodes: list[Mapping[str, float]], needs: Needs) -> None:
+    """Refuse workers that no node could ever take: they would be waited for without end."""
+    asked = {"CPU": needs["num_cpus"], "GPU": needs["num_gpus"], "memory": needs.get("memory", 0)}
+    asked |= needs["resources"]
+    if any(all(node.get(name, 0) >= value for name, value in asked.items()) for node in nodes):
+        return
+    named = ", ".join(f"{value:g} {name}" for name, value in asked.items() if value)
+    raise InputError(
+        f"none of the {len(nodes)} nodes has what a worker needs: {named}",
+        place="the cluster of Ray",
+        remedy="ask for less: --option cpus=1, --option gpus=0",
+    )

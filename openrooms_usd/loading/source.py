@@ -1,0 +1,78 @@
+"""Where views come from: the contract of sources, and of the forms that open them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.loading.files import Files
+from openrooms_usd.loading.sample import Sample
+
+
+@runtime_checkable
+class Source(Protocol):
+    """Views by number. It can be pickled, and holds nothing open between two views."""
+
+    def __len__(self) -> int:
+        """How many there are."""
+        ...
+
+    def read(self, index: int, channels: Sequence[str]) -> Sample:
+        """One of them.
+
+        Args:
+            index: From 0.
+            channels: Names of the table; those of every light end in ``_i``.
+
+        Raises:
+            InputError: It has no such channel, or a file is missing or damaged.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which views of a dataset are wanted; what is empty admits all.
+
+    Attributes:
+        splits: Such as ``train``.
+        variants: Such as ``mainDiffMat``.
+        rooms: Their names.
+        views: Their names.
+    """
+
+    splits: tuple[str, ...] = ()
+    variants: tuple[str, ...] = ()
+    rooms: tuple[str, ...] = ()
+    views: tuple[str, ...] = ()
+
+    def admits(self, split: str, variant: str, room: str, view: str) -> bool:
+        """Whether a view is wanted."""
+        wanted = ((self.splits, split), (self.variants, variant), (self.rooms, room))
+        return all(not names or name in names for names, name in (*wanted, (self.views, view)))
+
+
+class Form(Protocol):
+    """Opens what lies in a form; an entry point ``openrooms_usd.sources``."""
+
+    def open(self, files: Files, selection: Selection) -> Source:
+        """The views that are there.
+
+        Raises:
+            InputError: It is not in this form.
+        """
+        ...
+
+
+def refuse_nothing(count: int, files: Files, selection: Selection) -> None:
+    """See that there are views.
+
+    Raises:
+        InputError: There are none.
+    """
+    if not count:
+        raise InputError(
+            f"no view is there of {selection}" if selection != Selection() else "no view is there",
+            place=files,
+            remedy="check the path, and the names of splits, variants, rooms and views",
+        )

@@ -1,0 +1,158 @@
+"""Views for torch: a dataset, an order of its views, and a loader of both (extra ``torch``).
+
+What a training run sees follows from the seed and the epoch alone: every view draws from numbers
+of its own, whoever reads it, so that runs with any number of workers see the same.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.loading.source import Source
+from openrooms_usd.loading.tensors import Tensors, collate, tensors_of, torch
+from openrooms_usd.loading.transforms import Transform
+
+Start = Literal["spawn", "fork", "forkserver"]
+
+
+class ViewDataset(torch.utils.data.Dataset):  # type: ignore[misc]
+    """Views as tensors, by number.
+
+    Args:
+        source: Where they come from.
+        channels: Names of the table; those of every light end in ``_i``.
+        transform: What is done to each; nothing by default.
+        seed: Fixes what the transform draws, together with the epoch and the number of the view.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        channels: Sequence[str],
+        transform: Transform | None = None,
+        seed: int = 0,
+    ) -> None:
+        self.source = source
+        self.channels = tuple(channels)
+        self.transform = transform
+        self.seed = seed
+        # Shared, so that workers which live longer than an epoch know of the next one.
+        self._epoch = torch.zeros((), dtype=torch.int64).share_memory_()
+
+    @property
+    def epoch(self) -> int:
+        """Which epoch it is."""
+        return int(self._epoch)
+
+    def set_epoch(self, epoch: int) -> None:
+        """Begin an epoch, from 0: transforms draw other numbers, and the order is another."""
+        self._epoch.fill_(epoch)
+
+    def __len__(self) -> int:
+        return len(self.source)
+
+    def __getitem__(self, index: int) -> Tensors:
+        """A view; see `openrooms_usd.loading.tensors.tensors_of`.
+
+        Raises:
+            InputError: It has no such channel, a file is missing or damaged, or the transform
+                cannot be done.
+        """
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"there are {len(self)} views")
+        place = int(index) % len(self)
+        sample = self.source.read(place, self.channels)
+        if self.transform is not None:
+            rng = np.random.default_rng([self.seed, self.epoch, place])
+            sample = self.transform(sample, rng)
+        return tensors_of(sample)
+
+
+class Order:
+    """The order of the views in an epoch, or a replica's share of it.
+
+    It is that of ``DistributedSampler``: each replica has as many views, some twice where they
+    cannot be shared out evenly.
+
+    Args:
+        dataset: What it orders.
+        shuffle: Whether each epoch has another order; else that of the source.
+        rank: Which replica this is.
+        replicas: How many there are.
+    """
+
+    def __init__(
+        self, dataset: ViewDataset, *, shuffle: bool = True, rank: int = 0, replicas: int = 1
+    ) -> None:
+        if not 0 <= rank < replicas:
+            raise InputError(f"there is no replica {rank} of {replicas}", remedy="count from 0")
+        self.dataset, self.shuffle, self.rank, self.replicas = dataset, shuffle, rank, replicas
+
+    def __len__(self) -> int:
+        return -(-len(self.dataset) // self.replicas)
+
+    def __iter__(self) -> Iterator[int]:
+        order = np.arange(len(self.dataset))
+        if self.shuffle:
+            np.random.default_rng([self.dataset.seed, self.dataset.epoch]).shuffle(order)
+        yield from np.resize(order, len(self) * self.replicas)[self.rank :: self.replicas].tolist()
+
+
+def loader(
+    source: Source,
+    channels: Sequence[str],
+    transform: Transform | None = None,
+    *,
+    batch: int = 1,
+    workers: int = 0,
+    seed: int = 0,
+    shuffle: bool = True,
+    drop_last: bool = False,
+    rank: int = 0,
+    replicas: int = 1,
+    start: Start = "spawn",
+    **others: Any,
+) -> Any:
+    """A ``torch.utils.data.DataLoader`` of views.
+
+    Args:
+        source: Where they come from, by `openrooms_usd.loading.opening.open_source`.
+        channels: Names of the table; those of every light end in ``_i``.
+        transform: What is done to each.
+        batch: Views at once.
+        workers: Processes that read; 0: this one.
+        seed: Fixes the order and what transforms draw; ``loader.dataset.set_epoch`` begins the
+            next epoch.
+        shuffle: Whether the order is another in each epoch.
+        drop_last: Whether a last batch that is not full is left out.
+        rank: Which replica this is, of training on several.
+        replicas: How many there are; each sees its share.
+        start: How workers begin; ``spawn`` is safe whatever this process has done before.
+        **others: For the DataLoader, such as ``pin_memory``.
+    """
+    dataset = ViewDataset(source, channels, transform, seed)
+    working = {"multiprocessing_context": start, "persistent_workers": True} if workers else {}
+    return torch.utils.data.DataLoader(
+        dataset,
+        batch_size=batch,
+        sampler=Order(dataset, shuffle=shuffle, rank=rank, replicas=replicas),
+        num_workers=workers,
+        collate_fn=collate,
+        drop_last=drop_last,
+        worker_init_fn=begin_worker,
+        **working | others,
+    )
+
+
+def begin_worker(worker: int) -> None:
+    """Let a process that reads read with one thread; also what a fork left of threads goes unused.
+
+    Args:
+        worker: Its number.
+    """
+    import OpenImageIO
+
+    OpenImageIO.attribute("threads", 1)
+    OpenImageIO.attribute("exr_threads", -1)

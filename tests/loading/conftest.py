@@ -1,0 +1,133 @@
+"""Small real renders: all that transforms change, and the same camera finer."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from openrooms_usd.loading.opening import open_source
+from openrooms_usd.loading.sample import Sample
+
+ROOT = Path(__file__).parents[2]
+CHANNELS = (
+    "radiance", "irradiance", "depth", "distance", "position", "normal", "normal_geometric",
+    "normal_camera", "base_color", "semantic", "instance", "valid", "radiance_i", "direct_i",
+    "unoccluded_i", "visibility_i", "mask_i", "environment",
+)  # fmt: skip
+EXACT = ("depth", "distance", "position", "normal_geometric", "instance")
+
+
+def render(scene: Path, out: Path, size: tuple[int, int], channels: str, *words: str) -> Path:
+    from click.testing import CliRunner
+
+    from openrooms_usd.cli import orusd
+
+    camera = words or ("--renderer", "preview")
+    done = CliRunner().invoke(
+        orusd,
+        [
+            "render", str(scene), "-o", str(out), "--resolution", f"{size[0]}x{size[1]}",
+            "--channels", channels, "--spp", "2", *camera,
+        ],
+        catch_exceptions=False,
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    return out
+
+
+@pytest.fixture(scope="session")
+def rendered(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One camera of the small room with 48x36 pixels, 12x9 hemispheres and all lights."""
+    out = tmp_path_factory.mktemp("loading") / "render"
+    words = ("--grid", "12x9", "--camera", "view_0")
+    return render(composed_demo, out, (48, 36), ",".join(CHANNELS), *words)
+
+
+@pytest.fixture(scope="session")
+def sample(rendered: Path) -> Sample:
+    return open_source(rendered).read(0, CHANNELS)
+
+
+@pytest.fixture(scope="session")
+def finer(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Sample]:
+    """The exact channels of the same camera, with any number of pixels."""
+
+    def of(width: int, height: int) -> Sample:
+        out = tmp_path_factory.mktemp("finer") / "render"
+        words = ("--renderer", "preview", "--camera", "view_0")
+        render(composed_demo, out, (width, height), ",".join(EXACT), *words)
+        return open_source(out).read(0, EXACT)
+
+    return of
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(7)
+
+
+ROOM = """\
+name: small
+room: office
+seed: 3
+layout:
+  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
+  openings:
+    - {kind: window, wall: 0}
+alignment:
+  objects:
+    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
+    - {category: ceiling_lamp, at: [2, 1.5]}
+materials: {resolution: 16}
+"""
+DATASET = """\
+name: small
+seed: 5
+rooms:
+  - files: [one/room.yaml, two/room.yaml]
+views: {count: 2, resolution: [24, 18]}
+variants: [main, mainDiffMat]
+channels: [radiance, depth, position, base_color, instance, valid]
+budget: {samples: 2}
+rendering: {renderer: preview}
+splits: {train: 0.5, val: 0.5, test: 0.0}
+"""
+
+
+@pytest.fixture(scope="session")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two rooms, two variants, two views, as `orusd dataset run` leaves them."""
+    from click.testing import CliRunner
+
+    from openrooms_usd.cli import orusd
+
+    folder = tmp_path_factory.mktemp("dataset")
+    for name in ("one", "two"):
+        (folder / name).mkdir()
+        (folder / name / "room.yaml").write_text(ROOM.replace("seed: 3", f"seed: {len(name)}"))
+    (folder / "dataset.yaml").write_text(DATASET)
+    words = ["dataset", "run", str(folder / "dataset.yaml"), "-o", str(folder / "out")]
+    done = CliRunner().invoke(orusd, words, catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return folder / "out"
+
+
+@pytest.fixture(scope="session")
+def torch() -> ModuleType:
+    """PyTorch, where it is installed or `.ci/install-torch` has been; ORUSD_TORCH_PYTHON names
+    another Python that has it."""
+    python = os.environ.get("ORUSD_TORCH_PYTHON", str(ROOT / ".venv-torch/bin/python"))
+    if importlib.util.find_spec("torch") is None and Path(python).exists():
+        code = "import sys, sysconfig; print(sys.version_info[:2], sysconfig.get_path('purelib'))"
+        said = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True)
+        version, folder = said.stdout.strip().split(") ")
+        if f"{version})" == str(sys.version_info[:2]):
+            # Behind our own packages, and known to the processes that read.
+            sys.path.append(folder)
+    return pytest.importorskip("torch", reason="no torch: .ci/install-torch, ORUSD_TORCH_PYTHON")

@@ -1,0 +1,118 @@
+"""Datasets behind a URL: the same arrays, a cache that stays small, and what goes wrong there."""
+
+import functools
+import http.server
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.loading.files import RemoteFiles
+from openrooms_usd.loading.opening import open_source
+
+fsspec = pytest.importorskip("fsspec")
+
+CHANNELS = ("radiance", "depth", "instance")
+
+
+class Server(http.server.ThreadingHTTPServer):
+    """Serves a folder, and counts what it is asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        self.asked: list[str] = []
+        super().__init__(("127.0.0.1", 0), functools.partial(Handler, directory=str(folder)))
+
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self.server_address[1]}"
+
+
+class Handler(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *words: object) -> None:
+        pass
+
+    def do_GET(self) -> None:
+        assert isinstance(self.server, Server)
+        self.server.asked.append(self.path)
+        super().do_GET()
+
+
+@pytest.fixture
+def server(dataset: Path) -> Iterator[Server]:
+    pytest.importorskip("aiohttp")
+    with Server(dataset) as found:
+        thread = threading.Thread(target=found.serve_forever)
+        thread.start()
+        yield found
+        found.shutdown()
+        thread.join()
+
+
+def test_http_gives_the_same_views_and_fetches_each_once(
+    server: Server, dataset: Path, tmp_path: Path
+) -> None:
+    here, there = open_source(dataset), open_source(server.url, cache=tmp_path)
+    assert len(there) == len(here)
+    for index in (0, 5, 0):
+        a, b = here.read(index, CHANNELS), there.read(index, CHANNELS)
+        assert a.name == b.name and a.about == b.about
+        np.testing.assert_array_equal(a.world_from_camera, b.world_from_camera)
+        for name in CHANNELS:
+            np.testing.assert_array_equal(a.images[name], b.images[name])
+    views = [path for path in server.asked if path.endswith(".exr")]
+    # Neither twice, nor what nobody needs: pictures and plain copies.
+    assert len(views) == len(set(views)) == 2
+    assert all(path.endswith("/channels.exr") for path in views)
+    assert not any(path.endswith(".png") for path in server.asked)
+
+
+def test_the_cache_is_of_bounded_size(server: Server, dataset: Path, tmp_path: Path) -> None:
+    size = (dataset / "renders/room_one/main/view_0/channels.exr").stat().st_size
+    source = open_source(server.url, cache=tmp_path, most_cached=int(2.5 * size))
+    for index in (0, 1, 0, 2):
+        source.read(index, CHANNELS)
+        kept = list(tmp_path.glob("*/**/*.exr"))
+        assert sum(path.stat().st_size for path in kept) <= 2.5 * size
+    # The one that was not read for longest went.
+    assert sorted(path.parent.relative_to(path.parents[4]).as_posix() for path in kept) == [
+        "renders/room_one/main/view_0", "renders/room_one/mainDiffMat/view_0",
+    ]  # fmt: skip
+    assert len([path for path in server.asked if path.endswith(".exr")]) == 3
+
+
+def test_what_is_not_what_the_index_says_is_refused(dataset: Path, tmp_path: Path) -> None:
+    memory = fsspec.filesystem("memory")
+    memory.put(str(dataset), "/changed", recursive=True)
+    index = memory.cat_file("/changed/index.jsonl").decode()
+    path = "/changed/renders/room_one/main/view_0/channels.exr"
+    memory.pipe_file(path, memory.cat_file(path)[::-1])
+    source = open_source("memory://changed", cache=tmp_path)
+    with pytest.raises(InputError, match="its checksum is not the one"):
+        source.read(0, CHANNELS)
+    assert not list(tmp_path.glob("*/**/*.exr"))
+    assert "room_one" in index
+    source.read(1, CHANNELS)
+    memory.rm("/changed", recursive=True)
+    with pytest.raises(InputError, match="no such file"):
+        source.read(2, CHANNELS)
+
+
+def test_a_url_without_a_dataset_is_told(server: Server, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"neither index\.jsonl nor manifest\.json"):
+        open_source(f"{server.url}/renders", cache=tmp_path)
+    with pytest.raises(InputError, match="no URL that can be read"):
+        open_source("nonsense://there", cache=tmp_path)
+
+
+def test_paths_do_not_leave_the_cache(tmp_path: Path) -> None:
+    files = RemoteFiles("memory://evil", tmp_path / "cache")
+    with (
+        pytest.raises(InputError, match="leaves the folder"),
+        files.local({"../../out": "0" * 64}),
+    ):
+        pass
+    assert not (tmp_path / "out").exists()
+    assert [path.name for path in tmp_path.iterdir()] == ["cache"]
