@@ -4,7 +4,8 @@
 (a view on its way), ``framefiles`` and ``lightfiles`` (tables of what each file is made of),
 ``cameras``, ``lights`` and ``unoccluded``, and the forms ``rgbe``, ``images``, ``binary``,
 ``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code with the
-writers, and opens pickles by the core's ``unpickling``.
+writers, and opens pickles by the core's ``unpickling``; ``loading`` offers what it reads as views
+for training.
 
 ``scenes`` reads the release's scene files as an importer, and writes them as an exporter.
 

@@ -13,12 +13,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from openrooms_usd import atomic, removal, usercache
 from openrooms_usd.errors import InputError, MissingPackageError, writing
-from openrooms_usd.untrusted import inside
+from openrooms_usd.untrusted import inside, is_plain_name
 
 if TYPE_CHECKING:
     from filelock import BaseFileLock
@@ -54,6 +54,10 @@ class Files(Protocol):
         """
         ...
 
+    def names(self, folder: str) -> list[str]:
+        """What is in a folder below the root, sorted; nothing where there is none."""
+        ...
+
 
 @dataclass(frozen=True)
 class LocalFiles:
@@ -72,6 +76,11 @@ class LocalFiles:
     def local(self, wanted: Mapping[str, str]) -> Iterator[Path]:
         """The folder itself; whoever reads says what is missing."""
         yield self.root
+
+    def names(self, folder: str) -> list[str]:
+        """What is in a folder."""
+        path = self.root / folder
+        return sorted(inner.name for inner in path.iterdir()) if path.is_dir() else []
 
 
 @dataclass(frozen=True)
@@ -113,6 +122,23 @@ class RemoteFiles:
             with writing(self.cache):
                 self._keep(kept, wanted)
             yield kept
+
+    def names(self, folder: str) -> list[str]:
+        """What is in a folder, as far as the server tells.
+
+        Raises:
+            InputError: It cannot be asked.
+        """
+        system, root = _system(self.url, os.getpid())
+        try:
+            found = system.ls(f"{root.rstrip('/')}/{folder}".rstrip("/"), detail=False)
+        except FileNotFoundError:
+            return []
+        # What stands behind a URL raises what it likes.
+        except Exception as error:
+            raise InputError(f"cannot list it: {error}", place=f"{self.url}/{folder}") from error
+        names = (PurePosixPath(str(path).rstrip("/")).name for path in found)
+        return sorted({name for name in names if is_plain_name(name)})
 
     def _keep(self, kept: Path, wanted: Mapping[str, str]) -> None:
         """See that something is in the cache, and the last to leave it."""

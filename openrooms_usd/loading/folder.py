@@ -79,7 +79,9 @@ class RenderSource:
 class RenderForm:
     """The folder of one render."""
 
-    def open(self, files: Files, selection: Selection) -> RenderSource:
+    options: Mapping[str, str] = {}
+
+    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> RenderSource:
         """Its views; variants, rooms and splits are not known.
 
         Raises:
@@ -95,7 +97,9 @@ class RenderForm:
 class DatasetForm:
     """The folder of a dataset, by its ``index.jsonl``."""
 
-    def open(self, files: Files, selection: Selection) -> RenderSource:
+    options: Mapping[str, str] = {}
+
+    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> RenderSource:
         """Its views that are wanted, in the order of the index.
 
         Raises:

@@ -1,7 +1,7 @@
 """Finds the source for a folder or a URL, and offers it in a line."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -10,6 +10,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import MOST_CACHED, Files, MissingFileError, files_of
 from openrooms_usd.loading.folder import INDEX
 from openrooms_usd.loading.source import Form, Selection, Source
+from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.folder import MANIFEST
 
 # What tells a form where nobody names it.
@@ -26,6 +27,7 @@ def open_source(
     views: Sequence[str] = (),
     cache: str | os.PathLike[str] | None = None,
     most_cached: int = MOST_CACHED,
+    options: Mapping[str, str] = NO_OPTIONS,
 ) -> Source:
     """Open finished views.
 
@@ -39,6 +41,7 @@ def open_source(
         views: Names of views; all without.
         cache: Where fetched files are kept; by default the user's cache.
         most_cached: Bytes that the cache holds at most.
+        options: What is asked of the form, by name.
 
     Returns:
         The source: ``len`` of it, and ``read(index, channels)``.
@@ -50,8 +53,10 @@ def open_source(
     files = files_of(root, None if cache is None else Path(cache), most_cached)
     splits = (split,) if isinstance(split, str) else tuple(split)
     selection = Selection(splits, tuple(variants), tuple(rooms), tuple(views))
-    opener: Form = adapters.load(adapters.SOURCES, form or _form_of(files))
-    return opener.open(files, selection)
+    named = form or _form_of(files)
+    opener: Form = adapters.load(adapters.SOURCES, named)
+    adapters.check_options(adapters.SOURCES, named, opener.options, options)
+    return opener.open(files, selection, options)
 
 
 def _form_of(files: Files) -> str:

@@ -1,6 +1,6 @@
 """Where views come from: the contract of sources, and of the forms that open them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -53,10 +53,21 @@ class Selection:
 
 
 class Form(Protocol):
-    """Opens what lies in a form; an entry point ``openrooms_usd.sources``."""
+    """Opens what lies in a form; an entry point ``openrooms_usd.sources``.
 
-    def open(self, files: Files, selection: Selection) -> Source:
+    Attributes:
+        options: What may be asked of it, for people, by name.
+    """
+
+    options: Mapping[str, str]
+
+    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> Source:
         """The views that are there.
+
+        Args:
+            files: Where they lie.
+            selection: Which of them are wanted.
+            options: What is asked, all of it declared.
 
         Raises:
             InputError: It is not in this form.

@@ -1,0 +1,274 @@
+"""Views of an OpenRooms dataset for training, released or ours, in either layout.
+
+A file that a variant has not of its own is that of ``main``, as the release has it. What a frame
+tells is told by `FROM_FILES`; ``normal``, ``position`` and ``distance`` follow from the camera.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.pinhole import intrinsics
+from openrooms_usd.loading.files import Files, MissingFileError
+from openrooms_usd.loading.sample import Sample
+from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.untrusted import read_text
+from orusd_openrooms import readers
+from orusd_openrooms.layout import FRAME, SHARED_INTRINSICS, SPLITS, Layout, Place
+from orusd_openrooms.scenes.reading import read_scene
+
+Array = NDArray[Any]
+
+_LAYOUTS: Final[tuple[Layout, ...]] = ("split", "merged")
+_SUBSETS: Final = ("train", "val", "test")
+_MAIN: Final = {"xml": "main_xml", "xml1": "main_xml1"}
+_IMAGE: Final = "im"
+# Their world, Y up, to ours, Z up; and OpenCV's axes from OpenGL's.
+_OURS_FROM_THEIRS: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+_OPENGL: Final = np.array([1.0, -1.0, -1.0])
+
+
+def _plane(read: Callable[[Path], Array]) -> Callable[[Path], Array]:
+    return lambda path: read(path)[..., None]
+
+
+class _Told(NamedTuple):
+    """Which file tells a channel, and how."""
+
+    file: str
+    read: Callable[[Path], Array]
+
+
+def _share(of: Callable[[dict[str, Array]], Array]) -> _Told:
+    return _Told("immask", lambda path: of(readers.read_mask(path)).astype(np.float32)[..., None])
+
+
+FROM_FILES: Final[dict[str, _Told]] = {
+    "radiance": _Told(_IMAGE, readers.read_light),
+    "base_color": _Told("imbaseColor", readers.read_base_color),
+    "roughness": _Told("imroughness", _plane(readers.read_roughness)),
+    "metallic": _Told("immetallic", _plane(readers.read_roughness)),
+    "normal_camera": _Told("imnormal", readers.read_normal),
+    "depth": _Told("imdepth", _plane(readers.read_depth)),
+    "friction": _Told("imfriction", _plane(readers.read_depth)),
+    "semantic": _Told("imsemLabel", _plane(readers.read_labels)),
+    "valid": _share(lambda mask: ~mask["sky"]),
+    "emission_mask": _share(lambda mask: mask["lamp"]),
+}
+"""The channels that files tell: those of a view."""
+
+GRIDS: Final = {"environment": "imenv", "environment_direct": "imenvDirect"}
+"""The grids of hemispheres."""
+
+_FOLLOWS: Final = {"normal": "normal_camera", "position": "depth", "distance": "depth"}
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A frame of a scene.
+
+    Attributes:
+        scene: Such as ``scene0000_00``.
+        split: One of `SPLITS`.
+        number: As its files are numbered.
+        row: Of ``cam.txt``.
+        layout: How the files lie.
+        subset: ``train``, ``val``, ``test``, or empty.
+    """
+
+    scene: str
+    split: str
+    number: int
+    row: int
+    layout: Layout
+    subset: str
+
+    def file(self, name: str) -> str:
+        """The path of a kind of file, below the root."""
+        path = self._place(self.split).frame(name, self.number)
+        path = path or self._place(_MAIN[self.split.partition("_")[2]]).frame(name, self.number)
+        assert path is not None
+        return path.as_posix()
+
+    @property
+    def cameras(self) -> str:
+        """The folder of its cameras, below the root."""
+        return self._place(self.split).scene_folder.as_posix()
+
+    def _place(self, split: str) -> Place:
+        return Place(Path(), self.scene, split, self.layout)
+
+
+class OpenRoomsSource:
+    """Frames of OpenRooms' files.
+
+    Args:
+        files: Where they lie.
+        frames: Which.
+        order: In which order the channels of environment maps are stored.
+    """
+
+    def __init__(self, files: Files, frames: Sequence[Frame], order: str) -> None:
+        self.files, self.frames, self.order = files, tuple(frames), order
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def read(self, index: int, channels: Sequence[str]) -> Sample:
+        """A frame; see `openrooms_usd.loading.source.Source`."""
+        frame = self.frames[index]
+        pose, K = _camera(self.files, frame.cameras, frame.row)
+        needed = {_FOLLOWS.get(name, name) for name in channels}
+        paths = {name: frame.file(_file_of(name)) for name in needed}
+        size_of = paths.get("radiance") or frame.file(_IMAGE)
+        with self.files.local(dict.fromkeys({*paths.values(), size_of}, "")) as root:
+            images = {
+                name: FROM_FILES[name].read(root / path)
+                for name, path in paths.items()
+                if name in FROM_FILES
+            }
+            grids = {
+                name: readers.read_environments(root / path, cast(Any, self.order))
+                for name, path in paths.items()
+                if name in GRIDS
+            }
+            first = next(iter(images.values()), None)
+            height, width = (readers.read_light(root / size_of) if first is None else first).shape[
+                :2
+            ]
+        sample = Sample(
+            name=f"{frame.scene}/{frame.split}/{frame.number}",
+            size=(width, height),
+            K=K,
+            world_from_camera=pose,
+            grids=grids,
+            about={"room": frame.scene, "variant": frame.split, "split": frame.subset},
+        )
+        made = {name: _made(name, images, sample) for name in channels if name not in GRIDS}
+        for name, pixels in made.items():
+            if pixels.shape[:2] != (height, width):
+                raise InputError(f"{name!r} is not of the picture's size", place=sample.name)
+        return replace(sample, images=made)
+
+
+class OpenRoomsForm:
+    """OpenRooms' files (docs/openrooms.md)."""
+
+    options: Mapping[str, str] = {"order": "of environment maps' channels: legacy, or rgb"}
+
+    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> Any:
+        """Its frames; ``variants`` are splits such as ``main_xml``, ``views`` their numbers.
+
+        Raises:
+            InputError: There are none.
+        """
+        order = options.get("order", "legacy")
+        if order not in ("legacy", "rgb"):
+            raise InputError(f"{order!r} is no order of channels", remedy="say legacy or rgb")
+        subsets = {
+            scene: subset for subset in _SUBSETS for scene in _scenes(files, f"{subset}.txt")
+        }
+        frames = [
+            frame
+            for frame in _frames(files, subsets)
+            if selection.admits(frame.subset, frame.split, frame.scene, str(frame.number))
+        ]
+        refuse_nothing(len(frames), files, selection)
+        return OpenRoomsSource(files, frames, order)
+
+
+def _frames(files: Files, subsets: Mapping[str, str]) -> Iterator[Frame]:
+    for layout in _LAYOUTS:
+        for split in SPLITS:
+            # A frame is where its picture is.
+            pictures = FRAME[_IMAGE].folder
+            top = f"{pictures}/{split}" if layout == "split" else split
+            for scene in files.names(top):
+                numbers = sorted(
+                    int(words[1])
+                    for name in files.names(f"{top}/{scene}")
+                    if (words := Path(name).stem.split("_"))[0] == _IMAGE
+                    and name.endswith(FRAME[_IMAGE].suffix)
+                    and len(words) == 2
+                    and words[1].isdecimal()
+                )
+                # Released frames count from 1, those that others rendered again from 0.
+                first = 0 if 0 in numbers else 1
+                for number in numbers:
+                    subset = subsets.get(scene, "")
+                    yield Frame(scene, split, number, number - first, layout, subset)
+
+
+def _scenes(files: Files, name: str) -> list[str]:
+    if name not in files.names(""):
+        return []
+    with files.local({name: ""}) as root:
+        return read_text(root / name, "table").split()
+
+
+@lru_cache(maxsize=256)
+def _camera(files: Files, folder: str, row: int) -> tuple[Array, Array]:
+    """The pose in our world, and K, of a camera of a scene."""
+    path = f"{folder}/cam.txt"
+    with files.local({path: ""}) as root:
+        cameras = readers.read_cameras(root / path)
+    if row >= len(cameras):
+        raise InputError(f"it has {len(cameras)} cameras, and no {row + 1}", place=path)
+    origin, target, up = cameras[row]
+    ahead = (target - origin) / np.linalg.norm(target - origin)
+    # Files have few decimals: up is made orthogonal again.
+    up = up - (up @ ahead) * ahead
+    down = -up / np.linalg.norm(up)
+    pose = np.eye(4)
+    pose[:3, :3] = _OURS_FROM_THEIRS @ np.stack([np.cross(down, ahead), down, ahead], axis=1)
+    pose[:3, 3] = _OURS_FROM_THEIRS @ origin
+    return pose, _intrinsics(files, folder)
+
+
+def _intrinsics(files: Files, folder: str) -> Array:
+    """Of the scene's own matrix, its scene file, or the one matrix for all scenes."""
+    for path in (f"{folder}/intrinsic.txt", f"{folder}/main.xml", SHARED_INTRINSICS.as_posix()):
+        try:
+            with files.local({path: ""}) as root:
+                if not (root / path).is_file():
+                    continue
+                if not path.endswith(".xml"):
+                    return readers.read_intrinsics(root / path)
+                scene = read_scene(root / path)
+        except MissingFileError:
+            continue
+        if scene.fov is not None:
+            return intrinsics(scene.fov, *scene.resolution)
+    raise InputError(
+        "nothing says its field of view", place=f"{files}/{folder}",
+        remedy="put the scene's main.xml or its intrinsic.txt there",
+    )  # fmt: skip
+
+
+def _file_of(channel: str) -> str:
+    if channel in FROM_FILES:
+        return FROM_FILES[channel].file
+    if channel in GRIDS:
+        return GRIDS[channel]
+    known = ", ".join((*FROM_FILES, *_FOLLOWS, *GRIDS))
+    raise InputError(f"OpenRooms' files do not tell {channel!r}", remedy=f"they tell {known}")
+
+
+def _made(name: str, images: Mapping[str, Array], sample: Sample) -> Array:
+    """A channel of files, or what follows from one."""
+    if name in images:
+        return images[name]
+    source = images[_FOLLOWS[name]]
+    turn, shift = sample.world_from_camera[:3, :3], sample.world_from_camera[:3, 3]
+    if name == "normal":
+        return np.asarray((source * _OPENGL) @ turn.T, np.float32)
+    points = sample.rays * source
+    if name == "distance":
+        return np.asarray(np.linalg.norm(points, axis=-1, keepdims=True), np.float32)
+    return np.where(source > 0.0, points @ turn.T + shift, 0.0).astype(np.float32)
