@@ -28,6 +28,8 @@ _MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generate")
 _STAGES: Final = "openrooms_usd.stages"
 # The fractional part of the golden ratio: multiples of it fill 0 to 1 evenly, however many.
 _GOLDEN: Final = 0.6180339887498949
+# The parts of a dataset.yaml that its views depend on, beside their room.
+_OF_VIEWS: Final = {"views", "channels", "budget", "rendering", "sensor"}
 _LARGEST_SEED: Final = 2**31
 _KEY_DIGITS: Final = 32
 
@@ -129,7 +131,7 @@ def plan_jobs(dataset: Dataset) -> Iterator[Job]:
         InputError: A description is not there, or there is no such renderer.
     """
     settings = {
-        **dataset.model_dump(mode="json", include={"views", "channels", "budget", "rendering"}),
+        **dataset.model_dump(mode="json", include=_OF_VIEWS),
         "code": code_of(dataset.rendering.renderer),
     }
     # Sorted and written once: jobs are many.

@@ -112,15 +112,18 @@ def check_wishes(dataset: Dataset) -> None:
         InputError: A channel, a renderer or a form of files is unknown.
     """
     from openrooms_usd.render.job import RenderJob
+    from openrooms_usd.render.sensors.recording import check_sensor
 
     light = dataset.rendering
-    RenderJob.of(
+    job = RenderJob.of(
         channels=dataset.channels,
         renderer=light.renderer,
         options=light.options,
         method=light.method,
         denoise=light.denoise,
     )
+    if dataset.sensor:
+        check_sensor(dataset.sensor, job.request.channels)
     for output in dataset.outputs:
         adapters.find(adapters.DATASETS, output.kind)
 

@@ -29,6 +29,7 @@ from openrooms_usd.render.folder import OPENINGS_FOLDER
 from openrooms_usd.render.job import OpenedJob, RenderJob
 from openrooms_usd.render.manifest import by_light
 from openrooms_usd.render.run import check_view, describe_view, write_openings, write_view
+from openrooms_usd.render.sensors.recording import record_sensor
 from openrooms_usd.validation.licences import licences
 from openrooms_usd.version import __version__
 
@@ -73,7 +74,7 @@ def work(task: Task) -> Iterator[Told]:
                 yield {"event": BEGUN, "view": left[0]}
                 yield room.attempt(left.pop(0))
             # All views that are finished by now, not these alone.
-            views = tuple(range(room.views))
+            views = tuple(range(room.dataset.views.units))
             room.store.write_manifest(replace(job, views=views))
     except Exception as error:
         # Where the room itself fails, none of its views can be made.
@@ -98,9 +99,8 @@ class _OpenRoom:
         job: The job.
         store: Where everything lies.
         opened: The opened room.
-        views: How many views it shall have.
+        dataset: What it is of.
         shots: From where they are seen.
-        error: The error that a view shall have at most.
         rows: What the report says of the room itself.
         materials: What pixels of each material are counted as, by its number.
         took: Seconds for what all views share, and how many threads there were.
@@ -109,9 +109,8 @@ class _OpenRoom:
     job: Job
     store: Store
     opened: OpenedJob
-    views: int
+    dataset: Dataset
     shots: Sequence[Shot]
-    error: float | None
     rows: tuple[ReportRow, ...]
     materials: Mapping[int, str]
     took: Mapping[str, float]
@@ -149,8 +148,7 @@ class _OpenRoom:
         took["threads"] = task["threads"]
         rows = tuple(opened.report.rows)
         materials = material_names(opened.stage, opened.opened.legend.material)
-        views, error = dataset.views.units, dataset.budget.error
-        room = cls(job, store, opened, views, shots, error, rows, materials, took)
+        room = cls(job, store, opened, dataset, shots, rows, materials, took)
         room._share(described.room)
         return room
 
@@ -182,7 +180,7 @@ class _OpenRoom:
     def _make(self, number: int) -> None:
         """Render a view, write it whole, and then its record."""
         name, opened, store, job = view_name(number), self.opened, self.store, self.job
-        taken = shot(self.shots, number, job.room.name)
+        taken, unit = shot(self.shots, number, job.room.name), f"{job.name}/{name}"
         # What is told of one view is no part of another's record, whichever came first.
         opened.report.rows[:] = self.rows
         began = time.perf_counter()
@@ -193,18 +191,22 @@ class _OpenRoom:
         with atomic.appearing(store.render(job) / name) as beside:
             previews = write_view(beside, view, request.tone)
             shown = opened.photograph(taken.view) if taken.view else None
-            entry = describe_view(beside, name, view, previews, lights, shown)
+            entry = describe_view(beside, name, view, previews, lights, shown) | taken.told
+            if sensor := self.dataset.sensor:
+                entry = record_sensor(beside, name, view, sensor, entry, unit)
         told = [row for row in opened.report.rows if row not in self.rows]
         record = {
-            "unit": f"{job.name}/{name}",
+            "unit": unit,
             "room": job.room.name,
             "variant": job.variant,
             "split": job.room.split,
             "source": dict(job.room.source),
-            "entry": {**entry, **taken.told},
+            "entry": entry,
             "rejected": [dict(one) for one in taken.rejected],
             "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
-            "quality": look_at(view, self.error, each(request.channels, len(lights))),
+            "quality": look_at(
+                view, self.dataset.budget.error, each(request.channels, len(lights))
+            ),
             **tally(view, opened.opened.legend.semantic, self.materials),
             "files": store.digests(job, name),
         }

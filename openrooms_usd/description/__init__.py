@@ -4,7 +4,7 @@
 - `model`, `room`: the models, by section `layout`, `trim`,
   `polygon`, `captured`, `scanned`, `generate`,
   `alignment`, `materials`, `lights`, `cameras`, `physics`;
-- `dataset`: the model of dataset.yaml;
+- `dataset`: the model of dataset.yaml, and its `sensor`;
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
   has none;
 - `mistakes`, `diagnosis`: what is wrong, in words; `files`, `data`: of a file, of Python;

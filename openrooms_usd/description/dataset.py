@@ -22,6 +22,7 @@ from openrooms_usd.description.model import (
     peek_text,
 )
 from openrooms_usd.description.room import RoomType
+from openrooms_usd.description.sensor import Sensor
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.description.units import PositiveLength
 
@@ -195,6 +196,8 @@ class Dataset(CheckedModel):
     """When a view is good enough."""
     rendering: Rendering = Field(default_factory=Rendering)
     """How light is computed."""
+    sensor: Sensor | None = None
+    """What a real camera would make of each view, written beside the truth; by default nothing."""
     outputs: tuple[Output, ...] = ()
     """Forms in which finished rooms are written besides EXR and manifest."""
     splits: Shares = Field(default_factory=Shares)

@@ -8,7 +8,8 @@ of them, and ``run`` writes, beside the next view (``writer``). The files are ``
 (with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all. ``reading``
 and ``manifest_schema`` give finished renders back and trust no file; ``relight``, ``probes``,
 ``datasets`` and ``coco`` use them.
-``bake`` writes light as textures, ``paths`` renders walks as videos.
+``bake`` writes light as textures, ``paths`` renders walks as videos, ``sensors`` makes of views
+what a real camera would have made of them.
 
 Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves``
 and ``rare_light``, ``bias``, ``fits``, ``lights`` and ``light_store``, which keeps the light of a
