@@ -1,7 +1,10 @@
 """What tests of all areas share: is a stage valid, a room composed once, the time they may take."""
 
+import importlib.util
 import os
 import signal
+import subprocess
+import sys
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
@@ -9,6 +12,8 @@ from pathlib import Path
 import hypothesis
 import pytest
 from _pytest.runner import runtestprotocol
+
+ROOT = Path(__file__).parents[1]
 
 # Machines are shared: how long an example takes says nothing.
 hypothesis.settings.register_profile("patient", deadline=None)
@@ -197,6 +202,24 @@ def composed_bodies(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bodies")
     (folder / "room.yaml").write_text(f"{SMALL_ROOM}physics: {{}}\n")
     return compose_room(folder / "room.yaml", folder / "out").scene
+
+
+@pytest.fixture(scope="session")
+def torch_packages() -> str:
+    """The folder of packages that PyTorch is in: our own, or that of `.ci/install-torch`, or of the
+    Python that ORUSD_TORCH_PYTHON names. The test is skipped where there is none for this Python.
+    """
+    if found := importlib.util.find_spec("torch"):
+        return str(Path(str(found.origin)).parents[1])
+    python = os.environ.get("ORUSD_TORCH_PYTHON", str(ROOT / ".venv-torch/bin/python"))
+    if not Path(python).exists():
+        pytest.skip(f"no torch: {python} is missing (.ci/install-torch, ORUSD_TORCH_PYTHON)")
+    code = "import sys, sysconfig; print(sys.version_info[:2], sysconfig.get_path('purelib'))"
+    said = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout
+    version, folder = said.strip().rsplit(" ", 1)
+    if version != str(sys.version_info[:2]):
+        pytest.skip(f"{python} is another version of Python: {version}")
+    return folder
 
 
 @pytest.fixture

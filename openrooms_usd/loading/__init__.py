@@ -6,4 +6,50 @@ their chains. ``source`` says where views come from, as a contract; ``opening`` 
 folder or a URL; ``folder`` reads renders and datasets as they were written, ``files`` fetches what
 lies elsewhere into a bounded cache. None of these needs torch; ``tensors`` makes batches of samples
 and ``training`` loads them.
+
+The names for people are offered here, and loaded on first use (docs/loading.md).
 """
+
+from typing import TYPE_CHECKING, Final
+
+from openrooms_usd.lazy import loader as _loader
+
+if TYPE_CHECKING:
+    from openrooms_usd.loading.cropping import CentreCrop as CentreCrop
+    from openrooms_usd.loading.cropping import Crop as Crop
+    from openrooms_usd.loading.cropping import RandomCrop as RandomCrop
+    from openrooms_usd.loading.mirroring import HorizontalFlip as HorizontalFlip
+    from openrooms_usd.loading.mirroring import QuarterTurn as QuarterTurn
+    from openrooms_usd.loading.opening import open_source as open_source
+    from openrooms_usd.loading.resizing import Resize as Resize
+    from openrooms_usd.loading.sample import Sample as Sample
+    from openrooms_usd.loading.tensors import collate as collate
+    from openrooms_usd.loading.tensors import tensors_of as tensors_of
+    from openrooms_usd.loading.toning import Exposure as Exposure
+    from openrooms_usd.loading.toning import Normalise as Normalise
+    from openrooms_usd.loading.training import ViewDataset as ViewDataset
+    from openrooms_usd.loading.training import begin_worker as begin_worker
+    from openrooms_usd.loading.training import loader as loader
+    from openrooms_usd.loading.transforms import Compose as Compose
+
+_HOME: Final = {
+    "CentreCrop": "openrooms_usd.loading.cropping",
+    "Compose": "openrooms_usd.loading.transforms",
+    "Crop": "openrooms_usd.loading.cropping",
+    "Exposure": "openrooms_usd.loading.toning",
+    "HorizontalFlip": "openrooms_usd.loading.mirroring",
+    "Normalise": "openrooms_usd.loading.toning",
+    "QuarterTurn": "openrooms_usd.loading.mirroring",
+    "RandomCrop": "openrooms_usd.loading.cropping",
+    "Resize": "openrooms_usd.loading.resizing",
+    "Sample": "openrooms_usd.loading.sample",
+    "ViewDataset": "openrooms_usd.loading.training",
+    "begin_worker": "openrooms_usd.loading.training",
+    "collate": "openrooms_usd.loading.tensors",
+    "loader": "openrooms_usd.loading.training",
+    "open_source": "openrooms_usd.loading.opening",
+    "tensors_of": "openrooms_usd.loading.tensors",
+}
+
+if not TYPE_CHECKING:  # To type checkers there is nothing but the names above.
+    __getattr__ = _loader(__name__, _HOME)

@@ -1,8 +1,6 @@
 """Small real renders: all that transforms change, and the same camera finer."""
 
-import importlib.util
-import os
-import subprocess
+import importlib
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -14,7 +12,6 @@ import pytest
 from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.sample import Sample
 
-ROOT = Path(__file__).parents[2]
 CHANNELS = (
     "radiance", "irradiance", "depth", "distance", "position", "normal", "normal_geometric",
     "normal_camera", "base_color", "semantic", "instance", "valid", "radiance_i", "direct_i",
@@ -119,15 +116,8 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def torch() -> ModuleType:
-    """PyTorch, where it is installed or `.ci/install-torch` has been; ORUSD_TORCH_PYTHON names
-    another Python that has it."""
-    python = os.environ.get("ORUSD_TORCH_PYTHON", str(ROOT / ".venv-torch/bin/python"))
-    if importlib.util.find_spec("torch") is None and Path(python).exists():
-        code = "import sys, sysconfig; print(sys.version_info[:2], sysconfig.get_path('purelib'))"
-        said = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True)
-        version, folder = said.stdout.strip().split(") ")
-        if f"{version})" == str(sys.version_info[:2]):
-            # Behind our own packages, and known to the processes that read.
-            sys.path.append(folder)
-    return pytest.importorskip("torch", reason="no torch: .ci/install-torch, ORUSD_TORCH_PYTHON")
+def torch(torch_packages: str) -> ModuleType:
+    """PyTorch in this process, and in those that read."""
+    if torch_packages not in sys.path:
+        sys.path.append(torch_packages)  # behind our own packages
+    return importlib.import_module("torch")
