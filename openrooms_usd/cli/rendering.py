@@ -11,12 +11,14 @@ import click
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.renderer import renderer_options
 from openrooms_usd.render.contract import (
+    COMPLETE,
     DEFAULT_BOUNCES,
     DEFAULT_GRID,
     DEFAULT_RATE,
     DEFAULT_SAMPLES,
     METHODS,
     PHOTOGRAPH,
+    STORAGES,
     TONES,
 )
 
@@ -84,6 +86,11 @@ def _resolution(
     help="Depth of field: F-number of a lens before film 36 mm wide, such as 2.8, focused as the "
     "camera says or else on the middle of the picture. Ground truth stays that of a pinhole.",
 )  # fmt: skip
+@click.option(
+    "--storage", type=click.Choice(STORAGES), default=COMPLETE, show_default=True,
+    help="How files hold channels: compact is some ten times smaller, light with a small loss "
+    "(docs/storage.md).",
+)  # fmt: skip
 @click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
 @click.option(
     "--denoise-light", is_flag=True,
@@ -124,6 +131,7 @@ def render(
     method: str | None,
     tone: str,
     f_stop: float | None,
+    storage: str,
     renderer: str,
     options: dict[str, str],
     denoise: bool,
@@ -151,7 +159,10 @@ def render(
 
     _warn_of_units(stage)
     if spec is not None:
-        _check_stills(cameras, channels, fov, grid, error_maps, error, seconds, f_stop, root)
+        _check_stills(
+            cameras, channels, fov, grid, error_maps, error, seconds, f_stop, root,
+            storage != COMPLETE,
+        )  # fmt: skip
         film(
             stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
             resolution=resolution, samples=spp, seed=seed, bounces=bounces, method=method,
@@ -181,6 +192,7 @@ def render(
             method=method,
             tone=tone,
             f_stop=f_stop,
+            storage=storage,
             renderer=renderer,
             options=options,
             denoise="all" if denoise_light else denoise,
@@ -202,8 +214,8 @@ def _check_stills(*given: Any) -> None:
     if any(value not in ((), "usual", None, False) for value in given):
         raise click.UsageError(
             "with --path there is no --camera, --channels, --fov, --grid, --error-maps, --error, "
-            "--time, --f-stop or --dataset: frames have --spp, and --frames keeps them with their "
-            "ground truth"
+            "--time, --f-stop, --storage or --dataset: frames have --spp, and --frames keeps them "
+            "with their ground truth"
         )
 
 

@@ -29,7 +29,7 @@ _STAGES: Final = "openrooms_usd.stages"
 # The fractional part of the golden ratio: multiples of it fill 0 to 1 evenly, however many.
 _GOLDEN: Final = 0.6180339887498949
 # The parts of a dataset.yaml that its views depend on, beside their room.
-_OF_VIEWS: Final = {"views", "channels", "budget", "rendering", "sensor"}
+_OF_VIEWS: Final = {"views", "channels", "budget", "rendering", "sensor", "storage"}
 _LARGEST_SEED: Final = 2**31
 _KEY_DIGITS: Final = 32
 

@@ -30,6 +30,7 @@ from openrooms_usd.render.job import OpenedJob, RenderJob
 from openrooms_usd.render.manifest import by_light
 from openrooms_usd.render.run import check_view, describe_view, write_openings, write_view
 from openrooms_usd.render.sensors.recording import record_sensor
+from openrooms_usd.render.storage import storing
 from openrooms_usd.validation.licences import licences
 from openrooms_usd.version import __version__
 
@@ -189,9 +190,10 @@ class _OpenRoom:
         request, lights = opened.listed, opened.lights
         check_view(name, view, request, len(lights))
         with atomic.appearing(store.render(job) / name) as beside:
-            previews = write_view(beside, view, request.tone)
+            stored = storing(view, request.storage)
+            previews = write_view(beside, view, stored, request.tone)
             shown = opened.photograph(taken.view) if taken.view else None
-            entry = describe_view(beside, name, view, previews, lights, shown) | taken.told
+            entry = describe_view(beside, name, view, stored, previews, lights, shown) | taken.told
             if sensor := self.dataset.sensor:
                 entry = record_sensor(beside, name, view, sensor, entry, unit)
         told = [row for row in opened.report.rows if row not in self.rows]
@@ -230,6 +232,7 @@ def _render_job(dataset: Dataset, job: Job) -> RenderJob:
         seed=job.seed,
         bounces=light.bounces,
         method=light.method,
+        storage=dataset.storage,
         renderer=light.renderer,
         options=light.options,
         denoise=light.denoise,

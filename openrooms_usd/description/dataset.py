@@ -198,6 +198,9 @@ class Dataset(CheckedModel):
     """How light is computed."""
     sensor: Sensor | None = None
     """What a real camera would make of each view, written beside the truth; by default nothing."""
+    storage: Literal["complete", "compact"] = "compact"
+    """How the files of views hold channels: ``compact`` is some ten times smaller, light with a
+    small loss, all else without (docs/storage.md)."""
     outputs: tuple[Output, ...] = ()
     """Forms in which finished rooms are written besides EXR and manifest."""
     splits: Shares = Field(default_factory=Shares)

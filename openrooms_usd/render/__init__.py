@@ -5,7 +5,8 @@ channel, ``job`` holds both and opens the stage for them, ``scene`` translates t
 ``contract`` is what an adapter implements, ``opened`` puts its light and the core's exact channels
 together, ``shading``, ``friction`` and ``denoise`` (of all light: ``denoised_light``) make others
 of them, and ``run`` writes, beside the next view (``writer``). The files are ``exr``, ``previews``
-(with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all. ``reading``
+(with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all;
+``storage`` says how they hold channels (``compact``, ``restoring`` read it). ``reading``
 and ``manifest_schema`` give finished renders back and trust no file; ``relight``, ``probes``,
 ``datasets`` and ``coco`` use them.
 ``bake`` writes light as textures, ``paths`` renders walks as videos, ``sensors`` makes of views

@@ -34,6 +34,12 @@ PHOTOGRAPH: Final = "photograph"
 TONES: Final[tuple[ToneName, ...]] = ("photograph", "film", "srgb")
 """How pictures for people show light (`openrooms_usd.render.tone`)."""
 
+StorageName = Literal["complete", "compact"]
+COMPLETE: Final = "complete"
+COMPACT: Final = "compact"
+STORAGES: Final[tuple[StorageName, ...]] = (COMPLETE, COMPACT)
+"""How the files of views hold their channels (`openrooms_usd.render.storage`)."""
+
 GUIDES: Final = ("base_color", "normal")
 """What a denoiser is guided by, named as the channels that tell it of pixels' centres."""
 
@@ -68,6 +74,7 @@ class RenderRequest:
         guides: Whether the view shall have what a denoiser is guided by (`GUIDES`).
         f_stop: F-number of a lens before film 36 mm wide, in place of the camera's own; None leaves
             that. Who makes the camera heeds it, not the renderer.
+        storage: How the files of views hold their channels.
     """
 
     camera: str | None
@@ -86,6 +93,7 @@ class RenderRequest:
     measure_bias: bool = True
     guides: bool = False
     f_stop: float | None = None
+    storage: StorageName = COMPLETE
 
 
 @dataclass(frozen=True)

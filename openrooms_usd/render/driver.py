@@ -10,7 +10,13 @@ from typing import Any
 from openrooms_usd import claims, ledger
 from openrooms_usd.progress import Progress, part, silent
 from openrooms_usd.render import folder, manifest
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_GRID, NO_OPTIONS, PHOTOGRAPH
+from openrooms_usd.render.contract import (
+    COMPLETE,
+    DEFAULT_BOUNCES,
+    DEFAULT_GRID,
+    NO_OPTIONS,
+    PHOTOGRAPH,
+)
 from openrooms_usd.render.denoised_light import Denoise
 from openrooms_usd.render.job import RenderJob
 from openrooms_usd.render.run import Run, raw_bytes
@@ -58,6 +64,7 @@ def render_stage(
     method: str | None = None,
     tone: str = PHOTOGRAPH,
     f_stop: float | None = None,
+    storage: str = COMPLETE,
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: Denoise = False,
@@ -91,6 +98,7 @@ def render_stage(
         tone: How pictures for people show light; one of `openrooms_usd.render.contract.TONES`.
         f_stop: F-number of a lens before film 36 mm wide, in place of the cameras' own, focused as
             they say or on what is in the middle of the picture.
+        storage: How files hold channels: ``complete``, or ``compact`` (docs/storage.md).
         renderer: A registered renderer.
         options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to write the denoised radiance beside the raw one; ``all``: also denoised
@@ -122,6 +130,7 @@ def render_stage(
         method=method,
         tone=tone,
         f_stop=f_stop,
+        storage=storage,
         renderer=renderer,
         options=options,
         denoise=denoise,

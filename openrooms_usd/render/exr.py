@@ -1,6 +1,7 @@
 """OpenEXR files: one part, channels by name, the same bytes for the same pixels."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -14,6 +15,8 @@ from openrooms_usd.untrusted import checked
 
 Pixels = NDArray[np.float32]
 
+ZIP: Final = "zip"
+
 # Written at once: a multiple of the 16 rows that zip compression packs together, and few where
 # there are many channels.
 _ROWS_PACKED: Final = 16
@@ -22,7 +25,11 @@ _MOST_BYTES_PER_WRITE: Final = 1 << 26
 # What is read at most, and how many numbers a byte can hold: of halves, deflated as far as it goes.
 _MOST_NUMBERS: Final = 2**31
 _MOST_RATIO: Final = 520
+# Of DWA, which keeps two halves of 64 numbers where all are alike.
+_MOST_DWA_RATIO: Final = 32 * _MOST_RATIO
 _AGAIN: Final = "render again"
+
+_MOST_HALF: Final = 65504.0
 
 # Rec.709 primaries and D65, x and y of red, green, blue and white.
 _CHROMATICITIES: Final = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -46,35 +53,70 @@ def exr_channels(name: str) -> list[str]:
     return [f"{name}.{component}" for component in definition(name).components]
 
 
-def write_channels(path: Path, images: Mapping[str, Rows]) -> None:
-    """Write channels of the table into one part, each in the sample type that the table says.
+def write_channels(
+    path: Path,
+    images: Mapping[str, Rows],
+    samples: Mapping[str, str] | None = None,
+    compression: str = ZIP,
+) -> None:
+    """Write channels of the table into one part.
 
     Args:
         path: The file.
         images: (height, width, components) by channel name.
+        samples: ``half`` or ``float`` by channel name; by default what the table says.
+        compression: OpenEXR's, as OpenImageIO names it.
 
     Raises:
         OutputError: The file cannot be written.
     """
     names = [part for channel in images for part in exr_channels(channel)]
-    storage = [definition(c).storage for c in images for _ in definition(c).components]
-    _write(path, names, storage, list(images.values()))
+    kinds = samples or {name: definition(name).storage for name in images}
+    storage = [kinds[name] for name in images for _ in definition(name).components]
+    _write(path, names, storage, list(images.values()), compression)
 
 
-def write_rgb(path: Path, pixels: Rows) -> None:
-    """Write plain R, G, B in float, for any viewer.
+def write_rgb(path: Path, pixels: Rows, sample: str = "float", compression: str = ZIP) -> None:
+    """Write plain R, G, B, for any viewer.
 
     Args:
         path: The file.
         pixels: (height, width, 3) scene-linear.
+        sample: ``half`` or ``float``.
+        compression: OpenEXR's, as OpenImageIO names it.
 
     Raises:
         OutputError: The file cannot be written.
     """
-    _write(path, ["R", "G", "B"], ["float"] * 3, [pixels])
+    _write(path, ["R", "G", "B"], [sample] * 3, [pixels], compression)
 
 
-def _write(path: Path, names: list[str], storage: Sequence[str], planes: list[Rows]) -> None:
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """A picture times a number, multiplied row by row as it is written.
+
+    Attributes:
+        pixels: (height, width, components).
+        scale: The number.
+    """
+
+    pixels: Pixels
+    scale: float
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Height, width, components."""
+        return self.pixels.shape
+
+    def __getitem__(self, which: slice) -> Pixels:
+        # Numbers that are infinite, or none, have no place in a lossy file.
+        rows = self.pixels[which] * np.float32(self.scale)
+        return np.nan_to_num(rows, posinf=_MOST_HALF, neginf=-_MOST_HALF)
+
+
+def _write(
+    path: Path, names: list[str], storage: Sequence[str], planes: list[Rows], compression: str
+) -> None:
     import OpenImageIO
 
     height, width = planes[0].shape[:2]
@@ -84,7 +126,7 @@ def _write(path: Path, names: list[str], storage: Sequence[str], planes: list[Ro
     spec = OpenImageIO.ImageSpec(width, height, len(names), kinds[0])
     spec.channelnames = tuple(names)
     spec.channelformats = tuple(kinds)
-    spec.attribute("compression", "zip")
+    spec.attribute("compression", compression)
     spec.attribute("DateTime", "")  # otherwise the writer adds the time of day
     spec.attribute("whiteLuminance", 1.0)  # cd/m2 of (1, 1, 1): radiance is in nits
     spec.attribute("chromaticities", OpenImageIO.TypeDesc("float[8]"), _CHROMATICITIES)
@@ -188,7 +230,9 @@ def _check_header(path: Path, source: Any, size: tuple[int, int] | None, bytes_t
             place=path, remedy=_AGAIN,
         )  # fmt: skip
     numbers = spec.width * spec.height * spec.nchannels
-    if not 0 < numbers <= min(_MOST_NUMBERS, _MOST_RATIO * bytes_there):
+    lossy = str(spec.getattribute("compression")).startswith("dwa")
+    ratio = _MOST_DWA_RATIO if lossy else _MOST_RATIO
+    if not 0 < numbers <= min(_MOST_NUMBERS, ratio * bytes_there):
         raise InputError(
             f"it claims {spec.width}x{spec.height} pixels of {spec.nchannels} numbers in "
             f"{bytes_there:,} bytes",

@@ -21,6 +21,9 @@ SHEET: Final = "contact_sheet.png"
 CHANNELS_FILE: Final = "channels.exr"
 # What there is of every light.
 LIGHTS_FILE: Final = "lights.exr"
+# Of compact storage: channels of light, which CHANNELS_FILE has otherwise, and masks of lights.
+LIGHT_FILE: Final = "light.exr"
+MASKS_FILE: Final = "masks.exr"
 # Denoised versions of channels of light, and of those of every light.
 DENOISED_FILES: Final = (("denoised_channels.exr", "view"), ("denoised_lights.exr", "light"))
 # Estimated standard errors, pixel by pixel.
@@ -33,6 +36,8 @@ _TOP_FILES: Final = (MANIFEST, TIMING, SHEET)
 _TAKEN: Final = (OPENINGS_FOLDER, LAYERS, LIGHTS_FOLDER)
 # Channels that are also written as plain pictures, for any viewer.
 PLAIN_FILES: Final = {"radiance": "radiance.exr", "denoised": "denoised.exr"}
+# Those that people have a picture of in compact storage, too.
+PREVIEWED: Final = ("radiance", "denoised", "instance")
 
 
 def preview_file(channel: str) -> str:
@@ -136,6 +141,7 @@ def _check_none(out: Path) -> None:
 _EXACT_FILES: Final = (
     CHANNELS_FILE,
     LIGHTS_FILE,
+    LIGHT_FILE,
     *(grid_file(name) for name, row in CHANNELS.items() if row.scope == "grid"),
 )
 

@@ -16,6 +16,7 @@ from openrooms_usd.channels import FLOWS, each
 from openrooms_usd.convert import Report, add_missing
 from openrooms_usd.render import manifest
 from openrooms_usd.render.contract import (
+    COMPLETE,
     DEFAULT_BOUNCES,
     DEFAULT_GRID,
     NO_OPTIONS,
@@ -88,6 +89,7 @@ class RenderJob:
         method: str | None = None,
         tone: str = PHOTOGRAPH,
         f_stop: float | None = None,
+        storage: str = COMPLETE,
         renderer: str = "mitsuba",
         options: Mapping[str, str] = NO_OPTIONS,
         denoise: Denoise = False,
@@ -115,6 +117,7 @@ class RenderJob:
             grid=grid,
             tone=tone,
             f_stop=f_stop,
+            storage=storage,
         )
         named = check_method(method)
         denoiser = load_denoiser() if denoise else None

@@ -20,11 +20,7 @@ from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.render.contract import Image, RenderRequest, View
 from openrooms_usd.render.exr import exr_channels
 from openrooms_usd.render.folder import (
-    CHANNELS_FILE,
-    DENOISED_FILES,
     ERRORS_FILE,
-    LIGHTS_FILE,
-    PLAIN_FILES,
     grid_file,
     opening_file,
     preview_file,
@@ -33,6 +29,7 @@ from openrooms_usd.render.lights import view_lights
 from openrooms_usd.render.previews import Preview
 from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.render.storage import Storing
 from openrooms_usd.version import __version__
 
 if TYPE_CHECKING:
@@ -92,6 +89,7 @@ def run_entry(stage: Path, renderer: str, opened: "OpenedStage", request: Render
         "seed": request.seed,
         "bounces": request.bounces,
         "method": request.method,
+        "storage": request.storage,
         "stop": {name: value for name, value in asked.items() if value is not None},
         "conventions": {**CONVENTIONS, **session.conventions},
         "channels": {name: _definition(name) for name in request.channels},
@@ -119,6 +117,7 @@ def _definition(name: str) -> Plain:
 def view_entry(
     name: str,
     view: View,
+    stored: Storing,
     previews: Mapping[str, Preview],
     lights: Sequence[LightRecord] = (),
     photograph: Mapping[str, str] | None = None,
@@ -128,21 +127,14 @@ def view_entry(
     Args:
         name: The view's name, which is its folder.
         view: What was rendered.
+        stored: How its channels lie on disk.
         previews: By channel name.
         lights: Those of the scene.
         photograph: What the view stands for in a capture: its ``file`` and ``id``.
     """
-    files = {c: f"{name}/{file}" for c, file in PLAIN_FILES.items() if c in view.images}
-    scopes = {channel: definition(channel).scope for channel in view.images}
-    files |= {"channels": f"{name}/{CHANNELS_FILE}"} if "view" in scopes.values() else {}
-    files |= {"lights": f"{name}/{LIGHTS_FILE}"} if "light" in scopes.values() else {}
-    grids = [channel for channel, scope in scopes.items() if scope == "grid"]
-    files |= {channel: f"{name}/{grid_file(channel)}" for channel in grids}
-    files |= {
-        Path(file).stem: f"{name}/{file}"
-        for file, scope in DENOISED_FILES
-        if view.denoised_of(scope)
-    }
+    files = {channel: f"{name}/{file}" for channel, file in stored.plain.items()}
+    files |= {Path(file).stem: f"{name}/{file}" for file in stored.files}
+    grids = [channel for channel in view.images if definition(channel).scope == "grid"]
     known = [c for c, image in view.images.items() if image.halves]
     files |= {"errors": f"{name}/{ERRORS_FILE}"} if {*known} - {*grids} else {}
     files |= {f"{c}_errors": f"{name}/{grid_file(c, errors=True)}" for c in grids if c in known}
@@ -163,7 +155,12 @@ def view_entry(
         ),
         "files": files,
         **(
-            {"denoised": {c: dict(image.change) for c, image in view.denoised.items()}}
+            {
+                "denoised": {
+                    c: {**image.change, **stored.entry(stored.denoised[c], name)}
+                    for c, image in view.denoised.items()
+                }
+            }
             if view.denoised
             else {}
         ),
@@ -175,8 +172,15 @@ def view_entry(
                 "estimated_robust_error": _number(image.robust_error),
                 "bias": asdict(image.bias) if image.bias else None,
                 "nonfinite_pixels": nonfinite_pixels(channel, image),
-                "preview": f"{name}/{preview_file(channel)}",
-                "preview_shows": previews[channel].shows,
+                **(
+                    {
+                        "preview": f"{name}/{preview_file(channel)}",
+                        "preview_shows": previews[channel].shows,
+                    }
+                    if stored.is_previewed(channel)
+                    else {}
+                ),
+                **stored.entry(stored.channels[channel], name),
             }
             for channel, image in view.images.items()
         },

@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 from openrooms_usd.description.mistakes import shown, written
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import is_rotation
-from openrooms_usd.render.contract import REFERENCE, Method
+from openrooms_usd.render.contract import COMPLETE, REFERENCE, Method, StorageName
 from openrooms_usd.render.folder import MANIFEST, OPENINGS_FOLDER, load_manifest
 from openrooms_usd.render.manifest import FORMAT
 from openrooms_usd.render.scene.lights import Gaussian, LightKind, LightRecord, LobeName
@@ -162,6 +162,16 @@ class BiasEntry(_Part):
     pixels: _Count
 
 
+class StoredEntry(_Part):
+    """`openrooms_usd.render.storage.Way` as it is written."""
+
+    file: _File | None = None
+    compression: str = ""
+    sample: str = ""
+    scale: Annotated[float, Field(ge=1e-37, le=1e37)] = 1.0
+    sources: tuple[str, ...] = ()
+
+
 class ChannelEntry(_Part):
     """What one view has of one channel."""
 
@@ -172,6 +182,7 @@ class ChannelEntry(_Part):
     nonfinite_pixels: _Count = 0
     preview: _File | None = None
     preview_shows: str = ""
+    stored: StoredEntry | None = None
 
 
 class DenoisedEntry(_Part):
@@ -180,6 +191,7 @@ class DenoisedEntry(_Part):
     bias: _Number | None = None
     standard_error: _Factor | None = None
     blocks_beyond: _Factor | None = None
+    stored: StoredEntry | None = None
 
 
 class FitsEntry(_Part):
@@ -208,7 +220,9 @@ class ViewEntry(_Part):
         """The files that it names, all of them."""
         previews = [row.preview for row in self.channels.values() if row.preview]
         fits = self.fits.files if self.fits else {}
-        return [*(self.files or {}).values(), *fits.values(), *previews]
+        ways = (row.stored for row in (*self.channels.values(), *self.denoised.values()))
+        kept = [way.file for way in ways if way and way.file]
+        return [*(self.files or {}).values(), *fits.values(), *previews, *kept]
 
 
 class DefinitionEntry(_Part):
@@ -248,6 +262,7 @@ class Manifest(_Part):
     seed: _Count | None = None
     bounces: _Count | None = None
     method: Method = REFERENCE
+    storage: StorageName = COMPLETE
     stop: dict[str, _Length] = {}
     conventions: dict[str, str] = {}
     channels: dict[str, DefinitionEntry] = {}

@@ -5,20 +5,24 @@ import math
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Final, SupportsFloat, SupportsIndex
+from typing import Final, SupportsFloat, SupportsIndex, TypeVar
 
 from openrooms_usd.channels import CHANNELS, FLOWS
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE
 from openrooms_usd.render.contract import (
+    COMPLETE,
     DEFAULT_GRID,
     DEFAULT_SAMPLES,
     PHOTOGRAPH,
+    STORAGES,
     TONES,
     RenderRequest,
 )
 from openrooms_usd.render.denoise import DENOISED
 from openrooms_usd.render.given import remedy_for
+
+_Name = TypeVar("_Name", bound=str)
 
 ALL: Final = "all"  # stands for all channels that can be had
 USUAL: Final = "usual"  # stands for those that need not be asked for
@@ -74,6 +78,7 @@ def plan(
     grid: tuple[int, int] = DEFAULT_GRID,
     tone: str = PHOTOGRAPH,
     f_stop: float | None = None,
+    storage: str = COMPLETE,
 ) -> RenderRequest:
     """The request that all views share, still without a camera.
 
@@ -88,10 +93,11 @@ def plan(
         grid: See there.
         tone: See there.
         f_stop: See there.
+        storage: See there.
 
     Raises:
-        InputError: The tone is unknown, a number is absurd, or samples, error and seconds
-            contradict each other.
+        InputError: The tone or the storage is unknown, a number is absurd, or samples, error and
+            seconds contradict each other.
     """
     given = {"samples (--spp)": samples, "error (--error)": error, "seconds (--time)": seconds}
     stops = [name for name, value in given.items() if value is not None]
@@ -99,11 +105,6 @@ def plan(
         raise InputError(
             f"{' and '.join(stops)} are given, but a render stops by one of them",
             remedy="give one of them",
-        )
-    found = next((name for name in TONES if name == tone), None)
-    if found is None:
-        raise InputError(
-            f"there is no tone {tone!r}", place="tone", remedy=f"one of: {', '.join(TONES)}"
         )
     if not stops:
         samples = DEFAULT_SAMPLES
@@ -118,7 +119,8 @@ def plan(
         seed=_whole("seed", seed),
         bounces=_whole("bounces", bounces),
         grid=(_whole("grid's width", grid[0]), _whole("grid's height", grid[1])),
-        tone=found,
+        tone=_one_of("tone", TONES, tone),
+        storage=_one_of("storage", STORAGES, storage),
         f_stop=None if f_stop is None else _number("f-stop (--f-stop)", f_stop),
     )
     return sized(request, resolution) if resolution else request
@@ -136,6 +138,14 @@ def sized(request: RenderRequest, resolution: tuple[int, int]) -> RenderRequest:
             f"{width}x{height} are more than {_MOST_PIXELS:,} pixels", place="resolution"
         )
     return replace(request, width=width, height=height)
+
+
+def _one_of(what: str, known: tuple[_Name, ...], name: str) -> _Name:
+    found = next((one for one in known if one == name), None)
+    if found is None:
+        remedy = f"one of: {', '.join(known)}"
+        raise InputError(f"there is no {what} {name!r}", place=what, remedy=remedy)
+    return found
 
 
 def _whole(name: str, value: SupportsIndex) -> int:

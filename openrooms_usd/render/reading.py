@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
+from openrooms_usd.render.compact import CompactChannels, is_compact, unscaled
 from openrooms_usd.render.exr import Pixels, read_channels, read_picture
+from openrooms_usd.render.fits import harmonics
 from openrooms_usd.render.folder import CHANNELS_FILE, DENOISED_FILES, LIGHTS_FILE
 from openrooms_usd.render.manifest_schema import (
     AGAIN,
@@ -65,12 +67,15 @@ class RenderedView:
         return np.array(self.entry.world_from_camera, dtype=np.float64)
 
     @cached_property
-    def pixels(self) -> dict[str, Pixels]:
+    def pixels(self) -> Mapping[str, Pixels]:
         """(height, width, components) by channel name.
 
         Raises:
-            InputError: The file is missing, damaged, or not of the view's size.
+            InputError: The file is missing, damaged, or not of the view's size; of compact storage
+                this comes when a channel is asked for.
         """
+        if is_compact(self.entry):
+            return CompactChannels(self.folder, self.entry, "view")
         # A view may have nothing but lights or grids.
         if self.entry.files is not None and "channels" not in self.entry.files:
             return {}
@@ -101,7 +106,11 @@ class RenderedView:
             InputError: The file is damaged, or not of the view's size.
         """
         path = self.folder / LIGHTS_FILE
-        layers = read_channels(path, self.entry.resolution) if os.path.lexists(path) else {}
+        layers: Mapping[str, Pixels] = {}
+        if is_compact(self.entry):
+            layers = CompactChannels(self.folder, self.entry, "light")
+        elif os.path.lexists(path):
+            layers = read_channels(path, self.entry.resolution)
         found: dict[str, dict[int, Pixels]] = {}
         for name, pixels in layers.items():
             if parts := _NUMBERED.fullmatch(name):
@@ -117,7 +126,7 @@ class RenderedView:
         """
         paths = [self.folder / file for file, _ in DENOISED_FILES]
         return {
-            name: pixels
+            name: unscaled(pixels, self.entry.denoised.get(name))
             for path in paths
             if os.path.lexists(path)
             for name, pixels in read_channels(path, self.entry.resolution).items()
@@ -132,7 +141,7 @@ class RenderedView:
         path = self.folder / f"{name}.exr"
         if not os.path.lexists(path):
             return None
-        picture = read_picture(path)
+        picture = unscaled(read_picture(path), self.entry.channels.get(name))
         height, width, _ = picture.shape
         if height % HEMISPHERE.rows or width % HEMISPHERE.columns:
             raise InputError(
@@ -153,14 +162,19 @@ class RenderedView:
         """
         path = self.folder / f"{name}.npy"
         if not os.path.lexists(path):
-            return None
+            grid = self.grid("environment") if self._follows(name) else None
+            return None if grid is None else harmonics(grid)
         found = read_array(path, 4, "f")
         if found.shape[-1] != _FITS[name]:
             raise InputError(
                 f"{found.shape[-1]} numbers are no {name}, which has {_FITS[name]}",
                 place=path, remedy=AGAIN,
             )  # fmt: skip
-        return found
+        return np.asarray(found, np.float32)
+
+    def _follows(self, fit: str) -> bool:
+        """Whether a fit was left out, since it is quickly made again."""
+        return fit == "environment_sh" and is_compact(self.entry)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,10 +19,11 @@ from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.ledger import Ledger
 from openrooms_usd.render import exr, folder, manifest, sheet
-from openrooms_usd.render.contract import PHOTOGRAPH, RenderRequest, ToneName, View
+from openrooms_usd.render.contract import COMPACT, PHOTOGRAPH, RenderRequest, ToneName, View
 from openrooms_usd.render.fits import write_fits
 from openrooms_usd.render.previews import Preview, preview
 from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.render.storage import Storing, Way, by_file, storing
 from openrooms_usd.render.tone import white_balance
 
 # The channel whose hemispheres are also fitted.
@@ -111,9 +112,10 @@ class Run:
             atomic.filling(self._out) as lists,
             atomic.appearing(self._out / name) as beside,
         ):
-            previews = write_view(beside, view, request.tone, check)
+            stored = storing(view, request.storage)
+            previews = write_view(beside, view, stored, request.tone, check)
             check()
-            entry = describe_view(beside, name, view, previews, self._lights, photograph)
+            entry = describe_view(beside, name, view, stored, previews, self._lights, photograph)
             took = {
                 # Channels that share rays each count them: their sum may exceed the whole.
                 "channels": {channel: image.seconds for channel, image in view.images.items()},
@@ -149,6 +151,7 @@ def describe_view(
     target: Path,
     name: str,
     view: View,
+    stored: Storing,
     previews: Mapping[str, Preview],
     lights: Sequence[LightRecord] = (),
     photograph: Mapping[str, str] | None = None,
@@ -159,12 +162,14 @@ def describe_view(
         target: The folder of its files.
         name: The view's name.
         view: What was rendered.
+        stored: How its channels lie on disk.
         previews: What `write_view` gave.
         lights: Those of the scene.
         photograph: What it stands for in a capture, if anything.
     """
-    entry = manifest.view_entry(name, view, previews, lights, photograph)
-    return entry | ({"fits": _fit(target, name, view)} if FITTED in view.images else {})
+    entry = manifest.view_entry(name, view, stored, previews, lights, photograph)
+    fits = _fit(target, name, view, stored) if FITTED in view.images else None
+    return entry | ({"fits": fits} if fits else {})
 
 
 def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:
@@ -181,18 +186,27 @@ def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:
     return jobs
 
 
-def _denoised_files(target: Path, view: View) -> list[tuple[Any, ...]]:
-    """What writes the denoised versions: functions and their arguments."""
-    return [
-        (exr.write_channels, target / file, found)
-        for file, scope in folder.DENOISED_FILES
-        if (found := view.denoised_of(scope))
-    ]
+def _stored_files(
+    target: Path, pixels: Mapping[str, NDArray[np.float32]], ways: Mapping[str, Way]
+) -> list[tuple[Any, ...]]:
+    """What writes channels as they shall lie on disk: functions and their arguments."""
+    jobs: list[tuple[Any, ...]] = []
+    for file, inner in by_file(ways).items():
+        planes = {name: way.rows(pixels[name]) for name, way in inner.items()}
+        way = next(iter(inner.values()))
+        if definition(next(iter(inner))).scope == "grid":
+            rows = next(iter(planes.values()))
+            jobs.append((exr.write_rgb, target / file, rows, way.sample, way.compression))
+        else:
+            samples = {name: one.sample for name, one in inner.items()}
+            jobs.append((exr.write_channels, target / file, planes, samples, way.compression))
+    return jobs
 
 
-def _fit(target: Path, name: str, view: View) -> manifest.Plain:
+def _fit(target: Path, name: str, view: View, stored: Storing) -> manifest.Plain:
     """Write the fits of a view's environment maps; what the manifest says of them."""
-    found = write_fits(target, untiled(view.images[FITTED].pixels))
+    grid = untiled(view.images[FITTED].pixels)
+    found = write_fits(target, grid, compact=stored.profile == COMPACT)
     return found | {"files": {fit: f"{name}/{file}" for fit, file in found["files"].items()}}
 
 
@@ -215,13 +229,18 @@ def check_view(name: str, view: View, request: RenderRequest, lights: int) -> No
 
 
 def write_view(
-    target: Path, view: View, tone: ToneName = PHOTOGRAPH, check: Callable[[], None] = lambda: None
+    target: Path,
+    view: View,
+    stored: Storing,
+    tone: ToneName = PHOTOGRAPH,
+    check: Callable[[], None] = lambda: None,
 ) -> dict[str, Preview]:
     """Write the files of a view into an empty folder.
 
     Args:
         target: The folder.
         view: What was rendered.
+        stored: How its channels shall lie on disk.
         tone: How pictures show light.
         check: Called before every file; it raises where no more shall be written.
 
@@ -234,20 +253,18 @@ def write_view(
     """
     pixels = {n: np.asarray(image.pixels, np.float32) for n, image in view.images.items()}
 
-    by_scope: dict[str, dict[str, NDArray[np.float32]]] = {"view": {}, "light": {}, "grid": {}}
-    for name, image in pixels.items():
-        by_scope[definition(name).scope][name] = image
-    if by_scope["light"]:
-        (target / folder.LIGHTS_FOLDER).mkdir()
-
     # One white for all pictures of a view: what a single lamp sends keeps its hue.
     balance = white_balance(pixels["radiance"]) if "radiance" in pixels else None
     on_sheet = sheet.chosen(pixels)
+    pictured = [name for name in pixels if name in on_sheet or stored.is_previewed(name)]
+    if any(stored.is_previewed(name) and definition(name).scope == "light" for name in pictured):
+        (target / folder.LIGHTS_FOLDER).mkdir()
 
     def picture(name: str) -> Preview:
         check()
         shown = preview(name, pixels[name], view.exposure, tone, balance)
-        write_png(target / folder.preview_file(name), shown.pixels)
+        if stored.is_previewed(name):
+            write_png(target / folder.preview_file(name), shown.pixels)
         return shown if name in on_sheet else replace(shown, pixels=shown.pixels[:0])
 
     def file(write: Callable[..., None], *what: Any) -> None:
@@ -256,20 +273,15 @@ def write_view(
 
     # Encoding leaves the interpreter's lock: the longest goes first, the rest beside it.
     with ThreadPoolExecutor(max_workers=4) as pool:
-        files = ((folder.CHANNELS_FILE, "view"), (folder.LIGHTS_FILE, "light"))
-        exact = [
-            pool.submit(file, exr.write_channels, target / path, by_scope[scope])
-            for path, scope in files
-            if by_scope[scope]
+        clean = {name: image.pixels for name, image in view.denoised.items()}
+        jobs = [
+            *_stored_files(target, pixels, stored.channels),
+            *_error_files(target, view),
+            *_stored_files(target, clean, stored.denoised),
+            *((exr.write_rgb, target / path, pixels[name]) for name, path in stored.plain.items()),
         ]
-        for name, tiles in by_scope["grid"].items():
-            exact.append(pool.submit(file, exr.write_rgb, target / folder.grid_file(name), tiles))
-        jobs = [*_error_files(target, view), *_denoised_files(target, view)]
-        exact += [pool.submit(file, *job) for job in jobs]
-        for name, path in folder.PLAIN_FILES.items():
-            if name in pixels:
-                exact.append(pool.submit(file, exr.write_rgb, target / path, pixels[name]))
-        previews = dict(zip(pixels, pool.map(picture, pixels), strict=True))
+        exact = [pool.submit(file, *job) for job in jobs]
+        previews = dict(zip(pictured, pool.map(picture, pictured), strict=True))
     for written in exact:
         written.result()
     return previews

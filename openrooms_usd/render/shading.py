@@ -32,7 +32,7 @@ def _rest(*parts: Pixels) -> Pixels:
 
 
 # What each is made of: the channel of the Lambertian part is made before those that need it.
-_RULES: Final[dict[str, Rule]] = {
+RULES: Final[dict[str, Rule]] = {
     "diffuse": (("base_color", "metallic", "irradiance"), lambertian),
     "specular": (("direct", "indirect", "diffuse"), _rest),
     "residual": (("radiance", "diffuse"), _rest),
@@ -46,7 +46,7 @@ _RULES: Final[dict[str, Rule]] = {
 def derivable(given: tuple[str, ...]) -> tuple[str, ...]:
     """The channels that can be made of what a renderer gives."""
     found: list[str] = []
-    for name, (needed, _) in _RULES.items():
+    for name, (needed, _) in RULES.items():
         if name not in given and {*needed} <= {*given, *found}:
             found.append(name)
     return tuple(found)
@@ -60,7 +60,7 @@ class Shading:
     """
 
     def __init__(self, given: Collection[str]) -> None:
-        self._rules = {name: rule for name, rule in _RULES.items() if name not in given}
+        self._rules = {name: rule for name, rule in RULES.items() if name not in given}
 
     def makes(self, channels: tuple[str, ...]) -> bool:
         """Whether any of these is one of ours."""

@@ -194,3 +194,17 @@ def test_physics_by_step(tmp_path):
         assert np.mean(errors[2.0]) < np.mean(errors[4.0])
         assert all(row[f"{engine}, steps/s"] > 0 for row in data["speed"])
         assert all(row[f"{engine}, moved mm"] < 5.0 for row in data["speed"])
+
+
+@pytest.mark.slow
+def test_storage(tmp_path):
+    variants = pytest.importorskip("orusd_mitsuba.variants")
+    if variants.choose("auto").variant.startswith("scalar"):
+        pytest.skip("all channels need llvm or cuda")
+    said, data = run("storage", tmp_path / "s.json")
+    families = {row["family"]: row for row in data["room 1"]["families"]}
+    light = families["environment"]
+    assert light["dwa 1000 MB"] < light["dwa 45 MB"] < light["half MB"] < light["float MB"]
+    assert 0 < light["half"] < light["dwa 45"] < light["dwa 1000"] < light["SH 2"]
+    views = data["room 1"]["views"]
+    assert views["compact"] < views["complete"] and "| compact |" in said

@@ -67,6 +67,7 @@ def test_variants_share_their_views_and_what_no_material_changes(
         read_render(out / "renders" / "room_good" / name) for name in ("main", "mainDiffMat")
     )
     assert list(main.views) == list(other.views) == ["view_0", "view_1"]
+    assert main.manifest.storage == "compact"
     for view, twin in zip(main.views.values(), other.views.values(), strict=True):
         assert (view.world_from_camera == twin.world_from_camera).all()
         for channel in ("depth", "instance"):

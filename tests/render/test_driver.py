@@ -159,7 +159,7 @@ def test_interrupted_while_writing(renderer, scene, tmp_path, snapshot, monkeypa
     render_stage(scene, out)
     before = snapshot(out)
 
-    def interrupted(path, images):
+    def interrupted(path, images, *how):
         path.write_bytes(b"half")
         raise KeyboardInterrupt
 
@@ -173,9 +173,9 @@ def test_a_view_is_written_while_the_next_is_rendered(renderer, scene, tmp_path,
     """Its files wait for the next render to begin: if that waited for them, nothing would."""
     rendering, real = threading.Event(), exr.write_channels
 
-    def write(path, images):
+    def write(path, images, *how):
         assert "right" in str(path) or rendering.wait(20.0)
-        real(path, images)
+        real(path, images, *how)
 
     def progress(view: str, fraction: float) -> None:
         if view == "right":
@@ -203,7 +203,7 @@ def test_a_large_view_is_written_before_the_next_is_rendered(
 def test_what_cannot_be_written_stops_the_next_render(renderer, scene, tmp_path, monkeypatch):
     failed = threading.Event()
 
-    def write(path, images):
+    def write(path, images, *how):
         failed.set()
         raise OutputError("no space", place=path)
 
@@ -223,10 +223,10 @@ def test_interrupted_while_much_is_written(renderer, scene, tmp_path, monkeypatc
     monkeypatch.setattr(writer, "_GRACE_SECONDS", 0.05)
     began, real = threading.Event(), exr.write_channels
 
-    def write(path, images):
+    def write(path, images, *how):
         began.set()
         time.sleep(0.3)
-        real(path, images)
+        real(path, images, *how)
 
     def progress(view: str, fraction: float) -> None:
         if view == "right":
