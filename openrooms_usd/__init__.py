@@ -15,6 +15,8 @@ from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
+    from openrooms_usd.api.datasets import plan_dataset as plan_dataset
+    from openrooms_usd.api.datasets import run_dataset as run_dataset
     from openrooms_usd.api.films import render_path as render_path
     from openrooms_usd.api.light import Lightmaps as Lightmaps
     from openrooms_usd.api.light import Probe as Probe
@@ -61,12 +63,14 @@ _HOME = {
     "import_capture": "openrooms_usd.api.rooms",
     "load": "openrooms_usd.api.rooms",
     "open": "openrooms_usd.api.scenes",
+    "plan_dataset": "openrooms_usd.api.datasets",
     "probe": "openrooms_usd.api.light",
     "read_render": "openrooms_usd.api.renders",
     "relight": "openrooms_usd.api.light",
     "render": "openrooms_usd.api.renders",
     "render_path": "openrooms_usd.api.films",
     "robots": "openrooms_usd.api",
+    "run_dataset": "openrooms_usd.api.datasets",
     "save": "openrooms_usd.api.rooms",
     "simulate": "openrooms_usd.api.scenes",
     "validate": "openrooms_usd.api.scenes",
@@ -92,12 +96,14 @@ __all__ = [
     "import_capture",
     "load",
     "open",
+    "plan_dataset",
     "probe",
     "read_render",
     "relight",
     "render",
     "render_path",
     "robots",
+    "run_dataset",
     "save",
     "simulate",
     "validate",

@@ -10,13 +10,30 @@ from openrooms_usd.cli.console import command_line, echo, json_option, print_jso
 from openrooms_usd.cli.renderer import pairs_of
 
 if TYPE_CHECKING:
+    from openrooms_usd.dataset.scratch import Root
     from openrooms_usd.render.datasets import DatasetSummary
 
 # A person mends these first; the rest is in --json.
 _MOST_SHOWN: Final = 20
 
 _FILE: Final = click.argument("file", type=click.Path(path_type=Path), metavar="DATASET.yaml")
-_FOLDER: Final = click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+
+
+class _Root(click.ParamType):
+    """A folder, or a URL."""
+
+    name = "DIR|URL"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> "Root":
+        """Read it."""
+        from openrooms_usd.dataset.scratch import root_of
+
+        return root_of(str(value))
+
+
+_FOLDER: Final = click.argument("folder", type=_Root(), metavar="DIR")
 
 
 class _Commands(click.Group):
@@ -58,8 +75,8 @@ def plan(file: Path, out: Path | None) -> None:
 
 @dataset.command()
 @_FILE
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True,
-              help="The dataset's folder.")  # fmt: skip
+@click.option("-o", "--out", type=_Root(), required=True,
+              help="The dataset's folder, or a URL such as s3://bucket/name.")  # fmt: skip
 @click.option("--workers", type=click.IntRange(1, 1024), default=1, show_default=True,
               help="How many rooms are worked on at once.")  # fmt: skip
 @click.option("--executor", default="local", show_default=True, metavar="NAME",
@@ -71,7 +88,7 @@ def plan(file: Path, out: Path | None) -> None:
 @json_option
 def run(
     file: Path,
-    out: Path,
+    out: "Root",
     workers: int,
     executor: str,
     address: str | None,
@@ -105,7 +122,7 @@ def run(
 @dataset.command()
 @_FOLDER
 @json_option
-def status(folder: Path, as_json: bool) -> None:
+def status(folder: "Root", as_json: bool) -> None:
     """Say how far a dataset is: what is finished, what has failed and why."""
     from openrooms_usd.dataset.status import status_of
 
@@ -130,7 +147,7 @@ def status(folder: Path, as_json: bool) -> None:
 @dataset.command()
 @_FOLDER
 @json_option
-def verify(folder: Path, as_json: bool) -> None:
+def verify(folder: "Root", as_json: bool) -> None:
     """Compare every file of a dataset with its checksum.
 
     Leaves with code 1 when a file is missing or changed.
@@ -153,7 +170,7 @@ def verify(folder: Path, as_json: bool) -> None:
 @dataset.command()
 @_FOLDER
 @json_option
-def stats(folder: Path, as_json: bool) -> None:
+def stats(folder: "Root", as_json: bool) -> None:
     """Count what a dataset holds: rooms, objects, pixels, materials, lights, seconds, errors."""
     from openrooms_usd.dataset.stats import stats_of
 

@@ -5,14 +5,15 @@ import json
 import os
 from collections import Counter, defaultdict
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any, Final
 
-from openrooms_usd import adapters
+from openrooms_usd import adapters, removal
 from openrooms_usd.dataset.plan import Job
+from openrooms_usd.dataset.scratch import brought
 from openrooms_usd.dataset.store import Store, write_json, write_lines
 from openrooms_usd.description import Dataset
 from openrooms_usd.description.dataset import Output
@@ -64,10 +65,13 @@ def finish(store: Store, dataset: Dataset, progress: Progress = silent) -> tuple
     write_json(store.root / SPLITS, splits)
     write_json(store.root / LICENCES, {"rooms": licences})
     write_lines(store.root / INDEX, _index(store))
+    store.put(store.render(job) / MANIFEST for job in store.jobs())
+    store.put(path for path in store.root.iterdir() if path.is_file())
     notes = []
     for output in dataset.outputs:
         progress(output.kind, 1.0)
-        notes += [note for rooms in _rooms(store) for note in _write(store, output, rooms)]
+        with _whole(store, output):
+            notes += [note for rooms in _rooms(store) for note in _write(store, output, rooms)]
     return tuple(dict.fromkeys(notes))
 
 
@@ -116,24 +120,64 @@ def _index(store: Store) -> Iterator[str]:
 
 def _write(store: Store, output: Output, jobs: list[Job]) -> Iterator[str]:
     """Write a room in one form, unless it is written so already; what is to be said of that."""
-    found = [job for job in jobs if (store.render(job) / MANIFEST).is_file()]
-    found = [job for job in found if next(store.records(job), None)]
-    if output.kind == _OPENROOMS:
-        found = [job for job in found if job.variant in _RELEASED]
+    found = _shown(store, output, jobs)
     if not found:
         return
-    done = store.root / "records" / found[0].room.name / f"{output.kind}.json"
-    key = _key(store, output, found)
+    done, key = _done(store, output, jobs), _key(store, output, found)
     if _is_written(done, key):
         return
     try:
-        summaries = list(_forms(store, output, found))
+        with brought(store, *found):
+            summaries = list(_forms(store, output, found))
     except OrusdError as error:
         yield f"{output.kind}: {found[0].room.name}: {error.message}"
         return
     for missing in summaries:
         yield from (f"{output.kind}: no {name}: {why}" for name, why in sorted(missing.items()))
     write_json(done, {"key": key})
+
+
+def _shown(store: Store, output: Output, jobs: list[Job]) -> list[Job]:
+    """The jobs of a room that a form has."""
+    found = [job for job in jobs if store.scene_record(job) and next(store.records(job), None)]
+    return [job for job in found if output.kind != _OPENROOMS or job.variant in _RELEASED]
+
+
+def _done(store: Store, output: Output, jobs: list[Job]) -> Path:
+    """Where it stands that a room is written in one form."""
+    return store.root / "records" / jobs[0].room.name / f"{output.kind}.json"
+
+
+@contextmanager
+def _whole(store: Store, output: Output) -> Iterator[None]:
+    """Behind a URL a form is written whole, or not at all: its rooms may share files.
+
+    Here is room for all of it, and it stands that a room is written when everything is there.
+    """
+    if store.shelf is None or _is_whole(store, output):
+        yield
+        return
+    done = [_done(store, output, jobs) for jobs in _rooms(store)]
+    for path in done:
+        removal.remove_file(path)
+    yield
+    folder = store.root / OUTPUTS / output.kind
+    before = store.shelf.names(f"{store.name_of(folder)}/")
+    store.put([folder])
+    store.shelf.remove(name for name in before if not (store.root / name).is_file())
+    store.put(path for path in done if path.is_file())
+    removal.remove_tree(folder)
+
+
+def _is_whole(store: Store, output: Output) -> bool:
+    """Whether all rooms are written in one form."""
+    if store.shelf is not None:
+        store.shelf.get((store.name_of(_done(store, output, r)) for r in _rooms(store)), store.root)
+    return all(
+        _is_written(_done(store, output, jobs), _key(store, output, found))
+        for jobs in _rooms(store)
+        if (found := _shown(store, output, jobs))
+    )
 
 
 def _forms(store: Store, output: Output, jobs: list[Job]) -> Iterator[dict[str, str]]:

@@ -1,22 +1,22 @@
 """The story of a run: what is not finished is worked off, what fails is tried again, and told."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
-from openrooms_usd import adapters, atomic, claims
+from openrooms_usd import adapters, atomic
 from openrooms_usd.dataset import work
 from openrooms_usd.dataset.executor import Crew, Executor, Lost, Told, Wanted
 from openrooms_usd.dataset.finish import finish
 from openrooms_usd.dataset.plan import Job, job_of, plan_jobs, view_name
+from openrooms_usd.dataset.scratch import Root, bring_known, bring_unit, to_oneself
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import Dataset, load_dataset
 from openrooms_usd.errors import OrusdError, OutputError
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.folder import check_writable
 from openrooms_usd.untrusted import read_bytes
 
 LOCAL: Final = "local"
@@ -35,7 +35,7 @@ class RunSummary:
         notes: What is worth saying of the forms that were written besides.
     """
 
-    root: Path
+    root: Root
     made: int
     kept: int
     failed: dict[str, str]
@@ -54,7 +54,7 @@ class RunSummary:
 
 def run_dataset(
     file: Path,
-    root: Path,
+    root: Root,
     *,
     workers: int = 1,
     executor: str = LOCAL,
@@ -68,7 +68,7 @@ def run_dataset(
 
     Args:
         file: The dataset.yaml.
-        root: The dataset's folder.
+        root: The dataset's folder, or a URL.
         workers: How many rooms are worked on at once.
         executor: The name of who works them off.
         options: What is asked of it, by name.
@@ -86,12 +86,11 @@ def run_dataset(
     hirer: Executor = adapters.load(adapters.EXECUTORS, executor)
     adapters.check_options(adapters.EXECUTORS, executor, hirer.options, options or {})
     check_wishes(dataset)
-    check_writable(root)
-    with claims.locked(root):
-        store = Store(root)
-        _keep_file(store, file)
-        run = _Run(store, dataset, progress)
+    with to_oneself(root) as (store, check):
+        _keep_file(store, file, dataset)
+        run = _Run(root, store, dataset, progress, check)
         run.total = store.write_plan(plan_jobs(dataset))
+        bring_known(store)
         run.count()
         if run.kept < run.total:
             with hirer.hired(Wanted(workers, _gpus(dataset), options or {})) as crew:
@@ -128,29 +127,32 @@ def check_wishes(dataset: Dataset) -> None:
         adapters.find(adapters.DATASETS, output.kind)
 
 
-def _keep_file(store: Store, file: Path) -> None:
+def _keep_file(store: Store, file: Path, dataset: Dataset) -> None:
     """Keep a copy of the file that the dataset is made by, for people."""
     data = read_bytes(file, "description")
     if os.path.lexists(store.file):
         known = read_bytes(store.file, "description")
-        if known != data and load_dataset(store.file).name != load_dataset(file).name:
+        if known != data and load_dataset(store.file).name != dataset.name:
             raise OutputError(
                 "this is the folder of another dataset",
-                place=store.file,
+                place=store.shelf.url if store.shelf else store.file,
                 remedy="choose another folder, or give the dataset its name",
             )
         if known == data:
             return
     atomic.write_bytes(store.file, data)
+    store.put([store.file])
 
 
 @dataclass
 class _Run:
     """What is worked off, and what became of it."""
 
+    root: Root
     store: Store
     dataset: Dataset
     progress: Progress
+    check: Callable[[], None]
     made: int = 0
     kept: int = 0
     total: int = 0
@@ -187,8 +189,8 @@ class _Run:
         """
         left: dict[str, list[int]] = {}
         begun: dict[str, int] = {}
-        root, threads = self.store.root, crew.threads
-        tasks = (work.task_of(job, self.dataset, root, threads) for job in waiting)
+        given = self.dataset, self.root, crew.threads
+        tasks = (work.task_of(job, *given) for job in waiting)
         for task, told in crew.run(tasks, work.work):
             job = job_of(task["job"])
             views = left.setdefault(job.key, list(job.views))
@@ -208,6 +210,7 @@ class _Run:
                 left.pop(job.key)
 
     def _hear(self, job: Job, told: Told, views: list[int], begun: dict[str, int]) -> None:
+        self.check()
         view = int(told["view"])
         if told["event"] == work.BEGUN:
             begun[job.key] = view
@@ -217,6 +220,7 @@ class _Run:
         if told["event"] == work.FAILED:
             self._fail(job, view, dict(told["reason"]))
             return
+        bring_unit(self.store, job, view)
         self.made += 1
         self._show(job, view)
 

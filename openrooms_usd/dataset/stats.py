@@ -17,6 +17,7 @@ from openrooms_usd import names
 from openrooms_usd.channels import definition
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.dataset.records import Record
+from openrooms_usd.dataset.scratch import Root, bring_all, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.dataset.tally import DEPTH_STEP_M
 from openrooms_usd.errors import InputError
@@ -95,16 +96,22 @@ class Stats:
         return asdict(self)
 
 
-def stats_of(root: Path) -> Stats:
+def stats_of(root: Root) -> Stats:
     """Count what a dataset holds, from its records alone.
 
     Args:
-        root: Its folder.
+        root: Its folder, or a URL.
 
     Raises:
         InputError: There is no dataset.
     """
-    store, count = Store(root), _Count()
+    with store_at(root) as store:
+        bring_all(store)
+        return _counted(store)
+
+
+def _counted(store: Store) -> Stats:
+    count = _Count()
     licences: dict[int, set[str]] = defaultdict(set)
     for job in store.jobs():
         views = dict(store.records(job))

@@ -2,10 +2,10 @@
 
 from collections import Counter
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from openrooms_usd.dataset.plan import view_name
+from openrooms_usd.dataset.scratch import Root, bring_all, store_at
 from openrooms_usd.dataset.store import Store
 
 
@@ -39,7 +39,7 @@ class Status:
         rejected: The cameras in whose place others were taken, with what is wrong with their views.
     """
 
-    root: Path
+    root: Root
     units: int
     finished: int
     failures: tuple[Failure, ...] = ()
@@ -65,16 +65,21 @@ class Status:
         }
 
 
-def status_of(root: Path) -> Status:
+def status_of(root: Root) -> Status:
     """Count what a dataset has.
 
     Args:
-        root: Its folder.
+        root: Its folder, or a URL.
 
     Raises:
         InputError: There is no dataset.
     """
-    store = Store(root)
+    with store_at(root) as store:
+        bring_all(store)
+        return _counted(root, store)
+
+
+def _counted(root: Root, store: Store) -> Status:
     units, finished = 0, 0
     failures: list[Failure] = []
     faults: Counter[str] = Counter()

@@ -30,12 +30,15 @@ from openrooms_usd.dataset.records import (
     ViewRecord,
     read_record,
 )
+from openrooms_usd.dataset.shelf import Shelf
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.render.folder import MANIFEST
 from openrooms_usd.untrusted import opened, read_text
 
 FILE: Final = "dataset.yaml"
 PLAN: Final = "plan.jsonl"
+# Lists of what may be removed again, and what one process keeps for others of this machine.
+_OWN: Final = ".orusd."
 _REMEDY: Final = "run it again: what is damaged is made anew"
 
 
@@ -43,11 +46,27 @@ class Store:
     """The folder of a dataset.
 
     Args:
-        root: The folder.
+        root: The folder; where the dataset lies behind a URL, what of it is here.
+        shelf: What is behind the URL.
     """
 
-    def __init__(self, root: Path) -> None:
-        self.root = root
+    def __init__(self, root: Path, shelf: Shelf | None = None) -> None:
+        self.root, self.shelf = root, shelf
+
+    def name_of(self, path: Path) -> str:
+        """What a path in the folder is called, with forward slashes."""
+        return path.relative_to(self.root).as_posix()
+
+    def put(self, paths: Iterable[Path]) -> None:
+        """Put files, or all in folders but what only programs here need, behind the URL, if any.
+
+        Raises:
+            OutputError: It cannot be done.
+        """
+        if self.shelf is not None:
+            found = (f for path in paths for f in (path.rglob("*") if path.is_dir() else [path]))
+            names = (self.name_of(path) for path in found if path.is_file())
+            self.shelf.put(self.root, (name for name in names if f"/{_OWN}" not in f"/{name}"))
 
     @property
     def file(self) -> Path:
@@ -61,7 +80,18 @@ class Store:
             InputError: A room of it is not there.
             OutputError: It cannot be written.
         """
-        return write_lines(self.root / PLAN, lines(jobs))
+        count = write_lines(self.root / PLAN, lines(jobs))
+        self.put([self.root / PLAN])
+        return count
+
+    def share(self, job: Job, record: Record) -> None:
+        """Say what the views of a job share: all that it names is there.
+
+        Raises:
+            OutputError: It cannot be said.
+        """
+        self.put([self.scene(job), self.render(job)])
+        self._say(self.record_path(job, SCENE), {"key": job.key, **record})
 
     def jobs(self) -> Iterator[Job]:
         """The jobs of the plan.
@@ -124,10 +154,28 @@ class Store:
         Raises:
             OutputError: It cannot be said.
         """
-        write_json(self.timing_path(job, view), {"key": job.key, **timing})
-        write_json(self.record_path(job, view_name(view)), {"key": job.key, **record})
-        with writing(self.failure_path(job, view)):
-            removal.remove_file(self.failure_path(job, view))
+        self._put_view(job, view, record)
+        self._say(self.timing_path(job, view), {"key": job.key, **timing})
+        self._say(self.record_path(job, view_name(view)), {"key": job.key, **record})
+        failure = self.failure_path(job, view)
+        with writing(failure):
+            removal.remove_file(failure)
+        if self.shelf is not None:
+            self.shelf.remove([self.name_of(failure)])
+
+    def _put_view(self, job: Job, view: int, record: Record) -> None:
+        """Put the files of a view behind the URL instead of what lies there; none stays here."""
+        if self.shelf is not None:
+            folder = self.render(job) / view_name(view)
+            before = self.shelf.names(f"{self.name_of(folder)}/")
+            self.put([folder])
+            removal.remove_tree(folder)
+            known = {f"{self.name_of(self.render(job))}/{name}" for name in record["files"]}
+            self.shelf.remove(name for name in before if name not in known)
+
+    def _say(self, path: Path, data: Mapping[str, Any]) -> None:
+        write_json(path, data)
+        self.put([path])
 
     def fail(self, job: Job, view: int, reason: Record) -> int:
         """Say why a view could not be made; how often it has been tried by now.
@@ -137,7 +185,7 @@ class Store:
         """
         before = self.failure(job, view) or {}
         attempts = int(before.get("attempts", 0)) + 1
-        write_json(self.failure_path(job, view), {"key": job.key, "attempts": attempts, **reason})
+        self._say(self.failure_path(job, view), {"key": job.key, "attempts": attempts, **reason})
         return attempts
 
     def digests(self, job: Job, *inner: str) -> dict[str, dict[str, Any]]:

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 from openrooms_usd.dataset.plan import Job, view_name
+from openrooms_usd.dataset.records import Record
+from openrooms_usd.dataset.scratch import Root, bring_all, brought, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
@@ -42,7 +43,7 @@ class Verification:
         unfinished: How many views of the plan are not finished.
     """
 
-    root: Path
+    root: Root
     views: int
     files: int
     damages: tuple[Damage, ...]
@@ -59,17 +60,22 @@ class Verification:
         }
 
 
-def verify(root: Path, progress: Progress = silent) -> Verification:
+def verify(root: Root, progress: Progress = silent) -> Verification:
     """Compare all files of a dataset with their records.
 
     Args:
-        root: Its folder.
+        root: Its folder, or a URL.
         progress: Called with each room and the finished fraction.
 
     Raises:
         InputError: There is no dataset.
     """
-    store = Store(root)
+    with store_at(root) as store:
+        bring_all(store)
+        return _verified(root, store, progress)
+
+
+def _verified(root: Root, store: Store, progress: Progress) -> Verification:
     views = files = unfinished = 0
     damages: list[Damage] = []
     total = sum(1 for _ in store.jobs())
@@ -79,13 +85,18 @@ def verify(root: Path, progress: Progress = silent) -> Verification:
         unfinished += len(job.views) - len(records)
         if not records:
             continue
-        for view, record in records.items():
-            views, files = views + 1, files + len(record["files"])
-            damages += _compared(store, job, record["files"], view_name(view))
-        shared = store.scene_record(job)
-        damages += _compared(store, job, shared["files"]) if shared else [_no_record(job)]
-        damages += _manifest(store, job)
+        views, files = views + len(records), files + sum(len(r["files"]) for r in records.values())
+        with brought(store, job):
+            damages += _damages(store, job, records)
     return Verification(root, views, files, tuple(sorted(damages)), unfinished)
+
+
+def _damages(store: Store, job: Job, records: Mapping[int, Record]) -> Iterator[Damage]:
+    for view, record in records.items():
+        yield from _compared(store, job, record["files"], view_name(view))
+    shared = store.scene_record(job)
+    yield from _compared(store, job, shared["files"]) if shared else [_no_record(job)]
+    yield from _manifest(store, job)
 
 
 def _compared(

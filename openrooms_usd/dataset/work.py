@@ -18,9 +18,9 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
 from openrooms_usd.dataset.quality import look_at
-from openrooms_usd.dataset.records import SCENE
+from openrooms_usd.dataset.scratch import Root, root_of, store_at
 from openrooms_usd.dataset.shots import Shot, shot, shots_of
-from openrooms_usd.dataset.store import Store, write_json
+from openrooms_usd.dataset.store import Store
 from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
@@ -42,20 +42,20 @@ FAILED: Final = "failed"
 ReportRow = tuple[str, Any, str]
 
 
-def task_of(job: Job, dataset: Dataset, root: Path, threads: int) -> Task:
+def task_of(job: Job, dataset: Dataset, root: Root, threads: int) -> Task:
     """A job as plain data, with all that a worker must know.
 
     Args:
         job: The job; its views are those that are to be made.
         dataset: What it is of.
-        root: The dataset's folder.
+        root: Where the dataset lies.
         threads: How many threads it may use.
     """
     return {
         "job": job.as_dict(),
         "dataset": dataset.model_dump(mode="json", by_alias=True),
         "folder": str(dataset.folder.absolute()),
-        "root": str(root.absolute()),
+        "root": str(root.absolute()) if isinstance(root, Path) else root,
         "threads": threads,
         "code": code_of(dataset.rendering.renderer),
     }
@@ -74,9 +74,10 @@ def work(task: Task) -> Iterator[Told]:
             while left:
                 yield {"event": BEGUN, "view": left[0]}
                 yield room.attempt(left.pop(0))
-            # All views that are finished by now, not these alone.
-            views = tuple(range(room.dataset.views.units))
-            room.store.write_manifest(replace(job, views=views))
+            if room.store.shelf is None:
+                # All views that are finished by now, not these alone.
+                views = tuple(range(room.dataset.views.units))
+                room.store.write_manifest(replace(job, views=views))
     except Exception as error:
         # Where the room itself fails, none of its views can be made.
         yield from ({"event": FAILED, "view": view, "reason": reason_of(error)} for view in left)
@@ -128,7 +129,8 @@ class _OpenRoom:
         from openrooms_usd.usd.diagnostics import quiet
 
         held.enter_context(quiet())
-        store, dataset = Store(Path(task["root"])), Dataset.model_validate(task["dataset"])
+        store = held.enter_context(store_at(root_of(task["root"])))
+        dataset = Dataset.model_validate(task["dataset"])
         if code_of(dataset.rendering.renderer) != task["code"]:
             raise InputError(
                 "this machine has other code than the one that planned the dataset",
@@ -161,14 +163,13 @@ class _OpenRoom:
                 write_openings(beside, self.opened.lights)
         found = sorted({one.licence for one in licences(self.opened.stage)})
         record = {
-            "key": job.key,
             "type": kind,
             "entry": self.opened.entry(),
             "report": self.opened.report.as_dict(),
             "licences": found,
             "files": self.store.digests(job, OPENINGS_FOLDER),
         }
-        write_json(self.store.record_path(job, SCENE), record)
+        self.store.share(job, record)
 
     def attempt(self, view: int) -> Told:
         """Make one view; what became of it."""

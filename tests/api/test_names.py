@@ -14,7 +14,7 @@ import openrooms_usd as ou
 
 ASKED = {
     "bake", "compose", "convert", "dataset", "generate", "import_capture", "load", "open", "probe",
-    "relight", "render", "simulate",
+    "relight", "render", "run_dataset", "simulate",
 }  # fmt: skip
 FUNCTIONS = [name for name in dir(ou) if inspect.isfunction(getattr(ou, name))]
 
@@ -77,7 +77,8 @@ def test_a_function_explains_itself(name: str) -> None:
 def test_what_takes_long_tells_its_progress_in_one_way(name: str) -> None:
     parameters = inspect.signature(getattr(ou, name)).parameters
     takes_long = name in {
-        "bake", "compare", "compose", "dataset", "probe", "render", "render_path", "simulate",
+        "bake", "compare", "compose", "dataset", "probe", "render", "render_path", "run_dataset",
+        "simulate",
     }  # fmt: skip
     assert ("progress" in parameters) == takes_long
     if takes_long:

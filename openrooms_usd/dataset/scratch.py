@@ -1,0 +1,165 @@
+"""A dataset behind a URL, as a store on this machine: what is read is brought, what is written put.
+
+The records of a dataset are small and are brought all; the renders of a job only as long as they
+are needed. A scratch folder goes with its process; what one that was killed has left is removed by
+the next one that makes a scratch folder on that machine.
+"""
+
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final
+
+from openrooms_usd import claims, removal
+from openrooms_usd.dataset.lease import leased
+from openrooms_usd.dataset.plan import Job, view_name
+from openrooms_usd.dataset.records import SCENE
+from openrooms_usd.dataset.shelf import Shelf
+from openrooms_usd.dataset.store import FILE, PLAN, Store
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.folder import check_writable
+
+Root = Path | str
+"""Where a dataset lies: a folder, or a URL."""
+
+_PREFIX: Final = "orusd.scratch."
+_LOCK: Final = ".orusd.lock"
+
+
+def root_of(text: str | os.PathLike[str]) -> Root:
+    """A folder, or a URL where it reads like one."""
+    given = os.fspath(text)
+    return given if "://" in given else Path(given)
+
+
+@contextmanager
+def store_at(root: Root) -> Iterator[Store]:
+    """The store of a dataset, wherever it lies; from a URL nothing is brought yet.
+
+    Raises:
+        InputError: It is no URL that anybody knows.
+        MissingPackageError: What such URLs need is not installed.
+    """
+    if isinstance(root, Path):
+        yield Store(root)
+        return
+    shelf = Shelf(root)
+    with _scratch() as folder:
+        yield Store(folder, shelf)
+
+
+def bring_all(store: Store) -> None:
+    """Have the plan and all that is known of its units here.
+
+    Raises:
+        InputError: There is no dataset, or it cannot be read.
+    """
+    if store.shelf is None:
+        return
+    store.shelf.get([FILE, PLAN], store.root)
+    if not (store.root / PLAN).is_file():
+        raise InputError(
+            "no dataset is there", place=store.shelf.url, remedy="give the URL of a dataset"
+        )
+    bring_known(store)
+
+
+def bring_known(store: Store) -> None:
+    """Have all that is known of the units of the plan here.
+
+    Raises:
+        InputError: It cannot be read.
+    """
+    if store.shelf is not None:
+        names = (name for job in store.jobs() for name in _known(store, job, job.views))
+        store.shelf.get(names, store.root)
+
+
+def bring_unit(store: Store, job: Job, view: int) -> None:
+    """Have what is known of a view here, which somebody else has made.
+
+    Raises:
+        InputError: It cannot be read.
+    """
+    if store.shelf is not None:
+        store.shelf.get(_known(store, job, (view,)), store.root)
+
+
+@contextmanager
+def brought(store: Store, *jobs: Job) -> Iterator[None]:
+    """Have the renders of jobs here, as long as the block lasts.
+
+    Raises:
+        InputError: They cannot be read.
+    """
+    if store.shelf is None:
+        yield
+        return
+    try:
+        for job in jobs:
+            store.shelf.get_all(f"renders/{job.name}/", store.root)
+        yield
+    finally:
+        for job in jobs:
+            removal.remove_tree(store.render(job))
+
+
+def _known(store: Store, job: Job, views: tuple[int, ...]) -> Iterator[str]:
+    """The names of all that is known of views of a job."""
+    yield store.name_of(store.record_path(job, SCENE))
+    for view in views:
+        yield store.name_of(store.record_path(job, view_name(view)))
+        yield store.name_of(store.failure_path(job, view))
+        yield store.name_of(store.timing_path(job, view))
+
+
+@contextmanager
+def to_oneself(root: Root) -> Iterator[tuple[Store, Callable[[], None]]]:
+    """Have a dataset to oneself.
+
+    Yields:
+        Its store, with the file that it was made by; and what raises `OutputError` when somebody
+        else has taken it over meanwhile.
+
+    Raises:
+        OutputError: Another run has it, or it cannot be written.
+    """
+    with store_at(root) as store:
+        if store.shelf is None:
+            check_writable(store.root)
+            with claims.locked(store.root):
+                yield store, lambda: None
+        else:
+            with leased(store.shelf) as lease:
+                store.shelf.get([FILE], store.root)
+                yield store, lease.check
+
+
+@contextmanager
+def _scratch() -> Iterator[Path]:
+    """An empty folder, locked as long as its process lives."""
+    from filelock import FileLock
+
+    home = Path(tempfile.gettempdir())
+    _sweep(home)
+    folder = Path(tempfile.mkdtemp(prefix=_PREFIX))
+    with FileLock(folder / _LOCK):
+        try:
+            yield folder
+        finally:
+            removal.remove_tree(folder)
+
+
+def _sweep(home: Path) -> None:
+    """Remove the scratch folders of this user's processes that are gone."""
+    from filelock import FileLock, Timeout
+
+    for folder in home.glob(f"{_PREFIX}*"):
+        with suppress(OSError, Timeout):
+            lock = folder / _LOCK
+            if folder.is_symlink() or folder.stat().st_uid != os.getuid() or not lock.is_file():
+                continue
+            with FileLock(lock, timeout=0):
+                removal.remove_tree(folder)

@@ -1,0 +1,200 @@
+"""Files of a dataset behind a URL: each comes whole or not at all, and in the order they are put.
+
+Any URL of fsspec will do, such as ``s3://bucket/name``. Who may read and write there is known from
+where its package looks, as the environment; nothing of it is written anywhere.
+"""
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+from openrooms_usd import atomic
+from openrooms_usd.errors import InputError, MissingPackageError, OutputError
+from openrooms_usd.untrusted import inside
+
+# Files that are asked for at once: so many answers are kept in memory.
+_BATCH: Final = 256
+
+Item = TypeVar("Item")
+
+
+class Shelf:
+    """What lies below a URL.
+
+    Args:
+        url: The URL; names of files are relative to it, with forward slashes.
+
+    Raises:
+        InputError: It is no URL that anybody knows.
+        MissingPackageError: fsspec, or what it needs for such URLs, is not installed.
+    """
+
+    def __init__(self, url: str) -> None:
+        self.url = url.rstrip("/")
+        self._system, root = _system(self.url, os.getpid())
+        self._root = root.rstrip("/")
+
+    def put(self, folder: Path, names: Iterable[str]) -> None:
+        """Put files of a folder there; which of them comes first is open.
+
+        Raises:
+            OutputError: It cannot be done.
+        """
+        for batch in _batches(names):
+            with self._writing():
+                self._system.put([str(folder / name) for name in batch], self._paths(batch))
+
+    def put_text(self, name: str, text: str, *, new: bool = False) -> bool:
+        """Put a file there.
+
+        Args:
+            name: Its name.
+            text: What it says.
+            new: Whether it must not be there yet. Where the server knows no such condition
+                (``If-None-Match``), it is looked for before.
+
+        Returns:
+            Whether it could be put: one that must be new may be there.
+
+        Raises:
+            OutputError: It cannot be done.
+        """
+        path, data = f"{self._root}/{name}", text.encode()
+        with self._writing():
+            if not new:
+                self._system.pipe_file(path, data)
+                return True
+            if self._system.exists(path):
+                return False
+            try:
+                self._system.pipe_file(path, data, mode="create")
+            except FileExistsError:
+                return False
+            except OSError as error:
+                # So s3fs tells of a precondition that failed.
+                if "PreconditionFailed" not in str(error) and "pre-conditions" not in str(error):
+                    raise
+                return False
+        return True
+
+    def read(self, name: str) -> bytes | None:
+        """A whole file; None where there is none.
+
+        Raises:
+            InputError: It cannot be read.
+        """
+        found: bytes | None = None
+        with self._reading(), suppress(FileNotFoundError):
+            found = self._system.cat_file(f"{self._root}/{name}")
+        return found
+
+    def get(self, names: Iterable[str], folder: Path) -> None:
+        """Bring small files into a folder; those that are not there are left out.
+
+        Raises:
+            InputError: One cannot be read.
+            OutputError: The folder cannot be written.
+        """
+        for batch in _batches(names):
+            with self._reading():
+                found = self._system.cat(self._paths(batch), on_error="return")
+            for name, path in zip(batch, self._paths(batch), strict=True):
+                data = found[path]
+                if isinstance(data, bytes):
+                    atomic.write_bytes(inside(folder, name), data)
+                elif not isinstance(data, FileNotFoundError):
+                    raise self._unreadable(data) from data
+
+    def get_all(self, prefix: str, folder: Path) -> None:
+        """Bring all that lies below a name into a folder.
+
+        Raises:
+            InputError: One cannot be read.
+        """
+        for batch in _batches(self.names(prefix)):
+            targets = [inside(folder, name) for name in batch]
+            for target in targets:
+                target.parent.mkdir(parents=True, exist_ok=True)
+            with self._reading():
+                self._system.get(self._paths(batch), [str(target) for target in targets])
+
+    def names(self, prefix: str) -> list[str]:
+        """The names of all files below a name.
+
+        Raises:
+            InputError: They cannot be listed.
+        """
+        with self._reading():
+            found = self._system.find(f"{self._root}/{prefix}")
+        return sorted(path.removeprefix(f"{self._root}/") for path in found)
+
+    def remove(self, names: Iterable[str]) -> None:
+        """Remove files; those that are not there are left out.
+
+        Raises:
+            OutputError: One cannot be removed.
+        """
+        for path in self._paths(list(names)):
+            with self._writing(), suppress(FileNotFoundError):
+                self._system.rm_file(path)
+
+    def _paths(self, names: list[str]) -> list[str]:
+        return [f"{self._root}/{name}" for name in names]
+
+    @contextmanager
+    def _reading(self) -> Iterator[None]:
+        try:
+            yield
+        except FileNotFoundError:
+            raise
+        # What stands behind a URL raises what it likes.
+        except Exception as error:
+            raise self._unreadable(error) from error
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        try:
+            yield
+        except FileNotFoundError as error:
+            raise OutputError(
+                f"cannot write: {error}", place=self.url, remedy="make the bucket first"
+            ) from error
+        except Exception as error:
+            raise OutputError(
+                f"cannot write: {error}", place=self.url, remedy="check the URL and who may write"
+            ) from error
+
+    def _unreadable(self, error: BaseException) -> InputError:
+        remedy = "check the URL and who may read"
+        return InputError(f"cannot read: {error}", place=self.url, remedy=remedy)
+
+
+def _batches(items: Iterable[Item]) -> Iterator[list[Item]]:
+    batch: list[Item] = []
+    for item in items:
+        batch.append(item)
+        if len(batch) == _BATCH:
+            yield batch
+            batch = []
+    if batch:
+        yield batch
+
+
+@lru_cache(maxsize=8)
+def _system(url: str, process: int) -> tuple[Any, str]:
+    """The file system of a URL, one for each process: connections do not survive a fork."""
+    try:
+        import fsspec
+
+        system, root = fsspec.core.url_to_fs(url, use_listings_cache=False)
+    except ImportError as error:
+        raise MissingPackageError(
+            f"{url} needs a package that cannot be imported ({error})",
+            remedy="pip install openrooms-usd[remote]",
+        ) from error
+    except ValueError as error:
+        raise InputError(f"no URL that files can be put to: {error}", place=url) from error
+    return system, root

@@ -1,0 +1,220 @@
+"""Datasets behind a URL: on a server of objects, killed and begun again, with the same bytes."""
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from openrooms_usd.dataset import lease as leases
+from openrooms_usd.dataset.lease import Lease, leased
+from openrooms_usd.dataset.scratch import root_of, store_at
+from openrooms_usd.dataset.shelf import Shelf
+from openrooms_usd.dataset.status import status_of
+from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
+from openrooms_usd.errors import InputError, MissingPackageError, OutputError
+
+pytest.importorskip("fsspec")
+
+BUCKET = "s3://bucket"
+_PATIENCE_S = 60.0
+
+Start = Callable[..., subprocess.Popen[str]]
+Checksums = Callable[[Path], dict[str, str]]
+
+
+@pytest.fixture
+def shelf(tmp_path: Path) -> Shelf:
+    """A shelf in memory, which knows no conditions."""
+    return Shelf(f"memory://{tmp_path.name}")
+
+
+def test_what_is_put_is_read_again(shelf: Shelf, tmp_path: Path) -> None:
+    here, there = tmp_path / "here", tmp_path / "there"
+    (here / "a b").mkdir(parents=True)
+    (here / "a b" / "[1].txt").write_text("one")
+    shelf.put(here, ["a b/[1].txt"])
+    assert shelf.put_text("two.txt", "two")
+    assert shelf.names("") == ["a b/[1].txt", "two.txt"]
+    assert (shelf.read("two.txt"), shelf.read("three.txt")) == (b"two", None)
+    shelf.get(["two.txt", "three.txt"], there)
+    assert sorted(path.name for path in there.rglob("*")) == ["two.txt"]
+    shelf.get_all("a b/", there)
+    assert (there / "a b" / "[1].txt").read_text() == "one"
+    shelf.remove(["two.txt", "three.txt"])
+    assert shelf.names("") == ["a b/[1].txt"]
+
+
+def test_names_that_leave_the_folder_are_refused(shelf: Shelf, tmp_path: Path) -> None:
+    shelf.put_text("../out.txt", "out")
+    with pytest.raises(InputError, match="leaves the folder"):
+        shelf.get(["../out.txt"], tmp_path / "here")
+
+
+def test_urls_that_nobody_knows_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError, match="not known"):
+        Shelf("nowhere://at/all")
+    monkeypatch.setitem(sys.modules, "fsspec", None)
+    with pytest.raises(MissingPackageError, match="cannot be imported"):
+        Shelf("memory://no-package")
+
+
+def test_a_dataset_that_is_not_there_is_named() -> None:
+    with pytest.raises(InputError, match="no dataset is there"):
+        status_of("memory://not-there")
+    assert root_of("s3://a/b") == "s3://a/b"
+    assert root_of("a/b") == Path("a/b")
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, seconds in (("BEAT_S", 0.05), ("STALE_S", 0.5), ("REST_S", 0.1)):
+        monkeypatch.setattr(leases, name, seconds)
+
+
+@pytest.mark.usefixtures("quick")
+def test_one_run_has_it_at_a_time(shelf: Shelf) -> None:
+    with leased(shelf), pytest.raises(OutputError, match="is making this dataset"):
+        Lease(shelf).take()
+    with leased(shelf) as second:
+        second.check()
+    assert shelf.names("") == []
+
+
+@pytest.mark.usefixtures("quick")
+def test_the_lease_of_the_dead_is_taken_over(shelf: Shelf) -> None:
+    """On another machine once it rests; on this one as soon as its process is gone."""
+    rows = ({"host": "elsewhere", "process": 1}, {"host": socket.gethostname(), "process": 2**22})
+    for row in rows:
+        shelf.put_text(leases.FILE, json.dumps({**row, "run": "x", "beat": 3}))
+        with leased(shelf) as own:
+            own.check()
+
+
+@pytest.mark.usefixtures("quick")
+def test_who_loses_it_is_told(shelf: Shelf) -> None:
+    with leased(shelf) as own:
+        shelf.put_text(leases.FILE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
+        deadline = time.monotonic() + _PATIENCE_S
+        while not own.lost:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        with pytest.raises(OutputError, match="taken this dataset over"):
+            own.check()
+    assert shelf.names("") == [leases.FILE]
+
+
+def test_scratch_goes_and_that_of_the_dead_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    left = tmp_path / "orusd.scratch.left"
+    left.mkdir()
+    (left / ".orusd.lock").touch()
+    with store_at("memory://scratch") as store, store_at("memory://scratch") as other:
+        assert not left.exists()
+        assert store.root != other.root
+        assert store.root.is_dir()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """A server of objects on this machine, with a bucket."""
+    pytest.importorskip("s3fs")
+    pytest.importorskip("moto.server")
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port = probe.getsockname()[1]
+    words = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
+    quiet = subprocess.DEVNULL
+    with pytest.MonkeyPatch.context() as patch, subprocess.Popen(
+        words, stdout=quiet, stderr=quiet
+    ) as process:  # fmt: skip
+        patch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{port}")
+        patch.setenv("AWS_ACCESS_KEY_ID", "nobody")
+        patch.setenv("AWS_SECRET_ACCESS_KEY", "nothing")
+        patch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+        deadline = time.monotonic() + _PATIENCE_S
+        while not answers(port):
+            assert process.poll() is None and time.monotonic() < deadline
+            time.sleep(0.05)
+        Shelf(BUCKET)._system.mkdir("bucket")
+        yield
+        process.terminate()
+
+
+def answers(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("server")
+def test_a_run_behind_a_url_has_the_same_bytes(
+    made: tuple[Path, Path], tmp_path: Path, start: Start, checksums: Checksums
+) -> None:
+    """Killed in the middle, begun again, with another form of files; then damaged."""
+    file, local = made
+    url, shelf = f"{BUCKET}/one", Shelf(f"{BUCKET}/one")
+    first = start(file, url, 2)
+    deadline = time.monotonic() + _PATIENCE_S
+    while not shelf.names("renders/"):
+        assert first.poll() is None and time.monotonic() < deadline
+    os.kill(first.pid, signal.SIGKILL)
+    first.communicate()
+    again = start(file, url, 2)
+    said, wrong = again.communicate()
+    assert (again.returncode, wrong) == (1, "")
+    assert len(json.loads(said)["failed"]) == 4
+    shelf.get_all("", tmp_path / "there")
+    assert checksums(tmp_path / "there") == checksums(local)
+    assert not [name for name in shelf.names("") if "/.orusd." in f"/{name}"]
+
+    assert status_of(url).as_dict() | {"root": 0} == status_of(local).as_dict() | {
+        "root": 0, "failures": status_of(url).as_dict()["failures"],
+    }  # fmt: skip
+    assert verify(url).damages == ()
+
+    home = "renders/room_good/main/view_0"
+    changed, missing, *_ = shelf.names(f"{home}/")
+    shelf.put_text(changed, "no picture")
+    shelf.remove([missing])
+    shelf.put_text(f"{home}/none.txt", "")
+    assert verify(url).damages == tuple(
+        sorted(
+            (Damage(changed, CHANGED), Damage(missing, MISSING), Damage(f"{home}/none.txt", EXTRA))
+        )
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("server")
+def test_other_forms_are_the_same_behind_a_url(
+    made: tuple[Path, Path], tmp_path: Path, start: Start, checksums: Checksums
+) -> None:
+    file, local = made
+    shutil.copytree(local, tmp_path / "local", ignore=shutil.ignore_patterns(".orusd.lock"))
+    shelf = Shelf(f"{BUCKET}/forms")
+    files = [path for path in (tmp_path / "local").rglob("*") if path.is_file()]
+    names = (path.relative_to(tmp_path / "local").as_posix() for path in files)
+    shelf.put(tmp_path / "local", (name for name in names if "/.orusd." not in f"/{name}"))
+    text = file.read_text() + "outputs: [{as: nerf}]\n"
+    other = file.parent / "forms.yaml"
+    other.write_text(text.replace(", poisoned/room.yaml", ""))
+    for out in (tmp_path / "local", shelf.url):
+        process = start(other, out)
+        said, wrong = process.communicate()
+        assert (process.returncode, wrong) == (0, "")
+        done = json.loads(said)
+        assert (done["made"], done["kept"]) == (0, 4)
+    shelf.get_all("", tmp_path / "there")
+    found = checksums(tmp_path / "there")
+    assert any(name.startswith("outputs/nerf/") for name in found)
+    assert found == checksums(tmp_path / "local")
