@@ -61,7 +61,8 @@ class _Crew:
     @property
     def threads(self) -> int:
         """How many threads each worker shall use."""
-        return max(1, int(self.needs["num_cpus"]))
+        cpus: float = self.needs["num_cpus"]
+        return max(1, int(cpus))
 
     def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
         """See `openrooms_usd.dataset.executor.Crew.run`."""
@@ -135,7 +136,7 @@ def _reason(error: Exception) -> str:
 
 def _wished(needs: Needs, workers: int) -> int:
     """The processors of a Ray of one's own: all workers have a place, also on a small machine."""
-    each = needs.get("num_cpus", max(1, (os.cpu_count() or 1) // workers))
+    each: float = needs.get("num_cpus", max(1, (os.cpu_count() or 1) // workers))
     return math.ceil(each * workers)
 
 

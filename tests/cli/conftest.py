@@ -5,12 +5,13 @@ import resource
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
+from tests.disks import disk
 
 MAIN = "from openrooms_usd.cli import main; main()"
 
@@ -110,23 +111,6 @@ def tree(folder: Path) -> dict[str, bytes | None] | None:
         path.relative_to(folder).as_posix(): path.read_bytes() if path.is_file() else None
         for path in folder.rglob("*")
     }
-
-
-@contextmanager
-def disk(folder: Path, *options: str) -> Iterator[Path]:
-    """A disk of its own in memory, mounted at a folder; skips where that is not allowed."""
-    folder.mkdir(exist_ok=True)
-    mounting = ["mount", "-t", "tmpfs", "-o", ",".join(options), "tmpfs", str(folder)]
-    try:
-        done = subprocess.run(mounting, capture_output=True, text=True, check=False)
-    except OSError:
-        pytest.skip("there is no mount")
-    if done.returncode:
-        pytest.skip(f"mounting is not allowed: {done.stderr.strip()}")
-    try:
-        yield folder
-    finally:
-        subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
 class Lab:

@@ -2,8 +2,10 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +15,7 @@ import pytest
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import verify
 from openrooms_usd.render.reading import read_render
+from tests.disks import disk
 
 pytestmark = pytest.mark.slow
 
@@ -22,12 +25,17 @@ Checksums = Callable[[Path], dict[str, str]]
 Start = Callable[..., subprocess.Popen[str]]
 
 
-def kill_when(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
-    """Kill a run as soon as something is there: it has no moment to tidy up."""
+def wait_for(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
+    """Wait until something is there."""
     deadline = time.monotonic() + _PATIENCE_S
     while not any(out.glob(pattern)):
         assert process.poll() is None and time.monotonic() < deadline, pattern
         time.sleep(0.002)
+
+
+def kill_when(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
+    """Kill a run as soon as something is there: it has no moment to tidy up."""
+    wait_for(process, out, pattern)
     os.kill(process.pid, signal.SIGKILL)
     process.communicate()
 
@@ -47,6 +55,40 @@ def test_a_run_that_is_killed_ends_with_the_same_bytes(
     assert json.loads(said)["kept"] == finished >= 1
     assert checksums(out).keys() == checksums(undisturbed).keys()
     assert {k for k, v in checksums(out).items() if checksums(undisturbed)[k] != v} == set()
+
+
+def test_a_clock_that_jumps_changes_nothing(
+    made: tuple[Path, Path],
+    tmp_path: Path,
+    checksums: Checksums,
+    start: Start,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By a year, to and fro, with the real thing: libfaketime between the run and its clock."""
+    if shutil.which("faketime") is None:
+        pytest.skip("there is no faketime")
+    words = ["faketime", "-f", "+0", "printenv", "LD_PRELOAD"]
+    library = subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+    file, undisturbed = made
+    clock, out = tmp_path / "clock", tmp_path / "out"
+    clock.write_text("-365d")
+    with monkeypatch.context() as patch:
+        patch.setenv("LD_PRELOAD", library)
+        patch.setenv("FAKETIME_TIMESTAMP_FILE", str(clock))
+        # What is asked anew each second; a clock of its own counts seconds as before.
+        patch.setenv("FAKETIME_CACHE_DURATION", "1")
+        patch.setenv("FAKETIME_DONT_FAKE_MONOTONIC", "1")
+        patch.setenv("NO_FAKE_STAT", "1")
+        told = subprocess.run([sys.executable, "-c", "import time; print(time.time())"],
+                              capture_output=True, text=True, check=True).stdout  # fmt: skip
+        assert float(told) < time.time() - 300 * 86400
+        process = start(file, out, 2)
+    for pattern, jump in (("scenes/*/*/layers/*", "+365d"), ("records/*/*/view_0.json", "-365d")):
+        wait_for(process, out, pattern)
+        clock.write_text(jump)
+    _, wrong = process.communicate(timeout=10 * _PATIENCE_S)
+    assert process.returncode == 1, wrong
+    assert checksums(out) == checksums(undisturbed)
 
 
 def test_a_poisoned_room_is_recorded_and_the_rest_is_there(made: tuple[Path, Path]) -> None:
@@ -73,3 +115,25 @@ def test_variants_share_their_views_and_what_no_material_changes(
         for channel in ("depth", "instance"):
             assert (view.pixels[channel] == twin.pixels[channel]).all()
         assert (view.pixels["radiance"] != twin.pixels["radiance"]).any()
+
+
+def test_a_full_disk_stops_nothing_for_good(
+    made: tuple[Path, Path], tmp_path: Path, checksums: Checksums, start: Start
+) -> None:
+    """A disk that has room for nothing, for a part, and at last for all."""
+    file, undisturbed = made
+    with disk(tmp_path / "disk", "size=64m") as small:
+        out = small / "out"
+        for spare_kib in (64, 300):
+            room = shutil.disk_usage(small).free
+            (small / "ballast").write_bytes(bytes(room - 1024 * spare_kib))
+            said, wrong = start(file, out).communicate()
+            assert "Traceback" not in said + wrong
+            assert "No space left" in said + wrong
+            (small / "ballast").unlink()
+            assert not (out / "plan.jsonl").exists() or verify(out).damages == ()
+        process = start(file, out)
+        _, wrong = process.communicate()
+        assert process.returncode == 1, wrong
+        assert status_of(out).finished == 4
+        assert checksums(out) == checksums(undisturbed)
