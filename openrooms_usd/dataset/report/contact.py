@@ -3,7 +3,8 @@
 import base64
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import cycle, islice
 from pathlib import Path
@@ -17,6 +18,8 @@ from openrooms_usd.dataset.plan import Job, PlannedRoom, view_name
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import preview_file
+from openrooms_usd.render.previews import preview
+from openrooms_usd.render.reading import read_render
 from openrooms_usd.usd.textures import read_texture
 
 LIGHT: Final = ("denoised", "radiance")
@@ -83,14 +86,28 @@ def channels(store: Store, wanted: Sequence[str]) -> Strip | None:
         wanted: Their names, as far as the view has them.
     """
     for job in store.jobs():
-        for view, record in store.records(job):
-            there = [name for name in wanted if name in record["entry"]["channels"]]
-            title = f"{job.name}/{view_name(view)}"
-            shown = (replace(_picture(store, job, view, [name]), name=name) for name in there)
-            pictures = tuple(p for p in shown if p.data)
+        for view, _ in store.records(job):
+            pictures = tuple(_channel_pictures(store, job, view, wanted))
             if pictures:
-                return Strip(title, pictures)
+                return Strip(f"{job.name}/{view_name(view)}", pictures)
     return None
+
+
+def _channel_pictures(
+    store: Store, job: Job, view: int, wanted: Sequence[str]
+) -> Iterator[Picture]:
+    """Those that are stored, and those that are made of the channels."""
+    try:
+        found = read_render(store.render(job)).views[view_name(view)]
+        for name in wanted:
+            picture = _picture(store, job, view, [name])
+            data = picture.data
+            if not data and name in found.pixels:
+                data = _data(preview(name, found.pixels[name]).pixels)
+            if data:
+                yield Picture(name, f"{name} of {job.name}/{view_name(view)}", data)
+    except (InputError, KeyError):
+        return
 
 
 def spread(rooms: Iterable[PlannedRoom], most: int) -> list[PlannedRoom]:
@@ -129,27 +146,25 @@ def _room_strip(store: Store, room: PlannedRoom, jobs: Sequence[Job], place: int
 
 
 def _picture(store: Store, job: Job, view: int, wanted: Sequence[str]) -> Picture:
+    """The first of some channels that has a stored picture, as far as that can be read."""
     name = f"{job.name}/{view_name(view)}"
     for channel in wanted:
         path = store.render(job) / view_name(view) / preview_file(channel)
-        if path.is_file():
-            return Picture(name, f"{channel} of {name}", _data(path))
+        with suppress(InputError):
+            if path.is_file():
+                return Picture(name, f"{channel} of {name}", _data(read_texture(str(path))))
     return Picture(name, f"{name}: there is no picture of it", "")
 
 
-def _data(path: Path) -> str:
-    """A picture as a small JPEG in an address; empty where it is damaged."""
-    try:
-        small = _reduced(read_texture(str(path)))
-    except InputError:
-        return ""
+def _data(pixels: NDArray[Any]) -> str:
+    """A picture as a small JPEG in an address."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "small.jpg"
-        imagefile.write(file, small, "uint8", _HOW)
+        imagefile.write(file, _reduced(pixels), "uint8", _HOW)
         return f"data:image/jpeg;base64,{base64.b64encode(file.read_bytes()).decode()}"
 
 
-def _reduced(pixels: NDArray[np.float32]) -> NDArray[np.uint8]:
+def _reduced(pixels: NDArray[Any]) -> NDArray[np.uint8]:
     """Three channels of bytes, no wider than `_WIDTH`."""
     import OpenImageIO
 
