@@ -34,7 +34,11 @@ class Form(NamedTuple):
 
 
 def complete(folder: Path, renders: Path, wanted: dict[str, Any]) -> Path:
-    return _run(folder / "complete", wanted)
+    return _run(folder / "complete", {**wanted, "storage": "complete"})
+
+
+def compact(folder: Path, renders: Path, wanted: dict[str, Any]) -> Path:
+    return _run(folder / "compact", {**wanted, "storage": "compact"})
 
 
 def openrooms(folder: Path, renders: Path, wanted: dict[str, Any]) -> Path:
@@ -47,13 +51,14 @@ def openrooms(folder: Path, renders: Path, wanted: dict[str, Any]) -> Path:
 
 FORMS: Final = (
     Form("dataset, complete", None, complete),
+    Form("dataset, compact", None, compact),
     Form("OpenRooms, merged", "openrooms", openrooms),
 )
 
 
 @click.command(help=__doc__)
-@click.option("--rooms", type=int, default=2, show_default=True)
-@click.option("--views", type=int, default=4, show_default=True, help="Of each room.")
+@click.option("--rooms", type=int, default=1, show_default=True)
+@click.option("--views", type=int, default=6, show_default=True, help="Of each room.")
 @click.option("--size", type=(int, int), default=(640, 480), show_default=True)
 @click.option("--samples", type=int, default=4, show_default=True)
 @click.option("--rounds", type=int, default=2, show_default=True, help="That are timed.")

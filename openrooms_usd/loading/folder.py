@@ -10,13 +10,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.channels import CHANNELS
+from openrooms_usd.channels import CHANNELS, definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files, LocalFiles
 from openrooms_usd.loading.sample import Sample, is_label
 from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.render.compact import is_compact
 from openrooms_usd.render.folder import MANIFEST
-from openrooms_usd.render.manifest_schema import Manifest, read_manifest
+from openrooms_usd.render.manifest_schema import Manifest, StoredEntry, ViewEntry, read_manifest
 from openrooms_usd.render.reading import RenderedView
 from openrooms_usd.untrusted import is_plain_name, read_text
 
@@ -146,17 +147,28 @@ def _below(render: str, file: str) -> str:
     return f"{render}/{file}" if render not in ("", ".") else file
 
 
-def _needed(entry: Any, channels: Sequence[str]) -> list[str]:
-    """The files that channels may be in, by what the manifest says: no errors, no plain copies."""
-    scopes = {_scope(name) for name in channels}
-    grids = {name for name in channels if _scope(name) == "grid"}
-    return [
-        path
-        for name, path in (entry.files or {}).items()
-        if not name.endswith("errors")
-        and (name not in CHANNELS or name in grids)
-        and ("lights" not in name or "light" in scopes)
-    ]
+def _needed(entry: ViewEntry, channels: Sequence[str]) -> set[str]:
+    """The files that channels are made of, by what the manifest says."""
+    if not is_compact(entry):
+        grids = {name for name in channels if _scope(name) == "grid"}
+        lights = any(_scope(name) == "light" for name in channels)
+        kinds = {"channels", *grids, *(["lights"] if lights else [])}
+        return {path for kind, path in (entry.files or {}).items() if kind in kinds}
+    known: dict[str, StoredEntry | None] = {}
+    waiting = {name for name in entry.channels if _is_of(name, channels)}
+    while waiting:
+        known |= {name: entry.channels[name].stored for name in waiting & {*entry.channels}}
+        sources = {source for row in known.values() if row for source in row.sources}
+        waiting = (sources - {*known}) & {*entry.channels}
+    return {row.file for row in known.values() if row and row.file}
+
+
+def _is_of(name: str, channels: Sequence[str]) -> bool:
+    """Whether a single image, such as ``direct_3``, is of one of some channels."""
+    try:
+        return definition(name).name in channels
+    except KeyError:  # somebody else's
+        return False
 
 
 def _scope(name: str) -> str:

@@ -93,6 +93,7 @@ variants: [main, mainDiffMat]
 channels: [radiance, depth, position, base_color, instance, valid]
 budget: {samples: 2}
 rendering: {renderer: preview}
+storage: complete
 splits: {train: 0.5, val: 0.5, test: 0.0}
 """
 

@@ -4,6 +4,7 @@ import functools
 import http.server
 import threading
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import RemoteFiles
 from openrooms_usd.loading.opening import open_source
+from tests.loading.conftest import render
 
 fsspec = pytest.importorskip("fsspec")
 
@@ -40,15 +42,23 @@ class Handler(http.server.SimpleHTTPRequestHandler):
         super().do_GET()
 
 
+@contextmanager
+def serving(folder: Path) -> Iterator[Server]:
+    with Server(folder) as found:
+        thread = threading.Thread(target=found.serve_forever)
+        thread.start()
+        try:
+            yield found
+        finally:
+            found.shutdown()
+            thread.join()
+
+
 @pytest.fixture
 def server(dataset: Path) -> Iterator[Server]:
     pytest.importorskip("aiohttp")
-    with Server(dataset) as found:
-        thread = threading.Thread(target=found.serve_forever)
-        thread.start()
+    with serving(dataset) as found:
         yield found
-        found.shutdown()
-        thread.join()
 
 
 def test_http_gives_the_same_views_and_fetches_each_once(
@@ -67,6 +77,38 @@ def test_http_gives_the_same_views_and_fetches_each_once(
     assert len(views) == len(set(views)) == 2
     assert all(path.endswith("/channels.exr") for path in views)
     assert not any(path.endswith(".png") for path in server.asked)
+
+
+def test_of_compact_renders_only_what_is_needed_is_fetched(
+    composed_demo: Path, tmp_path: Path
+) -> None:
+    """What is left out is worked out again, of fewer files."""
+    pytest.importorskip("aiohttp")
+    names = ("radiance", "depth", "distance", "position", "instance")
+    complete, compact = (
+        open_source(
+            render(composed_demo, tmp_path / how, (48, 36), ",".join(names),
+                   "--renderer", "preview", "--camera", "view_0", "--storage", how)
+        )
+        for how in ("complete", "compact")
+    )  # fmt: skip
+    a, b = complete.read(0, names), compact.read(0, names)
+    np.testing.assert_array_equal(a.images["depth"], b.images["depth"])
+    np.testing.assert_array_equal(a.images["instance"], b.images["instance"])
+    np.testing.assert_allclose(a.images["position"], b.images["position"], atol=2e-5)
+    np.testing.assert_allclose(a.images["distance"], b.images["distance"], rtol=1e-5)
+    off = np.abs(a.images["radiance"] - b.images["radiance"])
+    assert 0.0 < off.max() < 0.05 * a.images["radiance"].max()
+    with serving(tmp_path / "compact") as server:
+        there = open_source(server.url, cache=tmp_path / "cache")
+        found = there.read(0, ("position", "instance"))
+        np.testing.assert_array_equal(found.images["position"], b.images["position"])
+        asked = {path for path in server.asked if path.endswith(".exr")}
+        assert asked == {"/view_0/channels.exr"}
+        there.read(0, ("radiance",))
+        assert {path for path in server.asked if path.endswith(".exr")} - asked == {
+            "/view_0/light.exr"
+        }
 
 
 def test_the_cache_is_of_bounded_size(server: Server, dataset: Path, tmp_path: Path) -> None:
