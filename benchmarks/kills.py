@@ -20,28 +20,10 @@ from typing import Final
 import click
 
 from benchmarks.report import publish, table
-from benchmarks.scenes import ORUSD, orusd
+from benchmarks.scenes import ORUSD, SMALL_ROOM, SMALL_ROOM_CAMERAS, orusd
 from openrooms_usd import unfinished
 
-ROOM: Final = """\
-name: small
-room: office
-seed: 3
-layout:
-  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
-  openings:
-    - {kind: window, wall: 0}
-alignment:
-  objects:
-    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
-    - {category: ceiling_lamp, at: [2, 1.5]}
-materials: {resolution: 16}
-cameras:
-  resolution: [16, 12]
-  views:
-    - {name: left, eye: [0.5, 0.5, 1.5], target: [2, 1.5, 1]}
-    - {name: right, eye: [3.5, 0.5, 1.5], target: [2, 1.5, 1]}
-"""
+ROOM: Final = f"{SMALL_ROOM}{SMALL_ROOM_CAMERAS}"
 # Every layer and every texture of it differ from those of ROOM.
 OTHER: Final = ROOM.replace("4, ", "5, ").replace("seed: 3", "seed: 4")
 PHYSICS: Final = f"{ROOM}physics: {{}}\n"

@@ -4,8 +4,33 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 ORUSD = (sys.executable, "-c", "from openrooms_usd.cli import main; main()")
+
+SMALL_ROOM: Final = """\
+name: small
+room: office
+seed: 3
+layout:
+  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
+  openings:
+    - {kind: window, wall: 0}
+alignment:
+  objects:
+    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
+    - {category: ceiling_lamp, at: [2, 1.5]}
+materials: {resolution: 16}
+"""
+"""A room that composes in a moment: small textures, two objects."""
+
+SMALL_ROOM_CAMERAS: Final = """\
+cameras:
+  resolution: [16, 12]
+  views:
+    - {name: left, eye: [0.5, 0.5, 1.5], target: [2, 1.5, 1]}
+    - {name: right, eye: [3.5, 0.5, 1.5], target: [2, 1.5, 1]}
+"""
 
 
 def orusd(*words: object, env: Mapping[str, str] | None = None) -> None:

@@ -19,21 +19,14 @@ _MOST_SHOWN: Final = 20
 _FILE: Final = click.argument("file", type=click.Path(path_type=Path), metavar="DATASET.yaml")
 
 
-class _Root(click.ParamType):
+def _root(text: str) -> "Root":
     """A folder, or a URL."""
+    from openrooms_usd.dataset.scratch import root_of
 
-    name = "DIR|URL"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> "Root":
-        """Read it."""
-        from openrooms_usd.dataset.scratch import root_of
-
-        return root_of(str(value))
+    return root_of(text)
 
 
-_FOLDER: Final = click.argument("folder", type=_Root(), metavar="DIR")
+_FOLDER: Final = click.argument("folder", type=_root, metavar="DIR")
 
 
 class _Commands(click.Group):
@@ -75,7 +68,7 @@ def plan(file: Path, out: Path | None) -> None:
 
 @dataset.command()
 @_FILE
-@click.option("-o", "--out", type=_Root(), required=True,
+@click.option("-o", "--out", type=_root, required=True,
               help="The dataset's folder, or a URL such as s3://bucket/name.")  # fmt: skip
 @click.option("--workers", type=click.IntRange(1, 1024), default=1, show_default=True,
               help="How many rooms are worked on at once.")  # fmt: skip

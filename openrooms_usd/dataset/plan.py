@@ -18,10 +18,10 @@ from typing import Any, Final
 from openrooms_usd import adapters
 from openrooms_usd.categories import registry
 from openrooms_usd.codedigest import code_digest
+from openrooms_usd.dataset.inputs import file_digest, inputs_digest
 from openrooms_usd.description.dataset import SPLITS, Dataset, GeneratedRooms, Split
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import STAGES
-from openrooms_usd.untrusted import opened
 
 # What makes the views of a job, but for what is loaded by name.
 _MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generate")
@@ -42,7 +42,7 @@ class PlannedRoom:
         name: What its folders are called.
         number: Its place among all rooms of the dataset.
         source: What makes it: ``type``, ``seed``, ``clutter`` and ``style`` of a generated room,
-            ``file`` and the ``sha256`` of a described one.
+            ``file`` and its ``sha256`` of a described one, and that of the ``inputs`` it names.
         split: What it is for.
     """
 
@@ -119,7 +119,9 @@ def plan_rooms(dataset: Dataset) -> Iterator[PlannedRoom]:
         for file in rooms.files:
             name = _room_name(file, taken)
             # A room.yaml that is wrong is found when its turn comes: the rest goes on.
-            source = {"file": file, "sha256": _file_digest(dataset, file)}
+            source = {"file": file, "sha256": file_digest(dataset.folder / file)}
+            if inputs := inputs_digest(dataset.folder / file):
+                source["inputs"] = inputs
             yield PlannedRoom(name, number, source, _split(dataset, number))
             number += 1
 
@@ -205,12 +207,6 @@ def _room_name(file: str, taken: dict[str, int]) -> str:
     name = f"room_{plain}"
     taken[name] = taken.get(name, 0) + 1
     return name if taken[name] == 1 else f"{name}_again_{taken[name]}"
-
-
-def _file_digest(dataset: Dataset, file: str) -> str:
-    remedy = "names of files in a dataset.yaml begin in its folder"
-    with opened(dataset.folder / file, "description", remedy=remedy) as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 @cache

@@ -11,30 +11,12 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.scenes import SMALL_ROOM, SMALL_ROOM_CAMERAS
 from tests.disks import disk
 
 MAIN = "from openrooms_usd.cli import main; main()"
 
-# Composes in a moment: small textures, two objects.
-ROOM = """\
-name: small
-room: office
-seed: 3
-layout:
-  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
-  openings:
-    - {kind: window, wall: 0}
-alignment:
-  objects:
-    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
-    - {category: ceiling_lamp, at: [2, 1.5]}
-materials: {resolution: 16}
-cameras:
-  resolution: [16, 12]
-  views:
-    - {name: left, eye: [0.5, 0.5, 1.5], target: [2, 1.5, 1]}
-    - {name: right, eye: [3.5, 0.5, 1.5], target: [2, 1.5, 1]}
-"""
+ROOM = f"{SMALL_ROOM}{SMALL_ROOM_CAMERAS}"
 # Every layer and every texture of it differ from those of ROOM.
 OTHER_ROOM = ROOM.replace("4, ", "5, ").replace("seed: 3", "seed: 4")
 

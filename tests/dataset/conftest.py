@@ -9,21 +9,9 @@ from pathlib import Path
 
 import pytest
 
-ROOM = """\
-name: small
-room: office
-seed: 3
-layout:
-  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
-  openings:
-    - {kind: window, wall: 0}
-alignment:
-  objects:
-    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
-    - {category: ceiling_lamp, at: [2, 1.5]}
-materials: {resolution: 16}
-"""
-POISONED = ROOM.replace("category: chair", "category: chiar")
+from benchmarks.scenes import SMALL_ROOM
+
+POISONED = SMALL_ROOM.replace("category: chair", "category: chiar")
 DATASET = """\
 name: small
 seed: 5
@@ -79,7 +67,7 @@ def write_source_fixture() -> Callable[[Path], Path]:
 
 
 def write_source(folder: Path) -> Path:
-    for name, text in (("good", ROOM), ("poisoned", POISONED)):
+    for name, text in (("good", SMALL_ROOM), ("poisoned", POISONED)):
         (folder / name).mkdir(parents=True)
         (folder / name / "room.yaml").write_text(text)
     (folder / "dataset.yaml").write_text(DATASET)

@@ -113,3 +113,23 @@ def test_mistakes_are_told_with_their_places(tmp_path: Path) -> None:
 def test_an_unknown_renderer_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no renderer is named"):
         planned(tmp_path, GENERATED + "rendering: {renderer: nonsense}\n")
+
+
+def test_files_that_a_room_names_are_in_the_key(tmp_path: Path) -> None:
+    """Of that room alone, and only where its room.yaml is one."""
+    room = "room: office\nlayout: {polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]}\n"
+    texts = {"plain": room, "wrong": f"{room}lights: {{environment: {{fil: sky.exr}}}}\n"}
+    texts["outside"] = f"{room}lights: {{environment: {{file: sky.exr}}}}\n"
+    for name, text in texts.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "room.yaml").write_text(text)
+    dataset = f"rooms: [{{files: [{', '.join(f'{name}/room.yaml' for name in texts)}]}}]\n"
+    keys = []
+    for content in (None, b"one", b"two", b"one"):
+        if content is not None:
+            (tmp_path / "outside" / "sky.exr").write_bytes(content)
+        keys.append([job.key for job in planned(tmp_path, dataset)])
+    plain, wrong, outside = zip(*keys, strict=True)
+    assert len(set(plain)) == len(set(wrong)) == 1
+    assert len(set(outside)) == 3
+    assert outside[1] == outside[3]

@@ -1,0 +1,42 @@
+"""What else than its own text a room.yaml depends on: scans, models, textures, panoramas."""
+
+import hashlib
+from contextlib import suppress
+from pathlib import Path
+
+from openrooms_usd.description import load_room
+from openrooms_usd.errors import OrusdError
+from openrooms_usd.untrusted import opened
+
+
+def file_digest(path: Path) -> str:
+    """The SHA-256 of a file.
+
+    Raises:
+        InputError: It is not there, or cannot be read.
+    """
+    remedy = "names of files in a dataset.yaml begin in its folder"
+    with opened(path, "frames", remedy=remedy) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def inputs_digest(description: Path) -> str | None:
+    """A digest of all files that a room is made of because its room.yaml names them.
+
+    Args:
+        description: The room.yaml.
+
+    Returns:
+        None where there are none; and where the room.yaml is wrong or a file is missing, which is
+        said when the room's turn comes.
+    """
+    from openrooms_usd.stages import runner
+
+    with suppress(OrusdError):
+        room, folder = load_room(description), description.parent
+        names = sorted({name for stage in runner.stages() for name in stage.inputs(room, folder)})
+        digest = hashlib.sha256()
+        for name in names:
+            digest.update(f"{file_digest(folder / name)}  {name}\n".encode())
+        return digest.hexdigest() if names else None
+    return None
