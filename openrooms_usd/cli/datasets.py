@@ -185,14 +185,14 @@ def stats(folder: "Root", as_json: bool) -> None:
 @dataset.command()
 @_FOLDER
 @click.option("-o", "--out", type=click.Path(path_type=Path), metavar="PAGE.html",
-              help="The page; report.html in the dataset's folder by default.")  # fmt: skip
+              help="The page; by default report.html beside the data, or here.")  # fmt: skip
 @click.option("--pictures", type=click.IntRange(1, 1000), default=72, show_default=True,
               help="How many views it shows at most.")  # fmt: skip
 @click.option("--price", type=click.FloatRange(0.0), metavar="MONEY",
               help="What an hour of a core costs: the page says what 1,000 views do.")  # fmt: skip
 @json_option
 def report(
-    folder: Path, out: Path | None, pictures: int, price: float | None, as_json: bool
+    folder: "Root", out: Path | None, pictures: int, price: float | None, as_json: bool
 ) -> None:
     """Write a page for browsers: views, what they show, errors, cost, failures, licences.
 
@@ -200,7 +200,7 @@ def report(
     """
     from openrooms_usd.dataset.report.page import write_report
 
-    page = out or folder / "report.html"
+    page = out or (folder if isinstance(folder, Path) else Path()) / "report.html"
     done = write_report(folder, page, pictures=pictures, price=price)
     if as_json:
         print_json(done.as_dict())

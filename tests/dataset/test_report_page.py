@@ -65,6 +65,14 @@ def test_every_section_is_there_and_has_what_belongs_into_it(page: Page) -> None
     assert {"office", "chair", "main", "wood"} <= {*words}
 
 
+def test_behind_a_url_it_is_the_same_page(report: Path, tmp_path: Path) -> None:
+    pytest.importorskip("fsspec")
+    again = tmp_path / "again.html"
+    done = orusd("dataset", "report", report.parent.as_uri(), "-o", again, "--price", 0.04)
+    assert done.returncode == 0, done.stderr
+    assert again.read_bytes() == report.read_bytes()
+
+
 def test_names_in_the_page_are_its_own(page: Page) -> None:
     ids = page.evaluate("[...document.querySelectorAll('[id]')].map(e => e.id)")
     assert len(ids) == len({*ids})

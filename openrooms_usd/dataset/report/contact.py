@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from openrooms_usd import imagefile
 from openrooms_usd.dataset.plan import Job, PlannedRoom, view_name
+from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.folder import preview_file
+from openrooms_usd.render.folder import MANIFEST, preview_file
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.reading import read_render
 from openrooms_usd.usd.textures import read_texture
@@ -67,7 +68,8 @@ def variants(store: Store, most: int) -> list[Strip]:
     jobs: dict[int, list[Job]] = defaultdict(list)
     rooms: dict[int, PlannedRoom] = {}
     for job in store.jobs():
-        if store.render(job).is_dir():
+        # Nobody has begun the others.
+        if store.record_path(job, SCENE).is_file():
             rooms[job.room.number] = job.room
             jobs[job.room.number].append(job)
     across = max(map(len, jobs.values()), default=1)
@@ -97,8 +99,12 @@ def _channel_pictures(
     store: Store, job: Job, view: int, wanted: Sequence[str]
 ) -> Iterator[Picture]:
     """Those that are stored, and those that are made of the channels."""
+    render, folder = store.render(job), store.render(job) / view_name(view)
     try:
-        found = read_render(store.render(job)).views[view_name(view)]
+        if store.shelf is not None:
+            store.shelf.get([store.name_of(render / MANIFEST)], store.root)
+            store.shelf.get_all(f"{store.name_of(folder)}/", store.root)
+        found = read_render(render).views[view_name(view)]
         for name in wanted:
             picture = _picture(store, job, view, [name])
             data = picture.data
@@ -151,6 +157,8 @@ def _picture(store: Store, job: Job, view: int, wanted: Sequence[str]) -> Pictur
     for channel in wanted:
         path = store.render(job) / view_name(view) / preview_file(channel)
         with suppress(InputError):
+            if store.shelf is not None:
+                store.shelf.get([store.name_of(path)], store.root)
             if path.is_file():
                 return Picture(name, f"{channel} of {name}", _data(read_texture(str(path))))
     return Picture(name, f"{name}: there is no picture of it", "")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from openrooms_usd import atomic
 from openrooms_usd.dataset.records import Record
 from openrooms_usd.dataset.report import charts, contact, sections, wording
+from openrooms_usd.dataset.scratch import Root, bring_all, store_at
 from openrooms_usd.dataset.stats import Stats, stats_of
 from openrooms_usd.dataset.status import Status, status_of
 from openrooms_usd.dataset.store import Store
@@ -49,14 +50,14 @@ class ReportSummary:
 
 
 def write_report(
-    root: Path, out: Path, *, pictures: int = MOST_PICTURES, price: float | None = None
+    root: Root, out: Path, *, pictures: int = MOST_PICTURES, price: float | None = None
 ) -> ReportSummary:
     """Write the report of a dataset: one HTML page that loads nothing else.
 
     The same dataset gives the same bytes; seconds are those of its timing files.
 
     Args:
-        root: The dataset's folder.
+        root: The dataset's folder, or a URL.
         out: The page; it appears whole or not at all.
         pictures: How many views it shows at most.
         price: Of an hour of a core, in any money.
@@ -68,26 +69,29 @@ def write_report(
     """
     charts.check_installed()
     template = _environment().get_template(_TEMPLATE)
-    stats, status, store = stats_of(root), status_of(root), Store(root)
-    strips = contact.variants(store, pictures)
-    text = template.render(
-        title=_title(store),
-        facts=list(_facts(stats, status)),
-        strips=strips,
-        channels=contact.channels(store, MAIN),
-        contents=_numbered("contents", *sections.contents(stats)),
-        errors=_numbered("errors", sections.errors_chart(stats)),
-        phases=_numbered("phases", sections.phases_chart(stats)),
-        per_channel=sections.channels_table(stats),
-        cost=sections.cost_table(stats, price),
-        faults=sections.counts_table(stats.faults, "fault", "views"),
-        rejected=sections.rejected_table(status.rejected),
-        failures=sections.failures_table(status.failures),
-        splits=sections.counts_table(stats.splits, "split", "rooms"),
-        licences=sections.counts_table(stats.licences, "licence", "rooms"),
-        made_by=list(_made_by(store)),
-        file=_file(store),
-    )
+    with store_at(root) as store:
+        bring_all(store)
+        # What is known of the views is here now, wherever they are.
+        stats, status = stats_of(store.root), status_of(store.root)
+        strips = contact.variants(store, pictures)
+        text = template.render(
+            title=_title(store),
+            facts=list(_facts(stats, status)),
+            strips=strips,
+            channels=contact.channels(store, MAIN),
+            contents=_numbered("contents", *sections.contents(stats)),
+            errors=_numbered("errors", sections.errors_chart(stats)),
+            phases=_numbered("phases", sections.phases_chart(stats)),
+            per_channel=sections.channels_table(stats),
+            cost=sections.cost_table(stats, price),
+            faults=sections.counts_table(stats.faults, "fault", "views"),
+            rejected=sections.rejected_table(status.rejected),
+            failures=sections.failures_table(status.failures),
+            splits=sections.counts_table(stats.splits, "split", "rooms"),
+            licences=sections.counts_table(stats.licences, "licence", "rooms"),
+            made_by=list(_made_by(store)),
+            file=_file(store),
+        )
     atomic.write_text(out, text)
     shown = sum(bool(picture.data) for strip in strips for picture in strip.pictures)
     return ReportSummary(out, status.finished, shown, len(text.encode()))
