@@ -2,10 +2,10 @@
 
 ``dataset`` is the story of a conversion. What writes: ``layout`` (where every file lies), ``frame``
 (a view on its way), ``framefiles`` and ``lightfiles`` (tables of what each file is made of),
-``cameras``, ``lights`` and ``unoccluded``, and the forms ``rgbe``, ``images``, ``binary``,
-``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code with the
-writers, and opens pickles by the core's ``unpickling``; ``loading`` offers what it reads as views
-for training.
+``cameras``, ``lights``, ``unoccluded`` and ``depthshadows``, and the forms ``rgbe``, ``images``,
+``binary``, ``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code
+with the writers, and opens pickles by the core's ``unpickling``; ``loading`` offers what it reads
+as views for training.
 
 ``scenes`` reads the release's scene files as an importer, and writes them as an exporter.
 

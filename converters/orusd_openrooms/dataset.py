@@ -21,7 +21,7 @@ from orusd_openrooms.cautions import cautions
 from orusd_openrooms.crowding import too_many_of, without
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
-from orusd_openrooms.layout import SHARED_INTRINSICS, SPLITS, Place
+from orusd_openrooms.layout import SHARED, SHARED_INTRINSICS, SPLITS, Place
 from orusd_openrooms.pickles import write_pickled
 from orusd_openrooms.records import lights_of
 
@@ -68,6 +68,7 @@ class OpenRoomsDataset:
                     place = Place(beside, options.scene, split, options.layout)
                     frames[split] = _write_split(place, render, options, crowded, missing, finished)
                     _write_cameras(place, root, render, options.first, kept)
+                _write_scenes(beside, renders, options)
                 _write_lists(beside, root, options)
                 files = (path for path in beside.rglob("*") if path.is_file())
                 written = {path.relative_to(beside) for path in files}
@@ -125,6 +126,18 @@ def _write_cameras(
         cameras.write_intrinsics(place.root / place.split / place.scene / "intrinsic.txt", K)
 
 
+def _write_scenes(root: Path, renders: Sequence[RenderedScene], options: DatasetOptions) -> None:
+    """The rooms of which there are stages: meshes, materials, lights, and the file of all."""
+    from openrooms_usd.usd.layers import open_stage
+    from orusd_openrooms.scenes.export import Film, add_scene
+
+    for split, render, file in zip(options.splits, renders, options.stages, strict=False):
+        view = next(iter(render.views.values()))
+        fov = float(2.0 * np.degrees(np.arctan(0.5 * view.width / view.K[0, 0])))
+        film = Film(fov, (view.width, view.height))
+        add_scene(open_stage(file), root, options.scene, split, film)
+
+
 def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
     """``train.txt``, ``val.txt`` and ``test.txt``: the scene stands in one of them."""
     for name in _LISTS:
@@ -143,7 +156,7 @@ def _refuse_to_replace(root: Path, written: Iterable[Path], known: ledger.Ledger
     Raises:
         OutputError: There are others.
     """
-    inner = sorted(path for path in written if len(path.parts) > 1)
+    inner = sorted(path for path in written if len(path.parts) > 1 and path.parts[0] != SHARED)
     there = (root / path for path in inner if os.path.lexists(root / path))
     foreign = [path for path in there if not known.is_own(path)]
     if foreign:
@@ -182,6 +195,11 @@ def _check(renders: Sequence[RenderedScene], options: DatasetOptions) -> None:
         raise _wrong(
             f"{len(renders)} renders and {len(options.splits)} splits",
             "give --split once for each render, each another one",
+        )
+    if options.stages and len(options.stages) != len(renders):
+        raise _wrong(
+            f"{len(renders)} renders and {len(options.stages)} stages",
+            "give --stage once for each render, in their order",
         )
     for split in options.splits:
         if split not in SPLITS:

@@ -12,6 +12,8 @@ SPLITS: Final = tuple(f"{variant}_{suffix}" for suffix in SUFFIXES for variant i
 
 # The cameras of all scenes, for versions of rui-indoorinv-data that read one matrix for all.
 SHARED_INTRINSICS: Final = Path("scenes") / "intrinsic.txt"
+# What is named by its content, so that scenes share it.
+SHARED: Final = "BRDFOriginDataset"
 
 _ALL: Final = frozenset(VARIANTS)
 _MATERIAL: Final = frozenset({"main", "mainDiffMat"})
@@ -50,6 +52,7 @@ LIGHT: Final[dict[str, Kind]] = {
     "box": Kind("LightSource", ".dat", _MAIN),
     "mask": Kind("LightSource", ".png", _MAIN),
     "imShadow": Kind("LightSource", ".png", _MAIN),
+    "depthShadow": Kind("LightSource", ".npy", _MAIN),
     "imDS": Kind("LightSource", ".rgbe", _LIGHT),
     "imDSNoOcclu": Kind("LightSource", ".rgbe", _LIGHT),
     "imDSNoOccluApprox": Kind("LightSource", ".hdr", _LIGHT),

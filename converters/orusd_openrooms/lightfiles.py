@@ -7,9 +7,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import atomic
 from openrooms_usd.colorimetry import LUMINANCE
+from openrooms_usd.errors import writing
 from openrooms_usd.render.reading import RenderedView
 from orusd_openrooms import images, lights
+from orusd_openrooms.depthshadows import depth_shadow
 from orusd_openrooms.frame import Frame, Pixels
 from orusd_openrooms.layout import Place
 from orusd_openrooms.pickles import write_pickled
@@ -102,6 +105,17 @@ def _write_shadow(path: Path, frame: Frame, light: Light) -> None:
     images.write_picture(path, images.ratio(sums[..., :1] / lit))
 
 
+def _write_depth_shadow(path: Path, frame: Frame, light: Light) -> None:
+    rows, columns = frame.grid
+    mask = frame.coarse(_mask(frame, light)[..., None].astype(np.float32))[..., 0] > 0.0
+    scale = np.array([columns / frame.view.width, rows / frame.view.height, 1.0])
+    points = frame.coarse(_camera_points(frame.view)).astype(np.float64)
+    K = scale[:, None] * frame.view.K
+    share = depth_shadow(light, _camera(frame), points, K, mask)
+    with atomic.replacing(path) as beside, writing(path):
+        np.save(beside, share.astype(np.float32), allow_pickle=False)
+
+
 def _write_approximation(path: Path, frame: Frame, light: Light) -> None:
     write_rgbe(path, _approximation(frame, light))
 
@@ -135,6 +149,7 @@ _LIGHT: Final[dict[str, _MadeOfLight]] = {
     "box": _MadeOfLight(("mask_i",), _write_box),
     "mask": _MadeOfLight(("mask_i",), _write_mask),
     "imShadow": _MadeOfLight(("visibility_i", "unoccluded_i"), _write_shadow),
+    "depthShadow": _MadeOfLight(("depth", "mask_i"), _write_depth_shadow),
     "imDS": _shading("direct"),
     "imDSNoOcclu": _shading("unoccluded"),
     "imDSNoOccluApprox": _MadeOfLight(

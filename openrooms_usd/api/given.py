@@ -140,3 +140,9 @@ def _is_room(given: object) -> bool:
 def _shown(given: object) -> str:
     text = repr(given)
     return text if len(text) <= 60 else f"{text[:50]}... ({type(given).__name__})"
+
+
+def names_of(given: str | Iterable[str] | None) -> list[str] | None:
+    """Names from one text with commas, or from many texts; None where nothing is given."""
+    found = given.split(",") if isinstance(given, str) else given
+    return None if found is None else [name.strip() for name in found]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from openrooms_usd.api import given
 from openrooms_usd.api.given import AnyPath, choice_of, path_of, size_of, unknown_name, usd_file
 from openrooms_usd.progress import Progress, silent
 
@@ -249,7 +250,7 @@ def render(
             file,
             folder,
             cameras=[cameras] if isinstance(cameras, str) else list(cameras),
-            channels=_several(channels),
+            channels=given.names_of(channels),
             resolution=None if resolution is None else size_of(resolution, "resolution"),
             field_of_view=field_of_view,
             grid=DEFAULT_GRID if grid is None else size_of(grid, "grid"),
@@ -358,12 +359,13 @@ def dataset(
     order: "Order" = "legacy",
     first: int = 1,
     crowded: "Crowded" = "leave-out",
+    stages: Sequence[AnyPath] = (),
     progress: Progress = silent,
 ) -> "DatasetSummary":
     """Write finished renders as the files of a published dataset.
 
     Args:
-        renders: One render, or several variants of one scene, which share their views.
+        renders: One render, or several variants of one scene.
         out: The dataset's folder; other scenes in it stay.
         kind: Whose dataset.
         scene: The scene's name in it.
@@ -373,6 +375,7 @@ def dataset(
         order: In which order the channels of environment maps are stored.
         first: The number of the first view.
         crowded: What becomes of views with more lights than loaders have room for.
+        stages: The composed stage of each render: its scene is written, too.
         progress: Called with each finished view and the finished fraction.
 
     Returns:
@@ -385,16 +388,11 @@ def dataset(
     from openrooms_usd.render import datasets as forms
 
     chosen = {"subset": subset, "layout": layout, "order": order, "crowded": crowded}
-    for what, given in chosen.items():
-        choice_of(given, getattr(forms, what.title()), what)
+    for what, value in chosen.items():
+        choice_of(value, getattr(forms, what.title()), what)
     several = [renders] if isinstance(renders, (str, os.PathLike)) else renders
-    names = (splits,) if isinstance(splits, str) else tuple(splits)
-    options = forms.DatasetOptions(scene, names, subset, layout, order, first, crowded)
     folders = [path_of(render, "a render's folder") for render in several]
+    names = (splits,) if isinstance(splits, str) else tuple(splits)
+    of = tuple(map(path_of, stages))
+    options = forms.DatasetOptions(scene, names, subset, layout, order, first, crowded, of)
     return forms.write_dataset(folders, path_of(out), kind=kind, options=options, progress=progress)
-
-
-def _several(names: str | Iterable[str] | None) -> list[str] | None:
-    """Names from one text with commas, or from many texts."""
-    found = names.split(",") if isinstance(names, str) else names
-    return None if found is None else [name.strip() for name in found]

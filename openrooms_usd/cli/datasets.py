@@ -235,6 +235,9 @@ def _number(value: float) -> str:
               show_default=True, help="Views with more than 3 windows or 7 lamps, which released "
               "loaders cannot hold: leave them out, drop the least lights, or keep.")  # fmt: skip
 @click.option("--first", type=int, default=1, show_default=True, help="The first view's number.")
+@click.option("--stage", "stages", multiple=True, type=click.Path(path_type=Path), metavar="STAGE",
+              help="The composed stage of each RENDER, in their order: its meshes, materials and "
+              "main.xml go beside the pictures.")  # fmt: skip
 @json_option
 def write(
     renders: tuple[Path, ...],
@@ -247,6 +250,7 @@ def write(
     order: Literal["legacy", "rgb"],
     crowded: Literal["leave-out", "drop", "keep"],
     first: int,
+    stages: tuple[Path, ...],
     as_json: bool,
 ) -> None:
     """Write finished RENDERs as the files of a published dataset.
@@ -255,7 +259,7 @@ def write(
     """
     from openrooms_usd.render.datasets import DatasetOptions, write_dataset
 
-    options = DatasetOptions(scene, splits, subset, layout, order, first, crowded)
+    options = DatasetOptions(scene, splits, subset, layout, order, first, crowded, stages)
     with progress_bar(hidden=as_json, first="reading") as progress:
         summary = write_dataset(renders, out, kind=kind, options=options, progress=progress)
     if as_json:

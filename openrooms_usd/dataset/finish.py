@@ -18,6 +18,7 @@ from openrooms_usd.dataset.store import Store, write_json, write_lines
 from openrooms_usd.description import Dataset
 from openrooms_usd.description.dataset import Output
 from openrooms_usd.errors import InputError, OrusdError
+from openrooms_usd.names import SCENE
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
 from openrooms_usd.render.folder import MANIFEST
@@ -196,6 +197,7 @@ def _forms(store: Store, output: Output, jobs: list[Job]) -> Iterator[dict[str, 
         subset=room.split,
         layout=output.layout,
         crowded=output.crowded,
+        stages=tuple(store.scene(job) / SCENE for job in jobs) if output.scenes else (),
     )
     yield writer.write(_shared_views(renders), root, options).missing
 

@@ -152,6 +152,8 @@ class Output(Model):
     """Of openrooms: a tree for each channel, or one folder, which published loaders read."""
     crowded: Literal["leave-out", "drop", "keep"] = "leave-out"
     """Of openrooms: what becomes of views with more lights than loaders have room for."""
+    scenes: bool = False
+    """Of openrooms: whether meshes, materials and ``main.xml`` go beside the pictures."""
 
 
 class Shares(CheckedModel):

@@ -28,6 +28,8 @@ class DatasetOptions:
         first: The number of the first view.
         crowded: What becomes of views with more lights than loaders have room for: they are left
             out, lose the least of their lights, or stay as they are.
+        stages: The composed stage of each render, in their order: with them, what loaders of
+            geometry read is written too. None need be given.
     """
 
     scene: str = "scene0000_00"
@@ -37,6 +39,7 @@ class DatasetOptions:
     order: Order = "legacy"
     first: int = 1
     crowded: Crowded = "leave-out"
+    stages: tuple[Path, ...] = ()
 
 
 @dataclass(frozen=True)

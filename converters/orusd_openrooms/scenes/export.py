@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +41,20 @@ _MIDDLE_PX: Final = 0.5
 _NEAR_M: Final = 0.5
 
 
+class Film(NamedTuple):
+    """What the pictures of a dataset were taken with.
+
+    Attributes:
+        fov_deg: The horizontal field of view.
+        resolution: Width and height.
+    """
+
+    fov_deg: float
+    resolution: tuple[int, int]
+
+
 def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
-    """Write a room below the folder of a dataset.
+    """Write a room below the folder of a dataset, with the cameras of the stage.
 
     Args:
         stage: The composed stage.
@@ -60,35 +72,59 @@ def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
     return export.report
 
 
+def add_scene(stage: Usd.Stage, root: Path, name: str, split: str, film: Film) -> None:
+    """Write a room beside pictures of it, whose cameras are written by whoever writes these.
+
+    Args:
+        stage: The composed stage.
+        root: The dataset's folder.
+        name: Of the scene.
+        split: What the pictures are, such as ``mainDiffMat_xml``.
+        film: What the pictures were taken with.
+
+    Raises:
+        StageError: The stage has no room.
+        OutputError: A file cannot be written.
+    """
+    floor_of(stage)
+    scene = without_shaping(translate(stage, outside=False))
+    _Export(stage, scene, root, name, split).write(film)
+
+
 class _Export:
     """One scene on its way into a folder."""
 
-    def __init__(self, stage: Usd.Stage, scene: Scene, root: Path, name: str) -> None:
+    def __init__(
+        self, stage: Usd.Stage, scene: Scene, root: Path, name: str, split: str = "main_xml"
+    ) -> None:
         self.stage, self.scene, self.root, self.name = stage, scene, root, name
+        self.split, (self.variant, _, self.suffix) = split, split.partition("_")
+        # What rooms and their variants do not share has a name of its own.
+        different = f"{self.variant}{self.suffix.removeprefix('xml')}"
+        self.own = name if different == "main" else f"{name}_{different}"
         self.report = scene.report
         self.objects: Objects = objects_of(stage, scene)
 
-    def write(self) -> None:
-        """Everything."""
-        folder = self.root / "scenes/xml" / self.name
+    def write(self, film: Film | None = None) -> None:
+        """Everything; the cameras where nobody else writes them."""
+        folder = self.root / "scenes" / self.suffix / self.name
         bsdfs, shapes = self._write_surfaces()
-        fov = self._write_cameras(folder)
+        film = film or Film(self._write_cameras(folder), stage_resolution(self.stage))
         environment, scale = self._write_environment()
         self._write_lights(scale, environment)
         steps = [list(plain_steps(item)) for item in self.objects.members]
         write_pickled(folder / "transform.dat", [*layout_transforms(), *steps])
-        resolution = stage_resolution(self.stage)
-        file = SceneFile(bsdfs, tuple(shapes), fov, resolution, environment, scale)
-        atomic.write_text(folder / "main.xml", scene_text(file))
+        file = SceneFile(bsdfs, tuple(shapes), *film, environment, scale)
+        atomic.write_text(folder / f"{self.variant}.xml", scene_text(file))
         self._report_losses()
 
     def _write_surfaces(self) -> tuple[dict[str, Bsdf], list[Shape]]:
         """The meshes and materials of the shell, and of what stands in it."""
         materials = Materials(self.root, _UP)
         bsdfs, shapes = write_layout(
-            self.stage, self.scene, self.objects, self.root, self.name, materials, _UP
+            self.stage, self.scene, self.objects, self.root, self.own, materials, _UP
         )
-        models = ModelFiles(self.root, _UP, materials, bsdfs)
+        models = ModelFiles(self.root, _UP, self.own, materials, bsdfs)
         for item in self.objects.members:
             shapes.extend(models.shapes(item, len(shapes)))
             lost = [f"{item.baked}: its place is in its mesh"] if item.baked else []
@@ -130,7 +166,7 @@ class _Export:
         """The surroundings in nits; their path and factor. Loaders want a picture of darkness."""
         pixels = panorama(self.scene)
         on = bool(pixels.any())
-        path = f"EnvDataset/{self.name}.hdr"
+        path = f"EnvDataset/{self.own}.hdr"
         write_rgbe(self.root / path, pixels if on else np.ones_like(pixels))
         return f"{_UP}{path}", 1.0 if on else _OFF
 
@@ -145,7 +181,7 @@ class _Export:
                 lights.append(_window(item, openings))
             elif item.radiance is not None:
                 lights.append(known[item.path])
-        folder = self.root / "main_xml" / self.name
+        folder = self.root / self.split / self.name
         # Loaders sort the files by their names.
         digits = len(str(max(len(lights) - 1, 0)))
         for number, (box, shines) in enumerate(light_files(lights, scale, environment)):

@@ -1,5 +1,6 @@
 """Surfaces of a stage as ``microfacet`` materials, their maps as the files of a folder."""
 
+import hashlib
 import re
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
@@ -36,7 +37,6 @@ class Materials:
         self.root = root
         self.up = up
         self._names: dict[int, tuple[str, Surface]] = {}
-        self._taken: set[str] = set()
 
     def bsdf(self, identifier: str, surface: Surface, name: str) -> Bsdf:
         """A surface as a material; its maps are written where they were not.
@@ -68,16 +68,17 @@ class Materials:
     def _folder(self, surface: Surface, name: str, pictures: dict[str, Picture]) -> PurePosixPath:
         if id(surface) not in self._names:
             plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_").lower() or "material"
-            unique, number = plain, 1
-            while unique in self._taken:
-                number += 1
-                unique = f"{plain}_{number}"
-            self._taken.add(unique)
+            codes = {kind: _encoded(kind, picture) for kind, picture in pictures.items()}
+            # Named by what it holds, so that rooms of one dataset share it.
+            digest = hashlib.sha256(repr([(k, c.shape) for k, c in codes.items()]).encode())
+            for values in codes.values():
+                digest.update(values)
+            unique = f"{plain}_{digest.hexdigest()[:8]}"
             # The surface is kept with its name, so that its identity is not given to others.
             self._names[id(surface)] = unique, surface
-            for kind, picture in pictures.items():
+            for kind, values in codes.items():
                 file = self.root / self._path(unique) / _FILES[kind]
-                write_png(file, _encoded(kind, picture), is_color=kind == "albedo")
+                write_png(file, values, is_color=kind == "albedo")
         return self._path(self._names[id(surface)][0])
 
     def _path(self, name: str) -> PurePosixPath:

@@ -58,12 +58,14 @@ class ModelFiles:
     Attributes:
         root: The dataset's folder.
         up: The way from a scene file to it.
+        own: What the names of the room's models begin with: other rooms have their own.
         materials: Writes their maps.
         bsdfs: The scene's materials, by identifier; grows.
     """
 
     root: Path
     up: str
+    own: str
     materials: Materials
     bsdfs: dict[str, Bsdf]
     _models: dict[str, _Model] = field(default_factory=dict)
@@ -98,7 +100,7 @@ class ModelFiles:
     def _written(self, item: Object) -> _Model:
         taken = {model.folder for model in self._models.values()}
         plain = re.sub(r"[^A-Za-z0-9_]+", "_", item.name) or "object"
-        folder = _unique(f"{_category_folder(item)}/{plain}", taken)
+        folder = _unique(f"{_category_folder(item)}/{self.own}_{plain}", taken)
         dark: list[Faces] = []
         lit: list[Faces] = []
         for part in item.parts.values():
