@@ -209,6 +209,10 @@ def assert_lights_match(loaded: Loaded) -> None:
     windows, lamps = loaded.emitters()
     kinds = [one["isWindow"] for one in loaded.lights()]
     assert (kinds.count(True), kinds.count(False)) == (len(windows), len(lamps))
+    shining = [one["intensity"] for one in loaded.lights() if not one["isWindow"]]
+    for lamp, intensity in zip(lamps, shining, strict=True):
+        told = [float(word) for word in lamp.find("emitter/rgb").get("value").split(" ")]
+        assert np.abs(np.array(told) - intensity).max() < 1e-3
 
 
 def test_cameras_pass_the_loaders_check(loaded: Loaded, composed_demo: Path) -> None:

@@ -1,6 +1,7 @@
 """How a room becomes a scene: its shell, its models, its lights, its cameras, and the file."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -180,7 +181,8 @@ class _Export:
             if item.category == "window" and scale > _OFF:
                 lights.append(_window(item, openings))
             elif item.radiance is not None:
-                lights.append(known[item.path])
+                # Loaders refuse a scene whose two files say different things of a lamp.
+                lights.append(replace(known[item.path], radiance=np.array(item.radiance)))
         folder = self.root / self.split / self.name
         # Loaders sort the files by their names.
         digits = len(str(max(len(lights) - 1, 0)))
