@@ -10,6 +10,7 @@ import json
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -33,20 +34,19 @@ class Form(NamedTuple):
     make: Callable[[Path, Path, dict[str, Any]], Path]
 
 
-def complete(folder: Path, renders: Path, wanted: dict[str, Any]) -> Path:
-    return _run(folder / "complete", {**wanted, "storage": "complete"})
+def complete(out: Path, renders: Path, wanted: dict[str, Any]) -> Path:
+    return _run(out, {**wanted, "storage": "complete"})
 
 
-def compact(folder: Path, renders: Path, wanted: dict[str, Any]) -> Path:
-    return _run(folder / "compact", {**wanted, "storage": "compact"})
+def compact(out: Path, renders: Path, wanted: dict[str, Any]) -> Path:
+    return _run(out, {**wanted, "storage": "compact"})
 
 
-def openrooms(folder: Path, renders: Path, wanted: dict[str, Any]) -> Path:
-    root = folder / "openrooms"
+def openrooms(out: Path, renders: Path, wanted: dict[str, Any]) -> Path:
     for number, render in enumerate(sorted((renders / "renders").glob("*/*"))):
         words = ("--scene", f"scene{number:04d}_00", "--layout", "merged", "--crowded", "keep")
-        orusd("dataset", "write", render, "-o", root, "--as", "openrooms", *words)
-    return root
+        orusd("dataset", "write", render, "-o", out, "--as", "openrooms", *words)
+    return out
 
 
 FORMS: Final = (
@@ -63,6 +63,7 @@ FORMS: Final = (
 @click.option("--samples", type=int, default=4, show_default=True)
 @click.option("--rounds", type=int, default=2, show_default=True, help="That are timed.")
 @click.option("--workers", type=int, multiple=True, default=(0, 1, 2), show_default=True)
+@click.option("--folder", type=click.Path(path_type=Path), help="Where the forms are, and stay.")
 @click.option("--quick", is_flag=True, help="One small room.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
 def main(
@@ -72,6 +73,7 @@ def main(
     samples: int,
     rounds: int,
     workers: tuple[int, ...],
+    folder: Path | None,
     quick: bool,
     target: Path | None,
 ) -> None:
@@ -82,8 +84,9 @@ def main(
         "views": {"count": views, "resolution": list(size), "fov": 57.95},
         "budget": {"samples": samples},
     }
-    with tempfile.TemporaryDirectory() as folder:
-        rows = list(measure(Path(folder), wanted, rounds, workers))
+    with ExitStack() as stack:
+        kept = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        rows = list(measure(kept, wanted, rounds, workers))
     heads = ("form", "MB a view", "channels", *(f"views/s, {n} workers" for n in workers),
              "processor ms a view", "error of radiance", "of depth")  # fmt: skip
     cells = [
@@ -100,7 +103,8 @@ def measure(
     """A row for every form and choice of channels."""
     first: Path | None = None
     for name, form, make in FORMS:
-        root = make(folder, first or folder, wanted)
+        there = folder / name.replace(", ", "_").replace(" ", "_")
+        root = there if there.exists() else make(there, first or there, wanted)
         source = loading.open_source(root, form=form)
         first = first or root
         truth = loading.open_source(first)
@@ -117,7 +121,7 @@ def measure(
 
 def speed(source: Any, channels: Sequence[str], rounds: int, workers: int) -> float:
     """Views a second, by the clock."""
-    views = loading.loader(source, channels, batch=2, workers=workers, shuffle=False)
+    views = loading.loader(source, channels, batch=2, workers=workers, shuffle=False, start="fork")
     for _ in views:
         pass
     began = time.perf_counter()

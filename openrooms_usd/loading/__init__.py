@@ -3,9 +3,10 @@
 ``sample`` is one view as arrays; its cameras stay right whatever is done to it: ``cropping``,
 ``resizing``, ``mirroring`` and ``toning`` are the transforms, ``transforms`` their contract and
 their chains. ``source`` says where views come from, as a contract; ``opening`` finds the one for a
-folder or a URL; ``folder`` reads renders and datasets as they were written, ``files`` fetches what
-lies elsewhere into a bounded cache. None of these needs torch; ``tensors`` makes batches of samples
-and ``training`` loads them.
+folder or a URL; ``folder`` reads renders and datasets as they were written, ``shards`` tar files of
+them, ``files`` fetches what lies elsewhere into a bounded cache. None of these needs torch;
+``tensors`` makes batches of samples, ``epochs`` says in which order, ``training`` loads them by
+number and ``streaming`` from shards.
 
 The names for people are offered here, and loaded on first use (docs/loading.md).
 """
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from openrooms_usd.loading.opening import open_source as open_source
     from openrooms_usd.loading.resizing import Resize as Resize
     from openrooms_usd.loading.sample import Sample as Sample
+    from openrooms_usd.loading.streaming import ViewStream as ViewStream
     from openrooms_usd.loading.tensors import collate as collate
     from openrooms_usd.loading.tensors import tensors_of as tensors_of
     from openrooms_usd.loading.toning import Exposure as Exposure
@@ -44,6 +46,7 @@ _HOME: Final = {
     "Resize": "openrooms_usd.loading.resizing",
     "Sample": "openrooms_usd.loading.sample",
     "ViewDataset": "openrooms_usd.loading.training",
+    "ViewStream": "openrooms_usd.loading.streaming",
     "begin_worker": "openrooms_usd.loading.training",
     "collate": "openrooms_usd.loading.tensors",
     "loader": "openrooms_usd.loading.training",

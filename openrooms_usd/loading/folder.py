@@ -71,7 +71,9 @@ class RenderSource:
         if row.view not in manifest.views:
             raise InputError("the manifest has no such view", place=f"{self.files}/{row.name}")
         entry = manifest.views[row.view]
-        wanted = {_below(row.render, f): row.checksums.get(f, "") for f in _needed(entry, channels)}
+        wanted = {
+            _below(row.render, f): row.checksums.get(f, "") for f in needed_files(entry, channels)
+        }
         with self.files.local(wanted) as root:
             view = RenderedView(row.view, root / row.render / row.view, entry)
             return sample_of(view, manifest, channels, row)
@@ -147,8 +149,19 @@ def _below(render: str, file: str) -> str:
     return f"{render}/{file}" if render not in ("", ".") else file
 
 
-def _needed(entry: ViewEntry, channels: Sequence[str]) -> set[str]:
-    """The files that channels are made of, by what the manifest says."""
+def needed_files(entry: ViewEntry, channels: Sequence[str]) -> set[str]:
+    """The files that channels are made of, by what the manifest says.
+
+    Args:
+        entry: Of the view.
+        channels: Names of the table.
+
+    Returns:
+        Paths in the folder of the render.
+
+    Raises:
+        InputError: There is no such channel.
+    """
     if not is_compact(entry):
         grids = {name for name in channels if _scope(name) == "grid"}
         lights = any(_scope(name) == "light" for name in channels)

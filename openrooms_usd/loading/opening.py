@@ -7,14 +7,15 @@ from typing import Final
 
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError
+from openrooms_usd.loading import shards
 from openrooms_usd.loading.files import MOST_CACHED, Files, MissingFileError, files_of
 from openrooms_usd.loading.folder import INDEX
-from openrooms_usd.loading.source import Form, Selection, Source
+from openrooms_usd.loading.source import Form, Selection, Shards, Source
 from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.folder import MANIFEST
 
 # What tells a form where nobody names it.
-_SIGNS: Final = {INDEX: "dataset", MANIFEST: "render"}
+_SIGNS: Final = {INDEX: "dataset", shards.INDEX: "webdataset", MANIFEST: "render"}
 
 
 def open_source(
@@ -28,7 +29,7 @@ def open_source(
     cache: str | os.PathLike[str] | None = None,
     most_cached: int = MOST_CACHED,
     options: Mapping[str, str] = NO_OPTIONS,
-) -> Source:
+) -> Source | Shards:
     """Open finished views.
 
     Args:
@@ -44,7 +45,8 @@ def open_source(
         options: What is asked of the form, by name.
 
     Returns:
-        The source: ``len`` of it, and ``read(index, channels)``.
+        The source: ``len`` of it, and ``read(index, channels)``; of shards, which are read from end
+        to end, ``names`` and ``stream(name, channels)``.
 
     Raises:
         InputError: Nothing known is there, or none of the views that are wanted.

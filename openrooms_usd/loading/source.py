@@ -1,6 +1,6 @@
 """Where views come from: the contract of sources, and of the forms that open them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -26,6 +26,36 @@ class Source(Protocol):
 
         Raises:
             InputError: It has no such channel, or a file is missing or damaged.
+        """
+        ...
+
+
+@runtime_checkable
+class Shards(Protocol):
+    """Views that are read from end to end, in files of many. It can be pickled.
+
+    Attributes:
+        names: Of the files.
+    """
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The shards."""
+        ...
+
+    def __len__(self) -> int:
+        """How many views there are, before any are chosen."""
+        ...
+
+    def stream(self, name: str, channels: Sequence[str]) -> Iterator[Sample]:
+        """The views of a shard, in its order.
+
+        Args:
+            name: One of ``names``.
+            channels: As of `Source.read`.
+
+        Raises:
+            InputError: It cannot be read, or a view has no such channel.
         """
         ...
 
@@ -61,7 +91,9 @@ class Form(Protocol):
 
     options: Mapping[str, str]
 
-    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> Source:
+    def open(
+        self, files: Files, selection: Selection, options: Mapping[str, str]
+    ) -> Source | Shards:
         """The views that are there.
 
         Args:

@@ -1,20 +1,24 @@
-"""Views for torch: a dataset, an order of its views, and a loader of both (extra ``torch``).
+"""Views for torch: a dataset of them by number, and a loader (extra ``torch``).
 
 What a training run sees follows from the seed and the epoch alone: every view draws from numbers
 of its own, whoever reads it, so that runs with any number of workers see the same.
 """
 
-from collections.abc import Iterator, Sequence
-from typing import Any, Literal
+from collections.abc import Sequence
+from typing import Any, Final, Literal
 
 import numpy as np
 
-from openrooms_usd.errors import InputError
-from openrooms_usd.loading.source import Source
+from openrooms_usd.loading.epochs import Epoch, Order
+from openrooms_usd.loading.source import Shards, Source
+from openrooms_usd.loading.streaming import ViewStream
 from openrooms_usd.loading.tensors import Tensors, collate, tensors_of, torch
 from openrooms_usd.loading.transforms import Transform
 
 Start = Literal["spawn", "fork", "forkserver"]
+
+HELD: Final = 64
+"""Views of shards that are held back so that their order can be drawn."""
 
 
 class ViewDataset(torch.utils.data.Dataset):  # type: ignore[misc]
@@ -38,17 +42,11 @@ class ViewDataset(torch.utils.data.Dataset):  # type: ignore[misc]
         self.channels = tuple(channels)
         self.transform = transform
         self.seed = seed
-        # Shared, so that workers which live longer than an epoch know of the next one.
-        self._epoch = torch.zeros((), dtype=torch.int64).share_memory_()
-
-    @property
-    def epoch(self) -> int:
-        """Which epoch it is."""
-        return int(self._epoch)
+        self.epoch = Epoch()
 
     def set_epoch(self, epoch: int) -> None:
         """Begin an epoch, from 0: transforms draw other numbers, and the order is another."""
-        self._epoch.fill_(epoch)
+        self.epoch.begin(epoch)
 
     def __len__(self) -> int:
         return len(self.source)
@@ -65,43 +63,13 @@ class ViewDataset(torch.utils.data.Dataset):  # type: ignore[misc]
         place = int(index) % len(self)
         sample = self.source.read(place, self.channels)
         if self.transform is not None:
-            rng = np.random.default_rng([self.seed, self.epoch, place])
+            rng = np.random.default_rng([self.seed, self.epoch.number, place])
             sample = self.transform(sample, rng)
         return tensors_of(sample)
 
 
-class Order:
-    """The order of the views in an epoch, or a replica's share of it.
-
-    It is that of ``DistributedSampler``: each replica has as many views, some twice where they
-    cannot be shared out evenly.
-
-    Args:
-        dataset: What it orders.
-        shuffle: Whether each epoch has another order; else that of the source.
-        rank: Which replica this is.
-        replicas: How many there are.
-    """
-
-    def __init__(
-        self, dataset: ViewDataset, *, shuffle: bool = True, rank: int = 0, replicas: int = 1
-    ) -> None:
-        if not 0 <= rank < replicas:
-            raise InputError(f"there is no replica {rank} of {replicas}", remedy="count from 0")
-        self.dataset, self.shuffle, self.rank, self.replicas = dataset, shuffle, rank, replicas
-
-    def __len__(self) -> int:
-        return -(-len(self.dataset) // self.replicas)
-
-    def __iter__(self) -> Iterator[int]:
-        order = np.arange(len(self.dataset))
-        if self.shuffle:
-            np.random.default_rng([self.dataset.seed, self.dataset.epoch]).shuffle(order)
-        yield from np.resize(order, len(self) * self.replicas)[self.rank :: self.replicas].tolist()
-
-
 def loader(
-    source: Source,
+    source: Source | Shards,
     channels: Sequence[str],
     transform: Transform | None = None,
     *,
@@ -118,7 +86,8 @@ def loader(
     """A ``torch.utils.data.DataLoader`` of views.
 
     Args:
-        source: Where they come from, by `openrooms_usd.loading.opening.open_source`.
+        source: Where they come from, by `openrooms_usd.loading.opening.open_source`; shards are
+            read from end to end (`openrooms_usd.loading.streaming`).
         channels: Names of the table; those of every light end in ``_i``.
         transform: What is done to each.
         batch: Views at once.
@@ -132,12 +101,20 @@ def loader(
         start: How workers begin; ``spawn`` is safe whatever this process has done before.
         **others: For the DataLoader, such as ``pin_memory``.
     """
-    dataset = ViewDataset(source, channels, transform, seed)
+    shares = {"rank": rank, "replicas": replicas}
+    dataset: ViewDataset | ViewStream
+    if isinstance(source, Shards):
+        order = None
+        held = HELD if shuffle else 1
+        dataset = ViewStream(source, channels, transform, seed, shuffle=held, **shares)
+    else:
+        dataset = ViewDataset(source, channels, transform, seed)
+        order = Order(len(dataset), dataset.epoch, seed, shuffle=shuffle, **shares)
     working = {"multiprocessing_context": start, "persistent_workers": True} if workers else {}
     return torch.utils.data.DataLoader(
         dataset,
         batch_size=batch,
-        sampler=Order(dataset, shuffle=shuffle, rank=rank, replicas=replicas),
+        sampler=order,
         num_workers=workers,
         collate_fn=collate,
         drop_last=drop_last,
