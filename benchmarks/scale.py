@@ -109,6 +109,7 @@ def measure_steps(folder: Path, example: Path, views: int) -> Iterator[dict[str,
         if done.returncode:
             raise SystemExit(done.stderr)
         seconds, memory = json.loads(done.stdout)
+        click.echo(f"{name}, {views} views: {seconds:.1f} s, {memory:.0f} MiB", err=True)
         yield {"step": name, "views": views, "ms_a_view": 1e3 * seconds / views, "MiB": memory}
 
 

@@ -17,7 +17,7 @@ from openrooms_usd.dataset.lease import leased
 from openrooms_usd.dataset.plan import Job, view_name
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.shelf import Shelf
-from openrooms_usd.dataset.store import FILE, PLAN, Store
+from openrooms_usd.dataset.store import FILE, KNOWN, PLAN, Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import check_writable
 
@@ -72,9 +72,13 @@ def bring_known(store: Store) -> None:
     Raises:
         InputError: It cannot be read.
     """
-    if store.shelf is not None:
-        names = (name for job in store.jobs() for name in _known(store, job, job.views))
-        store.shelf.get(names, store.root)
+    if store.shelf is None:
+        return
+    # Of rooms that nobody has begun nothing is asked: there may be a million of them.
+    begun = {part: store.shelf.folders(part) for part in KNOWN}
+    names = (name for job in store.jobs() for name in _known(store, job, job.views))
+    known = (name.split("/", 2) for name in names)
+    store.shelf.get(("/".join(name) for name in known if name[1] in begun[name[0]]), store.root)
 
 
 def bring_unit(store: Store, job: Job, view: int) -> None:

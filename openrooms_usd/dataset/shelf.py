@@ -131,6 +131,17 @@ class Shelf:
             found = self._system.find(f"{self._root}/{prefix}")
         return sorted(path.removeprefix(f"{self._root}/") for path in found)
 
+    def folders(self, prefix: str) -> set[str]:
+        """The names right below a name; none where nothing is there.
+
+        Raises:
+            InputError: They cannot be listed.
+        """
+        found: list[str] = []
+        with suppress(FileNotFoundError), self._reading():
+            found = self._system.ls(f"{self._root}/{prefix}", detail=False)
+        return {path.rstrip("/").rpartition("/")[2] for path in found}
+
     def remove(self, names: Iterable[str]) -> None:
         """Remove files; those that are not there are left out.
 

@@ -37,6 +37,9 @@ from openrooms_usd.untrusted import opened, read_text
 
 FILE: Final = "dataset.yaml"
 PLAN: Final = "plan.jsonl"
+KNOWN: Final = ("records", "failures", "timing")
+"""Where it stands what is known of units: in folders by room."""
+
 # Lists of what may be removed again, and what one process keeps for others of this machine.
 _OWN: Final = ".orusd."
 _REMEDY: Final = "run it again: what is damaged is made anew"

@@ -15,6 +15,7 @@ import pytest
 
 from openrooms_usd.dataset import lease as leases
 from openrooms_usd.dataset.lease import Lease, leased
+from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.scratch import root_of, store_at
 from openrooms_usd.dataset.shelf import Shelf
 from openrooms_usd.dataset.status import status_of
@@ -71,6 +72,28 @@ def test_a_dataset_that_is_not_there_is_named() -> None:
         status_of("memory://not-there")
     assert root_of("s3://a/b") == "s3://a/b"
     assert root_of("a/b") == Path("a/b")
+
+
+def test_what_is_known_of_views_is_the_same_behind_a_url(shelf: Shelf) -> None:
+    rooms = [PlannedRoom(f"room_{n}", n, {"type": "office"}, "train") for n in range(3)]
+    jobs = [Job(room, "main", 4, f"key_{room.number}", (0, 1)) for room in rooms]
+    entry = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
+    view = {
+        "unit": "u", "room": "r", "variant": "main", "split": "train", "source": {},
+        "entry": entry, "told": [], "rejected": [], "pixels": {}, "files": {},
+        "quality": {"measures": {}, "faults": ["it is dark"]},
+    }  # fmt: skip
+    with store_at(shelf.url) as store:
+        store.write_plan(jobs)
+        store.fail(jobs[0], 0, {"code": "render", "reason": "no light"})
+        store.fail(jobs[0], 1, {"code": "render", "reason": "no light"})
+        # What is finished after all is no failure.
+        store.finish(jobs[0], 0, view, {})
+    assert shelf.folders("records") == shelf.folders("failures") == {"room_0"}
+    found = status_of(shelf.url)
+    assert (found.units, found.finished, found.left) == (6, 1, 4)
+    assert [failure.unit for failure in found.failures] == ["room_0/main/view_1"]
+    assert found.faults == {"it is dark": 1}
 
 
 @pytest.fixture
