@@ -194,7 +194,8 @@ class _OpenRoom:
             stored = storing(view, request.storage)
             previews = write_view(beside, view, stored, request.tone)
             shown = opened.photograph(taken.view) if taken.view else None
-            entry = describe_view(beside, name, view, stored, previews, lights, shown) | taken.told
+            entry = describe_view(beside, name, view, stored, previews, lights, shown)
+            entry = {**entry, **taken.told}
             if sensor := self.dataset.sensor:
                 entry = record_sensor(beside, name, view, sensor, entry, unit)
         told = [row for row in opened.report.rows if row not in self.rows]

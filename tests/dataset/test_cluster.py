@@ -19,7 +19,7 @@ from openrooms_usd.dataset.status import status_of
 from openrooms_usd.errors import InputError, MissingPackageError
 
 HERE = Path(__file__).parent
-_PATIENCE_S = 60.0
+_PATIENCE_S = 300.0
 
 Start = Callable[..., subprocess.Popen[str]]
 Checksums = Callable[[Path], dict[str, str]]

@@ -19,7 +19,7 @@ from tests.disks import disk
 
 pytestmark = pytest.mark.slow
 
-_PATIENCE_S = 60.0
+_PATIENCE_S = 300.0
 
 Checksums = Callable[[Path], dict[str, str]]
 Start = Callable[..., subprocess.Popen[str]]
