@@ -17,6 +17,7 @@ import numpy as np
 import OpenImageIO
 
 from benchmarks.scenes import orusd
+from docs import report_picture
 from docs.scan_picture import scanned
 from openrooms_usd import removal
 from openrooms_usd.channels import CHANNELS, numbered
@@ -128,6 +129,7 @@ def main() -> None:
         orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise", "--width", "1300")
         light(options.folder, options.spp)
         robot(options.folder)
+        report_picture.draw(options.folder / "report", Path("docs/report.png"))
         tiles = scanned(options.folder, *SCANNED, (480, 360), quality[:3])
         write_sheet(Path("docs/scan.png"), [tiles[:2], tiles[2:]])
         write_png(Path("docs/materials.png"), materials(options.folder / "materials", *quality[:3]))
