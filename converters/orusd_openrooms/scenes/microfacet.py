@@ -72,7 +72,7 @@ class Materials:
             # Named by what it holds, so that rooms of one dataset share it.
             digest = hashlib.sha256(repr([(k, c.shape) for k, c in codes.items()]).encode())
             for values in codes.values():
-                digest.update(values)
+                digest.update(values.tobytes())
             unique = f"{plain}_{digest.hexdigest()[:8]}"
             # The surface is kept with its name, so that its identity is not given to others.
             self._names[id(surface)] = unique, surface
