@@ -1,8 +1,9 @@
 """Writes a finished render for radiance fields and photogrammetry."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from openrooms_usd import atomic, claims
@@ -24,6 +25,10 @@ _OF_DEPTH: Final = ("depths", "points")
 
 class NerfDataset:
     """``transforms.json``, a COLMAP model and plain matrices of the same views (docs/nerf.md)."""
+
+    takes: Final = "render"
+    needs: Mapping[str, str] = MappingProxyType({})
+    called: Mapping[str, str] = MappingProxyType({})
 
     def write(
         self,

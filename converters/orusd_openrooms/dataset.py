@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import count
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -31,6 +32,16 @@ _LISTS: Final = ("train", "val", "test")
 
 class OpenRoomsDataset:
     """The files of OpenRooms as released (docs/openrooms.md)."""
+
+    takes: Final = "variants"
+    needs: Mapping[str, str] = MappingProxyType({})
+    called: Mapping[str, str] = MappingProxyType(
+        {
+            "main": "main_xml",
+            "mainDiffMat": "mainDiffMat_xml",
+            "mainDiffLight": "mainDiffLight_xml",
+        }
+    )
 
     def write(
         self,

@@ -218,7 +218,8 @@ def _number(value: float) -> str:
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True,
               help="The dataset's folder.")  # fmt: skip
 @click.option("--as", "kind", default="openrooms", show_default=True, metavar="KIND",
-              help="Whose dataset: openrooms, nerf, or another that is installed.")  # fmt: skip
+              help="Whose: openrooms, nerf, webdataset, hypersim, coco, parquet, or another that "
+              "is installed.")  # fmt: skip
 @click.option("--scene", default="scene0000_00", show_default=True, help="The scene's name in it.")
 @click.option("--split", "splits", multiple=True, default=("main_xml",), show_default=True,
               help="What a render is, once for each: main_xml, mainDiffMat_xml, "

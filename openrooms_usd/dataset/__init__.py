@@ -9,6 +9,7 @@ of its pixels (``tally``). ``store`` knows where everything lies and lets it app
 ``records`` of every file. Behind a URL (``shelf``) a store is a ``scratch`` folder that puts there
 what is finished, by a ``lease``.
 
-``run`` is the story of a run; ``finish`` writes what is told of all rooms, and their other forms.
+``run`` is the story of a run; ``finish`` writes what is told of all rooms,
+and ``outputs`` their other forms (``table`` is one).
 ``status``, ``verify`` and ``stats`` read the records again, and ``report`` makes a page of them.
 """

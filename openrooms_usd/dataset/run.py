@@ -17,6 +17,7 @@ from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import Dataset, load_dataset
 from openrooms_usd.errors import OrusdError, OutputError
 from openrooms_usd.progress import Progress, silent
+from openrooms_usd.render.datasets import check_needs
 from openrooms_usd.untrusted import read_bytes
 
 LOCAL: Final = "local"
@@ -124,7 +125,7 @@ def check_wishes(dataset: Dataset) -> None:
     if dataset.sensor:
         check_sensor(dataset.sensor, job.request.channels)
     for output in dataset.outputs:
-        adapters.find(adapters.DATASETS, output.kind)
+        check_needs(output.kind)
 
 
 def _keep_file(store: Store, file: Path, dataset: Dataset) -> None:

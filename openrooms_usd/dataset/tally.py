@@ -47,11 +47,12 @@ def tally(view: View, classes: Mapping[int, str], materials: Mapping[int, str]) 
         materials: As `material_names` gives them.
 
     Returns:
-        ``pixels`` by class, ``materials`` by name, and ``depth``: how many lie in each bin of
-        `DEPTH_STEP_M`, up to the last that has any.
+        ``pixels`` by class, how many ``instances``, ``materials`` by name, and ``depth``: how many
+        lie in each bin of `DEPTH_STEP_M`, up to the last that has any.
     """
     return {
         "pixels": _labelled(view, "semantic", classes),
+        "instances": _instances(view),
         "materials": _labelled(view, "material", materials),
         "depth": _depths(view),
     }
@@ -76,6 +77,12 @@ def _labelled(view: View, channel: str, named: Mapping[int, str]) -> dict[str, i
         if number in named:
             found[named[number]] += count
     return dict(sorted(found.items()))
+
+
+def _instances(view: View) -> int | None:
+    if "instance" not in view.images:
+        return None
+    return int(np.count_nonzero(np.unique(view.images["instance"].pixels)))
 
 
 def _depths(view: View) -> list[int]:

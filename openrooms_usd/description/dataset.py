@@ -147,13 +147,20 @@ class Output(Model):
     """A form in which finished rooms are written besides."""
 
     kind: _Text = Field(alias="as")
-    """Whose: openrooms, nerf, or another that is installed."""
+    """Whose: openrooms, nerf, webdataset, hypersim, coco, parquet, or another that is installed."""
     layout: Literal["split", "merged"] = "split"
     """Of openrooms: a tree for each channel, or one folder, which published loaders read."""
     crowded: Literal["leave-out", "drop", "keep"] = "leave-out"
     """Of openrooms: what becomes of views with more lights than loaders have room for."""
     scenes: bool = False
     """Of openrooms: whether meshes, materials and ``main.xml`` go beside the pictures."""
+    taxonomy: Literal["category", "openrooms45", "nyu40", "ade20k", "coco"] = "category"
+    """Of coco: whose classes."""
+    shard_mb: Annotated[Whole, Field(ge=1, le=100_000)] = 256
+    """Of webdataset: how large a shard may become, megabytes; a single view may be larger."""
+    files: tuple[_Text, ...] = ()
+    """Of webdataset: which files of each view, such as ``channels.exr``; all of channels by
+    default."""
 
 
 class Shares(CheckedModel):

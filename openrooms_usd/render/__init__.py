@@ -8,7 +8,7 @@ of them, and ``run`` writes, beside the next view (``writer``). The files are ``
 (with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all;
 ``storage`` says how they hold channels (``compact``, ``restoring`` read it). ``reading``
 and ``manifest_schema`` give finished renders back and trust no file; ``relight``, ``probes``,
-``datasets`` and ``coco`` use them.
+``datasets`` and ``coco`` (``cocosets``) use them.
 ``bake`` writes light as textures, ``paths`` renders walks as videos, ``sensors`` makes of views
 what a real camera would have made of them.
 

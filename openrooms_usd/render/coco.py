@@ -39,33 +39,77 @@ def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
     Raises:
         InputError: One is no render, lacks the channels that this needs, or is given twice.
     """
-    channel = CLASS_CHANNELS.get(taxonomy)  # our own categories are in the legend
-    renders = [
-        read_render(folder, ("instance", *([channel] if channel else []))) for folder in folders
-    ]
-    numbers = _class_numbers(renders, taxonomy)
-    images: list[Plain] = []
-    annotations: list[Plain] = []
+    renders = [read_render(folder) for folder in folders]
+    found = Annotations(taxonomy, _class_numbers(renders, taxonomy))
     for place, render in zip(_places(folders), renders, strict=True):
+        found.add(render, place)
+    return found.whole()
+
+
+class Annotations:
+    """What renders show, in COCO's form, gathered one render after the other.
+
+    Args:
+        taxonomy: Whose classes: ``category`` for our own, or a key of `CLASS_CHANNELS`.
+        numbers: The number of every class; words of renders that have none get the next ones, here
+            and for all who share this.
+    """
+
+    def __init__(self, taxonomy: str, numbers: dict[str, int]) -> None:
+        self._taxonomy, self._numbers = taxonomy, numbers
+        # Our own categories are in the legend.
+        self._channel = CLASS_CHANNELS.get(taxonomy)
+        self._images: list[Plain] = []
+        self._annotations: list[Plain] = []
+        self._stages: set[str] = set()
+        self._conventions: Mapping[str, str] = {}
+        if not numbers:
+            numbers.update(_class_numbers((), taxonomy))
+
+    @property
+    def views(self) -> int:
+        """How many views were added."""
+        return len(self._images)
+
+    def add(self, render: RenderedScene, place: str) -> None:
+        """Add the views of a render.
+
+        Args:
+            render: The render.
+            place: What the names of its pictures begin with.
+
+        Raises:
+            InputError: It lacks the channels that this needs.
+        """
+        render.check(("instance", *([self._channel] if self._channel else [])))
+        self._stages.add(render.manifest.stage or "?")
+        self._conventions = self._conventions or render.manifest.conventions
+        if self._channel is None:
+            for word in sorted({*render.legend("category").values()} - self._numbers.keys()):
+                self._numbers[word] = len(self._numbers) + 1
         for view in render.each():
-            images.append(_image(view, place, len(images) + 1))
+            self._images.append(_image(view, place, self.views + 1))
             for instance, mask in masks(render, view):
-                number = _class(render, view, instance, mask, channel, numbers)
+                number = _class(render, view, instance, mask, self._channel, self._numbers)
                 if number:
                     row = _annotation(mask, render.legend("instance")[instance], instance)
-                    row |= {"image_id": len(images), "category_id": number}
-                    annotations.append({"id": len(annotations) + 1, **row})
-    stages = sorted({render.manifest.stage or "?" for render in renders})
-    return {
-        "info": {
-            "description": f"{', '.join(stages)}, classes of {taxonomy}",
-            "version": f"{names.CREATOR} {__version__}",
-            "conventions": renders[0].manifest.conventions,
-        },
-        "images": images,
-        "categories": [_category(name, number, taxonomy) for name, number in numbers.items()],
-        "annotations": annotations,
-    }
+                    row |= {"image_id": self.views, "category_id": number}
+                    self._annotations.append({"id": len(self._annotations) + 1, **row})
+
+    def whole(self) -> Plain:
+        """Plain data: info, images, categories, annotations."""
+        return {
+            "info": {
+                "description": f"{', '.join(sorted(self._stages))}, classes of {self._taxonomy}",
+                "version": f"{names.CREATOR} {__version__}",
+                "conventions": self._conventions,
+            },
+            "images": self._images,
+            "categories": [
+                _category(name, number, self._taxonomy) for name, number in self._numbers.items()
+            ],
+            "annotations": self._annotations,
+        }
 
 
 def _places(folders: Sequence[Path]) -> list[str]:

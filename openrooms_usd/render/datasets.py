@@ -1,11 +1,17 @@
-"""The contract of datasets: finished renders in the form of somebody else's dataset."""
+"""The contract of datasets: finished renders in the form of somebody else's dataset.
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+A form is written of one render, of the variants of one room, or of all rooms at once: each says so.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from openrooms_usd import adapters
+from openrooms_usd import adapters, claims
+from openrooms_usd.errors import MissingPackageError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.reading import RenderedScene, read_render
 
@@ -17,7 +23,7 @@ Crowded = Literal["leave-out", "drop", "keep"]
 
 @dataclass(frozen=True)
 class DatasetOptions:
-    """How to lay a dataset out.
+    """How to lay a dataset out; what has no meaning for a form stays as it is here.
 
     Attributes:
         scene: The scene's name in the dataset.
@@ -30,6 +36,9 @@ class DatasetOptions:
             out, lose the least of their lights, or stay as they are.
         stages: The composed stage of each render, in their order: with them, what loaders of
             geometry read is written too. None need be given.
+        taxonomy: Whose classes annotations have.
+        shard_mb: How large a shard may become, megabytes; a single view may be larger.
+        files: Which files of each view are taken, by name; all of channels where empty.
     """
 
     scene: str = "scene0000_00"
@@ -40,6 +49,28 @@ class DatasetOptions:
     first: int = 1
     crowded: Crowded = "leave-out"
     stages: tuple[Path, ...] = ()
+    taxonomy: str = "category"
+    shard_mb: int = 256
+    files: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class FinishedRoom:
+    """A room with all that is finished of it.
+
+    Attributes:
+        name: What it is called.
+        number: Its place among all rooms.
+        split: What it is for.
+        renders: By variant.
+        rows: What the dataset's index says of views, by ``variant/view``; empty of single renders.
+    """
+
+    name: str
+    number: int
+    split: Subset
+    renders: Mapping[str, RenderedScene]
+    rows: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -70,8 +101,21 @@ class DatasetSummary:
         return f"DatasetSummary({str(self.root)!r}: {self.files} files of {views} views{missing})"
 
 
-class DatasetWriter(Protocol):
-    """Writes renders as a dataset; an entry point ``openrooms_usd.datasets``."""
+class Form(Protocol):
+    """What every form says of itself; an entry point ``openrooms_usd.datasets``."""
+
+    takes: Literal["render", "variants", "rooms"]
+    """What it is written of at once; the last is a `RoomsWriter`, others are `DatasetWriter`."""
+
+    needs: Mapping[str, str]
+    """The packages that it cannot do without, with the extra that brings each."""
+
+
+class DatasetWriter(Form, Protocol):
+    """Writes one render, or the variants of one room."""
+
+    called: Mapping[str, str]
+    """What it calls variants; where it has words for some, it is written of these alone."""
 
     def write(
         self,
@@ -93,6 +137,68 @@ class DatasetWriter(Protocol):
             OutputError: A file cannot be written.
         """
         ...
+
+
+class RoomsWriter(Form, Protocol):
+    """Writes all rooms of a dataset."""
+
+    def write_rooms(
+        self,
+        rooms: Iterable[FinishedRoom],
+        root: Path,
+        options: DatasetOptions,
+        progress: Progress = silent,
+    ) -> DatasetSummary:
+        """Write all rooms; each is taken once, in order, and may be forgotten afterwards.
+
+        Args:
+            rooms: With all their variants.
+            root: The folder of this form; what an earlier writing left there goes.
+            options: How to lay it out.
+            progress: Called with each room and a fraction.
+
+        Raises:
+            InputError: The rooms or options do not fit.
+            OutputError: A file cannot be written.
+        """
+        ...
+
+
+@contextmanager
+def replacing_all(root: Path, ledger: str) -> Iterator[set[Path]]:
+    """Have a folder to oneself; what an earlier writing left there and this one did not, goes.
+
+    Args:
+        root: The folder; what lies in its subfolders is noted.
+        ledger: The name of the ledger in it.
+
+    Yields:
+        What takes the absolute paths of all that is written.
+
+    Raises:
+        OutputError: Another process writes to the folder, or it cannot be written.
+    """
+    with claims.claimed(root, ledger) as kept:
+        written: set[Path] = set()
+        yield written
+        with writing(root):
+            kept.remove(path for path in kept.below(root) if path not in written)
+
+
+def check_needs(kind: str) -> None:
+    """See that what a form needs is installed, before rooms are made for it.
+
+    Raises:
+        InputError: There is no such form.
+        MissingPackageError: A package is missing.
+    """
+    writer: Form = adapters.load(adapters.DATASETS, kind)
+    for package, extra in writer.needs.items():
+        if find_spec(package) is None:
+            raise MissingPackageError(
+                f"the form {kind!r} needs {package}, which is not installed",
+                remedy=f"pip install 'openrooms-usd[{extra}]'",
+            )
 
 
 def write_dataset(
@@ -119,6 +225,19 @@ def write_dataset(
         InputError: There is no such dataset, or the renders or options do not fit each other.
         OutputError: A file cannot be written.
     """
-    writer: DatasetWriter = adapters.load(adapters.DATASETS, kind)
-    opened = [read_render(folder) for folder in renders]
-    return writer.write(opened, root, options or DatasetOptions(), progress)
+    check_needs(kind)
+    writer: Any = adapters.load(adapters.DATASETS, kind)
+    wished = options or DatasetOptions()
+    found: DatasetSummary
+    if writer.takes == "rooms":
+        found = writer.write_rooms(_rooms(renders, wished.subset), root, wished, progress)
+    else:
+        found = writer.write([read_render(one) for one in renders], root, wished, progress)
+    return found
+
+
+def _rooms(renders: Sequence[Path], subset: Subset) -> Iterator[FinishedRoom]:
+    """Single renders as rooms with one variant each."""
+    for number, folder in enumerate(renders):
+        name = folder.absolute().name
+        yield FinishedRoom(name, number, subset, {"main": read_render(folder)})

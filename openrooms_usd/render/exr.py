@@ -111,7 +111,7 @@ class Scaled:
     def __getitem__(self, which: slice) -> Pixels:
         # Numbers that are infinite, or none, have no place in a lossy file.
         rows = self.pixels[which] * np.float32(self.scale)
-        return np.nan_to_num(rows, posinf=_MOST_HALF, neginf=-_MOST_HALF)
+        return np.asarray(np.nan_to_num(rows, posinf=_MOST_HALF, neginf=-_MOST_HALF), np.float32)
 
 
 def _write(

@@ -220,7 +220,8 @@ class ViewEntry(_Part):
         """The files that it names, all of them."""
         previews = [row.preview for row in self.channels.values() if row.preview]
         fits = self.fits.files if self.fits else {}
-        ways = (row.stored for row in (*self.channels.values(), *self.denoised.values()))
+        ways = [row.stored for row in self.channels.values()]
+        ways += [row.stored for row in self.denoised.values()]
         kept = [way.file for way in ways if way and way.file]
         return [*(self.files or {}).values(), *fits.values(), *previews, *kept]
 

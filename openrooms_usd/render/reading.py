@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -203,6 +203,20 @@ class RenderedScene:
         # A view keeps the arrays that it has read: a copy takes them along when it goes.
         return (replace(view) for view in self.views.values())
 
+    def check(self, channels: Sequence[str]) -> None:
+        """See that the render has channels.
+
+        Raises:
+            InputError: It lacks one.
+        """
+        missing = [name for name in channels if name not in self.manifest.channels]
+        if missing:
+            raise InputError(
+                f"the render has no channel {' and no channel '.join(missing)}",
+                place=self.folder,
+                remedy=f"render again with --channels all, or with {','.join(channels)} among them",
+            )
+
     def legend(self, channel: str) -> dict[int, str]:
         """What the numbers of a label channel, or the ``category`` of an instance, mean."""
         return self.manifest.legend.get(channel, {})
@@ -220,15 +234,10 @@ def read_render(folder: Path, channels: tuple[str, ...] = ()) -> RenderedScene:
             a channel.
     """
     manifest = read_manifest(folder)
-    missing = [name for name in channels if name not in manifest.channels]
-    if missing:
-        raise InputError(
-            f"the render has no channel {' and no channel '.join(missing)}",
-            place=folder,
-            remedy=f"render again with --channels all, or with {','.join(channels)} among them",
-        )
     views = {
         name: RenderedView(name, folder / name, manifest.views[name])
         for name in sorted(manifest.views)
     }
-    return RenderedScene(folder, manifest, views)
+    found = RenderedScene(folder, manifest, views)
+    found.check(channels)
+    return found

@@ -13,6 +13,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = {
     "openrooms_usd", "orusd_schemas", "orusd_gltf", "orusd_mitsuba", "orusd_nerf",
     "orusd_openrooms", "orusd_preview", "orusd_scans", "orusd_urdf", "orusd_usdz",
+    "orusd_hypersim", "orusd_webdataset",
 }  # fmt: skip
 DATA = {
     "openrooms_usd/py.typed",
@@ -20,6 +21,8 @@ DATA = {
     "openrooms_usd/library/hosek_wilkie.npy",
     "openrooms_usd/library/hosek_wilkie.LICENSE.txt",
     "orusd_gltf/py.typed",
+    "orusd_hypersim/py.typed",
+    "orusd_webdataset/py.typed",
     "orusd_mitsuba/py.typed",
     "orusd_nerf/py.typed",
     "orusd_openrooms/py.typed",

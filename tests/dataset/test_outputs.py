@@ -1,0 +1,106 @@
+"""Forms of a whole dataset: written of what is finished, once, and again when that is other."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from openrooms_usd.dataset.finish import finish
+from openrooms_usd.dataset.store import Store
+from openrooms_usd.description import load_dataset
+from openrooms_usd.description.dataset import Dataset, Output
+from openrooms_usd.render.reading import read_render
+
+
+@pytest.fixture
+def finished(made: tuple[Path, Path], tmp_path: Path) -> tuple[Store, Dataset]:
+    """A copy of a dataset that was made, one of whose rooms cannot be."""
+    file, out = made
+    shutil.copytree(out, tmp_path / "made")
+    return Store(tmp_path / "made"), load_dataset(file)
+
+
+def asking(dataset: Dataset, **output: object) -> Dataset:
+    return dataset.model_copy(update={"outputs": (Output.model_validate(output),)})
+
+
+def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> None:
+    store, dataset = finished
+    wished = asking(dataset, **{"as": "webdataset"})
+    assert finish(store, wished) == ()
+    folder = store.root / "outputs/webdataset"
+    listed = json.loads((folder / "shards.json").read_text())
+    assert sum(row["samples"] for rows in listed.values() for row in rows) == 4
+    shard = folder / next(iter(listed.values()))[0]["file"]
+    before = (shard.read_bytes(), shard.stat().st_mtime_ns)
+    finish(store, wished)
+    assert (shard.read_bytes(), shard.stat().st_mtime_ns) == before
+    # What is asked for is other: so are the files.
+    finish(store, asking(dataset, **{"as": "webdataset", "files": ["channels.exr"]}))
+    assert shard.stat().st_size < len(before[0])
+
+
+def test_each_render_is_a_form_of_its_own(finished: tuple[Store, Dataset]) -> None:
+    store, dataset = finished
+    assert finish(store, asking(dataset, **{"as": "nerf"})) == ()
+    for variant in ("main", "mainDiffMat"):
+        folder = store.root / "outputs/nerf/room_good" / variant
+        frames = json.loads((folder / "transforms.json").read_text())["frames"]
+        assert len(frames) == 2
+        assert (folder / "sparse/0/cameras.txt").is_file()
+
+
+def test_what_cannot_be_written_is_told(finished: tuple[Store, Dataset]) -> None:
+    store, dataset = finished
+    notes = finish(store, asking(dataset, **{"as": "webdataset", "files": ["lights.exr"]}))
+    assert len(notes) == 1 and "no file 'lights.exr'" in notes[0]
+    assert not (store.root / "records/webdataset.json").exists()
+
+
+def test_one_table_has_all_views(finished: tuple[Store, Dataset]) -> None:
+    parquet, duckdb = pytest.importorskip("pyarrow.parquet"), pytest.importorskip("duckdb")
+    store, dataset = finished
+    assert finish(store, asking(dataset, **{"as": "parquet"})) == ()
+    path = store.root / "outputs/parquet/views.parquet"
+    rows = parquet.read_table(path).to_pylist()
+    index = [json.loads(line) for line in (store.root / "index.jsonl").read_text().splitlines()]
+    assert [row["unit"] for row in rows] == [line["unit"] for line in index]
+    for row, line in zip(rows, index, strict=True):
+        assert row["K"] == [number for part in line["K"] for number in part]
+        assert row["world_from_camera"] == [n for part in line["world_from_camera"] for n in part]
+        assert dict(row["files"]) == line["files"] and row["split"] == line["split"]
+        assert (row["width"], row["height"]) == (24, 18)
+        view = read_render(store.root / line["folder"] / "..").views[f"view_{row['view']}"]
+        shown = {*view.labels("instance").ravel().tolist()} - {0}
+        assert row["instances"] == len(shown) > 0
+    asked = f"select count(*), min(width), max(instances) from '{path}' where variant = 'main'"
+    found = duckdb.sql(asked).fetchall()
+    assert found == [(2, 24, max(r["instances"] for r in rows if r["variant"] == "main"))]
+    before = path.read_bytes()
+    (store.root / "records/parquet.json").unlink()
+    finish(store, asking(dataset, **{"as": "parquet"}))
+    assert path.read_bytes() == before
+
+
+# pycocotools' own code speaks of numpy 2.
+@pytest.mark.filterwarnings("ignore:__array__ implementation")
+def test_annotations_of_all_rooms_are_one_file_a_split(finished: tuple[Store, Dataset]) -> None:
+    coco = pytest.importorskip("pycocotools.coco")
+    store, dataset = finished
+    assert finish(store, asking(dataset, **{"as": "coco"})) == ()
+    files = sorted((store.root / "outputs/coco/annotations").iterdir())
+    assert [path.stem for path in files] == [*json.loads((store.root / "splits.json").read_text())]
+    found = coco.COCO(str(files[0]))
+    assert len(found.getImgIds()) == 4
+    for image in found.loadImgs(found.getImgIds()):
+        assert (store.root / image["file_name"]).is_file()
+        view = read_render((store.root / image["file_name"]).parents[1]).views[
+            Path(image["file_name"]).parts[-2]
+        ]
+        labels = view.labels("instance")
+        for row in found.loadAnns(found.getAnnIds(imgIds=image["id"])):
+            mask = found.annToMask(row).astype(bool)
+            assert (mask == (labels == row["instance"])).all()
+            word = found.loadCats(row["category_id"])[0]["name"]
+            assert row["area"] == mask.sum() and word
