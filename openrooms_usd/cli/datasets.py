@@ -129,6 +129,8 @@ def status(folder: "Root", as_json: bool) -> None:
     )
     for fault, count in found.faults.items():
         echo(f"{count} views: {fault}")
+    for room, reason in list(found.left_out.items())[:_MOST_SHOWN]:
+        echo(f"left out: {room}: {reason}")
     for row in found.rejected[:_MOST_SHOWN]:
         echo(f"replaced: {row['camera']} of {row['unit']}: {', '.join(row['faults'])}")
     for failure in found.failures[:_MOST_SHOWN]:

@@ -1,6 +1,8 @@
 """What else than its own text a room.yaml depends on: scans, models, textures, panoramas."""
 
 import hashlib
+import json
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
@@ -18,6 +20,28 @@ def file_digest(path: Path) -> str:
     remedy = "names of files in a dataset.yaml begin in its folder"
     with opened(path, "frames", remedy=remedy) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def capture_digest(folder: Path, file: str, options: Mapping[str, str]) -> str:
+    """A digest of a capture, and of the files that its importer's options name.
+
+    Args:
+        folder: Where names of files begin.
+        file: What the importer reads; of a folder the names and the sizes of its files count.
+        options: What is asked of the importer.
+
+    Raises:
+        InputError: It is not there, or cannot be read.
+    """
+    if not (root := folder / file).is_dir():
+        own = file_digest(root)
+    else:
+        found = sorted(path for path in root.rglob("*") if path.is_file())
+        rows = [(path.relative_to(root).as_posix(), path.stat().st_size) for path in found]
+        own = hashlib.sha256(json.dumps(rows).encode()).hexdigest()
+    named = [folder / value for _, value in sorted(options.items()) if (folder / value).is_file()]
+    digests = [own, *map(file_digest, named)]
+    return own if not named else hashlib.sha256(json.dumps(digests).encode()).hexdigest()
 
 
 def inputs_digest(description: Path) -> str | None:

@@ -18,8 +18,15 @@ from typing import Any, Final
 from openrooms_usd import adapters
 from openrooms_usd.categories import registry
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.dataset.inputs import file_digest, inputs_digest
-from openrooms_usd.description.dataset import SPLITS, Dataset, GeneratedRooms, Split
+from openrooms_usd.dataset.inputs import capture_digest, file_digest, inputs_digest
+from openrooms_usd.description.dataset import (
+    SPLITS,
+    CapturedRooms,
+    Dataset,
+    DescribedRooms,
+    GeneratedRooms,
+    Split,
+)
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import STAGES
 
@@ -42,7 +49,8 @@ class PlannedRoom:
         name: What its folders are called.
         number: Its place among all rooms of the dataset.
         source: What makes it: ``type``, ``seed``, ``clutter`` and ``style`` of a generated room,
-            ``file`` and its ``sha256`` of a described one, and that of the ``inputs`` it names.
+            ``file`` and its ``sha256`` of a described or captured one, and that of the ``inputs``
+            it names.
         split: What it is for.
     """
 
@@ -119,9 +127,7 @@ def plan_rooms(dataset: Dataset) -> Iterator[PlannedRoom]:
         for file in rooms.files:
             name = _room_name(file, taken)
             # A room.yaml that is wrong is found when its turn comes: the rest goes on.
-            source = {"file": file, "sha256": file_digest(dataset.folder / file)}
-            if inputs := inputs_digest(dataset.folder / file):
-                source["inputs"] = inputs
+            source = _source(dataset, rooms, file)
             yield PlannedRoom(name, number, source, _split(dataset, number))
             number += 1
 
@@ -207,6 +213,18 @@ def _room_name(file: str, taken: dict[str, int]) -> str:
     name = f"room_{plain}"
     taken[name] = taken.get(name, 0) + 1
     return name if taken[name] == 1 else f"{name}_again_{taken[name]}"
+
+
+def _source(dataset: Dataset, rooms: DescribedRooms | CapturedRooms, file: str) -> dict[str, Any]:
+    """What makes a described or captured room."""
+    told = rooms.model_dump(mode="json", exclude={"source", "files"}, exclude_none=True)
+    if isinstance(rooms, CapturedRooms):
+        digest = capture_digest(dataset.folder, file, rooms.options)
+        return {"file": file, "sha256": digest, **told}
+    source = {"file": file, "sha256": file_digest(dataset.folder / file), **told}
+    if inputs := inputs_digest(dataset.folder / file):
+        source["inputs"] = inputs
+    return source
 
 
 @cache

@@ -122,6 +122,9 @@ class FailureRecord(_Part):
     attempts: _Count
 
 
+LEFT_OUT: Final = "left_out"
+"""The code of failures of rooms that were left out on purpose: they are not tried again."""
+
 SCENE: Final = "scene"
 """The name of the record of what the views of a job share."""
 

@@ -12,6 +12,7 @@ from openrooms_usd.dataset import work
 from openrooms_usd.dataset.executor import Crew, Executor, Lost, Told, Wanted
 from openrooms_usd.dataset.finish import finish
 from openrooms_usd.dataset.plan import Job, job_of, plan_jobs, view_name
+from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.dataset.scratch import Root, bring_known, bring_unit, to_oneself
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import Dataset, load_dataset
@@ -178,9 +179,16 @@ class _Run:
     def _open(self) -> Iterator[Job]:
         """The jobs with views that are not finished, and with these alone."""
         for job in self.store.jobs():
-            left = [view for view in job.views if not self.store.is_finished(job, view)]
+            left = [view for view in job.views if not self._is_done_with(job, view)]
             if left:
                 yield replace(job, views=tuple(left))
+
+    def _is_done_with(self, job: Job, view: int) -> bool:
+        """Whether a view is finished, or was left out on purpose."""
+        if self.store.is_finished(job, view):
+            return True
+        failure = self.store.failure(job, view)
+        return failure is not None and failure["code"] == LEFT_OUT
 
     def _worked(self, crew: Crew, waiting: Iterable[Job]) -> Iterator[Job]:
         """Have jobs worked off.
@@ -226,7 +234,8 @@ class _Run:
         self._show(job, view)
 
     def _fail(self, job: Job, view: int, reason: dict[str, str]) -> None:
-        self.failed[f"{job.name}/{view_name(view)}"] = reason["reason"]
+        if reason["code"] != LEFT_OUT:
+            self.failed[f"{job.name}/{view_name(view)}"] = reason["reason"]
         # A full disk takes no record either: then the run itself says it.
         with suppress(OrusdError, OSError):
             self.store.fail(job, view, {"unit": f"{job.name}/{view_name(view)}", **reason})

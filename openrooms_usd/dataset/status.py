@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from openrooms_usd.dataset.plan import view_name
+from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.dataset.scratch import Root, bring_all, store_at
 from openrooms_usd.dataset.store import Store
 
@@ -36,7 +37,9 @@ class Status:
         finished: How many it has.
         failures: Those that could not be made.
         faults: How many finished views have each fault, by what is wrong with them.
+        left_out: Why rooms were left out on purpose, by their name.
         rejected: The cameras in whose place others were taken, with what is wrong with their views.
+        unwanted: How many views the rooms have that were left out.
     """
 
     root: Root
@@ -45,11 +48,13 @@ class Status:
     failures: tuple[Failure, ...] = ()
     faults: dict[str, int] = field(default_factory=dict)
     rejected: tuple[dict[str, Any], ...] = ()
+    left_out: dict[str, str] = field(default_factory=dict)
+    unwanted: int = 0
 
     @property
     def left(self) -> int:
         """How many views have not been tried, or not by this plan."""
-        return self.units - self.finished - len(self.failures)
+        return self.units - self.finished - len(self.failures) - self.unwanted
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for ``--json``."""
@@ -62,6 +67,7 @@ class Status:
             "failures": [vars(failure) for failure in self.failures],
             "faults": self.faults,
             "rejected": list(self.rejected),
+            "left_out": self.left_out,
         }
 
 
@@ -84,6 +90,8 @@ def _counted(root: Root, store: Store) -> Status:
     failures: list[Failure] = []
     faults: Counter[str] = Counter()
     rejected: list[dict[str, Any]] = []
+    left_out: dict[str, str] = {}
+    unwanted = 0
     for job in store.jobs():
         for view in job.views:
             units += 1
@@ -91,7 +99,10 @@ def _counted(root: Root, store: Store) -> Status:
                 finished += 1
                 faults.update(record["quality"]["faults"])
                 rejected += [{"unit": record["unit"], **row} for row in record["rejected"]]
-            elif found := store.failure(job, view):
+            elif (found := store.failure(job, view)) and found["code"] == LEFT_OUT:
+                left_out[job.room.name] = str(found["reason"])
+                unwanted += 1
+            elif found:
                 failures.append(
                     Failure(
                         f"{job.name}/{view_name(view)}",
@@ -100,5 +111,6 @@ def _counted(root: Root, store: Store) -> Status:
                         int(found["attempts"]),
                     )
                 )
-    found = dict(sorted(faults.items()))
-    return Status(root, units, finished, tuple(failures), found, tuple(rejected))
+    counted = dict(sorted(faults.items()))
+    rest = tuple(rejected), left_out, unwanted
+    return Status(root, units, finished, tuple(failures), counted, *rest)

@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.dataset.captured import captured_room
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.description import Room, load_room, named_objects, parse_room, room_of
 from openrooms_usd.description.alignment import ObjectList
@@ -65,6 +66,8 @@ def described(job: Job, folder: Path) -> Room:
         DescriptionError: It has mistakes.
     """
     source = job.room.source
+    if "importer" in source:
+        return captured_room(job, folder)
     if "file" in source:
         return load_room(folder / str(source["file"]))
     made = generate(source["type"], source["seed"], None, source["style"], source["clutter"])

@@ -15,6 +15,7 @@ from typing import Any, Final
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.channels import each
 from openrooms_usd.compose import compose_room
+from openrooms_usd.dataset.captured import coverage_of
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
 from openrooms_usd.dataset.quality import look_at
@@ -141,6 +142,7 @@ class _OpenRoom:
         held.enter_context(claims.claimed(store.render(job), ledger.RENDER_FILE))
         described = realised(job, dataset.views, folder)
         base = described.folder or folder
+        coverage = coverage_of(job, described, base)
         made = compose_room(described, store.scene(job), base=base, workers=task["threads"])
         composed = time.perf_counter() - began
         opened = _render_job(dataset, job).open(made.scene, views=dataset.views.units)
@@ -152,10 +154,10 @@ class _OpenRoom:
         rows = tuple(opened.report.rows)
         materials = material_names(opened.stage, opened.opened.legend.material)
         room = cls(job, store, opened, dataset, shots, rows, materials, took)
-        room._share(described.room)
+        room._share({"type": described.room, "coverage": coverage})
         return room
 
-    def _share(self, kind: str) -> None:
+    def _share(self, told: Mapping[str, Any]) -> None:
         """Write what all views share: what openings see, and the record of the scene."""
         folder, job = self.store.render(self.job), self.job
         if by_light(self.opened.listed):
@@ -163,7 +165,7 @@ class _OpenRoom:
                 write_openings(beside, self.opened.lights)
         found = sorted({one.licence for one in licences(self.opened.stage)})
         record = {
-            "type": kind,
+            **told,
             "entry": self.opened.entry(),
             "report": self.opened.report.as_dict(),
             "licences": found,

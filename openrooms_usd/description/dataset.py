@@ -61,10 +61,28 @@ class DescribedRooms(Model):
     source: Literal["descriptions"] = Field(default="descriptions", alias="from")
     files: tuple[_Text, ...] = Field(min_length=1)
     """Their room.yaml, relative to this file."""
+    coverage: _Share | None = None
+    """The part of the floor and the walls that a scan shall show at least; by default any."""
+
+
+class CapturedRooms(Model):
+    """Rooms of captures, as `orusd import` describes them."""
+
+    source: Literal["captures"] = Field(default="captures", alias="from")
+    files: tuple[_Text, ...] = Field(min_length=1)
+    """What the importer reads, relative to this file: files, or folders."""
+    importer: _Text = "scan"
+    """Its name, as `orusd import --help` lists it."""
+    options: dict[str, _Text] = Field(default_factory=dict)
+    """What is asked of it; paths are relative to this file."""
+    coverage: _Share = 0.6
+    """The part of the floor and the walls that a scan shall show at least; others are left out."""
 
 
 Rooms = Annotated[
-    Annotated[GeneratedRooms, Tag("generate")] | Annotated[DescribedRooms, Tag("descriptions")],
+    Annotated[GeneratedRooms, Tag("generate")]
+    | Annotated[DescribedRooms, Tag("descriptions")]
+    | Annotated[CapturedRooms, Tag("captures")],
     by_source("generate", files="descriptions"),
 ]
 

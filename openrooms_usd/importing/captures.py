@@ -11,7 +11,14 @@ from typing import Any, Final
 
 from openrooms_usd.adapters import IMPORTERS, load
 from openrooms_usd.atomic import filling, replacing, write_bytes, write_text
-from openrooms_usd.capture import NO_OPTIONS, Capture, Importer, Packed, checked_options
+from openrooms_usd.capture import (
+    NO_OPTIONS,
+    Capture,
+    Importer,
+    Packed,
+    checked_options,
+    read_capture,
+)
 from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.errors import InputError, OutputError, writing
@@ -117,6 +124,32 @@ def import_capture(
                     _copy(content, folder / name)
             write_text(folder / ROOM, text)
     return ImportedRoom(out / ROOM, room, capture)
+
+
+def described_capture(
+    kind: str, file: str, folder: Path, options: Mapping[str, str] = NO_OPTIONS
+) -> tuple[Room, Capture]:
+    """Describe the room of a capture where it lies; nothing is copied or written.
+
+    Args:
+        kind: The name of the importer.
+        file: What it reads, relative to the folder.
+        folder: Where names of files begin, also those of options.
+        options: What is asked of the importer.
+
+    Raises:
+        InputError: The source cannot be read, or has no usable floor.
+    """
+    source = folder / file
+    try:
+        check_archive(source)
+        capture = read_capture(kind, source, options, folder)
+    except OSError as error:
+        raise _unreadable(source, error) from error
+    _check_usable(capture, source)
+    described = describe if capture.floor is not None else describe_scan
+    text = described(kind, capture, file, {**options, **capture.settled})
+    return parse_room(text, str(source), folder=folder), capture
 
 
 def _read(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Capture:

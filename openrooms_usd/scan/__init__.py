@@ -9,6 +9,7 @@ In the order of the work:
 - `models`: CADs that are fitted to objects;
 - `registration`: retrieval of CADs, and robust registration of pose and scale;
 - `placement`: the support relation, and penetrations resolved by the least motion;
+- `shown`: how much of a room a scan shows;
 - `report`: plans and captions for people.
 
 `reconstruction` runs them; `results` says what was found, in the scan's own frame.

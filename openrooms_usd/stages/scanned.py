@@ -26,7 +26,7 @@ from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import Flat, flat_of
 from openrooms_usd.scan.rooms.layout import LayoutOptions
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StageContext, input_file
 from openrooms_usd.stages.captures import capture_path
 from openrooms_usd.stages.instances import hint_of
 
@@ -67,12 +67,7 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
         InputError: The scan cannot be read, or shows too little of a room.
     """
     path = capture_path(context, layout)
-    asked = tuple(sorted(layout.asked.items()))
-    stamp = path.stat().st_mtime_ns, path.stat().st_size
-    options = LayoutOptions(
-        simplicity=layout.simplicity, partial=layout.partial, storey=layout.storey
-    )
-    found, capture = _found(layout.reader, options, path, asked, context.source, stamp)
+    found, capture = _read(layout, path, context.source)
     flat = flat_of(found.rooms) if layout.room == "all" else None
     if flat is not None:
         rooms = tuple(found.rooms[number] for number in flat.members)
@@ -84,6 +79,29 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
             shown = replace(shown, notes=(*shown.notes, _ALONE))
     scan_from_level = in_metres(capture.source_from_world) @ found.level.scan_from_level
     return ScannedRoom(shown, found, rooms, scan_from_level)
+
+
+def found_layout(layout: ScanLayout, folder: Path) -> FoundLayout:
+    """All rooms of a scan; a stage that asks for them next finds them done.
+
+    Args:
+        layout: The section of a description.
+        folder: Where its files' names begin.
+
+    Raises:
+        InputError: As of `scanned_room`.
+    """
+    path = input_file(folder, layout.file, folders=True)
+    return _read(layout, path, folder)[0]
+
+
+def _read(layout: ScanLayout, path: Path, source: Path) -> tuple[FoundLayout, Capture]:
+    asked = tuple(sorted(layout.asked.items()))
+    stamp = path.stat().st_mtime_ns, path.stat().st_size
+    options = LayoutOptions(
+        simplicity=layout.simplicity, partial=layout.partial, storey=layout.storey
+    )
+    return _found(layout.reader, options, path, asked, source, stamp)
 
 
 def _chosen(found: FoundLayout, wanted: int | Literal["all"], path: Path) -> FoundRoom:

@@ -1,0 +1,73 @@
+"""Rooms of captures: described where they lie, and left out where a scan shows too little."""
+
+from pathlib import Path
+from typing import Any
+
+from openrooms_usd.dataset.plan import Job
+from openrooms_usd.dataset.records import LEFT_OUT
+from openrooms_usd.description import Room
+from openrooms_usd.description.layout import ScanLayout
+from openrooms_usd.errors import InputError
+
+
+class LeftOutError(InputError):
+    """A scan that shows too little of its room."""
+
+    code = LEFT_OUT
+
+
+def captured_room(job: Job, folder: Path) -> Room:
+    """The room of a capture, as `orusd import` describes it; nothing is copied.
+
+    Args:
+        job: Its source has the ``file``, the ``importer`` and its ``options``.
+        folder: Where the names of files in the dataset.yaml begin.
+
+    Raises:
+        InputError: The capture cannot be read, or has no usable floor.
+    """
+    from openrooms_usd.importing import described_capture
+
+    source = job.room.source
+    room, _ = described_capture(
+        str(source["importer"]), str(source["file"]), folder, dict(source["options"])
+    )
+    return room
+
+
+def coverage_of(job: Job, room: Room, folder: Path) -> dict[str, float] | None:
+    """How much a scan shows of its room (`openrooms_usd.scan.shown`).
+
+    Args:
+        job: Its source may have a least ``coverage``.
+        room: The room, as it is described.
+        folder: Where its files' names begin.
+
+    Returns:
+        The parts of ``floor`` and ``walls`` and of the ``whole``; None where nobody asks, or the
+        room is not found in points.
+
+    Raises:
+        LeftOutError: It is less than was asked for, or too little to find any room.
+    """
+    # What finds rooms in points takes a second to import.
+    from openrooms_usd.scan.shown import shown
+    from openrooms_usd.stages.scanned import found_layout
+
+    least: Any = job.room.source.get("coverage")
+    if least is None or not isinstance(room.layout, ScanLayout):
+        return None
+    try:
+        found = found_layout(room.layout, folder)
+    except InputError as error:
+        raise LeftOutError(error.message, place=error.place, remedy=error.remedy) from error
+    number = room.layout.room if isinstance(room.layout.room, int) else 0
+    seen = shown(found.cloud.points, found.rooms[min(number, len(found.rooms) - 1)])
+    if seen.whole < least:
+        raise LeftOutError(
+            f"the scan shows {seen.floor:.0%} of the floor and {seen.walls:.0%} of the walls, "
+            f"together {seen.whole:.0%}; {least:.0%} are asked for",
+            place=job.room.source["file"],
+            remedy="scan what is missing, or ask for less `coverage`",
+        )
+    return seen.as_dict()

@@ -1,0 +1,84 @@
+"""Rooms of scans: those that show enough are composed, the others left out with the reason."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from openrooms_usd.dataset.captured import LeftOutError, captured_room, coverage_of
+from openrooms_usd.dataset.plan import plan_jobs
+from openrooms_usd.dataset.records import LEFT_OUT
+from openrooms_usd.dataset.status import status_of
+from openrooms_usd.dataset.store import Store
+from openrooms_usd.description import load_dataset
+from openrooms_usd.description.layout import ScanLayout
+
+TEXT = """\
+name: scans
+rooms:
+  - {from: captures, files: [room.npz], coverage: COVERAGE}
+views: {count: 1, resolution: [16, 12]}
+channels: [depth]
+rendering: {renderer: preview}
+"""
+
+
+def box(keep: float = 1.0) -> np.ndarray:
+    """Points on the floor, the ceiling and the walls of a room, of which so much is kept."""
+    rng = np.random.default_rng(1)
+    points = rng.uniform([0, 0, 0], [4.2, 3.1, 2.6], (60_000, 3))
+    side = rng.integers(0, 6, len(points))
+    for number in range(6):
+        axis, end = divmod(number, 2)
+        points[side == number, axis] = (0.0, (4.2, 3.1, 2.6)[axis])[end]
+    return points[points[:, 0] <= 4.2 * keep]
+
+
+def dataset(folder: Path, coverage: float, keep: float = 1.0) -> Path:
+    np.savez(folder / "room.npz", points=box(keep).astype(np.float32))
+    (folder / "dataset.yaml").write_text(TEXT.replace("COVERAGE", str(coverage)))
+    return folder / "dataset.yaml"
+
+
+def test_a_whole_scan_is_taken_where_it_lies(tmp_path: Path) -> None:
+    file = dataset(tmp_path, 0.9)
+    (job,) = plan_jobs(load_dataset(file))
+    room = captured_room(job, tmp_path)
+    assert isinstance(room.layout, ScanLayout) and room.layout.file == "room.npz"
+    found = coverage_of(job, room, tmp_path)
+    assert found is not None and min(found.values()) > 0.97
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["dataset.yaml", "room.npz"]
+
+
+def test_a_scan_that_shows_little_is_left_out_with_its_reason(tmp_path: Path) -> None:
+    dataset(tmp_path, 0.9, keep=0.6)
+    (job,) = plan_jobs(load_dataset(tmp_path / "dataset.yaml"))
+    room = captured_room(job, tmp_path)
+    with pytest.raises(LeftOutError, match=r"of the floor and .* of the walls|too little"):
+        coverage_of(job, room, tmp_path)
+
+
+@pytest.mark.slow
+def test_what_is_left_out_has_not_failed_and_is_not_tried_again(tmp_path: Path) -> None:
+    from openrooms_usd.dataset.run import run_dataset
+
+    file = dataset(tmp_path, 1.0, keep=0.97)
+    done = run_dataset(file, tmp_path / "out")
+    assert (done.made, done.failed) == (0, {})
+    found = status_of(tmp_path / "out")
+    assert (found.finished, found.left, found.failures) == (0, 0, ())
+    assert "100% are asked for" in found.left_out["room_room"]
+    store = Store(tmp_path / "out")
+    (job,) = store.jobs()
+    before = store.failure(job, 0)
+    assert before is not None and before["code"] == LEFT_OUT
+    run_dataset(file, tmp_path / "out")
+    assert store.failure(job, 0) == before
+    # Who asks for less has it made.
+    dataset(tmp_path, 0.5)
+    shutil.rmtree(tmp_path / "out" / "failures")
+    assert run_dataset(file, tmp_path / "out").made == 1
+    (job,) = store.jobs()
+    shared = store.scene_record(job)
+    assert shared is not None and shared["coverage"]["whole"] > 0.9

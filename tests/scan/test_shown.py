@@ -1,0 +1,59 @@
+"""How much a scan shows of a room whose points are given: shares that can be counted by hand."""
+
+import numpy as np
+import pytest
+
+from openrooms_usd.scan.results import FoundOpening, FoundRoom
+from openrooms_usd.scan.shown import shown
+
+CORNERS = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 0.0], [0.0, 3.0, 0.0]])
+DOOR = FoundOpening(
+    "door", np.array([[1.0, 0, 0], [2.0, 0, 0], [2.0, 0, 2.0], [1.0, 0, 2.0]]), 1, 0
+)
+ROOM = FoundRoom(np.array([0.0, 0.0, 1.0]), CORNERS[0], CORNERS, ceiling=2.5)
+
+
+def sheet(a: tuple[float, float], b: tuple[float, float], fixed: int, at: float) -> np.ndarray:
+    """Points every 4 cm of a rectangle across an axis."""
+    u, v = np.meshgrid(np.arange(a[0] + 0.02, a[1], 0.04), np.arange(b[0] + 0.02, b[1], 0.04))
+    return np.insert(np.column_stack([u.ravel(), v.ravel()]), fixed, at, axis=1)
+
+
+FLOOR = sheet((0, 4), (0, 3), 2, 0.0)
+WALLS = [
+    sheet((0, 4), (0, 2.5), 1, 0.0), sheet((0, 3), (0, 2.5), 0, 4.0),
+    sheet((0, 4), (0, 2.5), 1, 3.0), sheet((0, 3), (0, 2.5), 0, 0.0),
+]  # fmt: skip
+
+
+def test_a_whole_scan_shows_all() -> None:
+    found = shown(np.concatenate([FLOOR, *WALLS]), ROOM)
+    assert found.as_dict() == {"floor": 1.0, "walls": 1.0, "whole": 1.0}
+
+
+@pytest.mark.parametrize("side", [1, 2])
+def test_what_is_not_scanned_is_missed(side: int) -> None:
+    half = FLOOR[FLOOR[:, 0] < 2.0]
+    rest = [wall for number, wall in enumerate(WALLS) if number != side]
+    found = shown(np.concatenate([half, *rest]), ROOM)
+    # Cells beside what was scanned count as far as 10 cm, and before walls a metre of floor does.
+    floor, missing = 0.5, [0, 3.0, 4.0][side] / 14.0
+    assert found.floor == pytest.approx(floor, abs=0.16)
+    assert found.walls == pytest.approx(1.0 - missing, abs=0.05)
+    area = 12.0 + 14.0 * 2.5
+    together = (found.floor * 12.0 + found.walls * 14.0 * 2.5) / area
+    assert found.whole == pytest.approx(together, abs=1e-3)
+
+
+def test_openings_are_no_wall_and_furniture_hides_what_is_behind() -> None:
+    wall = WALLS[0]
+    hole = (wall[:, 0] > 1.0) & (wall[:, 0] < 2.0) & (wall[:, 2] < 2.0)
+    points = np.concatenate([FLOOR, wall[~hole], *WALLS[1:]])
+    with_door = FoundRoom(ROOM.normal, ROOM.point, CORNERS, ceiling=2.5, openings=(DOOR,))
+    assert shown(points, ROOM).walls < 0.97
+    assert shown(points, with_door).walls == 1.0
+    # A table's top hides the floor, a wardrobe's front the wall.
+    table = sheet((1.0, 2.5), (1.0, 2.0), 2, 0.75)
+    under = (FLOOR[:, 0] > 1.0) & (FLOOR[:, 0] < 2.5) & (FLOOR[:, 1] > 1.0) & (FLOOR[:, 1] < 2.0)
+    assert shown(np.concatenate([FLOOR[~under], *WALLS]), ROOM).floor < 0.95
+    assert shown(np.concatenate([FLOOR[~under], table, *WALLS]), ROOM).floor > 0.97
