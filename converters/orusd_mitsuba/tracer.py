@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.rays import RayTracer, Rows
-from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
 
@@ -36,7 +36,7 @@ class MitsubaTracer(RayTracer):
         mi.set_variant(self._variant)
         if not len(self._scene.triangles):
             return np.full((height, width), -1)
-        if not _is_vectorized():
+        if not _is_vectorized() and camera.projection == PINHOLE:
             return self._by_film(camera, width, height)
         return super().pixels(camera, width, height)
 

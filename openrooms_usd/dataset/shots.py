@@ -16,14 +16,18 @@ from openrooms_usd import names
 from openrooms_usd.dataset.quality import JUDGED, camera_faults
 from openrooms_usd.description.dataset import DatasetViews
 from openrooms_usd.errors import RenderError
+from openrooms_usd.geometry.pinhole import panorama_intrinsics, rotations
+from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.render.job import OpenedJob
 from openrooms_usd.render.paths.camera_path import CameraPath, frame_times
 from openrooms_usd.render.paths.choosing import stage_walk
-from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PINHOLE, PinholeCamera
 
 DEFAULT_RATE: Final = 4
 EYES: Final = ("left", "right")
 
+# The height of a forward direction beyond which it has no heading.
+_UPRIGHT: Final = 0.999
 _NUMBER: Final = re.compile(r"(\d+)")
 
 Rejection = Mapping[str, Any]
@@ -94,12 +98,12 @@ def _chosen(views: DatasetViews, opened: OpenedJob, cameras: Sequence[str]) -> I
     spare = iter(cameras[views.count : views.count + views.replace])
     for name in cameras[: views.count]:
         if views.replace == 0:
-            yield _shot(opened, name)
+            yield _shot(views, opened, name)
             continue
         rejected: list[Rejection] = []
         tried: str | None = name
         while tried is not None:
-            taken = _shot(opened, tried)
+            taken = _shot(views, opened, tried)
             faults = _faults(opened, taken)
             if not faults:
                 yield replace(taken, rejected=tuple(rejected))
@@ -109,11 +113,27 @@ def _chosen(views: DatasetViews, opened: OpenedJob, cameras: Sequence[str]) -> I
             tried = next(spare, None)
         else:
             # None is left that is better: its faults are told, as those of every view.
-            yield replace(_shot(opened, name), rejected=tuple(rejected[1:]))
+            yield replace(_shot(views, opened, name), rejected=tuple(rejected[1:]))
 
 
-def _shot(opened: OpenedJob, view: str) -> Shot:
-    return Shot(opened.views[view], opened.camera(view), view)
+def _shot(views: DatasetViews, opened: OpenedJob, view: str) -> Shot:
+    return Shot(opened.views[view], _projected(views, opened.camera(view)), view)
+
+
+def _projected(views: DatasetViews, camera: PinholeCamera) -> PinholeCamera:
+    """The camera, or a level panorama from where it is, whose middle is where it looks."""
+    if views.projection == PINHOLE:
+        return camera
+    world = camera.world_from_camera
+    # Who looks straight up or down has its forward where the picture's top is.
+    ahead = world[:3, 2] if abs(world[2, 2]) < _UPRIGHT else -world[:3, 1]
+    level = pose(rotations([ahead[0], ahead[1], 0.0])[0], world[:3, 3])
+    return PinholeCamera(
+        panorama_intrinsics(*views.resolution),
+        level,
+        camera.exposure,
+        projection=EQUIRECTANGULAR,
+    )
 
 
 def _faults(opened: OpenedJob, taken: Shot) -> list[str]:
@@ -130,7 +150,7 @@ def _frames(views: DatasetViews, opened: OpenedJob) -> Iterator[Shot]:
     request = opened.request
     size = request.width, request.height
     path: CameraPath = stage_walk(opened.stage, opened.opened, size, times, rate)
-    cameras = list(path.cameras)
+    cameras = [_projected(views, camera) for camera in path.cameras]
     for number, camera in enumerate(cameras[:-1]):
         told = {"frame": {"path": path.name, "number": number, "seconds": float(times[number])}}
         yield Shot(path.frame_name(number), camera, told=told, after=cameras[number + 1])

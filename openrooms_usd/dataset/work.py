@@ -240,5 +240,5 @@ def _render_job(dataset: Dataset, job: Job) -> RenderJob:
         renderer=light.renderer,
         options=light.options,
         denoise=light.denoise,
-        flow=dataset.views.source == "path",
+        flow=dataset.views.source == "path" and dataset.views.projection == "pinhole",
     )

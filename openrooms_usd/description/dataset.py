@@ -103,6 +103,9 @@ class DatasetViews(CheckedModel):
     """Horizontal field of view of all cameras; by default what the room's cameras have."""
     prefer: Literal["photograph", "paper"] = "photograph"
     """How views are selected: see the cameras of room.yaml."""
+    projection: Literal["pinhole", "equirectangular"] = "pinhole"
+    """``equirectangular``: level panoramas of all directions, twice as wide as high, from where the
+    views would be."""
     replace: Whole = Field(default=5, ge=0, le=1000)
     """How many further cameras of a room may be tried in place of those whose views are of no use;
     not of a path."""
@@ -118,7 +121,13 @@ class DatasetViews(CheckedModel):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """What only a path has."""
+        """What only a path has, and what no panorama has."""
+        if peek(given, "projection") == "equirectangular":
+            size = peek_list(given, "resolution") or [640, 480]
+            if len(size) == 2 and size[0] != 2 * size[1]:
+                yield Found(("resolution",), "a panorama is twice as wide as high")
+            if peek(given, "stereo") is not None:
+                yield Found(("stereo",), "a panorama has no direction for a second eye")
         source = peek_text(given, "from") or peek_text(given, "source")
         if peek(given, "rate") is not None and source != "path":
             yield Found(("rate",), "only a path has frames a second (from: path)")
@@ -250,7 +259,11 @@ class Dataset(CheckedModel):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """Variants and outputs that are named twice."""
+        """Variants and outputs that are named twice, and what works with pinholes alone."""
+        if peek(peek(given, "views"), "projection") == "equirectangular":
+            for name in ("sensor", "outputs"):
+                if peek(given, name):
+                    yield Found((name,), "panoramas have none: it works with pinhole cameras")
         variants = peek_list(given, "variants")
         kinds = [peek(row, "as") or peek(row, "kind") for row in peek_list(given, "outputs")]
         for where, names in (("variants", variants), ("outputs", kinds)):

@@ -1,4 +1,4 @@
-"""Pinhole cameras as arrays, in the OpenCV frame: x right, y down, z forward."""
+"""Cameras as arrays, in the OpenCV frame: x right, y down, z forward; pinholes and panoramas."""
 
 import math
 
@@ -32,6 +32,29 @@ def pixel_directions(K: Array, width: int, height: int) -> Array:
     x = (np.arange(width) + 0.5 - K[0, 2]) / K[0, 0]
     y = (np.arange(height) + 0.5 - K[1, 2]) / K[1, 1]
     return np.stack(np.broadcast_arrays(x[None, :], y[:, None], 1.0), axis=-1)
+
+
+def panorama_intrinsics(width: int, height: int) -> Array:
+    """(3, 3) pixels per radian, and the middle, of a panorama that shows all directions."""
+    fx, fy = width / (2.0 * math.pi), height / math.pi
+    return np.array([[fx, 0.0, width / 2.0], [0.0, fy, height / 2.0], [0.0, 0.0, 1.0]])
+
+
+def panorama_directions(K: Array, width: int, height: int) -> Array:
+    """(height, width, 3) unit directions of an equirectangular picture's pixels, camera frame.
+
+    Columns are angles to the right of the forward direction, rows angles below the horizon.
+
+    Args:
+        K: (3, 3) pixels per radian, and where the forward direction is.
+        width: Pixels.
+        height: Pixels.
+    """
+    right = ((np.arange(width) + 0.5 - K[0, 2]) / K[0, 0])[None, :]
+    down = ((np.arange(height) + 0.5 - K[1, 2]) / K[1, 1])[:, None]
+    level = np.cos(down)
+    parts = np.broadcast_arrays(level * np.sin(right), np.sin(down), level * np.cos(right))
+    return np.stack(parts, axis=-1)
 
 
 def rotations(forwards: ArrayLike, up: ArrayLike = (0.0, 0.0, 1.0)) -> Array:

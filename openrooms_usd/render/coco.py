@@ -187,7 +187,7 @@ def _image(view: RenderedView, place: str, number: int) -> Plain:
         "width": view.width,
         "height": view.height,
         "camera": view.entry.camera,
-        "K": view.entry.K,
+        "K": view.K.tolist(),
         "world_from_camera": view.entry.world_from_camera,
     }
 

@@ -15,7 +15,7 @@ from openrooms_usd.render.halves import KeptHalves
 if TYPE_CHECKING:
     from openrooms_usd.render.scene.arrays import Scene
     from openrooms_usd.render.scene.rays import RayTracer
-    from openrooms_usd.usd.cameras import PinholeCamera
+    from openrooms_usd.usd.cameras import PinholeCamera, Projection
 
 DEFAULT_BOUNCES: Final = 7
 DEFAULT_SAMPLES: Final = 64
@@ -150,6 +150,7 @@ class View:
         exposure: What previews multiply radiance by; None fits it to the picture.
         images: By channel name; a channel of every light once for each, such as ``direct_0``.
         denoised: Denoised versions of some of these.
+        projection: How its picture is made (`openrooms_usd.usd.cameras.Projection`).
         guides: What a denoiser is guided by, where that was asked for: by the channels of `GUIDES`
             (height, width, 3) means over all that a pixel and the lens see, not its centre alone.
     """
@@ -163,6 +164,7 @@ class View:
     images: Mapping[str, Image]
     denoised: Mapping[str, DenoisedImage] = field(default_factory=dict)
     guides: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+    projection: "Projection" = "pinhole"
 
     def denoised_of(self, scope: str) -> dict[str, NDArray[np.float32]]:
         """The denoised pixels of the channels of a scope, by name."""

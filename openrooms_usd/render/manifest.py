@@ -41,6 +41,9 @@ CONVENTIONS: Final = {
     "world_from_camera": "4x4, row-major, multiplies column vectors; camera frame of OpenCV: "
     "x right, y down, z forward; metres",
     "K": "3x3 intrinsics in pixels; the centre of the top-left pixel is at (0.5, 0.5)",
+    "projection": "of a view: pinhole where nothing is said; equirectangular: columns are angles "
+    "to the right of the forward direction, rows angles below the horizon, K has pixels per "
+    "radian, depth is the distance",
     "lens": "light is seen through the camera's lens where it has one (fStop "
     "and focusDistance); geometry, materials, labels and grids of hemispheres by a pinhole",
     "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
@@ -143,16 +146,20 @@ def view_entry(
         for light in lights
         if (mask := numbered("mask_i", light.number)) in view.images
     }
+    seen = view_lights(lights, view.K, view.world_from_camera, (view.width, view.height), masks)
+    is_panorama = view.projection != "pinhole"
+    if is_panorama:
+        # No box is projected into a panorama.
+        seen = [{k: v for k, v in row.items() if k != "box2d_projected"} for row in seen]
     return {
+        **({"projection": view.projection} if is_panorama else {}),
         **({"photograph": dict(photograph)} if photograph else {}),
         "camera": view.camera,
         "resolution": [view.width, view.height],
         "K": view.K.tolist(),
         "world_from_camera": view.world_from_camera.tolist(),
         "exposure": view.exposure,
-        "lights": view_lights(
-            lights, view.K, view.world_from_camera, (view.width, view.height), masks
-        ),
+        "lights": seen,
         "files": files,
         **(
             {

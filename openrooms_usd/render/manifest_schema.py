@@ -5,7 +5,7 @@ versions added has a default, so that older renders can still be read.
 """
 
 from pathlib import Path, PurePosixPath
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
@@ -207,6 +207,7 @@ class ViewEntry(_Part):
     K: Annotated[tuple[_Row3, _Row3, _Row3], AfterValidator(_intrinsics)]
     world_from_camera: _Pose
     camera: str | None = None
+    projection: Literal["pinhole", "equirectangular"] = "pinhole"
     exposure: _Factor | None = None
     photograph: dict[str, str] | None = None
     lights: tuple[SeenLight, ...] = ()

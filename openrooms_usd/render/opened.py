@@ -167,6 +167,7 @@ class OpenedStage:
             K=camera.K,
             world_from_camera=camera.world_from_camera,
             exposure=camera.exposure,
+            projection=camera.projection,
             images={name: images[name] for name in wanted},
             guides=self.guides(camera, request) if request.guides else {},
         )

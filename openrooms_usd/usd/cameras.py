@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.framing import FOV_DEG, framing_view
-from openrooms_usd.geometry.pinhole import intrinsics, pixel_directions
+from openrooms_usd.geometry.pinhole import intrinsics, panorama_directions, pixel_directions
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
@@ -19,6 +19,11 @@ from openrooms_usd.usd.meshes import MeshReading, read_meshes, world_triangles
 from openrooms_usd.usd.transforms import author_matrix
 
 Array = NDArray[np.float64]
+
+Projection = Literal["pinhole", "equirectangular"]
+"""How a camera's picture is made; the ``K`` of an equirectangular one has pixels per radian."""
+PINHOLE: Final = "pinhole"
+EQUIRECTANGULAR: Final = "equirectangular"
 
 # OpenCV axes (right, down, forward) in USD's camera axes (right, up, backward), and back.
 FLIP: Final = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -40,7 +45,7 @@ _ESTIMATED: Final = f"{names.NAMESPACE}:estimated"
 
 @dataclass(frozen=True, eq=False)
 class PinholeCamera:
-    """A perspective camera for pictures of one size.
+    """A camera for pictures of one size: perspective, or a panorama of all directions.
 
     Attributes:
         K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
@@ -51,6 +56,7 @@ class PinholeCamera:
         focus_distance: Metres along the optical axis; 0 where none is authored.
         lens_radius: Radius of the lens's opening, metres; 0 for a pinhole.
         clipping: Nearest and farthest depth that is seen, metres.
+        projection: How its picture is made.
     """
 
     K: Array
@@ -60,9 +66,15 @@ class PinholeCamera:
     focus_distance: float = 0.0
     lens_radius: float = 0.0
     clipping: tuple[float, float] = _CLIPPING_M
+    projection: Projection = PINHOLE
 
     def directions(self, width: int, height: int) -> Array:
-        """(height, width, 3) of the pixels' centres in the OpenCV frame, of planar depth 1."""
+        """(height, width, 3) of the pixels' centres in the OpenCV frame.
+
+        Of planar depth 1; those of a panorama of length 1, so that its depth is the distance.
+        """
+        if self.projection == EQUIRECTANGULAR:
+            return panorama_directions(self.K, width, height)
         return pixel_directions(self.K, width, height)
 
 

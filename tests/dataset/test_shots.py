@@ -111,3 +111,27 @@ def test_a_stereo_pair_looks_the_same_way_side_by_side(opened: Open) -> None:
 def test_frames_a_second_are_of_a_path() -> None:
     with pytest.raises(ValueError, match="only a path"):
         views(rate=4)
+
+
+def test_panoramas_are_level_and_look_where_the_view_does(opened: Open) -> None:
+    given = {"from": "described", "count": 1, "replace": 0, "resolution": [48, 24]}
+    pinhole, round_about = views(**given), views(**given, projection="equirectangular")
+    room = opened(round_about)
+    (narrow,), (wide,) = shots_of(pinhole, room), shots_of(round_about, room)
+    assert wide.camera.projection == "equirectangular"
+    before, after = narrow.camera.world_from_camera, wide.camera.world_from_camera
+    np.testing.assert_array_equal(after[:3, 3], before[:3, 3])
+    np.testing.assert_allclose(after[:3, 1], [0.0, 0.0, -1.0], atol=1e-12)
+    heading = before[:2, 2] / np.linalg.norm(before[:2, 2])
+    np.testing.assert_allclose(after[:2, 2], heading, atol=1e-12)
+    depth = room.shoot(wide.camera, "here").images["depth"].pixels
+    assert (depth > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [({"resolution": [48, 36]}, "twice as wide"), ({"stereo": 0.1}, "second eye")],
+)
+def test_what_no_panorama_has_is_refused(wrong: dict[str, object], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        views(**{"resolution": [48, 24], "projection": "equirectangular", **wrong})

@@ -1,4 +1,4 @@
-"""Rays through a thin lens."""
+"""Rays through a thin lens, and of panoramas."""
 
 from typing import Any
 
@@ -41,4 +41,41 @@ class ThinLens:
         found = mi.Ray3f(ray)
         found.o = self._eye + self._right * at.x + self._down * at.y
         found.d = dr.normalize(sharp - found.o)
+        return found
+
+
+class Panorama:
+    """Turns rays into those of an equirectangular picture.
+
+    Args:
+        camera: One with that projection.
+        origin: (3,) the point of the world that is Mitsuba's origin.
+    """
+
+    def __init__(self, camera: PinholeCamera, origin: Array) -> None:
+        pose, K = camera.world_from_camera, camera.K
+        self._right, self._down, self._forward = (
+            mi.Vector3f(axis) for axis in pose[:3, :3].T.tolist()
+        )
+        self._eye = mi.Point3f((pose[:3, 3] - origin).tolist())
+        self._middle = mi.Point2f(K[:2, 2].tolist())
+        self._scale = mi.Vector2f([float(1.0 / K[0, 0]), float(1.0 / K[1, 1])])
+        # As variables, not as parts of the compiled code.
+        dr.make_opaque(self._right, self._down, self._forward)
+        dr.make_opaque(self._eye, self._middle, self._scale)
+
+    def turned(self, ray: Any, place: Any) -> Any:
+        """Rays through places of the picture.
+
+        Args:
+            ray: As many, of any direction.
+            place: In pixels, from the top left corner.
+        """
+        angle = (place - self._middle) * self._scale
+        (sin_x, cos_x), (sin_y, cos_y) = dr.sincos(angle.x), dr.sincos(angle.y)
+        found = mi.Ray3f(ray)
+        found.o = self._eye
+        found.d = dr.normalize(
+            self._right * (cos_y * sin_x) + self._down * sin_y + self._forward * (cos_y * cos_x)
+        )
         return found

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
-from orusd_mitsuba.plugins.lenses import ThinLens
+from orusd_mitsuba.plugins.lenses import Panorama, ThinLens
 from orusd_mitsuba.plugins.sensors import describe_sensor, has_lens, pinhole
 from orusd_mitsuba.transport.strips import most_samples, strips
 
@@ -72,6 +72,9 @@ class Band:
         described = self._integrator.sensor(rows)
         sensor = load_sensor(described, {"type": "independent"})
         ray = sensor.sample_ray(0.0, 0.5, at, lens)[0]
+        if (panorama := self._integrator.panorama()) is not None:
+            top = dr.opaque(mi.Float, float(rows[0]))
+            return panorama.turned(ray, corner + within + mi.Vector2f(0.0, top))
         bending = self._integrator.lens()
         return ray if bending is None else bending.bent(ray, lens)
 
@@ -136,6 +139,12 @@ class BandedIntegrator(ABC):
     def lens(self) -> ThinLens | None:
         """What bends the camera's rays; None where all is in focus."""
         return ThinLens(self._camera, self._origin) if has_lens(self._camera) else None
+
+    def panorama(self) -> Panorama | None:
+        """What turns the camera's rays; None for a pinhole or a lens."""
+        if self._camera.projection == PINHOLE:
+            return None
+        return Panorama(self._camera, self._origin)
 
     def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
         """Render one batch of the whole picture; equal seeds give equal bits.

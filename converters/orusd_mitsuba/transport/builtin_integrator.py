@@ -6,8 +6,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
 from orusd_mitsuba.transport.strips import most_samples, strips
@@ -42,6 +43,12 @@ class BuiltinIntegrator:
         *,
         panes: bool = False,
     ) -> None:
+        if camera.projection != PINHOLE:
+            raise RenderError(
+                "scalar variants of Mitsuba render no panoramas",
+                place=request.camera,
+                remedy="take a vectorized variant, such as llvm",
+            )
         self._built, self._camera, self._origin = built, camera, origin
         self.planes, self.size = 1, (request.height, request.width)
         self.most = max(1, _PATHS_IN_FLIGHT // (request.width * request.height))

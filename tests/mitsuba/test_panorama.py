@@ -1,0 +1,65 @@
+"""The light of a panorama is that of pinholes which look the same ways."""
+
+import numpy as np
+import pytest
+
+from openrooms_usd.errors import RenderError
+from openrooms_usd.geometry.pinhole import intrinsics, look_at, panorama_intrinsics
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
+from tests.handmade import Build
+
+EYE = (0.3, -0.2, 0.1)
+WIDTH, HEIGHT = 48, 24
+
+
+@pytest.fixture(params=["llvm", "scalar"])
+def stage(request: pytest.FixtureRequest) -> OpenedStage:
+    """Under an even sky, a wall of one colour before the camera and a floor of another."""
+    from orusd_mitsuba import MitsubaRenderer, variants
+
+    if request.param not in variants.choose("auto").variant and request.param == "llvm":
+        pytest.skip("no usable llvm")
+    made = Build()
+    red = made.material("/Red", base_color=(0.8, 0.1, 0.1))
+    blue = made.material("/Blue", base_color=(0.1, 0.2, 0.7))
+    made.bind(made.quad("/Wall", [(2, -3, -1), (2, 3, -1), (2, 3, 2), (2, -3, 2)]).GetPrim(), red)
+    floor = made.quad("/Floor", [(-3, -3, -1), (3, -3, -1), (3, 3, -1), (-3, 3, -1)])
+    made.bind(floor.GetPrim(), blue)
+    made.dome()
+    return open_with(MitsubaRenderer(), made.stage, {"variant": request.param})
+
+
+def panorama(stage: OpenedStage, method: str = "reference") -> np.ndarray:
+    camera = PinholeCamera(
+        panorama_intrinsics(WIDTH, HEIGHT),
+        look_at(EYE, (1.3, -0.2, 0.1)),
+        projection=EQUIRECTANGULAR,
+    )
+    request = RenderRequest("/a", ("radiance",), WIDTH, HEIGHT, samples=256, bounces=3)
+    return stage.picture(camera, request).images["radiance"].pixels.astype(np.float64)
+
+
+def test_panoramas_have_the_light_of_pinholes(stage: OpenedStage) -> None:
+    if stage.session.backend.find("scalar") >= 0:
+        with pytest.raises(RenderError, match="no panoramas"):
+            panorama(stage)
+        return
+    found = panorama(stage)
+    assert np.isfinite(found).all()
+    K = intrinsics(40.0, 8, 8)
+    # Ahead, to the right, back, and down: where a map has them.
+    for target, longitude, latitude in (
+        ((1.3, -0.2, 0.1), 0.0, 0.0),
+        ((0.3, -1.2, 0.1), 90.0, 0.0),
+        ((-0.7, -0.2, 0.1), 180.0, 0.0),
+        ((1.3, -0.2, -0.9), 0.0, -45.0),
+    ):
+        request = RenderRequest("/b", ("radiance",), 8, 8, samples=256, bounces=3)
+        seen = stage.picture(PinholeCamera(K, look_at(EYE, target)), request)
+        pixels = seen.images["radiance"].pixels[3:5, 3:5].astype(np.float64).mean(axis=(0, 1))
+        column = int((longitude / 360.0 + 0.5) * WIDTH)
+        row = int((0.5 - latitude / 180.0) * HEIGHT)
+        near = found[row - 1 : row + 1, [column - 1, column % WIDTH]].mean(axis=(0, 1))
+        np.testing.assert_allclose(near, pixels, rtol=0.08, atol=0.01)
