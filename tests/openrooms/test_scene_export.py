@@ -261,7 +261,7 @@ def test_matrices_that_are_no_steps_go_into_the_mesh(composed_demo: Path, tmp_pa
     report = convert_stage(flat, tmp_path / "data", to=KIND, include_outside=True)
     assert any("sheared or mirrored" in reason for _, _, reason in report.losses())
     loaded = Loaded(tmp_path / "data")
-    (shape,) = (one for one in loaded.shapes if "/desk/" in loaded.file(one))
+    (shape,) = (one for one in loaded.shapes if "_desk/" in loaded.file(one))
     points = loaded.placed(shape) @ OURS.T
     (expected,) = (p for one, p in members(flat) if one.path.endswith("/desk"))
     assert points.min(axis=0) == pytest.approx(expected.min(axis=0), abs=5e-6)
