@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Final
 
 from openrooms_usd.dataset.executor import Lost, Task, Told, Wanted, Work
 from openrooms_usd.dataset.raylink import connected
-from openrooms_usd.dataset.shifts import end_with_parent, messages, understood, worked_off
+from openrooms_usd.dataset.scheduling import end_with_parent, messages, understood, worked_off
 from openrooms_usd.errors import InputError
 
 _GIB: Final = 2**30
@@ -66,18 +66,18 @@ class _Crew:
 
     def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
         """See `openrooms_usd.dataset.executor.Crew.run`."""
-        hand = self.ray.remote(max_restarts=0, max_task_retries=0, **self.needs)(Hand)
+        actor = self.ray.remote(max_restarts=0, max_task_retries=0, **self.needs)(WorkerActor)
 
         def ready(crew: list[_Worker]) -> list[_Worker]:
             found, _ = self.ray.wait([worker.stream for worker in crew], fetch_local=False)
             return [worker for worker in crew if worker.stream in found]
 
         return worked_off(
-            tasks, self.workers, lambda task: _Worker(self.ray, hand.remote(work), task), ready
+            tasks, self.workers, lambda task: _Worker(self.ray, actor.remote(work), task), ready
         )
 
 
-class Hand:
+class WorkerActor:
     """What runs on a node: does its work, task after task.
 
     Args:

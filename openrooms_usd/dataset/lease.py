@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Final
 
-from openrooms_usd.dataset.shelf import Shelf
+from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.errors import OrusdError, OutputError
 
 FILE: Final = ".orusd.lease.json"
@@ -32,9 +32,9 @@ class Lease:
         lost: Whether somebody else has taken it.
     """
 
-    def __init__(self, shelf: Shelf) -> None:
+    def __init__(self, remote: RemoteFolder) -> None:
         self.lost = False
-        self._shelf, self._beats, self._ended = shelf, 0, threading.Event()
+        self._remote, self._beats, self._ended = remote, 0, threading.Event()
         # Whose it is, for people, and which of their runs.
         self._who = {"host": socket.gethostname(), "process": os.getpid()}
         self._run = secrets.token_hex(8)
@@ -48,7 +48,7 @@ class Lease:
         if self.lost:
             raise OutputError(
                 "another run has taken this dataset over",
-                place=self._shelf.url,
+                place=self._remote.url,
                 remedy="let that one go on; what was finished here stays",
             )
 
@@ -58,10 +58,10 @@ class Lease:
         Raises:
             OutputError: Another run has it.
         """
-        if not self._shelf.put_text(FILE, self._text(), new=True):
+        if not self._remote.put_text(FILE, self._text(), new=True):
             self._await_end()
-            self._shelf.remove([FILE])
-            if not self._shelf.put_text(FILE, self._text(), new=True):
+            self._remote.remove([FILE])
+            if not self._remote.put_text(FILE, self._text(), new=True):
                 raise self._held()
         self._ended.wait(REST_S)
         if not self._is_ours():
@@ -76,14 +76,14 @@ class Lease:
                     self.lost = True
                     return
                 self._beats += 1
-                self._shelf.put_text(FILE, self._text())
+                self._remote.put_text(FILE, self._text())
 
     def give_back(self) -> None:
         """Let others have it."""
         self._ended.set()
         with suppress(OrusdError):
             if self._is_ours():
-                self._shelf.remove([FILE])
+                self._remote.remove([FILE])
 
     def _await_end(self) -> None:
         """Wait until who has it is gone.
@@ -91,12 +91,12 @@ class Lease:
         Raises:
             OutputError: It is alive.
         """
-        before = self._shelf.read(FILE)
+        before = self._remote.read(FILE)
         if self._is_of_the_dead(before):
             return
         for _ in range(int(STALE_S / REST_S)):
             self._ended.wait(REST_S)
-            now = self._shelf.read(FILE)
+            now = self._remote.read(FILE)
             if now is None:
                 return
             if now != before:
@@ -115,7 +115,7 @@ class Lease:
         return False
 
     def _is_ours(self) -> bool:
-        data = self._shelf.read(FILE)
+        data = self._remote.read(FILE)
         with suppress(ValueError, KeyError, TypeError):
             return bool(json.loads(data or b"{}")["run"] == self._run)
         return False
@@ -126,23 +126,23 @@ class Lease:
     def _held(self, data: bytes | None = None) -> OutputError:
         holder = "another run"
         with suppress(ValueError, KeyError, TypeError):
-            told = json.loads(data or self._shelf.read(FILE) or b"{}")
+            told = json.loads(data or self._remote.read(FILE) or b"{}")
             holder = f"process {int(told['process'])} of {str(told['host'])[:80]}"
         return OutputError(
             f"{holder} is making this dataset",
-            place=self._shelf.url,
+            place=self._remote.url,
             remedy="wait until it has ended, or choose another URL",
         )
 
 
 @contextmanager
-def leased(shelf: Shelf) -> Iterator[Lease]:
+def leased(remote: RemoteFolder) -> Iterator[Lease]:
     """Have a dataset behind a URL to oneself.
 
     Raises:
         OutputError: Another run has it, or it cannot be written.
     """
-    lease = Lease(shelf)
+    lease = Lease(remote)
     lease.take()
     keeper = threading.Thread(target=lease.keep, daemon=True)
     keeper.start()

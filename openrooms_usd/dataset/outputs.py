@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from openrooms_usd import adapters, removal
 from openrooms_usd.dataset.plan import Job, view_name
-from openrooms_usd.dataset.scratch import brought
+from openrooms_usd.dataset.scratch import fetched
 from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.description import Dataset
 from openrooms_usd.description.dataset import Output
@@ -106,10 +106,10 @@ def _whole(store: Store, output: Output, pieces: Callable[[], Iterator[_Piece]])
 
     Here is room for all of it, and it stands that a room is written when everything is there.
     """
-    if store.shelf is None:
+    if store.remote is None:
         yield
         return
-    store.shelf.get((store.name_of(piece.done) for piece in pieces()), store.root)
+    store.remote.get((store.name_of(piece.done) for piece in pieces()), store.root)
     if all(piece.is_written for piece in pieces()):
         yield
         return
@@ -117,9 +117,9 @@ def _whole(store: Store, output: Output, pieces: Callable[[], Iterator[_Piece]])
         removal.remove_file(piece.done)
     yield
     folder = store.root / OUTPUTS / output.kind
-    before = store.shelf.names(f"{store.name_of(folder)}/")
+    before = store.remote.names(f"{store.name_of(folder)}/")
     store.put([folder])
-    store.shelf.remove(name for name in before if not (store.root / name).is_file())
+    store.remote.remove(name for name in before if not (store.root / name).is_file())
     store.put(piece.done for piece in pieces() if piece.done.is_file())
     removal.remove_tree(folder)
 
@@ -155,7 +155,7 @@ def _rooms(store: Store, row: Callable[[Row], Row]) -> Iterator[FinishedRoom]:
     """The finished rooms; each is here as long as nobody asks for the next."""
     for jobs in rooms_of(store):
         if found := _finished(store, jobs):
-            with brought(store, *found):
+            with fetched(store, *found):
                 yield _room(store, found, row)
 
 
@@ -188,7 +188,7 @@ def _by_room(store: Store, output: Output, writer: DatasetWriter) -> Iterator[_P
 
 def _of_room(store: Store, output: Output, writer: DatasetWriter, jobs: list[Job]) -> _Piece:
     def write() -> list[DatasetSummary]:
-        with brought(store, *jobs):
+        with fetched(store, *jobs):
             return list(_forms(store, output, writer, jobs))
 
     name = jobs[0].room.name

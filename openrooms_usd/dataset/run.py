@@ -13,7 +13,7 @@ from openrooms_usd.dataset.executor import Crew, Executor, Lost, Told, Wanted
 from openrooms_usd.dataset.finish import finish
 from openrooms_usd.dataset.plan import Job, job_of, plan_jobs, view_name
 from openrooms_usd.dataset.records import LEFT_OUT
-from openrooms_usd.dataset.scratch import Root, bring_known, bring_unit, to_oneself
+from openrooms_usd.dataset.scratch import Root, fetch_known, fetch_unit, to_oneself
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import Dataset, load_dataset
 from openrooms_usd.errors import OrusdError, OutputError
@@ -92,7 +92,7 @@ def run_dataset(
         _keep_file(store, file, dataset)
         run = _Run(root, store, dataset, progress, check)
         run.total = store.write_plan(plan_jobs(dataset))
-        bring_known(store)
+        fetch_known(store)
         run.count()
         if run.kept < run.total:
             with hirer.hired(Wanted(workers, _gpus(dataset), options or {})) as crew:
@@ -137,7 +137,7 @@ def _keep_file(store: Store, file: Path, dataset: Dataset) -> None:
         if known != data and load_dataset(store.file).name != dataset.name:
             raise OutputError(
                 "this is the folder of another dataset",
-                place=store.shelf.url if store.shelf else store.file,
+                place=store.remote.url if store.remote else store.file,
                 remedy="choose another folder, or give the dataset its name",
             )
         if known == data:
@@ -229,7 +229,7 @@ class _Run:
         if told["event"] == work.FAILED:
             self._fail(job, view, dict(told["reason"]))
             return
-        bring_unit(self.store, job, view)
+        fetch_unit(self.store, job, view)
         self.made += 1
         self._show(job, view)
 

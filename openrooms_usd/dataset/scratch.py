@@ -1,6 +1,6 @@
-"""A dataset behind a URL, as a store on this machine: what is read is brought, what is written put.
+"""A dataset behind a URL, as a store on this machine: what is read is fetched, what is written put.
 
-The records of a dataset are small and are brought all; the renders of a job only as long as they
+The records of a dataset are small and are all fetched; the renders of a job only as long as they
 are needed. A scratch folder goes with its process; what one that was killed has left is removed by
 the next one that makes a scratch folder on that machine.
 """
@@ -16,7 +16,7 @@ from openrooms_usd import claims, removal
 from openrooms_usd.dataset.lease import leased
 from openrooms_usd.dataset.plan import Job, view_name
 from openrooms_usd.dataset.records import SCENE
-from openrooms_usd.dataset.shelf import Shelf
+from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.dataset.store import FILE, KNOWN, PLAN, Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import check_writable
@@ -36,7 +36,7 @@ def root_of(text: str | os.PathLike[str]) -> Root:
 
 @contextmanager
 def store_at(root: Root) -> Iterator[Store]:
-    """The store of a dataset, wherever it lies; from a URL nothing is brought yet.
+    """The store of a dataset, wherever it lies; from a URL nothing is fetched yet.
 
     Raises:
         InputError: It is no URL that anybody knows.
@@ -45,65 +45,65 @@ def store_at(root: Root) -> Iterator[Store]:
     if isinstance(root, Path):
         yield Store(root)
         return
-    shelf = Shelf(root)
+    remote = RemoteFolder(root)
     with _scratch() as folder:
-        yield Store(folder, shelf)
+        yield Store(folder, remote)
 
 
-def bring_all(store: Store) -> None:
+def fetch_all(store: Store) -> None:
     """Have the plan and all that is known of its units here.
 
     Raises:
         InputError: There is no dataset, or it cannot be read.
     """
-    if store.shelf is None:
+    if store.remote is None:
         return
-    store.shelf.get([FILE, PLAN], store.root)
+    store.remote.get([FILE, PLAN], store.root)
     if not (store.root / PLAN).is_file():
         raise InputError(
-            "no dataset is there", place=store.shelf.url, remedy="give the URL of a dataset"
+            "no dataset is there", place=store.remote.url, remedy="give the URL of a dataset"
         )
-    bring_known(store)
+    fetch_known(store)
 
 
-def bring_known(store: Store) -> None:
+def fetch_known(store: Store) -> None:
     """Have all that is known of the units of the plan here.
 
     Raises:
         InputError: It cannot be read.
     """
-    if store.shelf is None:
+    if store.remote is None:
         return
     # Of rooms that nobody has begun nothing is asked: there may be a million of them.
-    begun = {part: store.shelf.folders(part) for part in KNOWN}
+    begun = {part: store.remote.folders(part) for part in KNOWN}
     names = (name for job in store.jobs() for name in _known(store, job, job.views))
     known = (name.split("/", 2) for name in names)
-    store.shelf.get(("/".join(name) for name in known if name[1] in begun[name[0]]), store.root)
+    store.remote.get(("/".join(name) for name in known if name[1] in begun[name[0]]), store.root)
 
 
-def bring_unit(store: Store, job: Job, view: int) -> None:
+def fetch_unit(store: Store, job: Job, view: int) -> None:
     """Have what is known of a view here, which somebody else has made.
 
     Raises:
         InputError: It cannot be read.
     """
-    if store.shelf is not None:
-        store.shelf.get(_known(store, job, (view,)), store.root)
+    if store.remote is not None:
+        store.remote.get(_known(store, job, (view,)), store.root)
 
 
 @contextmanager
-def brought(store: Store, *jobs: Job) -> Iterator[None]:
+def fetched(store: Store, *jobs: Job) -> Iterator[None]:
     """Have the renders of jobs here, as long as the block lasts.
 
     Raises:
         InputError: They cannot be read.
     """
-    if store.shelf is None:
+    if store.remote is None:
         yield
         return
     try:
         for job in jobs:
-            store.shelf.get_all(f"renders/{job.name}/", store.root)
+            store.remote.get_all(f"renders/{job.name}/", store.root)
         yield
     finally:
         for job in jobs:
@@ -131,13 +131,13 @@ def to_oneself(root: Root) -> Iterator[tuple[Store, Callable[[], None]]]:
         OutputError: Another run has it, or it cannot be written.
     """
     with store_at(root) as store:
-        if store.shelf is None:
+        if store.remote is None:
             check_writable(store.root)
             with claims.locked(store.root):
                 yield store, lambda: None
         else:
-            with leased(store.shelf) as lease:
-                store.shelf.get([FILE], store.root)
+            with leased(store.remote) as lease:
+                store.remote.get([FILE], store.root)
                 yield store, lease.check
 
 

@@ -17,7 +17,7 @@ from openrooms_usd import names
 from openrooms_usd.channels import definition
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.dataset.records import Record
-from openrooms_usd.dataset.scratch import Root, bring_all, store_at
+from openrooms_usd.dataset.scratch import Root, fetch_all, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.dataset.tally import DEPTH_STEP_M
 from openrooms_usd.errors import InputError
@@ -106,7 +106,7 @@ def stats_of(root: Root) -> Stats:
         InputError: There is no dataset.
     """
     with store_at(root) as store:
-        bring_all(store)
+        fetch_all(store)
         return _counted(store)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from openrooms_usd.dataset.plan import view_name
 from openrooms_usd.dataset.records import LEFT_OUT
-from openrooms_usd.dataset.scratch import Root, bring_all, store_at
+from openrooms_usd.dataset.scratch import Root, fetch_all, store_at
 from openrooms_usd.dataset.store import Store
 
 
@@ -81,7 +81,7 @@ def status_of(root: Root) -> Status:
         InputError: There is no dataset.
     """
     with store_at(root) as store:
-        bring_all(store)
+        fetch_all(store)
         return _counted(root, store)
 
 

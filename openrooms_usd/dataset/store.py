@@ -30,7 +30,7 @@ from openrooms_usd.dataset.records import (
     ViewRecord,
     read_record,
 )
-from openrooms_usd.dataset.shelf import Shelf
+from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.render.folder import MANIFEST
 from openrooms_usd.untrusted import opened, read_text
@@ -50,11 +50,11 @@ class Store:
 
     Args:
         root: The folder; where the dataset lies behind a URL, what of it is here.
-        shelf: What is behind the URL.
+        remote: What is behind the URL.
     """
 
-    def __init__(self, root: Path, shelf: Shelf | None = None) -> None:
-        self.root, self.shelf = root, shelf
+    def __init__(self, root: Path, remote: RemoteFolder | None = None) -> None:
+        self.root, self.remote = root, remote
 
     def name_of(self, path: Path) -> str:
         """What a path in the folder is called, with forward slashes."""
@@ -66,10 +66,10 @@ class Store:
         Raises:
             OutputError: It cannot be done.
         """
-        if self.shelf is not None:
+        if self.remote is not None:
             found = (f for path in paths for f in (path.rglob("*") if path.is_dir() else [path]))
             names = (self.name_of(path) for path in found if path.is_file())
-            self.shelf.put(self.root, (name for name in names if f"/{_OWN}" not in f"/{name}"))
+            self.remote.put(self.root, (name for name in names if f"/{_OWN}" not in f"/{name}"))
 
     @property
     def file(self) -> Path:
@@ -163,18 +163,18 @@ class Store:
         failure = self.failure_path(job, view)
         with writing(failure):
             removal.remove_file(failure)
-        if self.shelf is not None:
-            self.shelf.remove([self.name_of(failure)])
+        if self.remote is not None:
+            self.remote.remove([self.name_of(failure)])
 
     def _put_view(self, job: Job, view: int, record: Record) -> None:
         """Put the files of a view behind the URL instead of what lies there; none stays here."""
-        if self.shelf is not None:
+        if self.remote is not None:
             folder = self.render(job) / view_name(view)
-            before = self.shelf.names(f"{self.name_of(folder)}/")
+            before = self.remote.names(f"{self.name_of(folder)}/")
             self.put([folder])
             removal.remove_tree(folder)
             known = {f"{self.name_of(self.render(job))}/{name}" for name in record["files"]}
-            self.shelf.remove(name for name in before if name not in known)
+            self.remote.remove(name for name in before if name not in known)
 
     def _say(self, path: Path, data: Mapping[str, Any]) -> None:
         write_json(path, data)

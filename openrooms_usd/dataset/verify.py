@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from openrooms_usd.dataset.plan import Job, view_name
 from openrooms_usd.dataset.records import Record
-from openrooms_usd.dataset.scratch import Root, bring_all, brought, store_at
+from openrooms_usd.dataset.scratch import Root, fetch_all, fetched, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
@@ -71,7 +71,7 @@ def verify(root: Root, progress: Progress = silent) -> Verification:
         InputError: There is no dataset.
     """
     with store_at(root) as store:
-        bring_all(store)
+        fetch_all(store)
         return _verified(root, store, progress)
 
 
@@ -86,7 +86,7 @@ def _verified(root: Root, store: Store, progress: Progress) -> Verification:
         if not records:
             continue
         views, files = views + len(records), files + sum(len(r["files"]) for r in records.values())
-        with brought(store, job):
+        with fetched(store, job):
             damages += _damages(store, job, records)
     return Verification(root, views, files, tuple(sorted(damages)), unfinished)
 

@@ -75,7 +75,7 @@ def work(task: Task) -> Iterator[Told]:
             while left:
                 yield {"event": BEGUN, "view": left[0]}
                 yield room.attempt(left.pop(0))
-            if room.store.shelf is None:
+            if room.store.remote is None:
                 # All views that are finished by now, not these alone.
                 views = tuple(range(room.dataset.views.units))
                 room.store.write_manifest(replace(job, views=views))

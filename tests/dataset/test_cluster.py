@@ -86,13 +86,13 @@ def test_a_dataset_has_the_same_bytes_whoever_works(
     file, local = made
     process = start(file, tmp_path / "out", 2, "--executor", "ray")
     wait_for(process, tmp_path / "out", "renders/*/*/.view_1.*")
-    hands = [pid for pid in descendants(process.pid) if b"Hand" in command_of(pid)]
+    hands = [pid for pid in descendants(process.pid) if b"WorkerActor" in command_of(pid)]
     os.kill(process.pid, signal.SIGKILL)
     process.communicate()
     assert len(hands) == 2
     # Nobody writes when the next run begins.
     deadline = time.monotonic() + _PATIENCE_S
-    while any(b"Hand" in command_of(pid) for pid in hands):
+    while any(b"WorkerActor" in command_of(pid) for pid in hands):
         assert time.monotonic() < deadline
         time.sleep(0.05)
     process = start(file, tmp_path / "out", 4, "--executor", "ray")

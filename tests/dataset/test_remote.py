@@ -16,8 +16,8 @@ import pytest
 from openrooms_usd.dataset import lease as leases
 from openrooms_usd.dataset.lease import Lease, leased
 from openrooms_usd.dataset.plan import Job, PlannedRoom
+from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.dataset.scratch import root_of, store_at
-from openrooms_usd.dataset.shelf import Shelf
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.errors import InputError, MissingPackageError, OutputError
@@ -32,39 +32,39 @@ Checksums = Callable[[Path], dict[str, str]]
 
 
 @pytest.fixture
-def shelf(tmp_path: Path) -> Shelf:
-    """A shelf in memory, which knows no conditions."""
-    return Shelf(f"memory://{tmp_path.name}")
+def remote(tmp_path: Path) -> RemoteFolder:
+    """A remote folder in memory, which knows no conditions."""
+    return RemoteFolder(f"memory://{tmp_path.name}")
 
 
-def test_what_is_put_is_read_again(shelf: Shelf, tmp_path: Path) -> None:
+def test_what_is_put_is_read_again(remote: RemoteFolder, tmp_path: Path) -> None:
     here, there = tmp_path / "here", tmp_path / "there"
     (here / "a b").mkdir(parents=True)
     (here / "a b" / "[1].txt").write_text("one")
-    shelf.put(here, ["a b/[1].txt"])
-    assert shelf.put_text("two.txt", "two")
-    assert shelf.names("") == ["a b/[1].txt", "two.txt"]
-    assert (shelf.read("two.txt"), shelf.read("three.txt")) == (b"two", None)
-    shelf.get(["two.txt", "three.txt"], there)
+    remote.put(here, ["a b/[1].txt"])
+    assert remote.put_text("two.txt", "two")
+    assert remote.names("") == ["a b/[1].txt", "two.txt"]
+    assert (remote.read("two.txt"), remote.read("three.txt")) == (b"two", None)
+    remote.get(["two.txt", "three.txt"], there)
     assert sorted(path.name for path in there.rglob("*")) == ["two.txt"]
-    shelf.get_all("a b/", there)
+    remote.get_all("a b/", there)
     assert (there / "a b" / "[1].txt").read_text() == "one"
-    shelf.remove(["two.txt", "three.txt"])
-    assert shelf.names("") == ["a b/[1].txt"]
+    remote.remove(["two.txt", "three.txt"])
+    assert remote.names("") == ["a b/[1].txt"]
 
 
-def test_names_that_leave_the_folder_are_refused(shelf: Shelf, tmp_path: Path) -> None:
-    shelf.put_text("../out.txt", "out")
+def test_names_that_leave_the_folder_are_refused(remote: RemoteFolder, tmp_path: Path) -> None:
+    remote.put_text("../out.txt", "out")
     with pytest.raises(InputError, match="leaves the folder"):
-        shelf.get(["../out.txt"], tmp_path / "here")
+        remote.get(["../out.txt"], tmp_path / "here")
 
 
 def test_urls_that_nobody_knows_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="not known"):
-        Shelf("nowhere://at/all")
+        RemoteFolder("nowhere://at/all")
     monkeypatch.setitem(sys.modules, "fsspec", None)
     with pytest.raises(MissingPackageError, match="cannot be imported"):
-        Shelf("memory://no-package")
+        RemoteFolder("memory://no-package")
 
 
 def test_a_dataset_that_is_not_there_is_named() -> None:
@@ -74,7 +74,7 @@ def test_a_dataset_that_is_not_there_is_named() -> None:
     assert root_of("a/b") == Path("a/b")
 
 
-def test_what_is_known_of_views_is_the_same_behind_a_url(shelf: Shelf) -> None:
+def test_what_is_known_of_views_is_the_same_behind_a_url(remote: RemoteFolder) -> None:
     rooms = [PlannedRoom(f"room_{n}", n, {"type": "office"}, "train") for n in range(3)]
     jobs = [Job(room, "main", 4, f"key_{room.number}", (0, 1)) for room in rooms]
     entry = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
@@ -83,14 +83,14 @@ def test_what_is_known_of_views_is_the_same_behind_a_url(shelf: Shelf) -> None:
         "entry": entry, "told": [], "rejected": [], "pixels": {}, "files": {},
         "quality": {"measures": {}, "faults": ["it is dark"]},
     }  # fmt: skip
-    with store_at(shelf.url) as store:
+    with store_at(remote.url) as store:
         store.write_plan(jobs)
         store.fail(jobs[0], 0, {"code": "render", "reason": "no light"})
         store.fail(jobs[0], 1, {"code": "render", "reason": "no light"})
         # What is finished after all is no failure.
         store.finish(jobs[0], 0, view, {})
-    assert shelf.folders("records") == shelf.folders("failures") == {"room_0"}
-    found = status_of(shelf.url)
+    assert remote.folders("records") == remote.folders("failures") == {"room_0"}
+    found = status_of(remote.url)
     assert (found.units, found.finished, found.left) == (6, 1, 4)
     assert [failure.unit for failure in found.failures] == ["room_0/main/view_1"]
     assert found.faults == {"it is dark": 1}
@@ -103,35 +103,35 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("quick")
-def test_one_run_has_it_at_a_time(shelf: Shelf) -> None:
-    with leased(shelf), pytest.raises(OutputError, match="is making this dataset"):
-        Lease(shelf).take()
-    with leased(shelf) as second:
+def test_one_run_has_it_at_a_time(remote: RemoteFolder) -> None:
+    with leased(remote), pytest.raises(OutputError, match="is making this dataset"):
+        Lease(remote).take()
+    with leased(remote) as second:
         second.check()
-    assert shelf.names("") == []
+    assert remote.names("") == []
 
 
 @pytest.mark.usefixtures("quick")
-def test_the_lease_of_the_dead_is_taken_over(shelf: Shelf) -> None:
+def test_the_lease_of_the_dead_is_taken_over(remote: RemoteFolder) -> None:
     """On another machine once it rests; on this one as soon as its process is gone."""
     rows = ({"host": "elsewhere", "process": 1}, {"host": socket.gethostname(), "process": 2**22})
     for row in rows:
-        shelf.put_text(leases.FILE, json.dumps({**row, "run": "x", "beat": 3}))
-        with leased(shelf) as own:
+        remote.put_text(leases.FILE, json.dumps({**row, "run": "x", "beat": 3}))
+        with leased(remote) as own:
             own.check()
 
 
 @pytest.mark.usefixtures("quick")
-def test_who_loses_it_is_told(shelf: Shelf) -> None:
-    with leased(shelf) as own:
-        shelf.put_text(leases.FILE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
+def test_who_loses_it_is_told(remote: RemoteFolder) -> None:
+    with leased(remote) as own:
+        remote.put_text(leases.FILE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
         deadline = time.monotonic() + _PATIENCE_S
         while not own.lost:
             assert time.monotonic() < deadline
             time.sleep(0.01)
         with pytest.raises(OutputError, match="taken this dataset over"):
             own.check()
-    assert shelf.names("") == [leases.FILE]
+    assert remote.names("") == [leases.FILE]
 
 
 def test_scratch_goes_and_that_of_the_dead_too(
@@ -168,7 +168,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         while not answers(port):
             assert process.poll() is None and time.monotonic() < deadline
             time.sleep(0.05)
-        Shelf(BUCKET)._system.mkdir("bucket")
+        RemoteFolder(BUCKET)._system.mkdir("bucket")
         yield
         process.terminate()
 
@@ -185,10 +185,10 @@ def test_a_run_behind_a_url_has_the_same_bytes(
 ) -> None:
     """Killed in the middle, begun again, with another form of files; then damaged."""
     file, local = made
-    url, shelf = f"{BUCKET}/one", Shelf(f"{BUCKET}/one")
+    url, remote = f"{BUCKET}/one", RemoteFolder(f"{BUCKET}/one")
     first = start(file, url, 2)
     deadline = time.monotonic() + _PATIENCE_S
-    while not shelf.names("renders/"):
+    while not remote.names("renders/"):
         assert first.poll() is None and time.monotonic() < deadline
         time.sleep(0.05)
     os.kill(first.pid, signal.SIGKILL)
@@ -197,9 +197,9 @@ def test_a_run_behind_a_url_has_the_same_bytes(
     said, wrong = again.communicate()
     assert (again.returncode, wrong) == (1, "")
     assert len(json.loads(said)["failed"]) == 4
-    shelf.get_all("", tmp_path / "there")
+    remote.get_all("", tmp_path / "there")
     assert checksums(tmp_path / "there") == checksums(local)
-    assert not [name for name in shelf.names("") if "/.orusd." in f"/{name}"]
+    assert not [name for name in remote.names("") if "/.orusd." in f"/{name}"]
 
     assert status_of(url).as_dict() | {"root": 0} == status_of(local).as_dict() | {
         "root": 0, "failures": status_of(url).as_dict()["failures"],
@@ -207,10 +207,10 @@ def test_a_run_behind_a_url_has_the_same_bytes(
     assert verify(url).damages == ()
 
     home = "renders/room_good/main/view_0"
-    changed, missing, *_ = shelf.names(f"{home}/")
-    shelf.put_text(changed, "no picture")
-    shelf.remove([missing])
-    shelf.put_text(f"{home}/none.txt", "")
+    changed, missing, *_ = remote.names(f"{home}/")
+    remote.put_text(changed, "no picture")
+    remote.remove([missing])
+    remote.put_text(f"{home}/none.txt", "")
     assert verify(url).damages == tuple(
         sorted(
             (Damage(changed, CHANGED), Damage(missing, MISSING), Damage(f"{home}/none.txt", EXTRA))
@@ -225,20 +225,20 @@ def test_other_forms_are_the_same_behind_a_url(
 ) -> None:
     file, local = made
     shutil.copytree(local, tmp_path / "local", ignore=shutil.ignore_patterns(".orusd.lock"))
-    shelf = Shelf(f"{BUCKET}/forms")
+    remote = RemoteFolder(f"{BUCKET}/forms")
     files = [path for path in (tmp_path / "local").rglob("*") if path.is_file()]
     names = (path.relative_to(tmp_path / "local").as_posix() for path in files)
-    shelf.put(tmp_path / "local", (name for name in names if "/.orusd." not in f"/{name}"))
+    remote.put(tmp_path / "local", (name for name in names if "/.orusd." not in f"/{name}"))
     text = file.read_text() + "outputs: [{as: nerf}]\n"
     other = file.parent / "forms.yaml"
     other.write_text(text.replace(", poisoned/room.yaml", ""))
-    for out in (tmp_path / "local", shelf.url):
+    for out in (tmp_path / "local", remote.url):
         process = start(other, out)
         said, wrong = process.communicate()
         assert (process.returncode, wrong) == (0, "")
         done = json.loads(said)
         assert (done["made"], done["kept"]) == (0, 4)
-    shelf.get_all("", tmp_path / "there")
+    remote.get_all("", tmp_path / "there")
     found = checksums(tmp_path / "there")
     assert any(name.startswith("outputs/nerf/") for name in found)
     assert found == checksums(tmp_path / "local")

@@ -101,9 +101,9 @@ def _channel_pictures(
     """Those that are stored, and those that are made of the channels."""
     render, folder = store.render(job), store.render(job) / view_name(view)
     try:
-        if store.shelf is not None:
-            store.shelf.get([store.name_of(render / MANIFEST)], store.root)
-            store.shelf.get_all(f"{store.name_of(folder)}/", store.root)
+        if store.remote is not None:
+            store.remote.get([store.name_of(render / MANIFEST)], store.root)
+            store.remote.get_all(f"{store.name_of(folder)}/", store.root)
         found = read_render(render).views[view_name(view)]
         for name in wanted:
             picture = _picture(store, job, view, [name])
@@ -157,8 +157,8 @@ def _picture(store: Store, job: Job, view: int, wanted: Sequence[str]) -> Pictur
     for channel in wanted:
         path = store.render(job) / view_name(view) / preview_file(channel)
         with suppress(InputError):
-            if store.shelf is not None:
-                store.shelf.get([store.name_of(path)], store.root)
+            if store.remote is not None:
+                store.remote.get([store.name_of(path)], store.root)
             if path.is_file():
                 return Picture(name, f"{channel} of {name}", _data(read_texture(str(path))))
     return Picture(name, f"{name}: there is no picture of it", "")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from openrooms_usd import atomic
 from openrooms_usd.dataset.records import Record
 from openrooms_usd.dataset.report import charts, contact, sections, wording
-from openrooms_usd.dataset.scratch import Root, bring_all, store_at
+from openrooms_usd.dataset.scratch import Root, fetch_all, store_at
 from openrooms_usd.dataset.stats import Stats, stats_of
 from openrooms_usd.dataset.status import Status, status_of
 from openrooms_usd.dataset.store import Store
@@ -70,7 +70,7 @@ def write_report(
     charts.check_installed()
     template = _environment().get_template(_TEMPLATE)
     with store_at(root) as store:
-        bring_all(store)
+        fetch_all(store)
         # What is known of the views is here now, wherever they are.
         stats, status = stats_of(store.root), status_of(store.root)
         strips = contact.variants(store, pictures)

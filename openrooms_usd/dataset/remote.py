@@ -21,7 +21,7 @@ _BATCH: Final = 256
 Item = TypeVar("Item")
 
 
-class Shelf:
+class RemoteFolder:
     """What lies below a URL.
 
     Args:
