@@ -64,6 +64,8 @@ def depth_shadow(light: Light, camera: Array, points: Array, K: Array, mask: Bit
 
 def _sheet(points: Array, mask: Bits) -> RayCaster:
     """The triangles between near points: two of each square, by the diagonal that fits."""
+    # A pixel may hold any number.
+    points = np.where(np.isfinite(points).all(axis=-1, keepdims=True), points, 0.0)
     depth = -points[..., 2]
     joined = _JOINED_M * max(float(depth.mean()), _LEAST_DEPTH_M) / _USUAL_DEPTH_M
     known = (depth > 0.0) & ~mask

@@ -34,12 +34,13 @@ _PACKAGE: Final = ".usdz"
 _TEXT: Final = b"#"
 _REMEDY: Final = "open it with a USD tool that shows the mistake, or export it again"
 # What may hold brackets that nest nothing: strings, names of files, comments. One that is not
-# closed goes on to the end, as it does for USD.
+# closed goes on to the end, as it does for USD. Groups are not possessive: those of Python before
+# 3.11.5 take less than there is.
 _LITERAL: Final = re.compile(
-    rb'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*+(?:"""|\Z)'
-    rb"|'''[^'\\]*+(?:(?:\\.|'(?!''))[^'\\]*+)*+(?:'''|\Z)"
-    rb'|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*+"'
-    rb"|'[^'\\\n]*+(?:\\.[^'\\\n]*+)*+'"
+    rb'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*(?:"""|\Z)'
+    rb"|'''[^'\\]*+(?:(?:\\.|'(?!''))[^'\\]*+)*(?:'''|\Z)"
+    rb'|"[^"\\\n]*+(?:\\.[^"\\\n]*+)*"'
+    rb"|'[^'\\\n]*+(?:\\.[^'\\\n]*+)*'"
     rb"|@@@.*?(?:@@@|\Z)|@[^@\n]*+@|\#[^\n]*+|//[^\n]*+|/\*.*?(?:\*/|\Z)",
     re.DOTALL,
 )

@@ -211,20 +211,22 @@ def test_stages_alone(orusd: Any, lab: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("edit", "fragment"),
+    ("edit", "code", "fragment"),
     [
-        ('#usda 1.0\nover "World" (references = @./nosuch.usda@)\n{\n}\n', "nosuch.usda"),
-        ("#usda 1.0\nnonsense {", "edits.usda"),
+        ('#usda 1.0\nover "World" (references = @./nosuch.usda@)\n{\n}\n', STAGE, "nosuch.usda"),
+        ("#usda 1.0\nnonsense {", INPUT, "edits.usda"),
     ],
     ids=["missing reference", "garbage"],
 )
-def test_human_edits(edit: str, fragment: str, orusd: Any, lab: Any, tmp_path: Path) -> None:
+def test_human_edits(
+    edit: str, code: int, fragment: str, orusd: Any, lab: Any, tmp_path: Path
+) -> None:
     out = tmp_path / "out"
     shutil.copytree(lab.composed, out)
     (out / "layers" / "edits.usda").write_text(edit)
     before = lab.tree(out)
     for _ in range(2):
-        orusd("compose", lab.room, "-o", out).refused(STAGE, fragment, "edits.usda", "remedy: ")
+        orusd("compose", lab.room, "-o", out).refused(code, fragment, "edits.usda", "remedy: ")
         assert lab.tree(out) == before
 
 

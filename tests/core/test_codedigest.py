@@ -233,8 +233,9 @@ def parsed(name: str) -> set[str]:
     return {module for module in found if module.partition(".")[0] in FOLDERS}
 
 
-def test_imports_are_those_of_the_syntax_trees() -> None:
-    for name in MODULES:
+@pytest.mark.parametrize("part", range(3))
+def test_imports_are_those_of_the_syntax_trees(part: int) -> None:
+    for name in list(MODULES)[part::3]:
         read = codedigest._module(name)
         assert read is not None, name
         known = {other for other in read.imports if not other.startswith("orusd_schemas")}
@@ -243,7 +244,9 @@ def test_imports_are_those_of_the_syntax_trees() -> None:
 
 def test_every_file_of_data_counts_for_some_module() -> None:
     # Written out for people by commands; no stage reads them.
-    by_hand = {"starter.yaml", "room.yaml", "sky.exr", "py.typed", "hosek_wilkie.LICENSE.txt"}
+    by_hand = {
+        "starter.yaml", "room.yaml", "sky.exr", "page.css", "py.typed", "hosek_wilkie.LICENSE.txt",
+    }  # fmt: skip
     there = {
         path.name
         for path in (ROOT / "openrooms_usd").rglob("*.*")

@@ -121,7 +121,8 @@ def test_pixels_are_those_of_the_picture() -> None:
     found = tally(view, {4: "chair", 7: "wall"}, {1: "wood/oak", 2: "other", 3: "wood/oak"})
     assert found["pixels"] == {"chair": 3, "wall": 2}
     assert found["materials"] == {"other": 2, "wood/oak": 3}
-    assert tally(view_of(), {4: "chair"}, {}) == {"pixels": {}, "materials": {}, "depth": []}
+    nothing = {"pixels": {}, "instances": None, "materials": {}, "depth": []}
+    assert tally(view_of(), {4: "chair"}, {}) == nothing
 
 
 def test_depths_fall_into_bins_of_a_quarter_metre() -> None:

@@ -32,7 +32,7 @@ RELEASED = {
     "ShadingDirect": ("main mainDiffLight", "imshadingDirect.rgbe"),
 }  # fmt: skip
 PER_LIGHT = ("box.dat", "mask.png", "imShadow.png", "imDS.rgbe", "imDSNoOcclu.rgbe", "light.dat",
-             "lightSrc.dat", "lightSrcNoOcclu.dat")  # fmt: skip
+             "lightSrc.dat", "lightSrcNoOcclu.dat", "depthShadow.npy")  # fmt: skip
 
 
 def files(root: Path) -> set[str]:
@@ -157,7 +157,7 @@ def test_a_render_without_light_channels_gives_what_it_can(
     summary = write([read_render(tmp_path / "plain")], tmp_path / "data")
     assert set(summary.missing) == {
         "imenv", "imsgEnv", "imenvDirect", "box", "mask", "imShadow", "imDS", "imDSNoOcclu",
-        "visibility",
+        "depthShadow", "visibility",
     }  # fmt: skip
     assert summary.missing["imenv"] == "the render has no environment"
     # From the irradiance, at a quarter of the resolution.
