@@ -1,12 +1,14 @@
 """HDF5 files with one data set, ``dataset``, as Hypersim has them."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, hdf5
 from openrooms_usd.errors import writing
+
+DATASET: Final = "dataset"
 
 
 def write_array(path: Path, values: NDArray[Any], *, packed: bool = True) -> None:
@@ -29,4 +31,14 @@ def write_array(path: Path, values: NDArray[Any], *, packed: bool = True) -> Non
         h5py.File(beside, "w", libver="v108") as file,
     ):
         # Without times the same numbers give the same bytes.
-        file.create_dataset("dataset", data=values, track_times=False, **how)
+        file.create_dataset(DATASET, data=values, track_times=False, **how)
+
+
+def read_array(path: Path) -> NDArray[Any]:
+    """Read an array of numbers.
+
+    Raises:
+        InputError: It is missing, damaged, or holds no such data set.
+        MissingPackageError: h5py is not installed.
+    """
+    return hdf5.read_array(path, DATASET, "hypersim", lambda shape, kind: kind in "fiu")

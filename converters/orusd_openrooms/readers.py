@@ -11,8 +11,8 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import untrusted
-from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd import hdf5, untrusted
+from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling import read_pickled
 from openrooms_usd.unpickling.arrays import read_array
 from openrooms_usd.untrusted import checked, read_text
@@ -131,31 +131,12 @@ def read_lobes(path: Path) -> Floats:
         InputError: It is missing or holds no such data set.
         MissingPackageError: h5py is not installed.
     """
-    try:
-        import h5py
-    except ImportError as error:
-        remedy = "pip install 'openrooms-usd[openrooms]'"
-        raise MissingPackageError("HDF5 needs the package 'h5py'", remedy=remedy) from error
-    checked(path, "array")
-    try:
-        with h5py.File(path, "r") as file:
-            # Nothing of other files: no links to them, and no numbers that lie there.
-            own = isinstance(file.get("data", getlink=True), h5py.HardLink)
-            data = file["data"] if own else None
-            if data is None or data.external or data.is_virtual:
-                raise InputError("its data set 'data' is not in this file", place=path)
-            _check_lobes(path, data.shape, data.dtype.kind)
-            return np.asarray(data[()], np.float32)
-    # What the library makes of damage, and a group in the place of the data set.
-    except (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError) as error:
-        raise InputError(f"no data set 'data': {error}", place=path) from error
+    found = hdf5.read_array(path, "data", "openrooms", _are_lobes)
+    return found.astype(np.float32)
 
 
-def _check_lobes(path: Path, shape: tuple[int, ...] | None, kind: str) -> None:
-    """See what a data set holds before memory is taken for it."""
-    sound = shape is not None and len(shape) == 4 and shape[-1] == 6 and kind == "f"
-    if not sound or not 0 < math.prod(shape or ()) <= _MOST_PIXELS:
-        raise InputError(f"no lobes: an array of {shape}", place=path)
+def _are_lobes(shape: tuple[int, ...], kind: str) -> bool:
+    return len(shape) == 4 and shape[-1] == 6 and kind == "f" and math.prod(shape) <= _MOST_PIXELS
 
 
 def read_cameras(path: Path) -> list[NDArray[np.float64]]:

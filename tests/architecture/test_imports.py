@@ -63,7 +63,17 @@ RANKS = (
         "usercache",
         "unpickling",
     ),
-    ("colorimetry", "errors", "imagefile", "lazy", "lettering", "names", "untrusted", "version"),
+    (
+        "colorimetry",
+        "errors",
+        "hdf5",
+        "imagefile",
+        "lazy",
+        "lettering",
+        "names",
+        "untrusted",
+        "version",
+    ),
 )
 RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
@@ -73,8 +83,8 @@ FOR_CONVERTERS = {
     # Importers of finished scenes read models, and know what stands for those that are missing.
     "library",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "colorimetry", "errors", "names", "atomic", "claims", "imagefile", "isolation", "ledger",
-    "loading", "progress", "unpickling", "untrusted", "package",
+    "colorimetry", "errors", "names", "atomic", "claims", "hdf5", "imagefile", "isolation",
+    "ledger", "loading", "progress", "unpickling", "untrusted", "package",
 }  # fmt: skip
 HEAVY = {
     "pxr",

@@ -15,6 +15,7 @@ READERS = (
     "openrooms_usd/importing/captures.py",
     "openrooms_usd/description",
     "openrooms_usd/edits",
+    "openrooms_usd/hdf5.py",
     "openrooms_usd/imagefile.py",
     "openrooms_usd/ledger.py",
     "openrooms_usd/package.py",
@@ -45,7 +46,7 @@ CALLS = {
 # What is allowed all the same: how often, and why the door has been passed there.
 ALLOWED = {
     ("converters/orusd_openrooms/fits.py", "h5py.File"): "writes",
-    ("converters/orusd_openrooms/readers.py", "h5py.File"): "checked before",
+    ("openrooms_usd/hdf5.py", "h5py.File"): "checked before",
     ("openrooms_usd/importing/captures.py", "target.read_bytes"): "a file, and compared alone",
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.OpenAsAnonymous"): "looked through before",
     ("openrooms_usd/edits/merging.py", "Usd.Stage.Open"): "layers that were looked through",
