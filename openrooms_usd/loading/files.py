@@ -10,7 +10,7 @@ import os
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
@@ -146,7 +146,9 @@ class RemoteFiles:
             with atomic.appearing(kept) as beside:
                 self._fetch(wanted, beside)
             _remove_oldest(kept, self.most)
-        os.utime(kept)
+        # Finer than the clock that a file system keeps times by.
+        now = time.time_ns()
+        os.utime(kept, ns=(now, now))
 
     def _fetch(self, wanted: Mapping[str, str], folder: Path) -> None:
         system, root = _system(self.url, os.getpid())
@@ -229,10 +231,12 @@ def _remove_oldest(newest: Path, most: int) -> None:
     for path in sorted(found, key=_when):
         if left <= most:
             return
-        if path == newest or path.name[:2] == newest.name[:2]:
+        if path == newest:
             continue
+        # Some have the lock that is held already.
+        is_held = path.name[:2] == newest.name[:2]
         try:
-            with _lock(path).acquire(blocking=False):
+            with nullcontext() if is_held else _lock(path).acquire(blocking=False):
                 removal.remove_tree(path)
         except Timeout:
             continue
@@ -243,8 +247,8 @@ def _bytes(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
 
 
-def _when(path: Path) -> float:
+def _when(path: Path) -> int:
     try:
-        return path.stat().st_mtime
+        return path.stat().st_mtime_ns
     except FileNotFoundError:
-        return 0.0
+        return 0
