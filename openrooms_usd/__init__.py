@@ -15,6 +15,7 @@ from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
+    from openrooms_usd.api.datasets import dataset as dataset
     from openrooms_usd.api.datasets import plan_dataset as plan_dataset
     from openrooms_usd.api.datasets import run_dataset as run_dataset
     from openrooms_usd.api.films import render_path as render_path
@@ -24,11 +25,10 @@ if TYPE_CHECKING:
     from openrooms_usd.api.light import bake as bake
     from openrooms_usd.api.light import probe as probe
     from openrooms_usd.api.light import relight as relight
-    from openrooms_usd.api.renders import Render as Render
-    from openrooms_usd.api.renders import View as View
+    from openrooms_usd.api.rendered import Render as Render
+    from openrooms_usd.api.rendered import View as View
+    from openrooms_usd.api.rendered import read_render as read_render
     from openrooms_usd.api.renders import compare as compare
-    from openrooms_usd.api.renders import dataset as dataset
-    from openrooms_usd.api.renders import read_render as read_render
     from openrooms_usd.api.renders import render as render
     from openrooms_usd.api.rooms import copy_example as copy_example
     from openrooms_usd.api.rooms import generate as generate
@@ -49,23 +49,23 @@ _HOME = {
     "OrusdError": "openrooms_usd.errors",
     "Probe": "openrooms_usd.api.light",
     "Probes": "openrooms_usd.api.light",
-    "Render": "openrooms_usd.api.renders",
+    "Render": "openrooms_usd.api.rendered",
     "Room": "openrooms_usd.description.room",
     "Scene": "openrooms_usd.api.scenes",
-    "View": "openrooms_usd.api.renders",
+    "View": "openrooms_usd.api.rendered",
     "bake": "openrooms_usd.api.light",
     "compare": "openrooms_usd.api.renders",
     "compose": "openrooms_usd.api.scenes",
     "convert": "openrooms_usd.api.scenes",
     "copy_example": "openrooms_usd.api.rooms",
-    "dataset": "openrooms_usd.api.renders",
+    "dataset": "openrooms_usd.api.datasets",
     "generate": "openrooms_usd.api.rooms",
     "import_capture": "openrooms_usd.api.rooms",
     "load": "openrooms_usd.api.rooms",
     "open": "openrooms_usd.api.scenes",
     "plan_dataset": "openrooms_usd.api.datasets",
     "probe": "openrooms_usd.api.light",
-    "read_render": "openrooms_usd.api.renders",
+    "read_render": "openrooms_usd.api.rendered",
     "relight": "openrooms_usd.api.light",
     "render": "openrooms_usd.api.renders",
     "render_path": "openrooms_usd.api.films",

@@ -1,14 +1,16 @@
-"""Many rooms by one dataset.yaml."""
+"""Many rooms by one dataset.yaml, and renders in the form of somebody else's dataset."""
 
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from openrooms_usd.api.given import AnyPath, path_of
+from openrooms_usd.api.given import AnyPath, choice_of, path_of
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
     from openrooms_usd.dataset.plan import Job
     from openrooms_usd.dataset.run import RunSummary
+    from openrooms_usd.render.datasets import Crowded, DatasetSummary, Layout, Order, Subset
 
 
 def run_dataset(
@@ -70,3 +72,54 @@ def plan_dataset(file: AnyPath) -> Iterator["Job"]:
     from openrooms_usd.description import load_dataset
 
     return plan_jobs(load_dataset(path_of(file, "a dataset.yaml")))
+
+
+def dataset(
+    renders: AnyPath | Sequence[AnyPath],
+    out: AnyPath,
+    *,
+    kind: str = "openrooms",
+    scene: str = "scene0000_00",
+    splits: str | Sequence[str] = ("main_xml",),
+    subset: "Subset" = "train",
+    layout: "Layout" = "split",
+    order: "Order" = "legacy",
+    first: int = 1,
+    crowded: "Crowded" = "leave-out",
+    stages: Sequence[AnyPath] = (),
+    progress: Progress = silent,
+) -> "DatasetSummary":
+    """Write finished renders as the files of a published dataset.
+
+    Args:
+        renders: One render, or several variants of one scene.
+        out: The dataset's folder; other scenes in it stay.
+        kind: Whose dataset.
+        scene: The scene's name in it.
+        splits: What each render is, in their order.
+        subset: The list that the scene is added to.
+        layout: A tree for each channel, or one folder.
+        order: In which order the channels of environment maps are stored.
+        first: The number of the first view.
+        crowded: What becomes of views with more lights than loaders have room for.
+        stages: The composed stage of each render: its scene is written, too.
+        progress: Called with each finished view and the finished fraction.
+
+    Returns:
+        How many files of which views, and what is ``.missing`` and why.
+
+    Raises:
+        InputError: There is no such dataset, or the renders or options do not fit each other.
+        OutputError: A file cannot be written.
+    """
+    from openrooms_usd.render import datasets as forms
+
+    chosen = {"subset": subset, "layout": layout, "order": order, "crowded": crowded}
+    for what, value in chosen.items():
+        choice_of(value, getattr(forms, what.title()), what)
+    several = [renders] if isinstance(renders, (str, os.PathLike)) else renders
+    folders = [path_of(render, "a render's folder") for render in several]
+    names = (splits,) if isinstance(splits, str) else tuple(splits)
+    of = tuple(map(path_of, stages))
+    options = forms.DatasetOptions(scene, names, subset, layout, order, first, crowded, of)
+    return forms.write_dataset(folders, path_of(out), kind=kind, options=options, progress=progress)

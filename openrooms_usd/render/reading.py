@@ -182,6 +182,12 @@ class RenderedView:
             )  # fmt: skip
         return np.asarray(found, np.float32)
 
+    @property
+    def fits(self) -> list[str]:
+        """The names of all that `fit` gives."""
+        files = self.entry.fits.files if self.entry.fits else {}
+        return [name for name in _FITS if name in files or (files and self._follows(name))]
+
     def _follows(self, fit: str) -> bool:
         """Whether a fit was left out, since it is quickly made again."""
         return fit == "environment_sh" and is_compact(self.entry)

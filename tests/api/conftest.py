@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import openrooms_usd as ou
-from tests.api.tiny import ROOM
+from tests.api.tiny import CHANNELS, ROOM
 
 
 @pytest.fixture(scope="package")
@@ -17,8 +17,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> ou.Scene:
 @pytest.fixture(scope="package")
 def rendered(scene: ou.Scene) -> ou.Render:
     """Both views of it with channels of every kind."""
-    channels = "radiance,depth,position,semantic,valid,radiance_i,mask_i,environment"
-    return ou.render(scene, channels=channels, samples=1, grid=(4, 3))
+    return ou.render(scene, channels=CHANNELS, samples=1, grid=(4, 3))
 
 
 @pytest.fixture

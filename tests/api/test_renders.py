@@ -9,6 +9,7 @@ import openrooms_usd as ou
 from openrooms_usd.errors import InputError, UnknownNameError
 from openrooms_usd.render import driver
 from openrooms_usd.render.exr import read_channels
+from tests.api.tiny import CHANNELS
 
 
 def test_a_render_is_a_mapping_of_mappings(rendered: ou.Render, scene: ou.Scene) -> None:
@@ -86,6 +87,25 @@ def test_the_same_render_is_read_back(rendered: ou.Render) -> None:
     assert np.array_equal(again["left"]["radiance"], rendered["left"]["radiance"])
     with pytest.raises(InputError, match="no finished render"):
         ou.read_render(rendered.folder.parent)
+
+
+def test_compact_files_are_read_alike(scene: ou.Scene, rendered: ou.Render, here: Path) -> None:
+    found = ou.render(
+        scene, here / "compact", channels=CHANNELS, samples=1, grid=(4, 3), storage="compact"
+    )
+    assert found.rendered.manifest.storage == "compact"
+    assert not (found.folder / "left/environment_sh.npy").exists()
+    for name, view in rendered.items():
+        assert list(found[name]) == list(view)
+        for channel, pixels in view.items():
+            other = found[name][channel]
+            assert (other.shape, other.dtype) == (pixels.shape, pixels.dtype), channel
+        for channel in ("depth", "semantic", "valid", "mask_0"):
+            assert np.array_equal(found[name][channel], view[channel])
+        off = np.abs(found[name]["radiance"] - view["radiance"]).mean()
+        assert off < 0.05 * view["radiance"].mean()
+    with pytest.raises(InputError, match="storage"):
+        ou.render(scene, storage="tiny")
 
 
 def test_advice_is_logged(

@@ -24,3 +24,6 @@ ROOM: dict[str, Any] = {
         ],
     },
 }
+
+# Of every kind.
+CHANNELS = "radiance,depth,position,semantic,valid,radiance_i,mask_i,environment"
