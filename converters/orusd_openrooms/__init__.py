@@ -5,7 +5,7 @@
 ``cameras``, ``lights``, ``unoccluded`` and ``depthshadows``, and the forms ``rgbe``, ``images``,
 ``binary``, ``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code
 with the writers, and opens pickles by the core's ``unpickling``; ``loading`` offers what it reads
-as views for training.
+as views for training, which ``listing`` finds.
 
 ``scenes`` reads the release's scene files as an importer, and writes them as an exporter.
 

@@ -21,7 +21,7 @@ def cautions(
     renders: Sequence[RenderedScene],
     root: Path,
     options: DatasetOptions,
-    crowded: Mapping[str, frozenset[int]],
+    crowded: Sequence[Mapping[str, frozenset[int]]],
 ) -> Iterator[str]:
     """A sentence for each.
 
@@ -29,19 +29,25 @@ def cautions(
         renders: What was written.
         root: The dataset's folder.
         options: How it was laid out.
-        crowded: The lights that found no place, by view.
+        crowded: The lights that found no place, by view, of each split.
     """
     if options.layout == "split":
         yield (
             "this is the tree of the release, in which the published loaders find no pictures: "
             "what they read is the layout merged"
         )
-    for name, numbers in sorted(crowded.items()):
-        if options.crowded == "leave-out":
-            yield f"{name} is left out: it has {CROWDED}, for which IndoorLightEditing has no room"
-        else:
-            least = ", ".join(map(str, sorted(numbers)))
-            yield f"{name} is without its least lights, {least}: it has {CROWDED}"
+    # Variants share their views.
+    suffixes = map(layout.suffix_of, options.splits)
+    of_suffix = dict(zip(suffixes, crowded, strict=True))
+    for suffix, each in of_suffix.items():
+        place = options.scene if suffix == layout.SUFFIXES[0] else f"{options.scene}, {suffix}"
+        for name, numbers in sorted(each.items()):
+            if options.crowded == "leave-out":
+                said, why = "is left out", f"{CROWDED}, for which IndoorLightEditing has no room"
+            else:
+                least = ", ".join(map(str, sorted(numbers)))
+                said, why = f"is without its least lights, {least}", CROWDED
+            yield f"{place}: {name} {said}: it has {why}"
     views = [view for render in renders for view in render.views.values()]
     if {(view.width, view.height) for view in views} != {_RELEASED}:
         yield "the released loaders expect pictures of 640x480"

@@ -7,6 +7,7 @@ from typing import Final
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.reading import RenderedScene, RenderedView
+from orusd_openrooms.layout import suffix_of
 from orusd_openrooms.records import Light, lights_of
 
 MOST_WINDOWS: Final = 3
@@ -16,21 +17,21 @@ MOST_LAMPS: Final = 7
 # A light is seen by it from 25 of its 320x240 pixels on.
 _SEEN_SHARE: Final = 25.0 / (320.0 * 240.0)
 
-
 CROWDED: Final = (
     f"more than {MOST_WINDOWS} windows or {MOST_LAMPS} lamps that are seen, or that are not"
 )
 
 
-def too_many_of(scenes: Sequence[RenderedScene]) -> dict[str, frozenset[int]]:
-    """As `too_many`, of the variants of a scene; they share their views, and the first counts."""
-    found: dict[str, frozenset[int]] = {}
-    done: set[str] = set()
-    for scene in scenes:
-        if not scene.views.keys() <= done:
-            found = too_many(scene, lights_of(scene)) | found
-            done |= scene.views.keys()
-    return found
+def too_many_of(
+    splits: Sequence[str], scenes: Sequence[RenderedScene]
+) -> list[dict[str, frozenset[int]]]:
+    """As `too_many`, of each split; those of a suffix share their views, and the first counts."""
+    found: dict[str, dict[str, frozenset[int]]] = {}
+    suffixes = [suffix_of(split) for split in splits]
+    for suffix, scene in zip(suffixes, scenes, strict=True):
+        if suffix not in found:
+            found[suffix] = too_many(scene, lights_of(scene))
+    return [found[suffix] for suffix in suffixes]
 
 
 def without(scene: RenderedScene, crowded: Container[str]) -> RenderedScene:
@@ -44,7 +45,7 @@ def without(scene: RenderedScene, crowded: Container[str]) -> RenderedScene:
         raise InputError(
             f"all of its views have {CROWDED}",
             place=scene.folder,
-            remedy="give --crowded drop to leave the least of the lights out, or --crowded keep",
+            remedy="crowded: drop (--crowded drop) leaves the least lights out, keep keeps all",
         )
     return replace(scene, views=views)
 

@@ -22,12 +22,11 @@ from orusd_openrooms.cautions import cautions
 from orusd_openrooms.crowding import too_many_of, without
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
-from orusd_openrooms.layout import SHARED, SHARED_INTRINSICS, SPLITS, Place
+from orusd_openrooms.layout import SHARED, SHARED_INTRINSICS, SPLITS, SUBSETS, Place
 from orusd_openrooms.pickles import write_pickled
 from orusd_openrooms.records import lights_of
 
 _SCENE: Final = re.compile(r"scene\w{1,60}", re.ASCII)
-_LISTS: Final = ("train", "val", "test")
 
 
 class OpenRoomsDataset:
@@ -65,9 +64,11 @@ class OpenRoomsDataset:
         _check(renders, options)
         missing: dict[str, str] = {}
         frames: dict[str, list[int]] = {}
-        crowded = too_many_of(renders) if options.crowded != "keep" else {}
+        crowded: list[dict[str, frozenset[int]]] = [{} for _ in renders]
+        if options.crowded != "keep":
+            crowded = too_many_of(options.splits, renders)
         if options.crowded == "leave-out":
-            renders = [without(render, crowded) for render in renders]
+            renders = [without(*each) for each in zip(renders, crowded, strict=True)]
         total, done = sum(len(render.views) for render in renders), count(1)
 
         def finished(view: str) -> None:
@@ -75,9 +76,9 @@ class OpenRoomsDataset:
 
         with claims.claimed(root, f".orusd.{options.scene}.sha256") as kept:
             with atomic.filling(root) as beside:
-                for split, render in zip(options.splits, renders, strict=True):
+                for split, render, least in zip(options.splits, renders, crowded, strict=True):
                     place = Place(beside, options.scene, split, options.layout)
-                    frames[split] = _write_split(place, render, options, crowded, missing, finished)
+                    frames[split] = _write_split(place, render, options, least, missing, finished)
                     _write_cameras(place, root, render, options.first, kept)
                 _write_scenes(beside, renders, options)
                 _write_lists(beside, root, options)
@@ -93,7 +94,7 @@ def _write_split(
     place: Place,
     render: RenderedScene,
     options: DatasetOptions,
-    crowded: Mapping[str, frozenset[int]],
+    least: Mapping[str, frozenset[int]],
     missing: dict[str, str],
     finished: Callable[[str], None],
 ) -> list[int]:
@@ -101,8 +102,7 @@ def _write_split(
     instances = max(render.legend("instance"), default=0)
     numbers = [options.first + index for index in range(len(render.views))]
     for number, view in zip(numbers, render.each(), strict=True):
-        spare = crowded.get(view.name, frozenset())
-        placed = [light for light in lights if light.number not in spare]
+        placed = [light for light in lights if light.number not in least.get(view.name, ())]
         frame = Frame(view, placed, options.order, instances)
         write_frame(place, number, frame)
         missing |= frame.missing
@@ -151,7 +151,7 @@ def _write_scenes(root: Path, renders: Sequence[RenderedScene], options: Dataset
 
 def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
     """``train.txt``, ``val.txt`` and ``test.txt``: the scene stands in one of them."""
-    for name in _LISTS:
+    for name in SUBSETS:
         path, own = root / f"{name}.txt", options.scene.encode()
         # Names of others stay as they are, in whatever encoding.
         scenes = set(read_bytes(path, "table").split()) if os.path.lexists(path) else set()

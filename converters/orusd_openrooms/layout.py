@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Final, Literal, NamedTuple
 
 Layout = Literal["split", "merged"]
+LAYOUTS: Final[tuple[Layout, ...]] = ("split", "merged")
+SUBSETS: Final = ("train", "val", "test")
 
 SUFFIXES: Final = ("xml", "xml1")
 VARIANTS: Final = ("main", "mainDiffMat", "mainDiffLight")
@@ -19,6 +21,11 @@ _ALL: Final = frozenset(VARIANTS)
 _MATERIAL: Final = frozenset({"main", "mainDiffMat"})
 _LIGHT: Final = frozenset({"main", "mainDiffLight"})
 _MAIN: Final = frozenset({"main"})
+
+
+def suffix_of(split: str) -> str:
+    """The set of views that a split is of: one of `SUFFIXES`."""
+    return split.partition("_")[2]
 
 
 class Kind(NamedTuple):
@@ -92,7 +99,7 @@ class Place:
     @property
     def scene_folder(self) -> Path:
         """The folder of the cameras, which the variants of a suffix share."""
-        return self.root / "scenes" / self.split.partition("_")[2] / self.scene
+        return self.root / "scenes" / suffix_of(self.split) / self.scene
 
     def folder(self, kind: Kind) -> Path | None:
         """The folder of a kind of file; None where this variant has none of its own."""

@@ -4,8 +4,8 @@ A file that a variant has not of its own is that of ``main``, as the release has
 tells is told by `FROM_FILES`; ``normal``, ``position`` and ``distance`` follow from the camera.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, NamedTuple, cast
@@ -18,17 +18,13 @@ from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.loading.files import Files, MissingFileError
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
-from openrooms_usd.untrusted import read_text
 from orusd_openrooms import readers
-from orusd_openrooms.layout import FRAME, SHARED_INTRINSICS, SPLITS, Layout, Place
+from orusd_openrooms.layout import SHARED_INTRINSICS
+from orusd_openrooms.listing import IMAGE, Frame, listed
 from orusd_openrooms.scenes.reading import read_scene
 
 Array = NDArray[Any]
 
-_LAYOUTS: Final[tuple[Layout, ...]] = ("split", "merged")
-_SUBSETS: Final = ("train", "val", "test")
-_MAIN: Final = {"xml": "main_xml", "xml1": "main_xml1"}
-_IMAGE: Final = "im"
 # Their world, Y up, to ours, Z up; and OpenCV's axes from OpenGL's.
 _OURS_FROM_THEIRS: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _OPENGL: Final = np.array([1.0, -1.0, -1.0])
@@ -50,7 +46,7 @@ def _share(of: Callable[[dict[str, Array]], Array]) -> _Told:
 
 
 FROM_FILES: Final[dict[str, _Told]] = {
-    "radiance": _Told(_IMAGE, readers.read_light),
+    "radiance": _Told(IMAGE, readers.read_light),
     "base_color": _Told("imbaseColor", readers.read_base_color),
     "roughness": _Told("imroughness", _plane(readers.read_roughness)),
     "metallic": _Told("immetallic", _plane(readers.read_roughness)),
@@ -67,42 +63,6 @@ GRIDS: Final = {"environment": "imenv", "environment_direct": "imenvDirect"}
 """The grids of hemispheres."""
 
 _FOLLOWS: Final = {"normal": "normal_camera", "position": "depth", "distance": "depth"}
-
-
-@dataclass(frozen=True, slots=True)
-class Frame:
-    """A frame of a scene.
-
-    Attributes:
-        scene: Such as ``scene0000_00``.
-        split: One of `SPLITS`.
-        number: As its files are numbered.
-        row: Of ``cam.txt``.
-        layout: How the files lie.
-        subset: ``train``, ``val``, ``test``, or empty.
-    """
-
-    scene: str
-    split: str
-    number: int
-    row: int
-    layout: Layout
-    subset: str
-
-    def file(self, name: str) -> str:
-        """The path of a kind of file, below the root."""
-        path = self._place(self.split).frame(name, self.number)
-        path = path or self._place(_MAIN[self.split.partition("_")[2]]).frame(name, self.number)
-        assert path is not None
-        return path.as_posix()
-
-    @property
-    def cameras(self) -> str:
-        """The folder of its cameras, below the root."""
-        return self._place(self.split).scene_folder.as_posix()
-
-    def _place(self, split: str) -> Place:
-        return Place(Path(), self.scene, split, self.layout)
 
 
 class OpenRoomsSource:
@@ -123,10 +83,10 @@ class OpenRoomsSource:
     def read(self, index: int, channels: Sequence[str]) -> Sample:
         """A frame; see `openrooms_usd.loading.source.Source`."""
         frame = self.frames[index]
-        pose, K = _camera(self.files, frame.cameras, frame.row)
+        pose, K = self._camera(frame)
         needed = {_FOLLOWS.get(name, name) for name in channels}
-        paths = {name: frame.file(_file_of(name)) for name in needed}
-        size_of = paths.get("radiance") or frame.file(_IMAGE)
+        paths = {name: self._file(frame, _file_of(name)) for name in needed}
+        size_of = paths.get("radiance") or self._file(frame, IMAGE)
         with self.files.local(dict.fromkeys({*paths.values(), size_of}, "")) as root:
             images = {
                 name: FROM_FILES[name].read(root / path)
@@ -139,9 +99,8 @@ class OpenRoomsSource:
                 if name in GRIDS
             }
             first = next(iter(images.values()), None)
-            height, width = (readers.read_light(root / size_of) if first is None else first).shape[
-                :2
-            ]
+            shown = readers.read_light(root / size_of) if first is None else first
+        height, width = shown.shape[:2]
         sample = Sample(
             name=f"{frame.scene}/{frame.split}/{frame.number}",
             size=(width, height),
@@ -155,6 +114,20 @@ class OpenRoomsSource:
             if pixels.shape[:2] != (height, width):
                 raise InputError(f"{name!r} is not of the picture's size", place=sample.name)
         return replace(sample, images=made)
+
+    def _file(self, frame: Frame, name: str) -> str:
+        """Where a kind of file of a frame lies, or should."""
+        own, *others = frame.files(name)
+        is_shared = others and name not in _kinds(self.files, own.rpartition("/")[0])
+        return others[0] if is_shared else own
+
+    def _camera(self, frame: Frame) -> tuple[Array, Array]:
+        """The pose in our world, and K."""
+        poses, K = _cameras(self.files, frame.cameras)
+        if frame.row >= len(poses):
+            place = f"{frame.cameras}/cam.txt"
+            raise InputError(f"it has {len(poses)} cameras, and no {frame.row + 1}", place=place)
+        return poses[frame.row], K
 
 
 class OpenRoomsForm:
@@ -171,56 +144,32 @@ class OpenRoomsForm:
         order = options.get("order", "legacy")
         if order not in ("legacy", "rgb"):
             raise InputError(f"{order!r} is no order of channels", remedy="say legacy or rgb")
-        subsets = {
-            scene: subset for subset in _SUBSETS for scene in _scenes(files, f"{subset}.txt")
-        }
         frames = [
             frame
-            for frame in _frames(files, subsets)
+            for frame in listed(files)
             if selection.admits(frame.subset, frame.split, frame.scene, str(frame.number))
         ]
         refuse_nothing(len(frames), files, selection)
         return OpenRoomsSource(files, frames, order)
 
 
-def _frames(files: Files, subsets: Mapping[str, str]) -> Iterator[Frame]:
-    for layout in _LAYOUTS:
-        for split in SPLITS:
-            # A frame is where its picture is.
-            pictures = FRAME[_IMAGE].folder
-            top = f"{pictures}/{split}" if layout == "split" else split
-            for scene in files.names(top):
-                numbers = sorted(
-                    int(words[1])
-                    for name in files.names(f"{top}/{scene}")
-                    if (words := Path(name).stem.split("_"))[0] == _IMAGE
-                    and name.endswith(FRAME[_IMAGE].suffix)
-                    and len(words) == 2
-                    and words[1].isdecimal()
-                )
-                # Released frames count from 1, those that others rendered again from 0.
-                first = 0 if 0 in numbers else 1
-                for number in numbers:
-                    subset = subsets.get(scene, "")
-                    yield Frame(scene, split, number, number - first, layout, subset)
+@lru_cache(maxsize=4096)
+def _kinds(files: Files, folder: str) -> frozenset[str]:
+    """The kinds of files in a folder."""
+    return frozenset(name.partition("_")[0] for name in files.names(folder))
 
 
-def _scenes(files: Files, name: str) -> list[str]:
-    if name not in files.names(""):
-        return []
-    with files.local({name: ""}) as root:
-        return read_text(root / name, "table").split()
-
-
-@lru_cache(maxsize=256)
-def _camera(files: Files, folder: str, row: int) -> tuple[Array, Array]:
-    """The pose in our world, and K, of a camera of a scene."""
+@lru_cache(maxsize=4096)
+def _cameras(files: Files, folder: str) -> tuple[list[Array], Array]:
+    """The poses in our world, and K, of the cameras of a scene."""
     path = f"{folder}/cam.txt"
     with files.local({path: ""}) as root:
         cameras = readers.read_cameras(root / path)
-    if row >= len(cameras):
-        raise InputError(f"it has {len(cameras)} cameras, and no {row + 1}", place=path)
-    origin, target, up = cameras[row]
+    return [_pose(*camera) for camera in cameras], _intrinsics(files, folder)
+
+
+def _pose(origin: Array, target: Array, up: Array) -> Array:
+    """(4, 4) from the OpenCV camera frame to our world."""
     ahead = (target - origin) / np.linalg.norm(target - origin)
     # Files have few decimals: up is made orthogonal again.
     up = up - (up @ ahead) * ahead
@@ -228,7 +177,7 @@ def _camera(files: Files, folder: str, row: int) -> tuple[Array, Array]:
     pose = np.eye(4)
     pose[:3, :3] = _OURS_FROM_THEIRS @ np.stack([np.cross(down, ahead), down, ahead], axis=1)
     pose[:3, 3] = _OURS_FROM_THEIRS @ origin
-    return pose, _intrinsics(files, folder)
+    return pose
 
 
 def _intrinsics(files: Files, folder: str) -> Array:

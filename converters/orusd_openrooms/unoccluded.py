@@ -87,7 +87,7 @@ def _along_lobe(light: Light, lobe: Lobe, points: Array, normals: Array) -> Arra
 
 
 def _directions(lobe: Lobe) -> Array:
-    """(_DIRECTIONS, 3) unit, as dense as the lobe is bright: a spiral by the golden angle."""
+    """(N, 3) unit vectors, as dense as the lobe is bright: a spiral by the golden angle."""
     share = (np.arange(_SPHERE_DIRECTIONS) + 0.5) / _SPHERE_DIRECTIONS
     cosine = 1.0 + np.log1p(share * np.expm1(-2.0 * lobe.sharpness)) / lobe.sharpness
     sine = np.sqrt(np.maximum(0.0, 1.0 - cosine**2))

@@ -131,11 +131,12 @@ def _written(piece: _Piece, kind: str) -> Iterator[str]:
     try:
         summaries = piece.write()
     except OrusdError as error:
-        yield f"{piece.what}: {error.message}"
+        remedy = f" ({error.remedy})" if error.remedy else ""
+        yield f"{piece.what}: {error.message}{remedy}"
         return
     for summary in summaries:
-        missing = sorted(summary.missing.items())
-        yield from (f"{kind}: no {name}: {why}" for name, why in missing)
+        missing = (f"no {name}: {why}" for name, why in sorted(summary.missing.items()))
+        yield from (f"{kind}: {note}" for note in (*missing, *summary.notes))
     write_json(piece.done, {"key": piece.key})
 
 
@@ -231,8 +232,14 @@ def _finished(store: Store, jobs: list[Job]) -> list[Job]:
 
 
 def _shared_views(renders: list[RenderedScene]) -> list[RenderedScene]:
-    """The renders with the views that all of them have: variants of a scene share them."""
+    """The renders with the views that all of them have: variants of a scene share them.
+
+    Raises:
+        InputError: There are none.
+    """
     names = [name for name in renders[0].views if all(name in one.views for one in renders)]
+    if not names:
+        raise InputError("no view is finished in all of its variants", place=renders[0].folder)
     return [replace(one, views={name: one.views[name] for name in names}) for one in renders]
 
 

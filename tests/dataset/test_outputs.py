@@ -58,6 +58,26 @@ def test_what_cannot_be_written_is_told(finished: tuple[Store, Dataset]) -> None
     assert not (store.root / "records/webdataset.json").exists()
 
 
+def test_what_hinders_readers_is_told(finished: tuple[Store, Dataset]) -> None:
+    store, dataset = finished
+    notes = finish(store, asking(dataset, **{"as": "openrooms", "layout": "merged"}))
+    assert "openrooms: the released loaders expect pictures of 640x480" in notes
+    assert any(note.startswith("openrooms: the field of view is") for note in notes)
+    assert "openrooms: no imbaseColor: the render has no base_color" in notes
+
+
+@pytest.mark.parametrize("crowded", ["leave-out", "keep"])
+def test_a_room_whose_variants_share_no_view_is_told(
+    finished: tuple[Store, Dataset], crowded: str
+) -> None:
+    store, dataset = finished
+    (store.root / "records/room_good/main/view_1.json").unlink()
+    (store.root / "records/room_good/mainDiffMat/view_0.json").unlink()
+    notes = finish(store, asking(dataset, **{"as": "openrooms", "crowded": crowded}))
+    assert notes == ("openrooms: room_good: no view is finished in all of its variants",)
+    assert not (store.root / "outputs").exists()
+
+
 def test_one_table_has_all_views(finished: tuple[Store, Dataset]) -> None:
     parquet, duckdb = pytest.importorskip("pyarrow.parquet"), pytest.importorskip("duckdb")
     store, dataset = finished

@@ -48,7 +48,21 @@ def test_crowded_views_are_left_out_and_listed(crowded: RenderedScene, tmp_path:
     assert boxes(tmp_path, 1) == [f"box{n}.dat" for n in (0, 1, 3, 4, 5, 6)]
     assert (tmp_path / "scenes/xml/scene0000_00/cam.txt").read_text().startswith("1\n")
     (note,) = (note for note in summary.notes if "left out" in note)
-    assert note.startswith("view_0 is left out: it has more than 3 windows or 7 lamps")
+    assert note.startswith(
+        "scene0000_00: view_0 is left out: it has more than 3 windows or 7 lamps"
+    )
+
+
+def test_other_views_are_judged_by_themselves(
+    crowded: RenderedScene, render: RenderedScene, tmp_path: Path
+) -> None:
+    """A second set of views may have the names of the first."""
+    splits = ("main_xml", "main_xml1")
+    first = write([crowded, render], tmp_path / "first", splits=splits)
+    assert first.frames == {"main_xml": [1], "main_xml1": [1, 2]}
+    second = write([render, crowded], tmp_path / "second", splits=splits)
+    assert second.frames == {"main_xml": [1, 2], "main_xml1": [1]}
+    assert any(note.startswith("scene0000_00, xml1: view_0 is left") for note in second.notes)
 
 
 def test_the_least_lights_are_dropped_on_request(crowded: RenderedScene, tmp_path: Path) -> None:

@@ -89,6 +89,21 @@ def test_hemispheres_come_in_either_order(written: Path, render: RenderedScene) 
         assert source.read(index, ["depth", "base_color"]).size == (64, 48)
 
 
+def test_what_a_variant_lacks_is_that_of_main(written: Path, tmp_path: Path) -> None:
+    """In one folder for each variant, too, the release has what variants share only once."""
+    shutil.copytree(written, tmp_path / "data")
+    for kind in ("imbaseColor", "imdepth", "imsemLabel"):
+        for path in (tmp_path / "data/mainDiffLight_xml").rglob(f"{kind}_*"):
+            path.unlink()
+    channels = ["radiance", "base_color", "depth", "semantic"]
+    lit, main = (
+        open_source(tmp_path / "data", form="openrooms", variants=[split]).read(0, channels)
+        for split in ("mainDiffLight_xml", "main_xml")
+    )
+    for name in channels:
+        np.testing.assert_array_equal(lit.images[name], main.images[name])
+
+
 def test_the_field_of_view_is_that_of_the_scene_file(written: Path, tmp_path: Path) -> None:
     shutil.copytree(written, tmp_path / "data")
     folder = tmp_path / "data/scenes/xml/scene0001_00"
