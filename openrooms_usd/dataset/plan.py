@@ -206,13 +206,16 @@ def _split(dataset: Dataset, number: int) -> Split:
 
 
 def _room_name(file: str, taken: dict[str, int]) -> str:
-    """A name for a described room: its folder's, and a number where that repeats."""
+    """A name that no other room has: its folder's, and a number where that repeats."""
     path = PurePosixPath(file)
     words = path.parent.name if path.stem == "room" and path.parent.name else path.stem
     plain = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in words)
-    name = f"room_{plain}"
-    taken[name] = taken.get(name, 0) + 1
-    return name if taken[name] == 1 else f"{name}_again_{taken[name]}"
+    first = name = f"room_{plain}"
+    while name in taken:
+        taken[first] += 1
+        name = f"{first}_again_{taken[first]}"
+    taken[name] = 1
+    return name
 
 
 def _source(dataset: Dataset, rooms: DescribedRooms | CapturedRooms, file: str) -> dict[str, Any]:

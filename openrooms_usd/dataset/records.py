@@ -122,6 +122,18 @@ class FailureRecord(_Part):
     attempts: _Count
 
 
+class TimingRecord(_Part):
+    """How long a view took, seconds."""
+
+    key: str
+    compose: float = 0.0
+    translation: float = 0.0
+    render: float = 0.0
+    output: float = 0.0
+    threads: _Count = 1
+    channels: dict[str, float] = {}
+
+
 LEFT_OUT: Final = "left_out"
 """The code of failures of rooms that were left out on purpose: they are not tried again."""
 

@@ -1,14 +1,11 @@
 """What a dataset holds, in numbers: rooms, objects, pixels, lights, seconds and errors."""
 
-import json
 import math
-import os
 from array import array
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -20,18 +17,17 @@ from openrooms_usd.dataset.records import Record
 from openrooms_usd.dataset.scratch import Root, fetch_all, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.dataset.tally import DEPTH_STEP_M
-from openrooms_usd.errors import InputError
-from openrooms_usd.untrusted import read_text
 
 DESCRIBED: Final = "described"
 """What rooms are counted as of which nobody knows the type."""
 PHASES: Final = ("compose", "translation", "render", "output")
 """What a view takes its time for, in order."""
+KELVIN_STEP: Final = 500
+"""The width of a bin of colour temperatures."""
 
 # What all views of a job share; the rest each view has for itself.
 _SHARED: Final = frozenset({"compose", "translation"})
 _LAMP: Final = "lamp"
-_KELVIN_STEP: Final = 500
 # Where bins of what spans decades begin in each of them.
 _STEPS: Final = (1, 2, 5)
 _HIGH_PERCENT: Final = 90
@@ -125,7 +121,7 @@ def _counted(store: Store) -> Stats:
         count.named["views"][job.variant] += len(views)
         for view, record in views.items():
             count.view(record)
-            count.timing(_timing(store.timing_path(job, view)), is_first=view == min(views))
+            count.timing(store.timing(job, view), is_first=view == min(views))
     for found in licences.values():
         count.named["licences"].update(found)
     return count.stats()
@@ -166,7 +162,7 @@ class _Count:
             if light["on"] and light["lumen"] >= 1.0:
                 self.bins[f"{kind}_lumen"][_lower_end(light["lumen"])] += 1
             if light["on"] and kind == _LAMP and light.get("kelvin"):
-                self.bins["lamp_kelvin"][light["kelvin"] // _KELVIN_STEP * _KELVIN_STEP] += 1
+                self.bins["lamp_kelvin"][light["kelvin"] // KELVIN_STEP * KELVIN_STEP] += 1
         if lights:
             self.bins["lamps_a_room"][
                 sum(one["on"] and one["kind"] == _LAMP for one in lights)
@@ -186,15 +182,15 @@ class _Count:
             if error := channel["estimated_robust_error"]:
                 self.errors[_table_name(name)].append(error)
 
-    def timing(self, told: Mapping[str, Any], *, is_first: bool) -> None:
+    def timing(self, told: Record, *, is_first: bool) -> None:
         """Count the seconds of a view; those that views share with the first of them."""
         for phase in PHASES:
             if is_first or phase not in _SHARED:
-                seconds = float(told.get(phase, 0.0))
+                seconds = told.get(phase, 0.0)
                 self.seconds[phase] += seconds
-                self.core_seconds += seconds * int(told.get("threads", 1))
-        for name, seconds in dict(told.get("channels", {})).items():
-            self.of_channels[name].append(float(seconds))
+                self.core_seconds += seconds * told.get("threads", 1)
+        for name, seconds in told.get("channels", {}).items():
+            self.of_channels[name].append(seconds)
 
     def stats(self) -> Stats:
         """All of it; names by how often, bins and channels in order."""
@@ -236,9 +232,3 @@ def _lower_end(value: float) -> float:
     """Where the bin of a value of at least 1 begins: 1, 2, 5, 10, 20, 50 and so on."""
     decade = 10.0 ** math.floor(math.log10(value))
     return max(step * decade for step in _STEPS if step * decade <= value or step == 1)
-
-
-def _timing(path: Path) -> dict[str, Any]:
-    with suppress(InputError, ValueError):
-        return dict(json.loads(read_text(path))) if os.path.lexists(path) else {}
-    return {}

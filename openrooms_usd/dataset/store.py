@@ -27,6 +27,7 @@ from openrooms_usd.dataset.records import (
     FailureRecord,
     Record,
     SceneRecord,
+    TimingRecord,
     ViewRecord,
     read_record,
 )
@@ -140,6 +141,10 @@ class Store:
     def failure(self, job: Job, view: int) -> Record | None:
         """Why a view could not be made; None where nothing is known of that."""
         return read_record(self.failure_path(job, view), job.key, FailureRecord)
+
+    def timing(self, job: Job, view: int) -> Record:
+        """How long a view took; empty where nothing sound is known of that."""
+        return read_record(self.timing_path(job, view), job.key, TimingRecord) or {}
 
     def is_finished(self, job: Job, view: int) -> bool:
         """Whether a view is finished."""

@@ -87,6 +87,16 @@ def test_a_description_is_in_the_key_by_its_content(source: Path) -> None:
         list(plan_jobs(load_dataset(source)))
 
 
+def test_no_two_rooms_have_one_name(tmp_path: Path) -> None:
+    files = ["a.yaml", "b/a.yaml", "a_again_2.yaml", "c/a.yaml", "d/a_again_2.yaml"]
+    for file in files:
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        (tmp_path / file).write_text("room: office\n")
+    names = [job.room.name for job in planned(tmp_path, f"rooms: [{{files: {files}}}]\n")]
+    assert names[:2] == ["room_a", "room_a_again_2"]
+    assert len(set(names)) == len(files)
+
+
 def test_the_example_is_one() -> None:
     example = Path(__file__).parents[2] / "examples" / "dataset.yaml"
     assert sum(1 for _ in lines(plan_jobs(load_dataset(example)))) == 300

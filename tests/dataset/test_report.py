@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 from openrooms_usd.dataset.plan import Job, PlannedRoom
-from openrooms_usd.dataset.records import SCENE
+from openrooms_usd.dataset.records import LEFT_OUT, SCENE
 from openrooms_usd.dataset.report import charts, wording
 from openrooms_usd.dataset.report.contact import spread
+from openrooms_usd.dataset.report.contents import contents
 from openrooms_usd.dataset.report.page import write_report
 from openrooms_usd.dataset.report.sections import cost_table
 from openrooms_usd.dataset.stats import Stats
@@ -87,6 +88,20 @@ def test_names_from_strangers_are_shown_and_do_nothing(tmp_path: Path) -> None:
     assert unescape(text).count(f"{HOSTILE}</t") >= 5
     assert f"<h3>{escape(HOSTILE_NAME)}0</h3>" in text
     assert "{{ 7*7 }}" in text
+
+
+def test_rooms_that_were_left_out_are_listed_with_the_reason(tmp_path: Path) -> None:
+    done, gone = job(room(0)), job(room(1, "scan"))
+    store = fill(tmp_path, [done])
+    assert "left out" not in written(tmp_path).replace("camera that was left out", "")
+    store.write_plan([done, gone])
+    for view in gone.views:
+        reason = {"unit": "", "code": LEFT_OUT, "reason": "its scan shows 41 % of the walls"}
+        store.fail(gone, view, reason)
+    text = written(tmp_path)
+    assert "<dt>rooms left out</dt><dd>1</dd>" in text
+    assert text.count("its scan shows 41 % of the walls") == 1
+    assert "None: all views that were tried are there." in text
 
 
 def test_a_page_says_what_the_records_say(tmp_path: Path) -> None:
@@ -168,6 +183,11 @@ def test_rooms_are_spread_over_types_and_over_the_dataset() -> None:
     assert [one.number for one in chosen if one.source["type"] == "office"] == [12, 36, 62, 86]
     assert spread(rooms[:3], 9) == rooms[:3]
     assert spread([], 9) == []
+
+
+def test_the_last_bin_of_depths_has_no_end() -> None:
+    (depth,) = contents(Stats(depth_m={"9.75": 1, "10": 3}))
+    assert [row[0] for row in depth.table.rows] == ["9.75 to 10", "10 and more"]
 
 
 def test_charts_are_the_same_bytes_and_hold_their_words_as_text() -> None:

@@ -110,6 +110,15 @@ def test_records_that_tell_less_are_counted_as_far_as_they_tell(root: Path) -> N
     assert (found.seconds["render"], found.core_seconds) == (21.0, 21.0)
 
 
+@pytest.mark.parametrize(
+    "text", ["3", "[]", '{"key": "0 main", "render": null}', '{"key": "0 main", "channels": 3}']
+)
+def test_times_that_are_none_are_none(root: Path, text: str) -> None:
+    store, seconds = Store(root), stats_of(root).seconds["render"]
+    store.timing_path(JOBS[0], 0).write_text(text)
+    assert stats_of(root).seconds["render"] == seconds - 2.0
+
+
 def view_of(**images: list[list[float]]) -> View:
     pixels = {name: np.array(rows, np.float32)[..., None] for name, rows in images.items()}
     made = {name: Image(rows, 1, 0.5, 0.0) for name, rows in pixels.items()}

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any, Final
 from openrooms_usd import atomic
 from openrooms_usd.dataset.records import Record
 from openrooms_usd.dataset.report import charts, contact, sections, wording
+from openrooms_usd.dataset.report.blocks import Chart
+from openrooms_usd.dataset.report.contents import contents
 from openrooms_usd.dataset.scratch import Root, fetch_all, store_at
 from openrooms_usd.dataset.stats import Stats, stats_of
 from openrooms_usd.dataset.status import Status, status_of
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import load_dataset
-from openrooms_usd.errors import InputError, MissingPackageError, OrusdError
+from openrooms_usd.errors import InputError, MissingPackageError, OrusdError, printable
 from openrooms_usd.render.sheet import MAIN
 from openrooms_usd.untrusted import read_text
 
@@ -79,7 +81,7 @@ def write_report(
             facts=list(_facts(stats, status)),
             strips=strips,
             channels=contact.channels(store, MAIN),
-            contents=_numbered("contents", *sections.contents(stats)),
+            contents=_numbered("contents", *contents(stats)),
             errors=_numbered("errors", sections.errors_chart(stats)),
             phases=_numbered("phases", sections.phases_chart(stats)),
             per_channel=sections.channels_table(stats),
@@ -87,6 +89,7 @@ def write_report(
             faults=sections.counts_table(stats.faults, "fault", "views"),
             rejected=sections.rejected_table(status.rejected),
             failures=sections.failures_table(status.failures),
+            left_out=sections.left_out_table(status.left_out),
             splits=sections.counts_table(stats.splits, "split", "rooms"),
             licences=sections.counts_table(stats.licences, "licence", "rooms"),
             made_by=list(_made_by(store)),
@@ -116,7 +119,7 @@ def _environment() -> "jinja2.Environment":
     )
 
 
-def _numbered(name: str, *found: sections.Chart | None) -> list[sections.Chart]:
+def _numbered(name: str, *found: Chart | None) -> list[Chart]:
     """Charts whose parts have names of their own in the page."""
     shown = [chart for chart in found if chart]
     return [
@@ -129,7 +132,7 @@ def _title(store: Store) -> str:
     try:
         return load_dataset(store.file).name
     except OrusdError:
-        return store.root.absolute().name
+        return printable(store.root.absolute().name, lines=False)
 
 
 def _facts(stats: Stats, status: Status) -> Iterator[tuple[str, str]]:
@@ -137,6 +140,8 @@ def _facts(stats: Stats, status: Status) -> Iterator[tuple[str, str]]:
     yield "rooms", f"{sum(stats.rooms.values()):,}"
     yield "views", f"{status.finished:,} of {status.units:,}"
     yield "failed", f"{len(status.failures):,}"
+    if status.left_out:
+        yield "rooms left out", f"{len(status.left_out):,}"
     yield "objects", wording.count(sum(stats.objects.values()))
     yield "size", wording.size(stats.bytes)
     if "radiance" in stats.errors:

@@ -36,9 +36,9 @@ def fit(sky: Surroundings, portal: Portal) -> tuple[tuple[Gaussian, ...], float]
 
     Returns:
         The Gaussians, and the root of the mean squared error of their sum over the directions that
-        come in, weighted by their cosine, relative to that of the surroundings; both without a sun
-        that has a lobe by itself: one that is as small as the sun is right by its flux, not pixel
-        by pixel.
+        come in, weighted by their cosine, relative to that of the surroundings; both in cells of
+        5.6 degrees, and without a sun that has a lobe by itself: one that is as small as the sun is
+        right by its flux, not pixel by pixel.
     """
     outwards = portal.world_from_portal[:3, 2]
     outside = sky.directions @ outwards > 0.0
