@@ -3,6 +3,7 @@
 import base64
 import json
 import os
+import select
 import shlex
 import shutil
 import subprocess
@@ -20,6 +21,7 @@ _OPTIONS: Final = (
     "--no-first-run", "--disable-background-networking", "--disable-extensions",
     "--remote-debugging-pipe",
 )  # fmt: skip
+_PATIENCE_S: Final = 120.0
 
 needs_chromium = pytest.mark.skipif(_EXECUTABLE is None, reason="Chromium is not installed")
 
@@ -135,6 +137,8 @@ class _Pipe:
 
     def read(self) -> dict[str, Any]:
         while b"\0" not in self._left:
+            said, _, _ = select.select([self._in], [], [], _PATIENCE_S)
+            assert said, f"the browser has said nothing for {_PATIENCE_S} s"
             piece = os.read(self._in.fileno(), 1 << 16)
             assert piece, "the browser has ended"
             self._left += piece

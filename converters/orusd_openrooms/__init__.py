@@ -2,6 +2,7 @@
 
 ``dataset`` is the story of a conversion. What writes: ``layout`` (where every file lies), ``frame``
 (a view on its way), ``framefiles`` and ``lightfiles`` (tables of what each file is made of),
+``scenefolder`` (what all views of a scene share),
 ``cameras``, ``lights``, ``unoccluded`` and ``depthshadows``, and the forms ``rgbe``, ``images``,
 ``binary``, ``environments``, ``fits`` and ``pickles``. What reads is ``readers``; it shares no code
 with the writers, and opens pickles by the core's ``unpickling``; ``loading`` offers what it reads

@@ -17,14 +17,14 @@ from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.render.reading import RenderedScene, RenderedView
 from openrooms_usd.untrusted import read_bytes
-from orusd_openrooms import cameras, layout, readers
+from orusd_openrooms import layout
 from orusd_openrooms.cautions import cautions
 from orusd_openrooms.crowding import too_many_of, without
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
-from orusd_openrooms.layout import SHARED, SHARED_INTRINSICS, SPLITS, SUBSETS, Place
-from orusd_openrooms.pickles import write_pickled
+from orusd_openrooms.layout import SHARED, SPLITS, SUBSETS, Place
 from orusd_openrooms.records import lights_of
+from orusd_openrooms.scenefolder import write_scene_folder
 
 _SCENE: Final = re.compile(r"scene\w{1,60}", re.ASCII)
 
@@ -79,7 +79,7 @@ class OpenRoomsDataset:
                 for split, render, least in zip(options.splits, renders, crowded, strict=True):
                     place = Place(beside, options.scene, split, options.layout)
                     frames[split] = _write_split(place, render, options, least, missing, finished)
-                    _write_cameras(place, root, render, options.first, kept)
+                    write_scene_folder(place, root, render, options.first, kept)
                 _write_scenes(beside, renders, options)
                 _write_lists(beside, root, options)
                 files = (path for path in beside.rglob("*") if path.is_file())
@@ -108,33 +108,6 @@ def _write_split(
         missing |= frame.missing
         finished(view.name)
     return numbers
-
-
-def _write_cameras(
-    place: Place, root: Path, render: RenderedScene, first: int, known: ledger.Ledger
-) -> None:
-    """The cameras of a scene: the new ones in the place of their numbers, others stay."""
-    folder = place.scene_folder
-    earlier = root / folder.relative_to(place.root) / "cam.txt"
-    poses = readers.read_cameras(earlier) if os.path.lexists(earlier) else []
-    # Frames count from 1, or from 0 as in sets that others rendered again.
-    start = max(0, first - 1)
-    if len(poses) < start:
-        raise InputError(
-            f"the scene has {len(poses)} cameras, so the next view is number {len(poses) + 1}",
-            place=earlier,
-            remedy=f"give --first {len(poses) + 1}, or write the earlier views first",
-        )
-    new = [cameras.pose(view.world_from_camera) for view in render.views.values()]
-    cameras.write_cameras(folder / "cam.txt", [*poses[:start], *new, *poses[start + len(new) :]])
-    write_pickled(folder / "transform.dat", cameras.layout_transforms())
-    K = next(iter(render.views.values())).K
-    cameras.write_intrinsics(folder / "intrinsic.txt", K)
-    shared = root / SHARED_INTRINSICS
-    if not os.path.lexists(shared) or known.is_own(shared):
-        cameras.write_intrinsics(place.root / SHARED_INTRINSICS, K)
-    if place.layout == "merged":
-        cameras.write_intrinsics(place.root / place.split / place.scene / "intrinsic.txt", K)
 
 
 def _write_scenes(root: Path, renders: Sequence[RenderedScene], options: DatasetOptions) -> None:

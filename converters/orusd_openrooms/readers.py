@@ -3,6 +3,7 @@
 Pictures come in the order red, green, blue, rows from the top; frames are those of the files.
 """
 
+import json
 import math
 import struct
 from pathlib import Path
@@ -157,6 +158,21 @@ def read_cameras(path: Path) -> list[NDArray[np.float64]]:
     if not np.isfinite(found).all():
         raise InputError("not a list of cameras: a number is not finite", place=path)
     return list(found)
+
+
+def read_view_names(path: Path) -> list[str]:
+    """Which view of its render each camera of ``cam.txt`` is; empty where nobody knows.
+
+    Raises:
+        InputError: It is missing or damaged.
+    """
+    try:
+        found = json.loads(read_text(path, "json"))["views"]
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise InputError("not a list of views", place=path) from error
+    if not isinstance(found, list) or not all(isinstance(name, str) for name in found):
+        raise InputError("not a list of views", place=path)
+    return found
 
 
 def read_intrinsics(path: Path) -> NDArray[np.float64]:

@@ -144,6 +144,13 @@ def test_sheers_are_sheer_and_drapes_leave_the_window_free() -> None:
     assert all(mesh.extent[1, 1] < sheer[0, 1] for mesh in _all(layered, "curtain").values())
 
 
+def test_a_sheer_behind_curtains_hangs_clear_of_the_board_of_a_window() -> None:
+    board = 0.04  # so far it stands out of the wall
+    _, depth, _ = CATEGORIES["curtain"].size
+    for mesh in _all(_made("curtain", "layered").parts, "sheer").values():
+        assert mesh.extent[1, 1] < 0.5 * depth - board + 1e-3
+
+
 @pytest.mark.parametrize("style", CATEGORIES["curtain"].styles)
 def test_curtains_reach_the_wall(style: str) -> None:
     parts = _made("curtain", style).parts

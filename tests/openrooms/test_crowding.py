@@ -9,6 +9,7 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.reading import RenderedScene, read_render
+from orusd_openrooms.readers import read_view_names
 from tests.openrooms.synthetic import WINDOW, write_exr
 from tests.openrooms.synthetic import write_dataset as write
 
@@ -47,6 +48,7 @@ def test_crowded_views_are_left_out_and_listed(crowded: RenderedScene, tmp_path:
     # Of the second view, which is the first now.
     assert boxes(tmp_path, 1) == [f"box{n}.dat" for n in (0, 1, 3, 4, 5, 6)]
     assert (tmp_path / "scenes/xml/scene0000_00/cam.txt").read_text().startswith("1\n")
+    assert read_view_names(tmp_path / "scenes/xml/scene0000_00/views.json") == ["view_1"]
     (note,) = (note for note in summary.notes if "left out" in note)
     assert note.startswith(
         "scene0000_00: view_0 is left out: it has more than 3 windows or 7 lamps"

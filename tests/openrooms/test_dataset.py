@@ -10,7 +10,7 @@ import pytest
 
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.render.reading import RenderedScene, read_render
-from orusd_openrooms.readers import read_cameras
+from orusd_openrooms.readers import read_cameras, read_view_names
 from tests.openrooms.synthetic import write_dataset as write
 from tests.openrooms.synthetic import write_exr
 
@@ -68,7 +68,7 @@ def test_the_tree_of_the_release(split: Path) -> None:
         "val.txt",
         "test.txt",
         "scenes/intrinsic.txt",
-        *(f"scenes/xml/scene0000_00/{name}" for name in ("cam.txt", "transform.dat",
+        *(f"scenes/xml/scene0000_00/{name}" for name in ("cam.txt", "transform.dat", "views.json",
                                                          "transform.json", "intrinsic.txt")),
     }  # fmt: skip
     assert expected <= found
@@ -111,6 +111,8 @@ def test_frames_count_from_where_one_says(render: RenderedScene, tmp_path: Path)
     cameras = read_cameras(tmp_path / "scenes/xml/scene0000_00/cam.txt")
     assert len(cameras) == 4
     np.testing.assert_array_equal(cameras[0], cameras[2])
+    names = read_view_names(tmp_path / "scenes/xml/scene0000_00/views.json")
+    assert names == ["view_0", "view_1"] * 2
     write([render], tmp_path, first=1)
     assert len(read_cameras(tmp_path / "scenes/xml/scene0000_00/cam.txt")) == 4
     with pytest.raises(InputError, match="--first 5"):

@@ -124,6 +124,13 @@ def test_what_is_no_list_of_cameras(text: str, tmp_path: Path) -> None:
         readers.read_cameras(tmp_path / "cam.txt")
 
 
+@pytest.mark.parametrize("text", ["", "[]", "3", '{"views": 3}', '{"views": [1]}', "[" * 10**5])
+def test_what_is_no_list_of_views(text: str, tmp_path: Path) -> None:
+    (tmp_path / "views.json").write_text(text)
+    with pytest.raises(InputError, match=r"views\.json: not a list of views"):
+        readers.read_view_names(tmp_path / "views.json")
+
+
 def test_a_grey_picture_is_refused(tmp_path: Path) -> None:
     grey = OpenImageIO.ImageBuf(np.zeros((4, 4, 1), np.uint8))
     assert grey.write(str(tmp_path / "a.png"), "uint8")

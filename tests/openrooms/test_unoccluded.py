@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +49,23 @@ def camera(seed: int) -> np.ndarray:
     matrix[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     matrix[:3, 3] = rng.normal(size=3)
     return matrix
+
+
+def test_one_rectangle_for_two_windows_would_move_the_sun() -> None:
+    """Why openings are not merged: half a metre of wall between two windows a metre wide."""
+    x, y = np.meshgrid(np.linspace(-2.5, 2.5, 100), np.linspace(-1.5, 2.8, 86))
+    floor = np.stack([x, y, np.zeros_like(x)], axis=-1).astype(np.float32)
+    up = np.broadcast_to(np.array([0.0, 0.0, 1.0], np.float32), floor.shape)
+
+    def falls(center: float, width: float, lobe: Lobe) -> np.ndarray:
+        light = window(lobe, (width, 1.2, 0.0))
+        return approximate(replace(light, center=[center, 3.0, 1.5]), np.eye(4), floor, up)
+
+    for axis, sharpness, expected in (([0.0, 0.6, 0.8], 2.0, 0.05), ([0.3, 0.8, 0.7], 5e4, 0.39)):
+        lobe = Lobe(np.array(axis) / np.linalg.norm(axis), sharpness, ONE)
+        two = falls(-0.75, 1.0, lobe) + falls(0.75, 1.0, lobe)
+        one = falls(0.0, 2.5, replace(lobe, intensity=ONE * 2.0 / 2.5))
+        assert np.abs(one - two).sum() / two.sum() == pytest.approx(expected, abs=0.01)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -307,7 +307,7 @@ class Scatter:
         middle: Pose,
         z: float,
         lies: Lies,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.add(spot.group, item, thing.standing((item.x, item.y, item.yaw), z))
         back = (0.0, 0.0, -spot.pose[2])
         local = placed(back, middle[0] - spot.pose[0], middle[1] - spot.pose[1])
