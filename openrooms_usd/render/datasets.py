@@ -3,6 +3,7 @@
 A form is written of one render, of the variants of one room, or of all rooms at once: each says so.
 """
 
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
@@ -11,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from openrooms_usd import adapters, claims
-from openrooms_usd.errors import MissingPackageError, writing
+from openrooms_usd.errors import InputError, MissingPackageError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.reading import RenderedScene, read_render
 
@@ -238,6 +239,21 @@ def write_dataset(
 
 def _rooms(renders: Sequence[Path], subset: Subset) -> Iterator[FinishedRoom]:
     """Single renders as rooms with one variant each."""
-    for number, folder in enumerate(renders):
-        name = folder.absolute().name
+    for number, (folder, name) in enumerate(zip(renders, _room_names(renders), strict=True)):
         yield FinishedRoom(name, number, subset, {"main": read_render(folder)})
+
+
+def _room_names(renders: Sequence[Path]) -> list[str]:
+    """Those of the folders; where two have the same, their paths below what they have in common.
+
+    Raises:
+        InputError: A render is given twice.
+    """
+    paths = [folder.resolve() for folder in renders]
+    if len(set(paths)) < len(paths):
+        raise InputError("a render is given twice", place="renders", remedy="give each once")
+    names = [folder.absolute().name for folder in renders]
+    if len(set(names)) == len(names):
+        return names
+    common = os.path.commonpath(paths)
+    return [path.relative_to(common).as_posix() for path in paths]

@@ -10,6 +10,8 @@ from openrooms_usd.dataset.finish import finish
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import load_dataset
 from openrooms_usd.description.dataset import Dataset, Output
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.datasets import write_dataset
 from openrooms_usd.render.reading import read_render
 
 
@@ -101,6 +103,19 @@ def test_one_table_has_all_views(finished: tuple[Store, Dataset]) -> None:
     (store.root / "records/parquet.json").unlink()
     finish(store, asking(dataset, **{"as": "parquet"}))
     assert path.read_bytes() == before
+
+
+def test_renders_of_one_name_are_told_apart(made: tuple[Path, Path], tmp_path: Path) -> None:
+    renders = [tmp_path / name / "main" for name in ("a", "b")]
+    for render in renders:
+        shutil.copytree(made[1] / "renders/room_good/main", render)
+    write_dataset(renders, tmp_path / "coco", kind="coco")
+    found = json.loads((tmp_path / "coco/annotations/train.json").read_text())["images"]
+    names = {image["file_name"] for image in found}
+    assert len(names) == 4
+    assert all((tmp_path / name).is_file() for name in names)
+    with pytest.raises(InputError, match="given twice"):
+        write_dataset([*renders, tmp_path / "a/../b/main"], tmp_path / "more", kind="coco")
 
 
 # pycocotools' own code speaks of numpy 2.
