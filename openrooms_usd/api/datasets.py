@@ -92,7 +92,7 @@ def dataset(
     """Write finished renders as the files of a published dataset.
 
     Args:
-        renders: One render, or several variants of one scene.
+        renders: One render, or several: variants of one scene, or rooms, as the form takes them.
         out: The dataset's folder; other scenes in it stay.
         kind: Whose dataset.
         scene: The scene's name in it.

@@ -98,6 +98,11 @@ class LightEntry(_Part):
 class SceneEntry(_Part):
     """What the manifest says of all views."""
 
+    generator: str = ""
+    renderer: dict[str, str] = {}
+    method: str = ""
+    stop: dict[str, float] = {}
+    bounces: int | None = None
     legend: dict[str, dict[str, str]] = {}
     lights: list[LightEntry] = []
 

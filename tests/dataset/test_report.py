@@ -104,6 +104,18 @@ def test_rooms_that_were_left_out_are_listed_with_the_reason(tmp_path: Path) -> 
     assert "None: all views that were tried are there." in text
 
 
+@pytest.mark.parametrize("entry", [{"renderer": 3}, {"stop": {"samples": "8"}}, {"bounces": []}])
+def test_a_record_that_says_nonsense_is_none(tmp_path: Path, entry: dict[str, Any]) -> None:
+    one = job(room(0))
+    store = fill(tmp_path, [one])
+    record = store.scene_record(one)
+    assert record
+    record["entry"] |= entry
+    write_json(store.record_path(one, SCENE), record)
+    assert store.scene_record(one) is None
+    assert "No view is finished" not in written(tmp_path)
+
+
 def test_a_page_says_what_the_records_say(tmp_path: Path) -> None:
     fill(tmp_path, [job(room(0)), job(room(1, "gym"))])
     (tmp_path / "dataset.yaml").write_text("name: homes\nrooms: [{count: 2}]\n")

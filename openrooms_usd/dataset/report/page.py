@@ -154,11 +154,11 @@ def _made_by(store: Store) -> Iterator[tuple[str, str]]:
     entry = _first_entry(store)
     if entry is None:
         return
-    renderer = {str(k): str(v) for k, v in entry.get("renderer", {}).items()}
+    renderer = entry.get("renderer", {})
     stop = (f"{value:g} {name}" for name, value in entry.get("stop", {}).items())
-    yield "made by", str(entry.get("generator", ""))
+    yield "made by", entry.get("generator", "")
     yield "renderer", renderer.get("backend") or renderer.get("name", "")
-    yield "method", str(entry.get("method", ""))
+    yield "method", entry.get("method", "")
     yield "a view stops at", ", ".join(stop)
     yield "bounces", str(entry.get("bounces", ""))
 
