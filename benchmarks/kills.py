@@ -27,9 +27,23 @@ ROOM: Final = f"{SMALL_ROOM}{SMALL_ROOM_CAMERAS}"
 # Every layer and every texture of it differ from those of ROOM.
 OTHER: Final = ROOM.replace("4, ", "5, ").replace("seed: 3", "seed: 4")
 PHYSICS: Final = f"{ROOM}physics: {{}}\n"
+DATASET: Final = """\
+rooms: [{files: [room.yaml, other.yaml]}]
+views: {from: described, count: 2, resolution: [16, 12]}
+variants: [main, mainDiffMat]
+budget: {samples: 1}
+rendering: {options: {variant: scalar}}
+outputs: [{as: openrooms}, {as: webdataset}, {as: coco}]
+"""
+DESCRIPTIONS: Final = {
+    "room.yaml": ROOM,
+    "other.yaml": OTHER,
+    "physics.yaml": PHYSICS,
+    "dataset.yaml": DATASET,
+}
 QUICK: Final = ("--variant", "scalar", "--spp", "1", "--resolution", "16x12")
-# Of one machine and one run, and so never the same.
-LEFT_OUT: Final = ("timing.json",)
+# Files and folders of one machine and one run, and so never the same.
+LEFT_OUT: Final = frozenset({"timing.json", "timing"})
 
 # Counts what is done to files, and ends the process at one of the counts.
 _COUNTING: Final = """
@@ -84,6 +98,7 @@ def _save_over(folder: Path) -> None:
 _COMPOSE: Final = ("compose", "{}/room.yaml", "-o", "{}/out")
 _COMPOSE_PHYSICS: Final = ("compose", "{}/physics.yaml", "-o", "{}/out")
 _RENDER: Final = ("render", "{}/out/scene.usda", "-o", "{}/render", *QUICK)
+_DATASET: Final = ("dataset", "run", "{}/dataset.yaml", "-o", "{}/out")
 CASES: Final[Mapping[str, Case]] = {
     "compose, cold": Case((), (*_COMPOSE, "--usdz")),
     "compose, warm": Case(
@@ -93,6 +108,7 @@ CASES: Final[Mapping[str, Case]] = {
     "render, new": Case((_COMPOSE,), _RENDER),
     "render, again": Case((_COMPOSE, (*_RENDER, "--seed", "7")), (*_RENDER, "--camera", "right")),
     "simulate": Case((_COMPOSE_PHYSICS,), ("simulate", "{}/out/scene.usda", "--seconds", "0.2")),
+    "dataset": Case((), (*_DATASET, "--workers", "2")),
     "adopt": Case((_COMPOSE,), ("edits", "adopt", "{}/out/scene.usda"), _save_over),
 }
 
@@ -129,8 +145,7 @@ class Lab:
         self._scratch = scratch
         base = scratch / "base"
         base.mkdir()
-        rooms = {"room.yaml": ROOM, "other.yaml": OTHER, "physics.yaml": PHYSICS}
-        for name, text in rooms.items():
+        for name, text in DESCRIPTIONS.items():
             (base / name).write_text(text)
         for words in case.before:
             orusd(*_at(words, base))
@@ -196,7 +211,7 @@ def tree(folder: Path) -> dict[str, bytes | None]:
     return {
         path.relative_to(folder).as_posix(): path.read_bytes() if path.is_file() else None
         for path in folder.rglob("*")
-        if path.name not in LEFT_OUT
+        if LEFT_OUT.isdisjoint(path.relative_to(folder).parts)
     }
 
 

@@ -9,7 +9,7 @@ difference over that of the channel.
 import json
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -21,39 +21,47 @@ from benchmarks.report import publish, table
 from benchmarks.scenes import orusd
 from openrooms_usd import loading
 from openrooms_usd.errors import OrusdError
+from openrooms_usd.loading.source import Shards
 
 FEW: Final = ("radiance", "depth")
 MANY: Final = (*FEW, "normal_camera", "base_color", "roughness", "semantic", "valid", "position")
 
 
+# What Hypersim's files do not tell is left out there.
+OF_HYPERSIM: Final = (*FEW, "normal_camera", "semantic_nyu40", "instance", "valid", "position")
+
+
 class Form(NamedTuple):
-    """A form of the dataset, and how it is made of the complete one."""
+    """A form of the dataset.
+
+    Attributes:
+        name: For people.
+        folder: Where it lies.
+        form: As sources call it; None: they find it.
+        many: The channels of its second row.
+    """
 
     name: str
-    form: str | None
-    make: Callable[[Path, Path, dict[str, Any]], Path]
-
-
-def complete(out: Path, renders: Path, wanted: dict[str, Any]) -> Path:
-    return _run(out, {**wanted, "storage": "complete"})
-
-
-def compact(out: Path, renders: Path, wanted: dict[str, Any]) -> Path:
-    return _run(out, {**wanted, "storage": "compact"})
-
-
-def openrooms(out: Path, renders: Path, wanted: dict[str, Any]) -> Path:
-    for number, render in enumerate(sorted((renders / "renders").glob("*/*"))):
-        words = ("--scene", f"scene{number:04d}_00", "--layout", "merged", "--crowded", "keep")
-        orusd("dataset", "write", render, "-o", out, "--as", "openrooms", *words)
-    return out
+    folder: str
+    form: str | None = None
+    many: tuple[str, ...] = MANY
 
 
 FORMS: Final = (
-    Form("dataset, complete", None, complete),
-    Form("dataset, compact", None, compact),
-    Form("OpenRooms, merged", "openrooms", openrooms),
+    Form("dataset, complete", "complete"),
+    Form("dataset, compact", "compact"),
+    Form("WebDataset shards, compact", "compact/outputs/webdataset"),
+    Form("OpenRooms, merged", "complete/outputs/openrooms", "openrooms"),
+    Form("Hypersim, HDF5", "complete/outputs/hypersim", "hypersim", OF_HYPERSIM),
 )
+OUTPUTS: Final[dict[str, list[dict[str, Any]]]] = {
+    "complete": [
+        {"as": "openrooms", "layout": "merged", "crowded": "keep"},
+        {"as": "hypersim"},
+    ],
+    "compact": [{"as": "webdataset", "shard_mb": 12}],
+}
+"""By storage, what else is written."""
 
 
 @click.command(help=__doc__)
@@ -101,17 +109,16 @@ def measure(
     folder: Path, wanted: dict[str, Any], rounds: int, workers: Sequence[int]
 ) -> Iterator[dict[str, Any]]:
     """A row for every form and choice of channels."""
-    first: Path | None = None
-    for name, form, make in FORMS:
-        there = folder / name.replace(", ", "_").replace(" ", "_")
-        root = there if there.exists() else make(there, first or there, wanted)
-        source = loading.open_source(root, form=form)
-        first = first or root
-        truth = loading.open_source(first)
-        for channels in (FEW, MANY):
+    for storage, outputs in OUTPUTS.items():
+        if not (folder / storage).exists():
+            _run(folder / storage, {**wanted, "storage": storage, "outputs": outputs})
+    truth = loading.open_source(folder / FORMS[0].folder)
+    for form in FORMS:
+        source = loading.open_source(folder / form.folder, form=form.form)
+        for channels in (FEW, form.many):
             yield {
-                "form": name,
-                "MB_a_view": _bytes(root) / len(source) / 1e6,
+                "form": form.name,
+                "MB_a_view": _bytes(folder / form.folder) / len(source) / 1e6,
                 "channels": len(channels),
                 "views_a_second": [speed(source, channels, rounds, n) for n in workers],
                 "processor_ms": processor_ms(source, channels),
@@ -133,24 +140,34 @@ def speed(source: Any, channels: Sequence[str], rounds: int, workers: int) -> fl
 
 def processor_ms(source: Any, channels: Sequence[str]) -> float:
     """Milliseconds of processor for a view as tensors."""
-    views = loading.ViewDataset(source, channels)
     began = time.process_time()
-    for index in range(len(views)):
-        views[index]
-    return 1000.0 * (time.process_time() - began) / len(views)
+    for view in views_of(source, channels):
+        loading.tensors_of(view)
+    return 1000.0 * (time.process_time() - began) / len(source)
 
 
 def error(source: Any, truth: Any, channel: str) -> float:
     """The root of the squared difference over that of the channel, over all views."""
     off = whole = 0.0
-    for index in range(len(truth)):
-        here, there = (s.read(index, [channel]).images[channel] for s in (source, truth))
-        off += float(np.square(here.astype(float) - there).sum())
-        whole += float(np.square(there.astype(float)).sum())
+    pairs = zip(views_of(source, [channel]), views_of(truth, [channel]), strict=True)
+    for here, there in pairs:
+        exact = there.images[channel].astype(float)
+        off += float(np.square(here.images[channel] - exact).sum())
+        whole += float(np.square(exact).sum())
     return (off / whole) ** 0.5
 
 
+def views_of(source: Any, channels: Sequence[str]) -> Iterator[loading.Sample]:
+    """All views, in their order."""
+    if isinstance(source, Shards):
+        for name in source.names:
+            yield from source.stream(name, channels)
+    else:
+        yield from (source.read(index, channels) for index in range(len(source)))
+
+
 def _run(out: Path, wanted: dict[str, Any]) -> Path:
+    out.parent.mkdir(parents=True, exist_ok=True)
     file = out.with_suffix(".yaml")
     file.write_text(json.dumps(wanted))  # JSON is YAML
     orusd("dataset", "run", file, "-o", out)

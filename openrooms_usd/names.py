@@ -3,6 +3,7 @@
 Everything that two modules must spell alike stands here once.
 """
 
+import re
 from typing import Final
 
 # Prims and the stage that defines them. Every other stage writes ``over``.
@@ -143,6 +144,14 @@ JOINT_FRICTION: Final = "openrooms:joint:friction"
 
 # Styles of doors that let light pass while they are shut.
 SEE_THROUGH: Final = frozenset({"glazed"})
+
+_DIGITS: Final = re.compile(r"([0-9]{1,18})")
+
+
+def in_order(name: str) -> list[tuple[int, str]]:
+    """A key by which names are sorted as people count: ``view_10`` comes after ``view_9``."""
+    parts = _DIGITS.split(name)
+    return [(int(part), "") if place % 2 else (0, part) for place, part in enumerate(parts)]
 
 
 def leaf(number: int) -> str:

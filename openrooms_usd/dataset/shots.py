@@ -5,7 +5,6 @@ from what is finished already: variants of a room share their cameras, and a run
 another was makes the same choice.
 """
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
@@ -28,7 +27,6 @@ EYES: Final = ("left", "right")
 
 # The height of a forward direction beyond which it has no heading.
 _UPRIGHT: Final = 0.999
-_NUMBER: Final = re.compile(r"(\d+)")
 
 Rejection = Mapping[str, Any]
 """A camera that was left out: its name, its pose, and what is wrong with its view."""
@@ -183,9 +181,5 @@ def _spread(cameras: Sequence[str], count: int) -> list[str]:
 
 
 def _in_order(name: str) -> tuple[bool, list[tuple[int, str]]]:
-    """So that view_10 comes after view_9, and those that are kept in case come last."""
-    parts = _NUMBER.split(name)
-    return (
-        parts[0] == f"{names.SPARE_CAMERA}_",
-        [(int(part), "") if part.isdigit() else (0, part) for part in parts],
-    )
+    """So that those which are kept in case come last."""
+    return name.startswith(f"{names.SPARE_CAMERA}_"), names.in_order(name)

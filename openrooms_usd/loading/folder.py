@@ -15,6 +15,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files, LocalFiles
 from openrooms_usd.loading.sample import Sample, is_label
 from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.names import in_order
 from openrooms_usd.render.compact import is_compact
 from openrooms_usd.render.folder import MANIFEST
 from openrooms_usd.render.manifest_schema import Manifest, StoredEntry, ViewEntry, read_manifest
@@ -91,8 +92,8 @@ class RenderForm:
             InputError: It is no finished render, or has no such view.
         """
         wanted = Selection(views=selection.views)
-        names = sorted(_manifest(files, "").views)
-        rows = [Row("", name, {}, {}) for name in names if wanted.admits("", "", "", name)]
+        views = sorted(_manifest(files, "").views, key=in_order)
+        rows = [Row("", name, {}, {}) for name in views if wanted.admits("", "", "", name)]
         refuse_nothing(len(rows), files, wanted)
         return RenderSource(files, rows)
 

@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import names
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.render.compact import CompactChannels, is_compact, unscaled
@@ -200,7 +201,7 @@ class RenderedScene:
     Attributes:
         folder: Where it lies.
         manifest: What it says of itself.
-        views: By name, sorted.
+        views: By name, in the order of their numbers.
     """
 
     folder: Path
@@ -252,7 +253,7 @@ def read_render(folder: Path, channels: tuple[str, ...] = ()) -> RenderedScene:
     manifest = read_manifest(folder)
     views = {
         name: RenderedView(name, folder / name, manifest.views[name])
-        for name in sorted(manifest.views)
+        for name in sorted(manifest.views, key=names.in_order)
     }
     found = RenderedScene(folder, manifest, views)
     found.check(channels)

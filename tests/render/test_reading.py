@@ -90,7 +90,7 @@ def test_what_is_no_picture_is_refused(tmp_path: Path) -> None:
 
 
 def test_views_and_lights_come_in_order(tmp_path: Path) -> None:
-    entries = dict.fromkeys(("b", "a"), ENTRY)
+    entries = dict.fromkeys(("view_10", "view_9", "b", "a"), ENTRY)
     lights = [{**LIGHT, "number": number, "name": str(number)} for number in (1, 0)]
     legend = {"instance": {"3": "/World/Room"}}
     manifest = {
@@ -101,6 +101,7 @@ def test_views_and_lights_come_in_order(tmp_path: Path) -> None:
     }
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     scene = read_render(tmp_path)
-    assert [*scene.views] == ["a", "b"] and scene.views["a"].folder == tmp_path / "a"
+    assert [*scene.views] == ["a", "b", "view_9", "view_10"]
+    assert scene.views["a"].folder == tmp_path / "a"
     assert [light.number for light in scene.lights] == [0, 1]
     assert scene.legend("instance") == {3: "/World/Room"} and scene.legend("none") == {}
