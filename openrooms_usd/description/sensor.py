@@ -30,8 +30,8 @@ class Distortion(Model):
 class Noise(Model):
     """A sensor that counts electrons."""
 
-    iso: Annotated[Number, Field(ge=1, le=1e6)] = 400.0
-    """Sensitivity; at 100 a white pixel fills its well, at 200 half of it."""
+    iso: Annotated[Number, Field(ge=100, le=1e6)] = 400.0
+    """Sensitivity; at 100, the least, a white pixel fills its well, at 200 half of it."""
     full_well: Annotated[Number, Field(ge=10, le=1e7)] = 15_000.0
     """Electrons that a pixel holds: photons times quantum efficiency."""
     read_noise: Annotated[Number, Field(ge=0, le=1e4)] = 3.0

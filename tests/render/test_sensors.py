@@ -38,6 +38,12 @@ def test_points_go_where_opencv_says_and_back() -> None:
     fold = Distortion(k1=-1.0)
     assert np.isnan(undistorted(np.array([[0.4, 0.0]]), fold)).all()
     assert not np.isnan(undistorted(np.array([[0.38, 0.0]]), fold)).any()
+    # r (1 - r^2 + 0.3 r^4) folds at r = 0.65, where it is 0.41, and comes up to that again at 1.5.
+    again = Distortion(k1=-1.0, k2=0.3)
+    radius = np.sqrt((3.0 - 3.0**0.5) / 3.0)
+    most = radius * (1.0 - radius**2 + 0.3 * radius**4)
+    shown = undistorted(np.array([[0.99 * most, 0.0], [1.01 * most, 0.0], [0.0, 0.6]]), again)
+    assert 0.0 < shown[0, 0] < radius and np.isnan(shown[1:]).all()
 
 
 @pytest.mark.parametrize("lens", [LENS, Distortion(k1=0.2)])
@@ -83,6 +89,15 @@ def test_the_photon_transfer_curve(iso: float) -> None:
     np.testing.assert_allclose(light_of(counted(light, quiet, rng), quiet), light, atol=2e-3)
 
 
+def test_a_sensor_counts_to_white() -> None:
+    # Below ISO 100 the well would be full of less light than is white: highlights would be grey.
+    with pytest.raises(ValueError, match="greater than or equal to 100"):
+        Noise(iso=50)
+    small = Noise(iso=100, full_well=10, read_noise=0)
+    glaring = counted(np.full((100_000, 1), 1e3, np.float32), small, np.random.default_rng(1))
+    assert (glaring == 2**12 - 1).all()
+
+
 def plane(depth: float, slant: float = 0.0, size: tuple[int, int] = (120, 160)) -> dict:
     """What a camera sees of a large wall that is turned about its vertical."""
     normal = np.array([np.sin(slant), 0.0, -np.cos(slant)])
@@ -102,17 +117,27 @@ def wall(camera: DepthCamera, channels: dict, K: np.ndarray = K) -> np.ndarray:
 
 # All pixels look along the axis.
 FAR = np.diag([1e5, 1e5, 1.0])
+# The middle of the picture of the camera that was measured.
+FINE = np.array([[585.0, 0, 80], [0, 585, 60], [0, 0, 1]])
 
 
 @pytest.mark.parametrize("depth", [0.8, 1.5, 3.0, 4.2])
-@pytest.mark.parametrize("degrees", [0.0, 60.0])
+@pytest.mark.parametrize("degrees", [0.0, 30.0, 60.0])
 def test_depth_is_as_noisy_as_was_published(depth: float, degrees: float) -> None:
-    t = np.radians(degrees)
+    """Of a wall: its slope does not count again by the noise across the axis."""
+    channels = plane(depth, np.radians(degrees))
+    normal = channels["normal_geometric"][0, 0].astype(np.float64)
+    column, row = np.meshgrid(np.arange(160) + 0.5, np.arange(120) + 0.5)
+    rays = np.dstack([(column - 80) / 585, (row - 60) / 585, np.ones_like(row)])
+    truth = depth * normal[2] / (rays @ normal)
+    channels["depth"] = truth[..., None].astype(np.float32)
     camera = DepthCamera(steps=False, missing=False, range=(0.1, 9.0))
-    found = wall(camera, plane(depth, t), FAR)
-    sigma = 0.0012 + 0.0019 * (depth - 0.4) ** 2 + 0.0001 / depth**0.5 * (t / (np.pi / 2 - t)) ** 2
-    assert found.std() == pytest.approx(sigma, rel=0.03)
-    assert found.mean() == pytest.approx(depth, abs=5 * sigma / found.size**0.5)
+    t = np.arccos(np.clip(np.abs(rays @ normal) / np.linalg.norm(rays, axis=-1), 0.0, 1.0))
+    sigma = 0.0012 + 0.0019 * (truth - 0.4) ** 2
+    sigma += 0.0001 / truth**0.5 * (t / (np.pi / 2 - t)) ** 2
+    off = (wall(camera, channels, FINE) - truth) / sigma
+    assert off.std() == pytest.approx(1.0, rel=0.03)
+    assert off.mean() == pytest.approx(0.0, abs=5 / off.size**0.5)
 
 
 def test_edges_wander_as_was_published() -> None:
@@ -169,6 +194,26 @@ def test_the_projector_casts_a_shadow_left_of_things() -> None:
     wide = K[0, 0] * 0.075 * (1.0 - 1.0 / 3.0)
     lost = np.flatnonzero(found[50] == 0.0)
     assert abs(len(lost) - wide) <= 1.0 and lost.max() == 79
+
+
+def test_a_thin_thing_casts_a_thin_shadow_away_from_itself() -> None:
+    """A pole of three columns: the projector sees the wall past both of its sides."""
+    channels = plane(3.0)
+    channels["depth"][:, 120:123] = 1.0
+    found = wall(DepthCamera(noise=0.0, steps=False), channels, FINE)
+    lost = np.flatnonzero(found[50] == 0.0)
+    # 585 x 0.075 (1 / 1 - 1 / 3) columns further left.
+    assert set(lost) >= {91, 92, 93} and len(lost) <= 4 and lost.max() < 95
+
+
+def test_a_slanted_wall_has_no_shadow_of_its_own() -> None:
+    column = np.arange(160) + 0.5
+    for degrees in (-70.0, 70.0):
+        channels = plane(1.0, np.radians(degrees))
+        normal = channels["normal_geometric"][0, 0].astype(np.float64)
+        across = 0.9 * normal[2] / ((column - 80) / 585 * normal[0] + normal[2])
+        channels["depth"] = np.tile(across[None, :, None], (120, 1, 1)).astype(np.float32)
+        assert (wall(DepthCamera(noise=0.0, steps=False), channels, FINE) > 0.0).all()
 
 
 def view() -> View:

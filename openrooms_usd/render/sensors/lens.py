@@ -21,6 +21,8 @@ Pixels = NDArray[np.float32]
 _STEPS: Final = 60
 # Off by more, at depth 1, a place has no original: the lens folds its picture there.
 _FOLDED: Final = 1e-7
+# So many places between the middle and an original are looked at for a fold.
+_ON_THE_WAY: Final = 16
 
 
 def distorted(points: Array, lens: Distortion) -> Array:
@@ -46,10 +48,11 @@ def undistorted(points: Array, lens: Distortion) -> Array:
             found -= step
             if not (np.abs(step) > _FOLDED**2).any():
                 break
-        off = np.abs(distorted(found, lens) - points).max(axis=-1)
-        # Beyond the place where the lens folds, Newton finds the wrong one of several originals.
-        a, b, d = _jacobian(found, lens)
-        good = (off < _FOLDED) & (a * d - b**2 > 0.0) & (a + d > 0.0)
+        good = np.abs(distorted(found, lens) - points).max(axis=-1) < _FOLDED
+        # Beyond a fold lie other originals, which no lens shows; far out it may even unfold again.
+        for share in np.linspace(0.0, 1.0, _ON_THE_WAY + 1)[1:]:
+            a, b, d = _jacobian(share * found, lens)
+            good &= (a * d - b**2 > 0.0) & (a + d > 0.0)
     return np.where(good[..., None], found, np.nan)
 
 

@@ -51,8 +51,8 @@ def counted(light: Pixels, noise: Noise, rng: np.random.Generator) -> NDArray[np
     """
     readout = Readout.of(noise)
     wanted = np.clip(np.nan_to_num(light.astype(np.float64)), 0.0, None) * readout.white
-    # No well holds more, and a thousandth more than full is as full.
-    electrons = rng.poisson(np.minimum(wanted, 2.0 * noise.full_well)).astype(np.float64)
+    # What is a hundred times too bright fills the well by any draw; more could not be drawn.
+    electrons = rng.poisson(np.minimum(wanted, 100.0 * noise.full_well)).astype(np.float64)
     electrons = np.minimum(electrons, noise.full_well)
     electrons += noise.read_noise * rng.standard_normal(electrons.shape)
     numbers = np.rint(readout.black + readout.gain * electrons)

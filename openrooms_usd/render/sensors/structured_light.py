@@ -16,6 +16,7 @@ Which pixels have no depth is a rule of ours, with round numbers: what is too ne
 slanted, dark or a mirror to the pattern, and what the projector beside the camera does not reach.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Final
 
@@ -28,6 +29,7 @@ from openrooms_usd.geometry.vectors import unit
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.float32]
+Indices = NDArray[np.int64]
 
 NEEDED: Final = ("depth", "normal_geometric", "base_color", "roughness", "metallic")
 """The channels that it works with."""
@@ -38,6 +40,12 @@ _STEP_PER_M: Final = 2.85e-3
 _STEEPEST_DEG: Final = 80.0
 # Of the pattern's light comes back: base colour by cosine. Infrared is not rendered: red is near.
 _LEAST_RETURN: Final = 0.03
+# Depths of one surface in neighbouring pixels differ by a smaller factor.
+_MOST_ALONG: Final = 2.0
+# In the projector's picture: a pixel's half, and a little where it sees surfaces wider than the
+# camera does; and by how much more disparity a surface is before another, not slanted itself.
+_BESIDE_PX: Final = 0.6
+_BEFORE_PX: Final = 1.0
 _MIRROR_METALLIC: Final = 0.5
 _MIRROR_ROUGHNESS: Final = 0.2
 
@@ -88,9 +96,10 @@ def measured(
         (height, width, 1) metres along the optical axis; 0 where there is none.
     """
     truth = channels["depth"][..., 0].astype(np.float64)
+    normals = channels["normal_geometric"].astype(np.float64)
     height, width = truth.shape
-    sight = unit(pixel_directions(K, width, height)) @ world_from_camera[:3, :3].T
-    cosine = np.abs(np.einsum("ijk,ijk->ij", channels["normal_geometric"], sight))
+    rays = pixel_directions(K, width, height) @ world_from_camera[:3, :3].T
+    cosine = np.abs(np.einsum("ijk,ijk->ij", normals, unit(rays)))
     angle = np.arccos(np.clip(cosine, 0.0, 1.0))
     held = np.minimum(angle, np.radians(_STEEPEST_DEG))
     # The same draws with and without noise: parts can be switched off one by one.
@@ -99,8 +108,8 @@ def measured(
     row, column = np.indices((height, width))
     column = np.clip(np.rint(column + blur * draws[0]), 0, width - 1).astype(np.int64)
     row = np.clip(np.rint(row + blur * draws[1]), 0, height - 1).astype(np.int64)
-    depth, slant = truth[row, column], held[row, column]
-    there = depth > 0.0
+    depth = truth[row, column] * _along(normals, rays, row, column)
+    slant, there = held[row, column], depth > 0.0
     sigma = axial_sigma(np.where(there, depth, 1.0), slant)
     noisy = np.where(there, depth + camera.noise * sigma * draws[2], 0.0)
     found = in_steps(noisy) if camera.steps else noisy
@@ -123,13 +132,31 @@ def _lost(
     return np.asarray((depth <= 0.0) | steep | mirror | (returned < _LEAST_RETURN))
 
 
+def _along(normals: Array, rays: Array, row: Indices, column: Indices) -> Array:
+    """(height, width) factors of other pixels' depths: their surfaces, met by the pixels' own rays.
+
+    Which surface is seen wanders; on one that is slanted, its slope is in the axial noise already.
+    """
+    own = np.einsum("ijk,ijk->ij", normals, rays)[row, column]
+    met = np.einsum("ijk,ijk->ij", normals[row, column], rays)
+    factors = np.divide(own, met, out=np.ones_like(own), where=met != 0.0)
+    return np.where((factors > 1.0 / _MOST_ALONG) & (factors < _MOST_ALONG), factors, 1.0)
+
+
 def _in_shadow(depth: Array, K: Array, baseline: float) -> NDArray[np.bool_]:
-    """Where the projector, so far right of the camera, has something nearer before it."""
-    columns = np.arange(depth.shape[1]) + 0.5
+    """Where the projector, so far right of the camera, has something nearer before it.
+
+    What lies in a column of the camera lies as many columns further left in the projector's picture
+    as its disparity. So a pixel hides those that lie where it does and are farther away: to its
+    left, by as many columns as their disparities differ. Of things only what the camera sees of
+    them casts a shadow.
+    """
     with np.errstate(divide="ignore"):
-        there = columns - np.where(depth > 0.0, K[0, 0] * baseline / depth, 0.0)
-    # A ray of the projector meets the nearest first, which is farthest right in the picture.
-    nearest = np.minimum.accumulate(there[:, ::-1], axis=1)[:, ::-1]
-    behind = np.empty_like(nearest)
-    behind[:, :-1], behind[:, -1] = nearest[:, 1:], np.inf
-    return np.asarray(behind < there - 0.5)
+        disparity = np.where(depth > 0.0, K[0, 0] * baseline / depth, 0.0)
+    hidden = np.zeros(depth.shape, dtype=bool)
+    most = min(depth.shape[1] - 1, math.ceil(np.ptp(disparity) + _BESIDE_PX))
+    for columns in range(1, most + 1):
+        nearer = disparity[:, columns:] - disparity[:, :-columns]
+        meets = np.abs(nearer - columns) <= _BESIDE_PX
+        hidden[:, :-columns] |= meets & (nearer > _BEFORE_PX)
+    return hidden
