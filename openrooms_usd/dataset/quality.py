@@ -44,7 +44,7 @@ _OF_SURFACES: Final = frozenset(
 _OF_LIGHT: Final = frozenset({"radiance", "irradiance", "environment"})
 
 
-def look_at(view: View, error: float | None = None, asked: Sequence[str] = ()) -> dict[str, Any]:
+def assess(view: View, error: float | None = None, asked: Sequence[str] = ()) -> dict[str, Any]:
     """Measures of a view, and what is wrong with it.
 
     Args:
@@ -65,7 +65,7 @@ def camera_faults(view: View) -> list[str]:
     Args:
         view: It has the channels of `JUDGED`.
     """
-    return [fault for fault in look_at(view)["faults"] if fault in _OF_THE_CAMERA]
+    return [fault for fault in assess(view)["faults"] if fault in _OF_THE_CAMERA]
 
 
 def _measures(view: View) -> Iterator[tuple[str, float | int]]:

@@ -39,7 +39,8 @@ class Shot:
     Attributes:
         name: The camera's prim path, or what sets its random numbers apart from those of others.
         camera: The camera.
-        view: Its name among those of the opened job; None where the stage has no such camera.
+        view: The name of the stage's own camera among those of the opened job; None where the stage
+            has no camera there.
         told: What the manifest says of it besides, such as when a frame is.
         rejected: The cameras that it stands in for.
         after: The camera of the next frame of a path.
@@ -69,9 +70,9 @@ def shots_of(views: DatasetViews, opened: OpenedJob) -> list[Shot]:
     if views.source == "path":
         found = list(_frames(views, opened))
     else:
-        cameras = sorted(opened.views, key=_in_order)
+        cameras = _listed(opened)
         if views.source == "capture":
-            cameras = _spread(cameras, views.count)
+            cameras = _spread(cameras, views.count, views.replace)
         found = list(_chosen(views, opened, cameras))
     return found if views.stereo is None else list(_pairs(found, views.stereo))
 
@@ -102,7 +103,7 @@ def _chosen(views: DatasetViews, opened: OpenedJob, cameras: Sequence[str]) -> I
         tried: str | None = name
         while tried is not None:
             taken = _shot(views, opened, tried)
-            faults = _faults(opened, taken)
+            faults = _faults(views, opened, taken)
             if not faults:
                 yield replace(taken, rejected=tuple(rejected))
                 break
@@ -134,10 +135,14 @@ def _projected(views: DatasetViews, camera: PinholeCamera) -> PinholeCamera:
     )
 
 
-def _faults(opened: OpenedJob, taken: Shot) -> list[str]:
-    """What is wrong with a view by its geometry: no light is computed for it."""
+def _faults(views: DatasetViews, opened: OpenedJob, taken: Shot) -> list[str]:
+    """What is wrong with a view, or one of a pair, by its geometry: no light is computed for it."""
     request = replace(opened.request, camera=taken.name, channels=JUDGED, guides=False)
-    return camera_faults(opened.opened.picture(taken.camera, request))
+    eyes = [taken.camera]
+    if views.stereo is not None:
+        eyes.append(_beside(taken.camera, views.stereo))
+    found = (camera_faults(opened.opened.picture(eye, request)) for eye in eyes)
+    return list(dict.fromkeys(fault for faults in found for fault in faults))
 
 
 def _frames(views: DatasetViews, opened: OpenedJob) -> Iterator[Shot]:
@@ -162,8 +167,8 @@ def _pairs(shots: Sequence[Shot], baseline: float) -> Iterator[Shot]:
             told = {**left.told, "stereo": {"eye": side, "baseline": baseline, "pair": number}}
             name = f"{left.name}/{side}" if left.name else side
             after = None if left.after is None else _beside(left.after, eye * baseline)
-            rejected = () if eye else left.rejected
-            yield replace(left, name=name, camera=moved, told=told, after=after, rejected=rejected)
+            changed = replace(left, name=name, camera=moved, told=told, after=after)
+            yield replace(changed, view=None, rejected=()) if eye else changed
 
 
 def _beside(camera: PinholeCamera, metres: float) -> PinholeCamera:
@@ -173,13 +178,26 @@ def _beside(camera: PinholeCamera, metres: float) -> PinholeCamera:
     return replace(camera, world_from_camera=pose)
 
 
-def _spread(cameras: Sequence[str], count: int) -> list[str]:
-    """So many of a sequence, evenly spread; then the rest, in case one of them is of no use."""
-    rows = np.unique(np.linspace(0, len(cameras) - 1, min(count, len(cameras))).round().astype(int))
-    taken = [cameras[row] for row in rows]
-    return [*taken, *(name for name in cameras if name not in taken)]
+def _listed(opened: OpenedJob) -> list[str]:
+    """The stage's cameras in its own order: that of the room.yaml, or of the capture.
+
+    Those of selected views that are kept in case come after the others.
+    """
+    places = {str(prim.GetPath()): place for place, prim in enumerate(opened.stage.Traverse())}
+
+    def rank(name: str) -> tuple[bool, int]:
+        place = places.get(opened.views[name] or "", len(places))
+        return name.startswith(f"{names.SPARE_CAMERA}_"), place
+
+    return sorted(opened.views, key=rank)
 
 
-def _in_order(name: str) -> tuple[bool, list[tuple[int, str]]]:
-    """So that those which are kept in case come last."""
-    return name.startswith(f"{names.SPARE_CAMERA}_"), names.in_order(name)
+def _spread(cameras: Sequence[str], count: int, spare: int) -> list[str]:
+    """So many of a sequence, evenly spread, and then as many as are spare of those between."""
+    taken = _evenly(cameras, count)
+    return [*taken, *_evenly([name for name in cameras if name not in taken], spare)]
+
+
+def _evenly(cameras: Sequence[str], count: int) -> list[str]:
+    rows = np.linspace(0, len(cameras) - 1, min(count, len(cameras))).round().astype(int)
+    return [cameras[row] for row in rows]

@@ -18,7 +18,7 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.dataset.captured import coverage_of
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
-from openrooms_usd.dataset.quality import look_at
+from openrooms_usd.dataset.quality import assess
 from openrooms_usd.dataset.scratch import Root, root_of, store_at
 from openrooms_usd.dataset.shots import Shot, shot, shots_of
 from openrooms_usd.dataset.store import Store
@@ -210,7 +210,7 @@ class _OpenRoom:
             "entry": entry,
             "rejected": [dict(one) for one in taken.rejected],
             "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
-            "quality": look_at(
+            "quality": assess(
                 view, self.dataset.budget.error, each(request.channels, len(lights))
             ),
             **tally(view, opened.opened.legend.semantic, self.materials),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.dataset.quality import camera_faults, look_at
+from openrooms_usd.dataset.quality import camera_faults, assess
 from openrooms_usd.render.contract import Image, View
 
 SHAPE = (12, 16)
@@ -44,11 +44,11 @@ def one_near() -> np.ndarray:
     ],
 )
 def test_each_fault_is_found_alone(changed: dict[str, np.ndarray], fault: str) -> None:
-    assert look_at(view(**changed))["faults"] == [fault]
+    assert assess(view(**changed))["faults"] == [fault]
 
 
 def test_a_sound_view_has_none() -> None:
-    found = look_at(view(), error=0.1)
+    found = assess(view(), error=0.1)
     assert found["faults"] == []
     assert found["measures"] == {
         "bright_nits": 200.0, "blown_share": 0.0, "error": 0.05, "seen_share": 1.0,
@@ -57,27 +57,27 @@ def test_a_sound_view_has_none() -> None:
 
 
 def test_noise_is_held_against_the_budget_alone() -> None:
-    assert look_at(view(), error=0.01)["faults"] == ["it is noisier than asked for"]
+    assert assess(view(), error=0.01)["faults"] == ["it is noisier than asked for"]
 
 
 def test_channels_that_are_not_asked_for_are_not_missed() -> None:
-    found = look_at(view(radiance=None, depth=None, valid=None, instance=None))
+    found = assess(view(radiance=None, depth=None, valid=None, instance=None))
     assert found == {"measures": {}, "faults": []}
 
 
 def test_a_channel_that_is_not_there_or_empty_is_missed() -> None:
     nothing = np.zeros((*SHAPE, 3))
     black = view(normal=nothing, base_color=nothing)
-    found = look_at(black, asked=("normal", "base_color", "part"))
+    found = assess(black, asked=("normal", "base_color", "part"))
     # Black things there are; surfaces without a normal there are not.
     assert found["faults"] == ["nothing is in normal, part"]
     lit = view(irradiance=nothing)
-    assert look_at(lit, asked=("irradiance",))["faults"] == ["nothing is in irradiance"]
+    assert assess(lit, asked=("irradiance",))["faults"] == ["nothing is in irradiance"]
     dark = view(irradiance=nothing, radiance=nothing)
-    assert look_at(dark, asked=("irradiance",))["faults"] == ["it is dark"]
+    assert assess(dark, asked=("irradiance",))["faults"] == ["it is dark"]
     # Outside there are no normals.
     empty = view(valid=np.zeros((*SHAPE, 1)), normal=nothing)
-    assert look_at(empty, asked=("normal",))["faults"] == ["it is empty"]
+    assert assess(empty, asked=("normal",))["faults"] == ["it is empty"]
 
 
 def test_faults_of_light_are_not_the_cameras() -> None:

@@ -31,15 +31,15 @@ cameras:
     - {eye: [0.5, 2.5, 1.5], target: [2.0, 1.4, 0.5]}
 """
 
-Open = Callable[[DatasetViews], OpenedJob]
+Open = Callable[..., OpenedJob]
 
 
 @pytest.fixture(scope="module")
 def opened(tmp_path_factory: pytest.TempPathFactory) -> Open:
     """The small room with the cameras that a dataset asks for."""
 
-    def of(views: DatasetViews) -> OpenedJob:
-        room = with_cameras(parse_room(ROOM, "room.yaml"), views)
+    def of(views: DatasetViews, text: str = ROOM) -> OpenedJob:
+        room = with_cameras(parse_room(text, "room.yaml"), views)
         out = tmp_path_factory.mktemp("room")
         made = compose_room(room, out, base=out)
         job = RenderJob.of(channels=("depth",), resolution=views.resolution, renderer="preview")
@@ -106,6 +106,28 @@ def test_a_stereo_pair_looks_the_same_way_side_by_side(opened: Open) -> None:
         wanted[0, 3] = 0.12
         np.testing.assert_allclose(moved, wanted, atol=1e-12)
         np.testing.assert_array_equal(left.camera.K, right.camera.K)
+
+
+def test_both_eyes_of_a_pair_are_judged_and_the_second_is_no_camera_of_the_stage(
+    opened: Open,
+) -> None:
+    # The first camera stands in a corner: 60 cm to its right is the outside.
+    asked = views(**{"from": "described", "count": 1, "replace": 4, "stereo": "60 cm"})
+    room = opened(asked)
+    left, right = shots_of(asked, room)
+    alone = views(**{"from": "described", "count": 1, "replace": 4})
+    assert [one.view for one in shots_of(alone, room)] == ["view_0"]
+    assert (left.view, right.view) == ("view_3", None)
+    assert [one["camera"] for one in left.rejected] == ["view_0", "view_1", "view_2"]
+    assert not right.rejected
+
+
+def test_described_cameras_come_in_the_order_of_the_room(opened: Open) -> None:
+    named = ROOM.replace("- {eye: [0.5, 0.5", "- {name: window, eye: [0.5, 0.5")
+    named = named.replace("- {eye: [3.5, 2.5", "- {name: door, eye: [3.5, 2.5")
+    asked = views(**{"from": "described", "count": 5, "replace": 0})
+    found = [one.view for one in shots_of(asked, opened(asked, named))]
+    assert found == ["window", "view_0", "view_1", "door", "view_2"]
 
 
 def test_frames_a_second_are_of_a_path() -> None:
