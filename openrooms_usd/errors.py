@@ -5,7 +5,8 @@
     OrusdError
     ├── DescriptionError    a mistake in room.yaml (one error lists all of them)
     ├── InputError          a file that is read is missing, unreadable or holds nonsense
-    │   └── UnknownNameError    a result holds nothing of that name; a KeyError too
+    │   ├── UnknownNameError    a result holds nothing of that name; a KeyError too
+    │   └── SparseScanError     a scan can be read and shows too little of a room
     ├── OutputError         a file cannot be written
     ├── StageError          a USD stage or prim is not what the operation needs
     ├── RenderError         a renderer cannot do what is asked of it
@@ -96,6 +97,10 @@ class InputError(OrusdError):
 
 class UnknownNameError(InputError, KeyError):
     """A result that reads like a mapping holds nothing of that name."""
+
+
+class SparseScanError(InputError):
+    """A scan shows too little of a room to find one."""
 
 
 class OutputError(OrusdError):

@@ -7,7 +7,7 @@ from openrooms_usd.dataset.plan import Job
 from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.description import Room
 from openrooms_usd.description.layout import ScanLayout
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, SparseScanError
 
 
 class LeftOutError(InputError):
@@ -29,10 +29,9 @@ def captured_room(job: Job, folder: Path) -> Room:
     from openrooms_usd.importing import described_capture
 
     source = job.room.source
-    room, _ = described_capture(
+    return described_capture(
         str(source["importer"]), str(source["file"]), folder, dict(source["options"])
     )
-    return room
 
 
 def coverage_of(job: Job, room: Room, folder: Path) -> dict[str, float] | None:
@@ -49,20 +48,19 @@ def coverage_of(job: Job, room: Room, folder: Path) -> dict[str, float] | None:
 
     Raises:
         LeftOutError: It is less than was asked for, or too little to find any room.
+        InputError: The scan cannot be read.
     """
     # What finds rooms in points takes a second to import.
     from openrooms_usd.scan.shown import shown
-    from openrooms_usd.stages.scanned import found_layout
+    from openrooms_usd.stages.scanned import found_rooms
 
     least: Any = job.room.source.get("coverage")
     if least is None or not isinstance(room.layout, ScanLayout):
         return None
     try:
-        found = found_layout(room.layout, folder)
-    except InputError as error:
+        seen = shown(*found_rooms(room.layout, folder))
+    except SparseScanError as error:
         raise LeftOutError(error.message, place=error.place, remedy=error.remedy) from error
-    number = room.layout.room if isinstance(room.layout.room, int) else 0
-    seen = shown(found.cloud.points, found.rooms[min(number, len(found.rooms) - 1)])
     if seen.whole < least:
         raise LeftOutError(
             f"the scan shows {seen.floor:.0%} of the floor and {seen.walls:.0%} of the walls, "

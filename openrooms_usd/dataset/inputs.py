@@ -7,8 +7,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from openrooms_usd.description import load_room
-from openrooms_usd.errors import OrusdError
-from openrooms_usd.untrusted import opened
+from openrooms_usd.errors import InputError, OrusdError
+from openrooms_usd.untrusted import check_path, opened
 
 
 def file_digest(path: Path) -> str:
@@ -27,21 +27,32 @@ def capture_digest(folder: Path, file: str, options: Mapping[str, str]) -> str:
 
     Args:
         folder: Where names of files begin.
-        file: What the importer reads; of a folder the names and the sizes of its files count.
+        file: What the importer reads; of a folder the names and the sizes of its files count, for
+            it may hold gigabytes.
         options: What is asked of the importer.
 
     Raises:
         InputError: It is not there, or cannot be read.
     """
-    if not (root := folder / file).is_dir():
+    root = folder / file
+    check_path(root)
+    if not root.is_dir():
         own = file_digest(root)
     else:
         found = sorted(path for path in root.rglob("*") if path.is_file())
         rows = [(path.relative_to(root).as_posix(), path.stat().st_size) for path in found]
         own = hashlib.sha256(json.dumps(rows).encode()).hexdigest()
-    named = [folder / value for _, value in sorted(options.items()) if (folder / value).is_file()]
+    named = [folder / value for _, value in sorted(options.items()) if _is_file(folder / value)]
     digests = [own, *map(file_digest, named)]
     return own if not named else hashlib.sha256(json.dumps(digests).encode()).hexdigest()
+
+
+def _is_file(path: Path) -> bool:
+    """Whether a value names a file; most are something else."""
+    with suppress(InputError):
+        check_path(path)
+        return path.is_file()
+    return False
 
 
 def inputs_digest(description: Path) -> str | None:

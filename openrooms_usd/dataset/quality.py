@@ -53,9 +53,10 @@ def assess(view: View, error: float | None = None, asked: Sequence[str] = ()) ->
         asked: The single channels that it shall have.
 
     Returns:
-        ``measures`` by name, as far as its channels tell them, and ``faults``, one sentence each.
+        ``measures`` by name, as far as its channels tell them in numbers, and ``faults``, one
+        sentence each.
     """
-    measures = dict(_measures(view))
+    measures = {name: value for name, value in _measures(view) if np.isfinite(value)}
     return {"measures": measures, "faults": list(_faults(measures, view, error, asked))}
 
 

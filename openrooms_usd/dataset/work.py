@@ -210,9 +210,7 @@ class _OpenRoom:
             "entry": entry,
             "rejected": [dict(one) for one in taken.rejected],
             "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
-            "quality": assess(
-                view, self.dataset.budget.error, each(request.channels, len(lights))
-            ),
+            "quality": assess(view, self.dataset.budget.error, each(request.channels, len(lights))),
             **tally(view, opened.opened.legend.semantic, self.materials),
             "files": store.digests(job, name),
         }

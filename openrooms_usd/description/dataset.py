@@ -124,7 +124,8 @@ class DatasetViews(CheckedModel):
         """What only a path has, and what no panorama has."""
         if peek(given, "projection") == "equirectangular":
             size = peek_list(given, "resolution") or [640, 480]
-            if len(size) == 2 and size[0] != 2 * size[1]:
+            sides = [side for side in size if isinstance(side, int)]
+            if len(sides) == len(size) == 2 and sides[0] != 2 * sides[1]:
                 yield Found(("resolution",), "a panorama is twice as wide as high")
             if peek(given, "stereo") is not None:
                 yield Found(("stereo",), "a panorama has no direction for a second eye")
@@ -268,5 +269,5 @@ class Dataset(CheckedModel):
         kinds = [peek(row, "as") or peek(row, "kind") for row in peek_list(given, "outputs")]
         for where, names in (("variants", variants), ("outputs", kinds)):
             for index, name in enumerate(names):
-                if name in names[:index]:
+                if name is not None and name in names[:index]:
                     yield Found((where, index), f"{name} is given twice")

@@ -17,7 +17,6 @@ from openrooms_usd.capture import (
     Importer,
     Packed,
     checked_options,
-    read_capture,
 )
 from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
@@ -101,9 +100,7 @@ def import_capture(
     check_path(source)
     try:
         asked = checked_options(kind, importer, options)
-        check_archive(source)
         capture = _read(kind, importer, source, asked)
-        _check_usable(capture, source)
         if capture.floor is None and (refusal := check_scan(capture, source)):
             capture = replace(capture, notes=(*capture.notes, refusal))
         if unlabelled(capture):
@@ -112,8 +109,7 @@ def import_capture(
         _check_names(packed)
     except OSError as error:
         raise _unreadable(source, error) from error
-    described = describe if capture.floor is not None else describe_scan
-    text = described(kind, capture, packed.file, {**packed.options, **capture.settled})
+    text = _described(kind, capture, packed.file, packed.options)
     room = parse_room(text, str(out / ROOM), folder=out)
     with locked(out):
         with writing(out):
@@ -128,7 +124,7 @@ def import_capture(
 
 def described_capture(
     kind: str, file: str, folder: Path, options: Mapping[str, str] = NO_OPTIONS
-) -> tuple[Room, Capture]:
+) -> Room:
     """Describe the room of a capture where it lies; nothing is copied or written.
 
     Args:
@@ -140,24 +136,32 @@ def described_capture(
     Raises:
         InputError: The source cannot be read, or has no usable floor.
     """
+    importer: Importer = load(IMPORTERS, kind)
     source = folder / file
+    check_path(source)
     try:
-        check_archive(source)
-        capture = read_capture(kind, source, options, folder)
+        capture = _read(kind, importer, source, checked_options(kind, importer, options, folder))
     except OSError as error:
         raise _unreadable(source, error) from error
-    _check_usable(capture, source)
-    described = describe if capture.floor is not None else describe_scan
-    text = described(kind, capture, file, {**options, **capture.settled})
-    return parse_room(text, str(source), folder=folder), capture
+    return parse_room(_described(kind, capture, file, options), str(source), folder=folder)
 
 
 def _read(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Capture:
+    """What a room can be made of."""
+    check_archive(source)
     try:
-        return importer.read(source, options)
+        capture = importer.read(source, options)
     except InputError as error:
         hint_importer(kind, source, error)
         raise
+    _check_usable(capture, source)
+    return capture
+
+
+def _described(kind: str, capture: Capture, file: str, options: Mapping[str, str]) -> str:
+    """The text of the room, with what the importer found out by itself among its options."""
+    text = describe if capture.floor is not None else describe_scan
+    return text(kind, capture, file, {**options, **capture.settled})
 
 
 def _check_usable(capture: Capture, source: Path) -> None:

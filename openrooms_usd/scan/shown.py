@@ -1,13 +1,13 @@
-"""How much of a room a scan shows: the parts of its floor and of its walls with points near them.
+"""How much of rooms a scan shows: the parts of their floors and walls with points near them.
 
 Counted on cells of 10 cm. A cell is shown where a point lies within 10 cm of its middle, or where
 something was scanned that hides it: above the floor, or before the wall.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,29 +44,30 @@ class Shown:
         return {"floor": self.floor, "walls": self.walls, "whole": self.whole}
 
 
-def shown(points: Array, room: FoundRoom) -> Shown:
-    """How much of a room a scan shows.
+def shown(points: Array, rooms: Sequence[FoundRoom]) -> Shown:
+    """How much of rooms a scan shows, all together.
 
     Args:
         points: (N, 3) of the scan, Z up, metres.
-        room: In the same frame, its floor level.
+        rooms: In the same frame, their floors level.
     """
     from scipy.spatial import cKDTree
 
-    tree = cKDTree(points)
-    floor, walls = _floor_cells(room), list(_wall_cells(room))
-    seen_floor = _seen(tree, floor, np.array([0.0, 0.0, 1.0]))
+    tree, up = cKDTree(points), np.array([0.0, 0.0, 1.0])
+    walls = [wall for room in rooms for wall in _wall_cells(room)]
+    seen_floor = np.concatenate([_seen(tree, _floor_cells(room), up) for room in rooms])
     seen_walls = np.concatenate([_seen(tree, cells, inward) for cells, inward in walls])
     both = np.concatenate([seen_floor, seen_walls])
     return Shown(*(round(float(part.mean()), 4) for part in (seen_floor, seen_walls, both)))
 
 
-def _seen(tree: object, cells: Array, inward: Array) -> NDArray[np.bool_]:
+def _seen(tree: Any, cells: Array, inward: Array) -> NDArray[np.bool_]:
     """(C,) whether a point lies at each cell, or in the way to it."""
     found = np.zeros(len(cells), dtype=bool)
-    for away in np.arange(0.0, _BEFORE_M, 2.0 * _NEAR_M):
+    # Steps of half a sphere's width: between spheres that only touch, a table's top would be lost.
+    for away in np.arange(0.0, _BEFORE_M, _NEAR_M):
         rest = np.flatnonzero(~found)
-        distance, _ = tree.query(cells[rest] + away * inward, distance_upper_bound=_NEAR_M)  # type: ignore[attr-defined]
+        distance, _ = tree.query(cells[rest] + away * inward, distance_upper_bound=_NEAR_M)
         found[rest] = np.isfinite(distance)
     return found
 

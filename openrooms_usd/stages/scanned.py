@@ -68,31 +68,33 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
     """
     path = capture_path(context, layout)
     found, capture = _read(layout, path, context.source)
-    flat = flat_of(found.rooms) if layout.room == "all" else None
+    rooms, flat = _chosen(found, layout.room, path)
+    shown = _as_capture(capture, found, rooms)
     if flat is not None:
-        rooms = tuple(found.rooms[number] for number in flat.members)
-        shown = _flat_capture(_as_capture(capture, found, rooms), flat)
-    else:
-        rooms = (_chosen(found, layout.room, path),)
-        shown = _as_capture(capture, found, rooms)
-        if layout.room == "all" and len(found.rooms) > 1:
-            shown = replace(shown, notes=(*shown.notes, _ALONE))
+        shown = _flat_capture(shown, flat)
+    elif layout.room == "all" and len(found.rooms) > 1:
+        shown = replace(shown, notes=(*shown.notes, _ALONE))
     scan_from_level = in_metres(capture.source_from_world) @ found.level.scan_from_level
     return ScannedRoom(shown, found, rooms, scan_from_level)
 
 
-def found_layout(layout: ScanLayout, folder: Path) -> FoundLayout:
-    """All rooms of a scan; a stage that asks for them next finds them done.
+def found_rooms(layout: ScanLayout, folder: Path) -> tuple[Array, tuple[FoundRoom, ...]]:
+    """The points of a scan, and the rooms that are taken of it; a stage finds them done next.
 
     Args:
         layout: The section of a description.
         folder: Where its files' names begin.
 
+    Returns:
+        (N, 3) in the level frame, metres, and the rooms in the same.
+
     Raises:
-        InputError: As of `scanned_room`.
+        SparseScanError: It shows too little of a room.
+        InputError: It cannot be read, or has no such room.
     """
     path = input_file(folder, layout.file, folders=True)
-    return _read(layout, path, folder)[0]
+    found, _ = _read(layout, path, folder)
+    return found.cloud.points, _chosen(found, layout.room, path)[0]
 
 
 def _read(layout: ScanLayout, path: Path, source: Path) -> tuple[FoundLayout, Capture]:
@@ -104,7 +106,13 @@ def _read(layout: ScanLayout, path: Path, source: Path) -> tuple[FoundLayout, Ca
     return _found(layout.reader, options, path, asked, source, stamp)
 
 
-def _chosen(found: FoundLayout, wanted: int | Literal["all"], path: Path) -> FoundRoom:
+def _chosen(
+    found: FoundLayout, wanted: int | Literal["all"], path: Path
+) -> tuple[tuple[FoundRoom, ...], Flat | None]:
+    """The rooms that are composed, and what they are together; None for one alone."""
+    flat = flat_of(found.rooms) if wanted == "all" else None
+    if flat is not None:
+        return tuple(found.rooms[number] for number in flat.members), flat
     number = 0 if wanted == "all" else wanted
     if number >= len(found.rooms):
         raise InputError(
@@ -112,7 +120,7 @@ def _chosen(found: FoundLayout, wanted: int | Literal["all"], path: Path) -> Fou
             place=path,
             remedy=f"`room` is `all`, or a number of these: {_areas(found.rooms)}",
         )
-    return found.rooms[number]
+    return (found.rooms[number],), None
 
 
 @lru_cache(maxsize=1)

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from openrooms_usd.dataset.captured import LeftOutError, captured_room, coverage_of
+from openrooms_usd.dataset.inputs import capture_digest
 from openrooms_usd.dataset.plan import plan_jobs
 from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.store import Store
-from openrooms_usd.description import load_dataset
+from openrooms_usd.description import load_dataset, load_room
 from openrooms_usd.description.layout import ScanLayout
+from openrooms_usd.errors import InputError
 
 TEXT = """\
 name: scans
@@ -57,6 +59,38 @@ def test_a_scan_that_shows_little_is_left_out_with_its_reason(tmp_path: Path) ->
     room = captured_room(job, tmp_path)
     with pytest.raises(LeftOutError, match=r"of the floor and .* of the walls|too little"):
         coverage_of(job, room, tmp_path)
+
+
+def test_a_scan_that_cannot_be_read_has_failed_and_is_not_left_out(tmp_path: Path) -> None:
+    (tmp_path / "room.yaml").write_text("layout: {from: scan, scan: nowhere.ply}\n")
+    text = TEXT.replace("from: captures, files: [room.npz]", "files: [room.yaml]")
+    (tmp_path / "dataset.yaml").write_text(text.replace("COVERAGE", "0.5"))
+    (job,) = plan_jobs(load_dataset(tmp_path / "dataset.yaml"))
+    with pytest.raises(InputError, match="no such file") as refused:
+        coverage_of(job, load_room(tmp_path / "room.yaml"), tmp_path)
+    assert not isinstance(refused.value, LeftOutError)
+
+
+def test_a_capture_of_another_kind_is_told_its_importer(tmp_path: Path) -> None:
+    dataset(tmp_path, 0.5)
+    (tmp_path / "room.npz").write_bytes(b"PK")
+    (tmp_path / "room.npz").rename(tmp_path / "room.usdz")
+    text = TEXT.replace("room.npz", "room.usdz").replace("COVERAGE", "0.5")
+    (tmp_path / "dataset.yaml").write_text(text)
+    (job,) = plan_jobs(load_dataset(tmp_path / "dataset.yaml"))
+    with pytest.raises(InputError) as refused:
+        captured_room(job, tmp_path)
+    assert "orusd import roomplan" in str(refused.value)
+
+
+def test_options_are_looked_up_as_files_where_they_could_be_some(tmp_path: Path) -> None:
+    dataset(tmp_path, 0.5)
+    plain = capture_digest(tmp_path, "room.npz", {})
+    assert capture_digest(tmp_path, "room.npz", {"up": "z" * 300, "unit": "m"}) == plain
+    (tmp_path / "frames.json").write_text("[]")
+    assert capture_digest(tmp_path, "room.npz", {"frames": "frames.json"}) != plain
+    with pytest.raises(InputError, match="longer than"):
+        capture_digest(tmp_path, "a" * 300, {})
 
 
 @pytest.mark.slow

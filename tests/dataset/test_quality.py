@@ -1,9 +1,11 @@
 """A look at views that were made so that one thing is wrong with each."""
 
+import json
+
 import numpy as np
 import pytest
 
-from openrooms_usd.dataset.quality import camera_faults, assess
+from openrooms_usd.dataset.quality import assess, camera_faults
 from openrooms_usd.render.contract import Image, View
 
 SHAPE = (12, 16)
@@ -45,6 +47,14 @@ def one_near() -> np.ndarray:
 )
 def test_each_fault_is_found_alone(changed: dict[str, np.ndarray], fault: str) -> None:
     assert assess(view(**changed))["faults"] == [fault]
+
+
+def test_what_is_no_number_is_no_measure() -> None:
+    holed = np.full((*SHAPE, 3), 200.0)
+    holed[3, 4] = np.nan
+    found = assess(view(radiance=holed))
+    assert found["faults"] == ["not all numbers are finite in radiance"]
+    json.dumps(found, allow_nan=False)
 
 
 def test_a_sound_view_has_none() -> None:

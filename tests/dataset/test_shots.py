@@ -152,7 +152,11 @@ def test_panoramas_are_level_and_look_where_the_view_does(opened: Open) -> None:
 
 @pytest.mark.parametrize(
     ("wrong", "said"),
-    [({"resolution": [48, 36]}, "twice as wide"), ({"stereo": 0.1}, "second eye")],
+    [
+        ({"resolution": [48, 36]}, "twice as wide"),
+        ({"resolution": [None, {}]}, "valid integer"),
+        ({"stereo": 0.1}, "second eye"),
+    ],
 )
 def test_what_no_panorama_has_is_refused(wrong: dict[str, object], said: str) -> None:
     with pytest.raises(ValueError, match=said):

@@ -27,7 +27,7 @@ WALLS = [
 
 
 def test_a_whole_scan_shows_all() -> None:
-    found = shown(np.concatenate([FLOOR, *WALLS]), ROOM)
+    found = shown(np.concatenate([FLOOR, *WALLS]), [ROOM])
     assert found.as_dict() == {"floor": 1.0, "walls": 1.0, "whole": 1.0}
 
 
@@ -35,7 +35,7 @@ def test_a_whole_scan_shows_all() -> None:
 def test_what_is_not_scanned_is_missed(side: int) -> None:
     half = FLOOR[FLOOR[:, 0] < 2.0]
     rest = [wall for number, wall in enumerate(WALLS) if number != side]
-    found = shown(np.concatenate([half, *rest]), ROOM)
+    found = shown(np.concatenate([half, *rest]), [ROOM])
     # Cells beside what was scanned count as far as 10 cm, and before walls a metre of floor does.
     floor, missing = 0.5, [0, 3.0, 4.0][side] / 14.0
     assert found.floor == pytest.approx(floor, abs=0.16)
@@ -50,10 +50,23 @@ def test_openings_are_no_wall_and_furniture_hides_what_is_behind() -> None:
     hole = (wall[:, 0] > 1.0) & (wall[:, 0] < 2.0) & (wall[:, 2] < 2.0)
     points = np.concatenate([FLOOR, wall[~hole], *WALLS[1:]])
     with_door = FoundRoom(ROOM.normal, ROOM.point, CORNERS, ceiling=2.5, openings=(DOOR,))
-    assert shown(points, ROOM).walls < 0.97
-    assert shown(points, with_door).walls == 1.0
-    # A table's top hides the floor, a wardrobe's front the wall.
-    table = sheet((1.0, 2.5), (1.0, 2.0), 2, 0.75)
+    assert shown(points, [ROOM]).walls < 0.97
+    assert shown(points, [with_door]).walls == 1.0
     under = (FLOOR[:, 0] > 1.0) & (FLOOR[:, 0] < 2.5) & (FLOOR[:, 1] > 1.0) & (FLOOR[:, 1] < 2.0)
-    assert shown(np.concatenate([FLOOR[~under], *WALLS]), ROOM).floor < 0.95
-    assert shown(np.concatenate([FLOOR[~under], table, *WALLS]), ROOM).floor > 0.97
+    assert shown(np.concatenate([FLOOR[~under], *WALLS]), [ROOM]).floor < 0.95
+    # The top of a table hides the floor, however high it is.
+    for height in (0.3, 0.42, 0.7, 0.75):
+        table = sheet((1.0, 2.5), (1.0, 2.0), 2, height)
+        assert shown(np.concatenate([FLOOR[~under], table, *WALLS]), [ROOM]).floor > 0.97
+    # A lamp at the ceiling does not.
+    lamp = sheet((1.0, 2.5), (1.0, 2.0), 2, 1.6)
+    assert shown(np.concatenate([FLOOR[~under], lamp, *WALLS]), [ROOM]).floor < 0.95
+
+
+def test_of_several_rooms_all_cells_count_alike() -> None:
+    far = np.array([10.0, 0.0, 0.0])
+    other = FoundRoom(ROOM.normal, CORNERS[0] + far, CORNERS + far, ceiling=2.5)
+    found = shown(np.concatenate([FLOOR, *WALLS, FLOOR + far]), [ROOM, other])
+    alone = shown(FLOOR, [ROOM])
+    assert found.floor == 1.0
+    assert found.walls == pytest.approx(0.5 * (1.0 + alone.walls), abs=1e-3)

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import SparseScanError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
@@ -127,7 +127,7 @@ def find_layout(
         The rooms, the largest space first.
 
     Raises:
-        InputError: The scan shows too little of any room.
+        SparseScanError: The scan shows too little of any room.
     """
     pieces = surfels(cloud)
     ceilings = ceilings_of(pieces)
@@ -170,8 +170,8 @@ def find_layout(
     return tuple(rooms)
 
 
-def _too_little(message: str) -> InputError:
-    return InputError(
+def _too_little(message: str) -> SparseScanError:
+    return SparseScanError(
         f"{message}, which is too little for its layout",
         remedy="scan the floor and at least two walls that meet, best every wall from end to end;"
         " `partial: true` in the layout takes what there is and guesses the rest; a scan on its"

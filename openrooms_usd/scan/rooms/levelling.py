@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import SparseScanError
 from openrooms_usd.geometry.rotations import about_z, inverse, pose
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
@@ -72,7 +72,7 @@ def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
         The level frame.
 
     Raises:
-        InputError: There are too few points, or they show too little of a room.
+        SparseScanError: There are too few points, or they show too little of a room.
     """
     if len(cloud) < MIN_PIECES:
         raise _too_little(f"the scan has {len(cloud)} points")
@@ -104,8 +104,8 @@ def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
     )
 
 
-def _too_little(message: str) -> InputError:
-    return InputError(
+def _too_little(message: str) -> SparseScanError:
+    return SparseScanError(
         message,
         remedy="scan the whole room: its floor, and every wall from end to end; if that was done,"
         " say its unit (`unit`, `--unit`)",
