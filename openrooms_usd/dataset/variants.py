@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.categories.record import given
 from openrooms_usd.dataset.captured import captured_room
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.description import Room, load_room, named_objects, parse_room, room_of
@@ -48,6 +49,7 @@ _MOST_TRIES: Final = 60
 _CLOCK_MIN: Final = 10
 _OVERCAST_SHARE: Final = 0.25
 _TURBIDITY: Final = (2.2, 4.5)
+_DIGITS: Final = 5
 # A walk leads past so many of the best views.
 _STOPS: Final = 5
 # What the generator says of the room itself, which is drawn anew with other materials.
@@ -156,19 +158,19 @@ def _again(room: Room, data: Mapping[str, Any]) -> Room:
     return found.located(room.folder) if room.folder else found
 
 
-def _environment(room: Room, given: Mapping[str, Any], rng: np.random.Generator) -> Section:
+def _environment(room: Room, said: Mapping[str, Any], rng: np.random.Generator) -> Section:
     now = room.lights.environment
     factor = float(rng.uniform(*_OUTSIDE_FACTOR))
     if isinstance(now, SkyEnvironment):
-        return {**given, **_moment(now, rng)}
+        return {**said, **_moment(now, rng)}
     if isinstance(now, FileEnvironment):
         turned = (now.rotate + float(rng.uniform(0.0, 360.0))) % 360.0
         kept = "scale" if now.illuminance is None else "illuminance"
         value = now.illuminance or now.scale or 1.0
-        return {**given, "rotate": round(turned, 1), kept: round(value * factor, 6)}
+        return {**said, "rotate": round(turned, 1), kept: _digits(value * factor)}
     assert isinstance(now, ConstantEnvironment)
-    color = [round(part * float(rng.uniform(*_TINT)), 4) for part in now.color]
-    return {**given, "color": color, "illuminance": round(now.illuminance * factor, 1)}
+    color = [_digits(part * float(rng.uniform(*_TINT))) for part in now.color]
+    return {**said, "color": color, "illuminance": _digits(now.illuminance * factor)}
 
 
 def _moment(now: SkyEnvironment, rng: np.random.Generator) -> Section:
@@ -198,39 +200,42 @@ def _moment(now: SkyEnvironment, rng: np.random.Generator) -> Section:
 def _lamps(room: Room, seed: int) -> dict[str, Section]:
     """What every lamp emits; one of them is on at least."""
     found = {}
-    for name in _lamp_names(room):
+    for name, usual in _usual_lumens(room).items():
         # Drawn for each, so that one that is added changes no other.
         rng = generator(seed, "dataset", "lamp", name)
         lamp = room.lights.lamps.get(name, Lamp())
-        found[name] = _lamp(room, lamp, rng)
+        found[name] = _lamp(room, lamp, usual, rng)
     if found and not any(row["on"] for row in found.values()):
         next(iter(found.values()))["on"] = True
     return found
 
 
-def _lamp_names(room: Room) -> list[str]:
-    """The lamps that are listed in the room or in its lights."""
-    listed = dict.fromkeys(room.lights.lamps)
+def _usual_lumens(room: Room) -> dict[str, float | None]:
+    """The lamps that are listed in the room or in its lights, with what their kind emits."""
+    found: dict[str, float | None] = dict.fromkeys(room.lights.lamps)
     if isinstance(room.alignment, ObjectList):
-        rows = named_objects(room.alignment.objects)
-        listed |= dict.fromkeys(name for name, row in rows if _emits(row.category))
-    return list(listed)
+        for name, row in named_objects(room.alignment.objects):
+            spec = CATEGORIES.get(row.category)
+            if spec and spec.emits:
+                found[name] = given(spec.lumen, None)
+    return found
 
 
-def _emits(word: str) -> bool:
-    spec = CATEGORIES.get(word)
-    return bool(spec and spec.emits)
-
-
-def _lamp(room: Room, lamp: Lamp, rng: np.random.Generator) -> Section:
+def _lamp(room: Room, lamp: Lamp, usual: float | None, rng: np.random.Generator) -> Section:
     row = lamp.model_dump(mode="json", exclude_unset=True)
     row["on"] = bool(rng.random() < _ON_SHARE)
     least, most = map(math.log, _LAMP_FACTOR)
     factor = math.exp(float(rng.uniform(least, most)))
     kelvin = int(rng.choice(lamp_kelvin(room.room)))
     if lamp.radiance is not None:
-        row["radiance"] = [round(part * factor, 4) for part in lamp.radiance]
+        row["radiance"] = [_digits(part * factor) for part in lamp.radiance]
         return row
-    if lamp.lumen is not None:
-        row["lumen"] = round(lamp.lumen * factor, 1)
+    lumen = usual if lamp.lumen is None else lamp.lumen
+    if lumen is not None:
+        row["lumen"] = round(lumen * factor, 1)
     return row if lamp.color is not None else {**row, "kelvin": kelvin}
+
+
+def _digits(value: float) -> float:
+    """As many digits as people read, however small the number."""
+    return float(f"{value:.{_DIGITS}g}")

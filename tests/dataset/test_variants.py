@@ -7,6 +7,7 @@ import pytest
 from openrooms_usd.dataset.plan import Job, plan_jobs
 from openrooms_usd.dataset.variants import described, realised, with_other_lights
 from openrooms_usd.description import Room, load_dataset, room_of
+from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.solar import sun_position
 
 TEXT = """\
@@ -78,6 +79,19 @@ def test_every_environment_has_another(environment: dict[str, object]) -> None:
     given = {key: value for key, value in environment.items() if key in ("from", "file")}
     assert {k: v for k, v in found[0].environment.model_dump(by_alias=True).items()
             if k in given} == given  # fmt: skip
+
+
+def test_lamps_of_which_nobody_says_how_bright_they_are_are_other_too() -> None:
+    objects = [{"category": "floor_lamp", "name": "a", "at": [1, 1]}]
+    room = room_of({"alignment": {"objects": objects}})
+    usual = CATEGORIES["floor_lamp"].lumen
+    found = [with_other_lights(room, seed).lights.lamps["a"].lumen for seed in range(20)]
+    assert len(set(found)) == 20 and 0.5 * usual <= min(found) < usual < max(found) <= 1.6 * usual
+
+
+def test_a_dim_panorama_does_not_go_out() -> None:
+    room = room_of({"lights": {"environment": {"file": "a.exr", "scale": 1e-7}}})
+    assert 0.0 < with_other_lights(room, 1).lights.environment.scale < 1e-6
 
 
 def test_what_a_person_said_of_materials_stays(tmp_path: Path, source: Path) -> None:

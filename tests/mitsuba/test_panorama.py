@@ -63,3 +63,35 @@ def test_panoramas_have_the_light_of_pinholes(stage: OpenedStage) -> None:
         row = int((0.5 - latitude / 180.0) * HEIGHT)
         near = found[row - 1 : row + 1, [column - 1, column % WIDTH]].mean(axis=(0, 1))
         np.testing.assert_allclose(near, pixels, rtol=0.08, atol=0.01)
+
+
+def test_edges_of_light_lie_where_directions_are(stage: OpenedStage) -> None:
+    """What is bounded by meridians and parallels is bounded by columns and rows, exactly."""
+    if stage.session.backend.find("scalar") >= 0:
+        pytest.skip("no panoramas")
+    from orusd_mitsuba import MitsubaRenderer
+
+    made = Build()
+    black = made.material("/Black", base_color=(0, 0, 0))
+    # Seen from the origin: from 30 to 60 degrees to the right of x, over all but the poles.
+    a, b = (np.array([np.cos(t), -np.sin(t)]) * 2.0 for t in np.radians([30.0, 60.0]))
+    made.quad("/Strip", [(*a, -20), (*b, -20), (*b, 20), (*a, 20)], material=black)
+    # And a disc from 45 degrees below the horizon down.
+    turn = np.radians(np.arange(360.0))
+    disc = np.column_stack([np.cos(turn), np.sin(turn), np.full(360, -1.0)])
+    made.mesh("/Disc", disc, [np.arange(360)], material=black)
+    made.dome(radiance=3.0)
+    camera = PinholeCamera(
+        panorama_intrinsics(WIDTH, HEIGHT),
+        look_at((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
+        projection=EQUIRECTANGULAR,
+    )
+    request = RenderRequest("/a", ("radiance",), WIDTH, HEIGHT, samples=64, bounces=1)
+    opened = open_with(MitsubaRenderer(), made.stage, {"variant": "llvm"})
+    found = opened.picture(camera, request).images["radiance"].pixels[..., 1]
+    # 7.5 degrees a pixel: 4 to 8 columns to the right of the middle, 6 rows below it.
+    wanted = np.full((HEIGHT, WIDTH), 3.0)
+    wanted[2:-2, 28:32] = 0.0
+    wanted[18:] = 0.0
+    # Two of 64 samples may pass beside the corners of the disc.
+    np.testing.assert_allclose(found[2:], wanted[2:], atol=0.1)
