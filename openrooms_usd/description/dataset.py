@@ -260,8 +260,14 @@ class Dataset(CheckedModel):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """Variants and outputs that are named twice, and what works with pinholes alone."""
-        if peek(peek(given, "views"), "projection") == "equirectangular":
+        """What is named twice, what works with pinholes alone, and photographs of no capture."""
+        views = peek(given, "views")
+        if "capture" in (peek(views, "from"), peek(views, "source")):
+            for index, row in enumerate(peek_list(given, "rooms")):
+                if peek(row, "files") is None:
+                    text = "generated rooms have no photographs (views: from: capture)"
+                    yield Found(("rooms", index), text)
+        if peek(views, "projection") == "equirectangular":
             for name in ("sensor", "outputs"):
                 if peek(given, name):
                     yield Found((name,), "panoramas have none: it works with pinhole cameras")

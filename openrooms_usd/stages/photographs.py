@@ -30,7 +30,9 @@ def photographs(context: StageContext) -> Capture | None:
     section = captured_section(context.room)
     if section is None:
         raise InputError(
-            "the room comes from no capture, whose cameras could be taken", place="cameras"
+            "the room comes from no capture, whose cameras could be taken",
+            place="cameras",
+            remedy="describe the cameras, or let them be selected: `from: select`",
         )
     capture = capture_of(context, section)
     if not capture.frames:

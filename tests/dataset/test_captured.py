@@ -1,5 +1,6 @@
 """Rooms of scans: those that show enough are composed, the others left out with the reason."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -116,3 +117,38 @@ def test_what_is_left_out_has_not_failed_and_is_not_tried_again(tmp_path: Path) 
     (job,) = store.jobs()
     shared = store.scene_record(job)
     assert shared is not None and shared["coverage"]["whole"] > 0.9
+
+
+def frame(number: int, eye: tuple[float, float, float]) -> dict[str, object]:
+    """A photograph that looks along x, level, with pixels of a width of its own."""
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = [[0, 0, 1], [-1, 0, 0], [0, -1, 0]], eye
+    K = [[60, 0, 33], [0, 60, 23], [0, 0, 1]]
+    name = f"{number}.jpg"
+    return {"id": str(number), "picture": name, "resolution": [64, 48], "K": K,
+            "world_from_camera": pose.tolist()}  # fmt: skip
+
+
+@pytest.mark.slow
+def test_views_are_those_of_photographs_evenly_spread(tmp_path: Path) -> None:
+    from openrooms_usd.dataset.run import run_dataset
+
+    file = dataset(tmp_path, 0.5)
+    # As they were taken, which is not how their names are sorted; one of them was in the wall.
+    frames = [frame(9 - n, (0.8 + 0.2 * n, 1.5, 1.2)) for n in range(7)]
+    frames[3] = frame(6, (4.19, 1.5, 1.2))
+    (tmp_path / "frames.json").write_text(json.dumps(frames))
+    text = file.read_text().replace("coverage: 0.5", "options: {frames: frames.json}")
+    text = text.replace("{count: 1, resolution", "{from: capture, count: 3, replace: 2, resolution")
+    file.write_text(text)
+    assert run_dataset(file, tmp_path / "out").made == 3
+    store = Store(tmp_path / "out")
+    (job,) = store.jobs()
+    records = [store.record(job, number) for number in range(3)]
+    # 9, 6 and 3 are asked for; of those between, the first and the last are spare.
+    entries = [record["entry"] for record in records if record]
+    assert [entry["photograph"]["id"] for entry in entries] == ["9", "8", "3"]
+    assert records[1]["rejected"][0]["camera"].endswith("frame_6")
+    for entry in entries:
+        # A quarter of the photograph's size.
+        np.testing.assert_allclose(entry["K"], [[15, 0, 8.25], [0, 15, 5.75], [0, 0, 1]])

@@ -10,7 +10,7 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.dataset.shots import shot, shots_of
 from openrooms_usd.dataset.variants import with_cameras
 from openrooms_usd.description import parse_room
-from openrooms_usd.description.dataset import DatasetViews
+from openrooms_usd.description.dataset import Dataset, DatasetViews
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render.job import OpenedJob, RenderJob
 
@@ -161,3 +161,10 @@ def test_panoramas_are_level_and_look_where_the_view_does(opened: Open) -> None:
 def test_what_no_panorama_has_is_refused(wrong: dict[str, object], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         views(**{"resolution": [48, 24], "projection": "equirectangular", **wrong})
+
+
+def test_generated_rooms_have_no_photographs() -> None:
+    rooms = [{"files": ["a/room.yaml"]}, {"types": ["bathroom"], "count": 2}]
+    with pytest.raises(ValueError, match="no photographs"):
+        Dataset.model_validate({"rooms": rooms, "views": {"from": "capture"}})
+    Dataset.model_validate({"rooms": rooms[:1], "views": {"from": "capture"}})

@@ -1,5 +1,6 @@
 """Sensors: distortion by OpenCV's formulas, noise by its moments, depth by what was published."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -254,6 +255,29 @@ def test_a_photograph_is_of_the_same_light() -> None:
     truth = shot.images["radiance"].pixels
     assert seen.all() and pixels.mean() == pytest.approx(truth.mean(), rel=1e-3)
     assert 0.002 < np.abs(pixels - truth).mean() / truth.mean() < 0.02
+
+
+def test_the_exposure_is_the_sensors_the_cameras_or_fitted(tmp_path: Path) -> None:
+    shot = view()
+    for number, (given, camera, wanted) in enumerate(
+        [(8.0, 1 / 300, 1 / (1.2 * 2**8)), (None, 1 / 300, 1 / 300), (None, None, None)]
+    ):
+        (tmp_path / str(number)).mkdir()
+        sensor = Sensor(noise=Noise(), exposure_value=given)
+        seen = replace(shot, exposure=camera)
+        told = record_sensor(tmp_path / str(number), "a", seen, sensor, {"files": {}}, "a")
+        found = told["sensor"]["exposure"]
+        # Middle grey and a little more is what a fitted picture is like.
+        mean = found * shot.images["radiance"].pixels.mean()
+        assert found == pytest.approx(wanted) if wanted else 0.1 < mean < 0.5
+
+
+def test_a_photograph_is_of_the_denoised_light_where_there_is_some() -> None:
+    shot = view()
+    clean = replace(shot.images["radiance"], pixels=np.full((HEIGHT, WIDTH, 3), 100.0, np.float32))
+    shot = replace(shot, images={**shot.images, "denoised": clean})
+    pixels, _ = photographed(shot, Sensor(distortion=Distortion()), 1 / 300, "a")
+    np.testing.assert_array_equal(pixels, clean.pixels)
 
 
 def test_a_sensor_says_what_it_misses() -> None:
