@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd import atomic
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import (
@@ -41,18 +42,7 @@ class HypersimDataset:
         options: DatasetOptions,
         progress: Progress = silent,
     ) -> DatasetSummary:
-        """Write all rooms, a scene for each variant.
-
-        Args:
-            rooms: With all their variants.
-            root: The folder that gets ``scenes``, ``analysis`` and the cameras' table.
-            options: Nothing of them.
-            progress: Called with each room and a fraction.
-
-        Raises:
-            InputError: There are more rooms than such names can count, or a render is damaged.
-            OutputError: A file cannot be written.
-        """
+        """Write a scene for each variant of each room; see `render.datasets.RoomsWriter`."""
         splits: list[tuple[object, ...]] = []
         lenses: list[tuple[object, ...]] = []
         frames: dict[str, list[int]] = {}
@@ -62,12 +52,15 @@ class HypersimDataset:
                 progress(room.name, 0.5)
                 for variant, render in sorted(room.renders.items()):
                     scene = scene_name(room.number, variant)
-                    frames[scene] = _write_scene(root / "scenes" / scene, render, missing)
+                    with atomic.filling(root / "scenes" / scene) as beside:
+                        frames[scene] = _write_scene(beside, render, missing)
+                        # Frames of an earlier writing that are none now go.
+                        files = (path for path in beside.rglob("*") if path.is_file())
+                        home = (root / "scenes" / scene).absolute()
+                        written |= {home / path.relative_to(beside) for path in files}
                     part = (True, "", room.split)
                     splits += [(scene, tables.CAMERA, frame, *part) for frame in frames[scene]]
                     lenses.append(tables.camera_row(scene, next(iter(render.views.values()))))
-                    files = (root / "scenes" / scene).absolute().rglob("*")
-                    written |= {path for path in files if path.is_file()}
             tables.write_table(root / tables.SPLIT_FILE, tables.SPLIT_HEADS, splits)
             tables.write_table(root / tables.CAMERAS_FILE, tables.CAMERA_HEADS, lenses)
             written.add((root / tables.SPLIT_FILE).absolute())

@@ -4,34 +4,28 @@ A frame's files hold arrays; its camera is in the scene's ``_detail``, its lens 
 the scenes. Lengths come out in metres, light in the unit of the scene.
 """
 
-import csv
-import io
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
-from openrooms_usd.untrusted import read_text
-from orusd_hypersim.cameras import OPENGL
 from orusd_hypersim.frames import FINAL, GEOMETRY
 from orusd_hypersim.hdf5 import read_array
-from orusd_hypersim.tables import CAMERAS_FILE, SPLIT_FILE
+from orusd_hypersim.reading import forget, lens_of, pose_of, read_table, understanding
+from orusd_hypersim.tables import SPLIT_FILE
 
 Array = NDArray[Any]
 
 _FRAME: Final = re.compile(r"frame\.(\d{4})\.color\.hdf5")
 _PICTURES: Final = re.compile(rf"scene_(\w+)_{FINAL}_hdf5")
-# What a lens that is no pinhole has in the last row of its matrix.
-_PINHOLE: Final = (0.0, 0.0, -1.0)
 
 
 class _Told(NamedTuple):
@@ -52,7 +46,7 @@ def _labels(numbers: Array) -> Array:
 
 
 def _product(reflectance: Array, illumination: Array) -> Array:
-    return reflectance.astype(np.float32) * illumination.astype(np.float32)
+    return _finite(reflectance.astype(np.float32) * illumination.astype(np.float32))
 
 
 FROM_FILES: Final[dict[str, _Told]] = {
@@ -122,20 +116,24 @@ class HypersimSource:
                 name: row.make(*(read_array(root / path) for path in paths[name]))
                 for name, row in told.items()
             }
-        K, size = _lens(self.files, frame.scene)
+        K, size = lens_of(self.files, frame.scene)
         sample = Sample(
             name=f"{frame.scene}/{frame.camera}/{frame.number}",
             size=size,
             K=K,
-            world_from_camera=_pose(self.files, frame),
+            world_from_camera=pose_of(self.files, frame.scene, frame.camera, frame.number),
             about={"room": frame.scene, "variant": frame.camera, "split": frame.split},
         )
         for name, pixels in images.items():
-            if pixels.shape[1::-1] != size:
-                raise InputError(f"{name!r} is not of the picture's size", place=sample.name)
+            wanted = (size[1], size[0], len(CHANNELS[name].components))
+            if pixels.shape != wanted:
+                raise InputError(
+                    f"{name!r} has the shape {pixels.shape}, not {wanted}",
+                    place=f"{self.files}/{paths[name][0]}",
+                )
         if "distance" in images:
             images |= _following(sample, images["distance"])
-        return Sample(**{**vars(sample), "images": {name: images[name] for name in channels}})
+        return replace(sample, images={name: images[name] for name in channels})
 
 
 class HypersimForm:
@@ -149,6 +147,7 @@ class HypersimForm:
         Raises:
             InputError: There are none.
         """
+        forget()
         frames = [
             frame
             for frame in _frames(files)
@@ -160,11 +159,14 @@ class HypersimForm:
 
 def _frames(files: Files) -> Iterator[Frame]:
     folder, _, table = SPLIT_FILE.rpartition("/")
-    known = _rows(files, SPLIT_FILE) if table in files.names(folder) else []
-    splits = {
-        (row["scene_name"], row["camera_name"], int(row["frame_id"])): row["split_partition_name"]
-        for row in known
-    }
+    known = read_table(files, SPLIT_FILE) if table in files.names(folder) else []
+    with understanding(f"{files}/{SPLIT_FILE}"):
+        splits = {
+            (row["scene_name"], row["camera_name"], int(row["frame_id"])): row[
+                "split_partition_name"
+            ]
+            for row in known
+        }
     for scene in files.names("scenes"):
         for pictures in files.names(f"scenes/{scene}/images"):
             if not (found := _PICTURES.fullmatch(pictures)):
@@ -194,55 +196,3 @@ def _following(sample: Sample, distance: Array) -> dict[str, Array]:
         ),
         "valid": there.astype(np.float32),
     }
-
-
-@lru_cache(maxsize=256)
-def _lens(files: Files, scene: str) -> tuple[Array, tuple[int, int]]:
-    """K and the picture's size, of the table of all scenes."""
-    row = next((row for row in _rows(files, CAMERAS_FILE) if row["scene_name"] == scene), None)
-    if row is None:
-        raise InputError(f"it does not know the scene {scene!r}", place=f"{files}/{CAMERAS_FILE}")
-    width, height = (int(float(row[f"settings_output_img_{side}"])) for side in ("width", "height"))
-    rays = np.array([[float(row[f"M_cam_from_uv_{i}{j}"]) for j in range(3)] for i in range(3)])
-    if not np.allclose(rays[2] / -rays[2, 2], _PINHOLE, atol=1e-6):
-        raise InputError(
-            "its lens is tilted, which K cannot say", place=f"{files}/{scene}",
-            remedy="leave this scene out: rooms=[...]",
-        )  # fmt: skip
-    # From pixels to -1 to 1 over the picture, upward, and from there to rays.
-    uv = np.array([[2.0 / width, 0.0, -1.0], [0.0, -2.0 / height, 1.0], [0.0, 0.0, 1.0]])
-    K = np.linalg.inv(OPENGL @ rays / -rays[2, 2] @ uv)
-    return K / K[2, 2], (width, height)
-
-
-def _pose(files: Files, frame: Frame) -> Array:
-    """(4, 4) from the OpenCV camera to the world, metres."""
-    numbers, positions, turns, unit = _keyframes(files, frame.scene, frame.camera)
-    at = np.flatnonzero(numbers == frame.number)
-    if not len(at):
-        raise InputError("it has no camera", place=f"{frame.scene}/{frame.camera}/{frame.number}")
-    pose = np.eye(4)
-    pose[:3, :3] = turns[at[0]] @ OPENGL
-    pose[:3, 3] = positions[at[0]] * unit
-    return pose
-
-
-@lru_cache(maxsize=256)
-def _keyframes(files: Files, scene: str, camera: str) -> tuple[Array, Array, Array, float]:
-    """Numbers of frames, positions in units, orientations, and metres in a unit."""
-    detail = f"scenes/{scene}/_detail"
-    unit = next(
-        float(row["parameter_value"])
-        for row in _rows(files, f"{detail}/metadata_scene.csv")
-        if row["parameter_name"] == "meters_per_asset_unit"
-    )
-    kinds = ("frame_indices", "positions", "orientations")
-    paths = [f"{detail}/{camera}/camera_keyframe_{kind}.hdf5" for kind in kinds]
-    with files.local(dict.fromkeys(paths, "")) as root:
-        numbers, positions, turns = (read_array(root / path) for path in paths)
-    return numbers, positions.astype(np.float64), turns.astype(np.float64), unit
-
-
-def _rows(files: Files, path: str) -> list[dict[str, str]]:
-    with files.local({path: ""}) as root:
-        return list(csv.DictReader(io.StringIO(read_text(Path(root) / path, "table"))))

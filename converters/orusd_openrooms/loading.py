@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import intrinsics
-from openrooms_usd.loading.files import Files, MissingFileError
+from openrooms_usd.loading.files import Files
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.urls import MissingFileError
 from orusd_openrooms import readers
 from orusd_openrooms.layout import SHARED_INTRINSICS
 from orusd_openrooms.listing import IMAGE, Frame, listed
@@ -144,6 +145,8 @@ class OpenRoomsForm:
         order = options.get("order", "legacy")
         if order not in ("legacy", "rgb"):
             raise InputError(f"{order!r} is no order of channels", remedy="say legacy or rgb")
+        _kinds.cache_clear()
+        _cameras.cache_clear()
         frames = [
             frame
             for frame in listed(files)
@@ -161,7 +164,7 @@ def _kinds(files: Files, folder: str) -> frozenset[str]:
 
 @lru_cache(maxsize=4096)
 def _cameras(files: Files, folder: str) -> tuple[list[Array], Array]:
-    """The poses in our world, and K, of the cameras of a scene."""
+    """The poses in our world, and K, of the cameras of a scene; kept until one opens anew."""
     path = f"{folder}/cam.txt"
     with files.local({path: ""}) as root:
         cameras = readers.read_cameras(root / path)

@@ -4,9 +4,9 @@
 ``resizing``, ``mirroring`` and ``toning`` are the transforms, ``transforms`` their contract and
 their chains. ``source`` says where views come from, as a contract; ``opening`` finds the one for a
 folder or a URL; ``folder`` reads renders and datasets as they were written, ``shards`` tar files of
-them, ``files`` fetches what lies elsewhere into a bounded cache. None of these needs torch;
-``tensors`` makes batches of samples, ``epochs`` says in which order, ``training`` loads them by
-number and ``streaming`` from shards.
+them, both by ``rendered``; ``files`` fetches what lies elsewhere into a bounded cache. None of
+these needs torch; ``tensors`` makes batches of samples, ``epochs`` says in which order,
+``training`` loads them by number and ``streaming`` from shards.
 
 The names for people are offered here, and loaded on first use (docs/loading.md).
 """

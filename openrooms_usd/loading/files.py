@@ -10,15 +10,14 @@ import os
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
-from openrooms_usd import atomic, removal, usercache
-from openrooms_usd.errors import InputError, MissingPackageError, writing
-from openrooms_usd.untrusted import inside, is_plain_name
+from openrooms_usd import atomic, removal, unfinished, urls, usercache
+from openrooms_usd.errors import InputError, writing
+from openrooms_usd.untrusted import inside, is_plain_name, opened
 
 if TYPE_CHECKING:
     from filelock import BaseFileLock
@@ -26,12 +25,12 @@ if TYPE_CHECKING:
 MOST_CACHED: Final = 20 << 30
 """Bytes that a cache holds unless told otherwise."""
 
+# What breaks off on its way is asked for again.
 _TRIES: Final = 3
+_PAUSE_S: Final = 0.5
 _LOCKS: Final = "locks"
-
-
-class MissingFileError(InputError):
-    """Nothing is behind a path of a URL."""
+# A download that was begun so long ago goes on no more.
+_ABANDONED_S: Final = 86_400.0
 
 
 class Files(Protocol):
@@ -98,7 +97,7 @@ class RemoteFiles:
     most: int = MOST_CACHED
 
     def __str__(self) -> str:
-        return self.url
+        return urls.shown(self.url)
 
     @contextmanager
     def local(self, wanted: Mapping[str, str]) -> Iterator[Path]:
@@ -117,8 +116,8 @@ class RemoteFiles:
         told = "\n".join((self.url, *(f"{name} {sha}" for name, sha in sorted(wanted.items()))))
         kept = self.cache / hashlib.sha256(told.encode()).hexdigest()
         with writing(self.cache):
-            lock = _lock(kept)
-        with lock:
+            held = _lock(kept).acquire()
+        with held:
             with writing(self.cache):
                 self._keep(kept, wanted)
             yield kept
@@ -129,14 +128,10 @@ class RemoteFiles:
         Raises:
             InputError: It cannot be asked.
         """
-        system, root = _system(self.url, os.getpid())
-        try:
-            found = system.ls(f"{root.rstrip('/')}/{folder}".rstrip("/"), detail=False)
-        except FileNotFoundError:
-            return []
-        # What stands behind a URL raises what it likes.
-        except Exception as error:
-            raise InputError(f"cannot list it: {error}", place=f"{self.url}/{folder}") from error
+        system, root = urls.file_system(self.url)
+        found: list[str] = []
+        with suppress(urls.MissingFileError), urls.reading(f"{self.url}/{folder}"):
+            found = system.ls(f"{root}/{folder}".rstrip("/"), detail=False)
         names = (PurePosixPath(str(path).rstrip("/")).name for path in found)
         return sorted({name for name in names if is_plain_name(name)})
 
@@ -151,15 +146,15 @@ class RemoteFiles:
         os.utime(kept, ns=(now, now))
 
     def _fetch(self, wanted: Mapping[str, str], folder: Path) -> None:
-        system, root = _system(self.url, os.getpid())
+        system, root = urls.file_system(self.url)
         for name, sha in wanted.items():
             target = inside(folder, name)
             target.parent.mkdir(parents=True, exist_ok=True)
-            _download(system, f"{root.rstrip('/')}/{name}", target, f"{self.url}/{name}")
-            if sha and hashlib.sha256(target.read_bytes()).hexdigest() != sha:
+            _download(system, f"{root}/{name}", target, f"{self.url}/{name}")
+            if sha and _digest(target) != sha:
                 raise InputError(
                     "its checksum is not the one that the index says",
-                    place=f"{self.url}/{name}",
+                    place=f"{self}/{name}",
                     remedy="the dataset was changed or is damaged: orusd dataset verify",
                 )
 
@@ -175,41 +170,28 @@ def files_of(
         most: Bytes that the cache holds at most.
     """
     text = os.fspath(root)
-    if "://" not in text:
+    if not urls.is_url(text):
         return LocalFiles(Path(text))
     return RemoteFiles(text.rstrip("/"), cache or usercache.cache_folder("views"), most)
 
 
-@lru_cache(maxsize=8)
-def _system(url: str, process: int) -> tuple[Any, str]:
-    """The file system of a URL, one for each process: connections do not survive a fork."""
-    try:
-        import fsspec
-    except ImportError as error:
-        raise MissingPackageError(
-            f"{url} needs the package 'fsspec'", remedy="pip install 'openrooms-usd[remote]'"
-        ) from error
-    try:
-        system, root = fsspec.core.url_to_fs(url, skip_instance_cache=not url.startswith("memory"))
-    except ImportError as error:
-        raise MissingPackageError(str(error), remedy="install what it names") from error
-    except ValueError as error:
-        raise InputError(f"no URL that can be read: {error}", place=url) from error
-    return system, root
+def _digest(path: Path) -> str:
+    with opened(path, "frames") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def _download(system: Any, source: str, target: Path, place: str) -> None:
+def _download(system: Any, source: str, target: Path, url: str) -> None:
     for left in reversed(range(_TRIES)):
         try:
-            system.get_file(source, str(target))
+            with urls.reading(url):
+                system.get_file(source, str(target))
             return
-        except FileNotFoundError as error:
-            raise MissingFileError("no such file", place=place, remedy="check the URL") from error
-        # What stands behind a URL raises what it likes.
-        except Exception as error:
+        except urls.MissingFileError:
+            raise
+        except InputError:
             if not left:
-                raise InputError(f"cannot fetch it: {error}", place=place) from error
-            time.sleep(0.5)
+                raise
+            time.sleep(_PAUSE_S)
 
 
 def _lock(kept: Path) -> "BaseFileLock":
@@ -225,7 +207,7 @@ def _remove_oldest(newest: Path, most: int) -> None:
     """Remove what was not read for longest until the rest fits; what is being read stays."""
     from filelock import Timeout
 
-    found = [path for path in newest.parent.iterdir() if path.is_dir() and path.name != _LOCKS]
+    found = [path for path in newest.parent.iterdir() if _is_kept(path)]
     sizes = {path: _bytes(path) for path in found}
     left = sum(sizes.values())
     for path in sorted(found, key=_when):
@@ -243,8 +225,21 @@ def _remove_oldest(newest: Path, most: int) -> None:
         left -= sizes[path]
 
 
+def _is_kept(path: Path) -> bool:
+    """Whether something in the cache is there to be read, not just being fetched."""
+    if unfinished.is_unfinished(Path(path.name)):
+        return _when(path) < time.time_ns() - _ABANDONED_S * 1e9
+    return path.is_dir() and path.name != _LOCKS
+
+
 def _bytes(folder: Path) -> int:
-    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+    """How large a folder is; what others remove meanwhile has no size."""
+    size = 0
+    for home, _, names in os.walk(folder):
+        for path in (Path(home, name) for name in names):
+            with suppress(FileNotFoundError):
+                size += path.stat().st_size
+    return size
 
 
 def _when(path: Path) -> int:

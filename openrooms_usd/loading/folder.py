@@ -1,30 +1,25 @@
 """Views as ``orusd render`` and ``orusd dataset run`` wrote them, here or behind a URL."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from openrooms_usd.channels import CHANNELS, definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files, LocalFiles
-from openrooms_usd.loading.sample import Sample, is_label
+from openrooms_usd.loading.rendered import full_name, needed_files, sample_of
+from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
 from openrooms_usd.names import in_order
-from openrooms_usd.render.compact import is_compact
 from openrooms_usd.render.folder import MANIFEST
-from openrooms_usd.render.manifest_schema import Manifest, StoredEntry, ViewEntry, read_manifest
+from openrooms_usd.render.manifest_schema import Manifest, read_manifest
 from openrooms_usd.render.reading import RenderedView
-from openrooms_usd.untrusted import is_plain_name, read_text
+from openrooms_usd.untrusted import is_plain_name, opened
 
 INDEX: Final = "index.jsonl"
 _FILE_KINDS: Final = (".exr", ".npy", ".npz")
-_REMEDY: Final = "ask for channels that are there, or render it with them"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +41,7 @@ class Row:
     @property
     def name(self) -> str:
         """What the view is called."""
-        known = (self.about.get("room"), self.about.get("variant"), self.view)
-        return "/".join(word for word in known if word)
+        return full_name(self.view, self.about)
 
 
 class RenderSource:
@@ -77,7 +71,7 @@ class RenderSource:
         }
         with self.files.local(wanted) as root:
             view = RenderedView(row.view, root / row.render / row.view, entry)
-            return sample_of(view, manifest, channels, row)
+            return sample_of(view, manifest, channels, row.about)
 
 
 class RenderForm:
@@ -86,15 +80,15 @@ class RenderForm:
     options: Mapping[str, str] = {}
 
     def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> RenderSource:
-        """Its views; variants, rooms and splits are not known.
+        """Its views; it has no variants, rooms and splits to choose by.
 
         Raises:
             InputError: It is no finished render, or has no such view.
         """
-        wanted = Selection(views=selection.views)
+        _manifest.cache_clear()
         views = sorted(_manifest(files, "").views, key=in_order)
-        rows = [Row("", name, {}, {}) for name in views if wanted.admits("", "", "", name)]
-        refuse_nothing(len(rows), files, wanted)
+        rows = [Row("", name, {}, {}) for name in views if selection.admits("", "", "", name)]
+        refuse_nothing(len(rows), files, selection)
         return RenderSource(files, rows)
 
 
@@ -109,21 +103,29 @@ class DatasetForm:
         Raises:
             InputError: There is no sound index, or no such view.
         """
+        _manifest.cache_clear()
         with files.local({INDEX: ""}) as root:
-            text = read_text(root / INDEX, "annotations", remedy="finish it: orusd dataset run")
-        keeps = not isinstance(files, LocalFiles)
-        rows = []
-        for number, line in enumerate(text.splitlines(), 1):
-            try:
-                row = _row(json.loads(line), keeps)
-            except (ValueError, KeyError, TypeError, AttributeError) as error:
-                place = f"{files}/{INDEX}:{number}"
-                raise InputError(f"this is no line of an index: {error}", place=place) from error
-            about = row.about
-            if selection.admits(about["split"], about["variant"], about["room"], row.view):
-                rows.append(row)
+            rows = [
+                row
+                for row in _rows(root / INDEX, files)
+                if selection.admits(
+                    row.about["split"], row.about["variant"], row.about["room"], row.view
+                )
+            ]
         refuse_nothing(len(rows), files, selection)
         return RenderSource(files, rows)
+
+
+def _rows(index: Path, files: Files) -> Iterator[Row]:
+    """The lines of an index, one by one: of a million views it has gigabytes."""
+    keeps = not isinstance(files, LocalFiles)
+    with opened(index, "frames", remedy="finish it: orusd dataset run") as stream:
+        for number, line in enumerate(stream, 1):
+            try:
+                yield _row(json.loads(line), keeps)
+            except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+                place = f"{files}/{INDEX}:{number}"
+                raise InputError(f"this is no line of an index: {error}", place=place) from error
 
 
 def _row(found: Any, keeps_checksums: bool) -> Row:
@@ -141,121 +143,10 @@ def _row(found: Any, keeps_checksums: bool) -> Row:
 
 @lru_cache(maxsize=256)
 def _manifest(files: Files, render: str) -> Manifest:
-    """The manifest of a render; a process keeps a few."""
+    """The manifest of a render; a process keeps a few, until it opens something anew."""
     with files.local({_below(render, MANIFEST): ""}) as root:
         return read_manifest(root / render)
 
 
 def _below(render: str, file: str) -> str:
     return f"{render}/{file}" if render not in ("", ".") else file
-
-
-def needed_files(entry: ViewEntry, channels: Sequence[str]) -> set[str]:
-    """The files that channels are made of, by what the manifest says.
-
-    Args:
-        entry: Of the view.
-        channels: Names of the table.
-
-    Returns:
-        Paths in the folder of the render.
-
-    Raises:
-        InputError: There is no such channel.
-    """
-    if not is_compact(entry):
-        grids = {name for name in channels if _scope(name) == "grid"}
-        lights = any(_scope(name) == "light" for name in channels)
-        kinds = {"channels", *grids, *(["lights"] if lights else [])}
-        return {path for kind, path in (entry.files or {}).items() if kind in kinds}
-    known: dict[str, StoredEntry | None] = {}
-    waiting = {name for name in entry.channels if _is_of(name, channels)}
-    while waiting:
-        known |= {name: entry.channels[name].stored for name in waiting & {*entry.channels}}
-        sources = {source for row in known.values() if row for source in row.sources}
-        waiting = (sources - {*known}) & {*entry.channels}
-    return {row.file for row in known.values() if row and row.file}
-
-
-def _is_of(name: str, channels: Sequence[str]) -> bool:
-    """Whether a single image, such as ``direct_3``, is of one of some channels."""
-    try:
-        return definition(name).name in channels
-    except KeyError:  # somebody else's
-        return False
-
-
-def _scope(name: str) -> str:
-    if name not in CHANNELS:
-        raise InputError(
-            f"there is no channel {name!r}", remedy="'orusd channels' lists them by their names"
-        )
-    return CHANNELS[name].scope
-
-
-def sample_of(view: RenderedView, manifest: Manifest, channels: Sequence[str], row: Row) -> Sample:
-    """A view as a sample.
-
-    Args:
-        view: As it was rendered.
-        manifest: Of its render.
-        channels: Names of the table.
-        row: What it is called, and what is known of it.
-
-    Raises:
-        InputError: A channel is missing, or a file is damaged.
-    """
-    by_scope = {scope: [n for n in channels if _scope(n) == scope] for scope in ("light", "grid")}
-    images = {n: _image(view, n) for n in channels if CHANNELS[n].scope == "view"}
-    numbers = _numbers(view, by_scope["light"])
-    boxes = {light.number: light for light in manifest.lights}
-    known = [boxes[number] for number in numbers if number in boxes]
-    if len(known) < len(numbers):
-        raise InputError("the manifest does not know all its lights", place=view.folder)
-    return Sample(
-        name=row.name,
-        size=(view.width, view.height),
-        K=view.K,
-        world_from_camera=view.world_from_camera,
-        images=images,
-        lights={
-            n: np.stack([view.lights[n.removesuffix("_i")][number] for number in numbers])
-            for n in by_scope["light"]
-        },
-        grids={n: _grid(view, n) for n in by_scope["grid"]},
-        light_numbers=tuple(numbers),
-        world_from_box=np.array([row.world_from_box for row in known]).reshape(-1, 4, 4),
-        box_size=np.array([row.size for row in known]).reshape(-1, 3),
-        about=row.about,
-    )
-
-
-def _image(view: RenderedView, name: str) -> NDArray[Any]:
-    if name not in view.pixels:
-        raise _missing(view.folder, name)
-    if is_label(CHANNELS[name]):
-        return view.labels(name)[..., None]
-    return view.pixels[name]
-
-
-def _grid(view: RenderedView, name: str) -> NDArray[np.float32]:
-    found = view.grid(name)
-    if found is None:
-        raise _missing(view.folder, name)
-    return found
-
-
-def _numbers(view: RenderedView, channels: Sequence[str]) -> list[int]:
-    """The numbers of the lights that channels have, which all have the same."""
-    found: list[list[int]] = []
-    for name in channels:
-        if name.removesuffix("_i") not in view.lights:
-            raise _missing(view.folder, name)
-        found.append(sorted(view.lights[name.removesuffix("_i")]))
-    if any(numbers != found[0] for numbers in found):
-        raise InputError("its channels of lights have not the same lights", place=view.folder)
-    return found[0] if found else []
-
-
-def _missing(folder: Path, channel: str) -> InputError:
-    return InputError(f"it has no channel {channel!r}", place=folder, remedy=_REMEDY)

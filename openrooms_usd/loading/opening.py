@@ -8,11 +8,12 @@ from typing import Final
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading import shards
-from openrooms_usd.loading.files import MOST_CACHED, Files, MissingFileError, files_of
+from openrooms_usd.loading.files import MOST_CACHED, Files, files_of
 from openrooms_usd.loading.folder import INDEX
 from openrooms_usd.loading.source import Form, Selection, Shards, Source
 from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.folder import MANIFEST
+from openrooms_usd.urls import MissingFileError
 
 # What tells a form where nobody names it.
 _SIGNS: Final = {INDEX: "dataset", shards.INDEX: "webdataset", MANIFEST: "render"}

@@ -20,7 +20,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.channels import Channel, definition
+from openrooms_usd.channels import CHANNELS, Channel, definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.sample import Array, Floats, Sample, is_in_picture, is_light
 
@@ -54,7 +54,8 @@ class Resize:
         if self.width < 1 or self.height < 1:
             raise InputError(f"{self.width}x{self.height} is no size of a picture")
         for name in self.averaged:
-            if definition(name).unit in ("id", "m") or definition(name).frame:
+            row = CHANNELS.get(name)
+            if row is None or row.unit in ("id", "m") or row.frame:
                 raise InputError(f"pixels of {name!r} have no mean", place="averaged")
         if (self.width, self.height) == sample.size:
             return sample

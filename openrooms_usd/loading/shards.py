@@ -18,7 +18,7 @@ from pydantic import ValidationError
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files
-from openrooms_usd.loading.folder import Row, needed_files, sample_of
+from openrooms_usd.loading.rendered import needed_files, sample_of
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
 from openrooms_usd.render.manifest_schema import Manifest
@@ -34,27 +34,38 @@ class TarShards:
 
     Attributes:
         files: Where they lie.
-        names: Their paths below the root.
-        count: How many views they hold.
+        counts: How many views each holds, by its path below the root.
         selection: Which of these are wanted.
     """
 
     files: Files
-    names: tuple[str, ...]
-    count: int
+    counts: Mapping[str, int]
     selection: Selection
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Their paths below the root."""
+        return tuple(self.counts)
+
     def __len__(self) -> int:
-        return self.count
+        return sum(self.counts.values())
 
     def stream(self, name: str, channels: Sequence[str]) -> Iterator[Sample]:
         """The views of a shard; see `openrooms_usd.loading.source.Shards`."""
+        place, found = f"{self.files}/{name}", 0
         with self.files.local({name: ""}) as root, untrusted.opened(root / name, "frames") as raw:
-            place = f"{self.files}/{name}"
             for key, parts in _views(raw, place):
+                found += 1
                 sample = self._sample(key, parts, channels, f"{place}:{key}")
                 if sample is not None:
                     yield sample
+        # One that ends too early between two files looks whole to tar.
+        if found != self.counts[name]:
+            raise InputError(
+                f"it holds {found} views, {INDEX} says {self.counts[name]}",
+                place=place,
+                remedy="bring it here again, or write the shards again",
+            )
 
     def _sample(
         self, key: str, parts: Mapping[str, bytes], channels: Sequence[str], place: str
@@ -62,13 +73,11 @@ class TarShards:
         """A view of its files, by what comes after the key and a dot."""
         try:
             said = json.loads(parts["json"])
-            view, about = (
-                str(said["view"]),
-                {what: str(said[what]) for what in ("room", "variant", "split")},
-            )
+            view = str(said["view"])
+            about = {what: str(said[what]) for what in ("room", "variant", "split")}
             whole = {**said["render"], "views": {view: said["entry"]}}
             manifest = Manifest.model_validate_json(json.dumps(whole))
-        except (KeyError, TypeError, ValueError, ValidationError) as error:
+        except (KeyError, TypeError, ValueError, RecursionError, ValidationError) as error:
             reason = " ".join(str(error).split())[:200]
             raise InputError(f"no view of a dataset: {reason}", place=place) from error
         if not self.selection.admits(about["split"], about["variant"], about["room"], view):
@@ -83,7 +92,7 @@ class TarShards:
                 if inner in parts:
                     target.write_bytes(parts[inner])
             rendered = RenderedView(view, Path(folder) / view, entry)
-            return sample_of(rendered, manifest, channels, Row("", view, about, {}))
+            return sample_of(rendered, manifest, channels, about)
 
 
 def _views(stream: IO[bytes], place: str) -> Iterator[tuple[str, dict[str, bytes]]]:
@@ -103,7 +112,8 @@ def _views(stream: IO[bytes], place: str) -> Iterator[tuple[str, dict[str, bytes
                 key, inner = found, archive.extractfile(member)
                 assert inner is not None
                 parts[what] = inner.read()
-    except (tarfile.TarError, EOFError) as error:
+    # The last one: a header that says of itself that another follows, without end.
+    except (tarfile.TarError, EOFError, RecursionError) as error:
         raise InputError(f"a damaged shard: {error}", place=place) from error
     if parts:
         yield key, parts
@@ -123,18 +133,18 @@ class ShardsForm:
         with files.local({INDEX: ""}) as root:
             text = untrusted.read_text(root / INDEX, "json")
         try:
-            rows: list[tuple[str, int]] = [
-                (_path(row["file"]), int(row["samples"]))
+            counts = {
+                _path(row["file"]): int(row["samples"])
                 for split, rows in json.loads(text).items()
                 if not selection.splits or split in selection.splits
                 for row in rows
-            ]
-        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            }
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             place = f"{files}/{INDEX}"
             raise InputError(f"this is no list of shards: {error}", place=place) from error
-        count = sum(samples for _, samples in rows)
-        refuse_nothing(count, files, selection)
-        return TarShards(files, tuple(name for name, _ in rows), count, selection)
+        found = TarShards(files, counts, selection)
+        refuse_nothing(len(found), files, selection)
+        return found
 
 
 def _path(given: Any) -> str:

@@ -65,7 +65,16 @@ class Normalise:
     statistics: Mapping[str, tuple[Sequence[float], Sequence[float]]]
 
     def __call__(self, sample: Sample, rng: np.random.Generator, /) -> Sample:
-        """The sample with ``(value - mean) / deviation`` in these channels."""
+        """The sample with ``(value - mean) / deviation`` in these channels.
+
+        Raises:
+            InputError: It lacks one of them.
+        """
+        if missing := sorted({*self.statistics} - {*sample.images, *sample.lights}):
+            raise InputError(
+                f"there is no {missing[0]!r} to normalise", place=sample.name,
+                remedy="load that channel too, or leave its statistics out; hemispheres have none",
+            )  # fmt: skip
 
         def change(channel: Channel, pixels: Array) -> Array:
             if channel.name not in self.statistics:

@@ -93,6 +93,27 @@ class CompactChannels(Mapping[str, Pixels]):
         return restored(name, parts, np.array(self._entry.K, np.float64), pose)
 
 
+class Numbered(Mapping[int, Pixels]):
+    """Channels by numbers, each read when it is asked for.
+
+    Args:
+        channels: By name.
+        names: Of some of them, by number.
+    """
+
+    def __init__(self, channels: Mapping[str, Pixels], names: Mapping[int, str]) -> None:
+        self._channels, self._names = channels, names
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __getitem__(self, number: int) -> Pixels:
+        return self._channels[self._names[number]]
+
+
 def _scope(name: str) -> str:
     try:
         return definition(name).scope

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from openrooms_usd import names
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
-from openrooms_usd.render.compact import CompactChannels, is_compact, unscaled
+from openrooms_usd.render.compact import CompactChannels, Numbered, is_compact, unscaled
 from openrooms_usd.render.exr import Pixels, read_channels, read_picture
 from openrooms_usd.render.fits import harmonics
 from openrooms_usd.render.folder import CHANNELS_FILE, DENOISED_FILES, LIGHTS_FILE
@@ -110,11 +110,12 @@ class RenderedView:
         return found.astype(np.int64)
 
     @cached_property
-    def lights(self) -> dict[str, dict[int, Pixels]]:
+    def lights(self) -> Mapping[str, Mapping[int, Pixels]]:
         """(height, width, components) by channel name and the light's number; empty without any.
 
         Raises:
-            InputError: The file is damaged, or not of the view's size.
+            InputError: The file is damaged, or not of the view's size; of compact storage this
+                comes when a light is asked for.
         """
         path = self.folder / LIGHTS_FILE
         layers: Mapping[str, Pixels] = {}
@@ -122,11 +123,11 @@ class RenderedView:
             layers = CompactChannels(self.folder, self.entry, "light")
         elif os.path.lexists(path):
             layers = read_channels(path, self.entry.resolution)
-        found: dict[str, dict[int, Pixels]] = {}
-        for name, pixels in layers.items():
+        found: dict[str, dict[int, str]] = {}
+        for name in layers:
             if parts := _NUMBERED.fullmatch(name):
-                found.setdefault(parts[1], {})[int(parts[2])] = pixels
-        return found
+                found.setdefault(parts[1], {})[int(parts[2])] = name
+        return {channel: Numbered(layers, each) for channel, each in found.items()}
 
     @cached_property
     def denoised(self) -> dict[str, Pixels]:

@@ -248,7 +248,7 @@ def _open(view: Path) -> tuple[RenderedScene, RenderedView]:
     )
 
 
-def _contributions(scene: RenderedScene, view: RenderedView) -> dict[int, NDArray[np.float32]]:
+def _contributions(scene: RenderedScene, view: RenderedView) -> Mapping[int, NDArray[np.float32]]:
     found = view.lights.get("radiance", {})
     missing = [light.name for light in scene.lights if light.number not in found]
     if missing or not found:

@@ -72,6 +72,7 @@ RANKS = (
         "lettering",
         "names",
         "untrusted",
+        "urls",
         "version",
     ),
 )
@@ -84,7 +85,7 @@ FOR_CONVERTERS = {
     "library",
     "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
     "colorimetry", "errors", "names", "atomic", "claims", "hdf5", "imagefile", "isolation",
-    "ledger", "loading", "progress", "unpickling", "untrusted", "package",
+    "ledger", "loading", "progress", "unpickling", "untrusted", "urls", "package",
 }  # fmt: skip
 HEAVY = {
     "pxr",

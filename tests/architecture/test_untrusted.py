@@ -10,6 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 # Modules and folders whose paths come from somebody else; more may be added.
 READERS = (
+    "converters/orusd_hypersim",
     "converters/orusd_openrooms",
     "converters/orusd_scans",
     "openrooms_usd/importing/captures.py",
@@ -18,6 +19,7 @@ READERS = (
     "openrooms_usd/hdf5.py",
     "openrooms_usd/imagefile.py",
     "openrooms_usd/ledger.py",
+    "openrooms_usd/loading",
     "openrooms_usd/package.py",
     "openrooms_usd/render",
     "openrooms_usd/usd",
@@ -46,7 +48,9 @@ CALLS = {
 # What is allowed all the same: how often, and why the door has been passed there.
 ALLOWED = {
     ("converters/orusd_openrooms/fits.py", "h5py.File"): "writes",
+    ("converters/orusd_hypersim/hdf5.py", "h5py.File"): "writes",
     ("openrooms_usd/hdf5.py", "h5py.File"): "checked before",
+    ("openrooms_usd/loading/shards.py", "tarfile.open"): "reads the stream of the door",
     ("openrooms_usd/importing/captures.py", "target.read_bytes"): "a file, and compared alone",
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.OpenAsAnonymous"): "looked through before",
     ("openrooms_usd/edits/merging.py", "Usd.Stage.Open"): "layers that were looked through",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.loading import open_source
 from openrooms_usd.render import exr
 from openrooms_usd.render.datasets import DatasetOptions, FinishedRoom
 from openrooms_usd.render.reading import read_render
@@ -64,13 +65,12 @@ def channels(number: int) -> dict[str, np.ndarray]:
     return {name: pixels.astype(np.float32) for name, pixels in found.items()}
 
 
-@pytest.fixture(scope="module")
-def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("render")
+def write_render(folder: Path, count: int) -> Path:
+    """A render of so many views."""
     views = {}
-    for number in range(2):
+    for number in range(count):
         name = f"view_{number}"
-        (folder / name).mkdir()
+        (folder / name).mkdir(parents=True)
         found = channels(number)
         exr.write_channels(folder / name / "channels.exr", found)
         views[name] = {"resolution": [WIDTH, HEIGHT], "K": K.tolist(),
@@ -78,11 +78,37 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
     legend = {"instance": {"1": "/World/a", "8": "/World/b"}}
     manifest = {"generator": "openrooms_usd 0.1.0", "views": views, "legend": legend, "lights": []}
     (folder / "manifest.json").write_text(json.dumps(manifest))
-    rooms = [FinishedRoom("r", 7, "val", {"main": read_render(folder)})]
-    out = tmp_path_factory.mktemp("hypersim")
+    return folder
+
+
+def write_scene(render: Path, out: Path) -> Path:
+    rooms = [FinishedRoom("r", 7, "val", {"main": read_render(render)})]
     summary = HypersimDataset().write_rooms(rooms, out, DatasetOptions())
     assert {*summary.missing} == {"tex_coord"}
+    files = [path for path in out.rglob("*") if path.is_file() and path.name[0] != "."]
+    assert summary.files == len(files)
     return out
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    render = write_render(tmp_path_factory.mktemp("render"), 2)
+    return write_scene(render, tmp_path_factory.mktemp("hypersim"))
+
+
+def test_frames_that_are_none_now_go(tmp_path: Path) -> None:
+    """A scene that is written again with fewer views is as if it were written once."""
+    write_scene(write_render(tmp_path / "two", 2), tmp_path / "again")
+    one = write_render(tmp_path / "one", 1)
+    again, once = (write_scene(one, tmp_path / name) for name in ("again", "once"))
+
+    def content(root: Path) -> dict[str, bytes]:
+        files = (path for path in root.rglob("*") if path.is_file())
+        return {path.relative_to(root).as_posix(): path.read_bytes() for path in files}
+
+    assert content(again) == content(once)
+    source = open_source(again, form="hypersim")
+    assert len(source) == 1
 
 
 def read(root: Path, frame: int, name: str) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Views of Hypersim's layout load as what was written, each with its camera."""
 
+import shutil
 from pathlib import Path
 
 import h5py
@@ -8,6 +9,7 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading import open_source
+from orusd_hypersim.hdf5 import write_array
 from tests.hypersim.test_hypersim import HALF, HEIGHT, WIDTH, K, channels, pose, root
 
 __all__ = ["root"]  # the fixture
@@ -42,6 +44,44 @@ def test_what_is_not_there_is_told(root: Path, tmp_path: Path) -> None:
     source = open_source(root, form="hypersim")
     with pytest.raises(InputError, match="do not tell 'base_color'"):
         source.read(0, ["base_color"])
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("metadata_camera_parameters.csv", "M_cam_from_uv_00", "another"),
+        ("metadata_camera_parameters.csv", f"{HEIGHT},{WIDTH}", f"{HEIGHT},wide"),
+        ("metadata_camera_parameters.csv", f"{HEIGHT},{WIDTH}", f"{HEIGHT},inf"),
+        ("metadata_camera_parameters.csv", f"{HEIGHT},{WIDTH}", f"{HEIGHT},0"),
+        ("metadata_camera_parameters.csv", "scene_name", "scene"),
+        ("scenes/ai_001_007/_detail/metadata_scene.csv", "meters_per_asset_unit", "unit"),
+        ("analysis/metadata_images_split_scene_v1.csv", "frame_id", "frame"),
+    ],
+)
+def test_a_table_that_is_none_is_named(
+    file: str, old: str, new: str, root: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(root, copy)
+    text = (copy / file).read_text()
+    assert old in text
+    (copy / file).write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=Path(file).name):
+        open_source(copy, form="hypersim").read(0, ["depth"])
+
+
+def test_arrays_that_are_no_pictures_or_cameras_are_refused(root: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(root, copy)
+    scene = copy / "scenes/ai_001_007"
+    depth = scene / "images/scene_cam_00_geometry_hdf5/frame.0000.depth_meters.hdf5"
+    write_array(depth, np.ones((HEIGHT, WIDTH, 3)))
+    source = open_source(copy, form="hypersim")
+    with pytest.raises(InputError, match=r"depth_meters\.hdf5: 'distance' has the shape"):
+        source.read(0, ["depth"])
+    write_array(scene / "_detail/cam_00/camera_keyframe_positions.hdf5", np.ones((2, 1)))
+    with pytest.raises(InputError, match=r"cam_00: its arrays are no cameras"):
+        open_source(copy, form="hypersim").read(1, ["depth"])
 
 
 @pytest.mark.parametrize("kind", ["text", "group", "outside", "words"])

@@ -9,6 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from benchmarks.scenes import SMALL_ROOM
 from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.sample import Sample
 
@@ -69,20 +70,6 @@ def rng() -> np.random.Generator:
     return np.random.default_rng(7)
 
 
-ROOM = """\
-name: small
-room: office
-seed: 3
-layout:
-  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
-  openings:
-    - {kind: window, wall: 0}
-alignment:
-  objects:
-    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
-    - {category: ceiling_lamp, at: [2, 1.5]}
-materials: {resolution: 16}
-"""
 DATASET = """\
 name: small
 seed: 5
@@ -108,7 +95,9 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("dataset")
     for name in ("one", "two"):
         (folder / name).mkdir()
-        (folder / name / "room.yaml").write_text(ROOM.replace("seed: 3", f"seed: {len(name)}"))
+        (folder / name / "room.yaml").write_text(
+            SMALL_ROOM.replace("seed: 3", f"seed: {len(name)}")
+        )
     (folder / "dataset.yaml").write_text(DATASET)
     words = ["dataset", "run", str(folder / "dataset.yaml"), "-o", str(folder / "out")]
     done = CliRunner().invoke(orusd, words, catch_exceptions=False)

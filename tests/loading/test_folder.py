@@ -12,8 +12,13 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.loading.cropping import Crop
+from openrooms_usd.loading.mirroring import HorizontalFlip
 from openrooms_usd.loading.opening import open_source
+from openrooms_usd.loading.resizing import Resize
 from openrooms_usd.loading.sample import Sample
+from openrooms_usd.loading.transforms import Compose
+from openrooms_usd.render import exr
 
 
 def stored(path: Path, layer: str) -> np.ndarray:
@@ -69,6 +74,51 @@ def test_a_dataset_is_chosen_from(dataset: Path) -> None:
     np.testing.assert_array_equal(found.images["radiance"], stored(path, "radiance"))
     again = pickle.loads(pickle.dumps(train))
     np.testing.assert_array_equal(again.read(0, ["depth"]).images["depth"], found.images["depth"])
+
+
+def test_a_room_without_lights_has_none_of_each(tmp_path: Path) -> None:
+    """They were asked for: that is not the same as a channel that was never rendered."""
+    (tmp_path / "view_0").mkdir()
+    depth = np.ones((6, 8, 1), np.float32)
+    exr.write_channels(tmp_path / "view_0" / "channels.exr", {"depth": depth})
+    manifest = {
+        "generator": "openrooms_usd 0.1.0", "lights": [],
+        "channels": {"depth": {}, "direct_i": {}, "mask_i": {}},
+        "views": {"view_0": {
+            "resolution": [8, 6], "K": [[9.0, 0, 4], [0, 9.0, 3], [0, 0, 1]],
+            "world_from_camera": np.eye(4).tolist(),
+            "files": {"channels": "view_0/channels.exr"}, "channels": {"depth": {}},
+        }},
+    }  # fmt: skip
+    (tmp_path / "manifest.json").write_text(json.dumps(manifest))
+    source = open_source(tmp_path)
+    found = source.read(0, ("depth", "direct_i", "mask_i"))
+    assert found.lights["direct_i"].shape == (0, 6, 8, 3)
+    assert found.lights["mask_i"].shape == (0, 6, 8, 1)
+    assert found.light_numbers == () and found.world_from_box.shape == (0, 4, 4)
+    change = Compose([Crop(0, 0, 4, 4), HorizontalFlip(1.0), Resize(2, 2)])
+    changed = change(found, np.random.default_rng(0))
+    assert changed.lights["direct_i"].shape == (0, 2, 2, 3)
+    with pytest.raises(InputError, match="has no channel 'visibility_i'"):
+        source.read(0, ("visibility_i",))
+
+
+def test_what_is_opened_again_is_read_again(rendered: Path, tmp_path: Path) -> None:
+    """A render in the place of another one has its own camera, in the same process too."""
+    shutil.copytree(rendered, tmp_path / "render")
+    path = tmp_path / "render" / "manifest.json"
+    before = open_source(tmp_path / "render").read(0, ("depth",))
+    manifest = json.loads(path.read_text())
+    manifest["views"]["view_0"]["K"][0][0] *= 2.0
+    path.write_text(json.dumps(manifest))
+    after = open_source(tmp_path / "render").read(0, ("depth",))
+    assert after.K[0, 0] == 2.0 * before.K[0, 0]
+
+
+def test_a_render_has_no_splits_to_choose_by(rendered: Path) -> None:
+    assert len(open_source(rendered, views=["view_0"])) == 1
+    with pytest.raises(InputError, match="no view is there of"):
+        open_source(rendered, split="train")
 
 
 def test_mistakes_are_told(dataset: Path, tmp_path: Path) -> None:

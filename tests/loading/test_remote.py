@@ -1,8 +1,11 @@
 """Datasets behind a URL: the same arrays, a cache that stays small, and what goes wrong there."""
 
 import functools
+import hashlib
 import http.server
+import os
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from openrooms_usd import unfinished
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import RemoteFiles
 from openrooms_usd.loading.opening import open_source
@@ -21,10 +25,11 @@ CHANNELS = ("radiance", "depth", "instance")
 
 
 class Server(http.server.ThreadingHTTPServer):
-    """Serves a folder, and counts what it is asked for."""
+    """Serves a folder, and counts what it is asked for; some answers may break off."""
 
     def __init__(self, folder: Path) -> None:
         self.asked: list[str] = []
+        self.breaks = 0
         super().__init__(("127.0.0.1", 0), functools.partial(Handler, directory=str(folder)))
 
     @property
@@ -39,7 +44,20 @@ class Handler(http.server.SimpleHTTPRequestHandler):
     def do_GET(self) -> None:
         assert isinstance(self.server, Server)
         self.server.asked.append(self.path)
-        super().do_GET()
+        if self.path.endswith(".exr") and self.server.breaks:
+            self.server.breaks -= 1
+            self.break_off()
+        else:
+            super().do_GET()
+
+    def break_off(self) -> None:
+        """Promise a whole file, and send half of it."""
+        data = Path(self.translate_path(self.path)).read_bytes()
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(data)))
+        self.end_headers()
+        self.wfile.write(data[: len(data) // 2])
+        self.close_connection = True
 
 
 @contextmanager
@@ -111,6 +129,60 @@ def test_of_compact_renders_only_what_is_needed_is_fetched(
         }
 
 
+@pytest.mark.slow
+def test_of_lights_only_what_is_needed_is_fetched(composed_demo: Path, tmp_path: Path) -> None:
+    """Masks lie in another file than light."""
+    pytest.importorskip("aiohttp")
+    names = ("direct_i", "mask_i")
+    words = ("--camera", "view_0", "--storage", "compact")
+    render(composed_demo, tmp_path / "there", (16, 12), ",".join(names), *words)
+    here = open_source(tmp_path / "there").read(0, names)
+    assert len(here.light_numbers) > 1
+    with serving(tmp_path / "there") as server:
+        there = open_source(server.url, cache=tmp_path / "cache")
+        for name, file in (("mask_i", "masks"), ("direct_i", "lights")):
+            server.asked.clear()
+            found = there.read(0, (name,))
+            np.testing.assert_array_equal(found.lights[name], here.lights[name])
+            assert found.light_numbers == here.light_numbers
+            asked = {path for path in server.asked if path.endswith(".exr")}
+            assert asked == {f"/view_0/{file}.exr"}
+
+
+def test_what_breaks_off_is_asked_for_again(server: Server, dataset: Path, tmp_path: Path) -> None:
+    expected = open_source(dataset).read(0, CHANNELS)
+    there = open_source(server.url, cache=tmp_path)
+    server.breaks = 99
+    with pytest.raises(InputError, match=r"channels\.exr: cannot read it"):
+        there.read(0, CHANNELS)
+    assert len([path for path in server.asked if path.endswith(".exr")]) == 3
+    assert [path.name for path in tmp_path.iterdir()] == ["locks"]
+    server.breaks = 1
+    found = there.read(0, CHANNELS)
+    np.testing.assert_array_equal(found.images["radiance"], expected.images["radiance"])
+
+
+def test_the_cache_leaves_alone_what_another_process_fetches(tmp_path: Path) -> None:
+    memory = fsspec.filesystem("memory")
+    sums = {}
+    for name in ("a.exr", "b.exr"):
+        memory.pipe_file(f"/fetched/{name}", name.encode() * 1000)
+        sums[name] = hashlib.sha256(name.encode() * 1000).hexdigest()
+    files = RemoteFiles("memory://fetched", tmp_path, most=0)
+    begun, given_up = (unfinished.beside(tmp_path / name) for name in ("0" * 64, "1" * 64))
+    for folder, days in ((begun, 0), (given_up, 2)):
+        folder.mkdir()
+        (folder / "part.exr").write_bytes(b"a part")
+        when = time.time() - 86_400 * days
+        os.utime(folder, (when, when))
+    for name, sha in sums.items():
+        with files.local({name: sha}) as root:
+            assert (root / name).read_bytes() == name.encode() * 1000
+    assert (begun / "part.exr").exists() and not given_up.exists()
+    kept = [path for path in tmp_path.rglob("*.exr") if path.parent != begun]
+    assert [path.name for path in kept] == ["b.exr"]
+
+
 def test_the_cache_is_of_bounded_size(server: Server, dataset: Path, tmp_path: Path) -> None:
     size = (dataset / "renders/room_one/main/view_0/channels.exr").stat().st_size
     source = open_source(server.url, cache=tmp_path, most_cached=int(2.5 * size))
@@ -145,7 +217,7 @@ def test_what_is_not_what_the_index_says_is_refused(dataset: Path, tmp_path: Pat
 def test_a_url_without_a_dataset_is_told(server: Server, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"neither index\.jsonl nor .* nor manifest\.json"):
         open_source(f"{server.url}/renders", cache=tmp_path)
-    with pytest.raises(InputError, match="no URL that can be read"):
+    with pytest.raises(InputError, match="no URL that can be opened"):
         open_source("nonsense://there", cache=tmp_path)
 
 

@@ -2,6 +2,7 @@
 
 import io
 import json
+import shutil
 import tarfile
 from collections import Counter
 from pathlib import Path
@@ -118,6 +119,38 @@ def test_epochs_and_seeds_draw_another_order(shards: Path, torch: ModuleType) ->
     assert names(1, 0, shuffle=1) == names(2, 5, shuffle=1) == stored
     with pytest.raises(InputError, match="no replica 2 of 2"):
         names(1, 0, rank=2, replicas=2)
+
+
+def test_a_shard_that_ends_too_early_is_told(shards: Path, tmp_path: Path) -> None:
+    """Also between two views, where a tar file without its end looks whole."""
+    copy = tmp_path / "copy"
+    shutil.copytree(shards, copy)
+    source = open_source(copy)
+    shard = copy / source.names[0]
+    with tarfile.open(shard) as archive:
+        second = archive.getmembers()[2].offset
+    whole = shard.read_bytes()
+    shard.write_bytes(whole[:second])
+    with pytest.raises(InputError, match=r"holds 1 views, shards\.json says 2"):
+        list(source.stream(source.names[0], ("valid",)))
+    shard.write_bytes(whole[: second + 700])
+    with pytest.raises(InputError, match="a damaged shard"):
+        list(source.stream(source.names[0], ("valid",)))
+
+
+def test_nothing_nests_without_end(shards: Path, tmp_path: Path) -> None:
+    """Neither lists in JSON nor headers of tar that another one follows."""
+    longer = tarfile.TarInfo("a")
+    longer.type, longer.size = tarfile.GNUTYPE_LONGNAME, 2
+    block = longer.tobuf(tarfile.GNU_FORMAT) + b"a".ljust(512, b"\0")
+    (tmp_path / "a.tar").write_bytes(block * 5000)
+    (tmp_path / "shards.json").write_text('{"train": [{"file": "a.tar", "samples": 1}]}')
+    with pytest.raises(InputError, match="a damaged shard"):
+        list(open_source(tmp_path).stream("a.tar", ("depth",)))
+    for name in ("shards.json", "index.jsonl"):
+        (tmp_path / name).write_text("[" * 100_000)
+        with pytest.raises(InputError, match="this is no l"):
+            open_source(tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,26 @@ def test_lights_are_filled_up_and_told(sample: Sample, torch: ModuleType) -> Non
     torch.testing.assert_close(whole[0], batch["radiance"][0], rtol=1e-4, atol=1.0)
 
 
+def test_rooms_with_and_without_lights_go_together(sample: Sample) -> None:
+    from dataclasses import replace
+
+    from openrooms_usd.loading.tensors import collate, tensors_of
+
+    dark = replace(
+        sample,
+        lights={name: lights[:0] for name, lights in sample.lights.items()},
+        light_numbers=(),
+        world_from_box=sample.world_from_box[:0],
+        box_size=sample.box_size[:0],
+    )
+    lamps = len(sample.light_numbers)
+    batch = collate([tensors_of(dark), tensors_of(sample)])
+    assert batch["light_mask"].sum(dim=1).tolist() == [0, lamps]
+    assert batch["radiance_i"].shape[:2] == (2, lamps)
+    alone = collate([tensors_of(dark)])
+    assert alone["light_mask"].shape == (1, 0)
+
+
 def test_what_does_not_go_together_is_told(sample: Sample) -> None:
     from openrooms_usd.loading.cropping import Crop
     from openrooms_usd.loading.tensors import collate, tensors_of

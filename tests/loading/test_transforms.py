@@ -290,6 +290,13 @@ def test_normalise_centres(sample: Sample, rng: np.random.Generator) -> None:
     np.testing.assert_allclose(found.std(0), 1.0, rtol=1e-3)
 
 
+def test_channels_that_are_not_there_are_told(sample: Sample, rng: np.random.Generator) -> None:
+    with pytest.raises(InputError, match="no 'base_colour' to normalise"):
+        Normalise({"base_colour": ([0.5], [1.0])})(sample, rng)
+    with pytest.raises(InputError, match="'base_colour' have no mean"):
+        Resize(31, 23, averaged=("base_colour",))(sample, rng)
+
+
 def test_parts_keep_to_the_cells_of_hemispheres(sample: Sample) -> None:
     with pytest.raises(InputError, match="cuts through cells"):
         Crop(2, 0, 24, 16)(sample, np.random.default_rng(0))
