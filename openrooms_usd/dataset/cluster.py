@@ -20,10 +20,6 @@ from openrooms_usd.errors import InputError
 _GIB: Final = 2**30
 _MOST: Final = 1e6
 _LONGEST_REASON: Final = 300  # characters
-_CLIENT: Final = "ray://"
-
-# Else it says on standard output who has died, and warns of workers without a GPU.
-_QUIET: Final = {"RAY_DEDUP_LOGS_SKIP_REGEX": ".", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
 
 Needs = dict[str, Any]
 """Of each worker, as Ray calls it."""

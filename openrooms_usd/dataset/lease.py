@@ -17,6 +17,7 @@ from typing import Final
 
 from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.errors import OrusdError, OutputError
+from openrooms_usd.urls import shown
 
 FILE: Final = ".orusd.lease.json"
 # How often the holder writes, how long one waits for that, and how long a claim is let rest.
@@ -48,7 +49,7 @@ class Lease:
         if self.lost:
             raise OutputError(
                 "another run has taken this dataset over",
-                place=self._remote.url,
+                place=shown(self._remote.url),
                 remedy="let that one go on; what was finished here stays",
             )
 
@@ -78,9 +79,12 @@ class Lease:
                 self._beats += 1
                 self._remote.put_text(FILE, self._text())
 
-    def give_back(self) -> None:
-        """Let others have it."""
+    def end(self) -> None:
+        """Say no more that its holder is alive."""
         self._ended.set()
+
+    def give_back(self) -> None:
+        """Let others have it, once nobody keeps it."""
         with suppress(OrusdError):
             if self._is_ours():
                 self._remote.remove([FILE])
@@ -130,7 +134,7 @@ class Lease:
             holder = f"process {int(told['process'])} of {str(told['host'])[:80]}"
         return OutputError(
             f"{holder} is making this dataset",
-            place=self._remote.url,
+            place=shown(self._remote.url),
             remedy="wait until it has ended, or choose another URL",
         )
 
@@ -149,5 +153,7 @@ def leased(remote: RemoteFolder) -> Iterator[Lease]:
     try:
         yield lease
     finally:
+        # What its keeper was writing would stand there again after it is removed.
+        lease.end()
+        keeper.join(STALE_S)
         lease.give_back()
-        keeper.join(BEAT_S)

@@ -55,13 +55,13 @@ class _Worker:
     def __init__(self, work: Work, task: Task) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
-        self.task = task
         self._process: SpawnProcess = context.Process(
             target=_serve, args=(theirs, work), daemon=True
         )
         self._process.start()
         theirs.close()
-        self.pipe.send(dict(task))
+        # One that has died already is heard of when it is listened to.
+        self.give(task)
 
     def hear(self) -> Told | Lost | None:
         """What it says next; None when it is done with its task."""

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from openrooms_usd import adapters, removal
+from openrooms_usd.codedigest import code_digest
 from openrooms_usd.dataset.plan import Job, view_name
 from openrooms_usd.dataset.scratch import fetched
 from openrooms_usd.dataset.store import Store, write_json
@@ -113,10 +114,13 @@ def _whole(store: Store, output: Output, pieces: Callable[[], Iterator[_Piece]])
     if all(piece.is_written for piece in pieces()):
         yield
         return
-    for piece in pieces():
-        removal.remove_file(piece.done)
+    stale = [piece.done for piece in pieces() if os.path.lexists(piece.done)]
+    for done in stale:
+        removal.remove_file(done)
     yield
     folder = store.root / OUTPUTS / output.kind
+    # From here on it is neither the old one nor the new one, until the new one stands there.
+    store.remote.remove(store.name_of(done) for done in stale)
     before = store.remote.names(f"{store.name_of(folder)}/")
     store.put([folder])
     store.remote.remove(name for name in before if not (store.root / name).is_file())
@@ -189,7 +193,7 @@ def _by_room(store: Store, output: Output, writer: DatasetWriter) -> Iterator[_P
 
 def _of_room(store: Store, output: Output, writer: DatasetWriter, jobs: list[Job]) -> _Piece:
     def write() -> list[DatasetSummary]:
-        with fetched(store, *jobs):
+        with fetched(store, *jobs, scenes=output.scenes):
             return list(_forms(store, output, writer, jobs))
 
     name = jobs[0].room.name
@@ -244,10 +248,14 @@ def _shared_views(renders: list[RenderedScene]) -> list[RenderedScene]:
 
 
 def _key(store: Store, output: Output, jobs: Iterable[Job]) -> str:
-    """What determines a form: the files of all its views, and what is asked for."""
-    digest = hashlib.sha256(json.dumps(output.model_dump(mode="json")).encode())
+    """What determines a form: code, what is asked for, and the rooms with the files of all views.
+
+    A room's number is part of what many forms call it: one that is put before it moves it on.
+    """
+    code = code_digest(adapters.find(adapters.DATASETS, output.kind).module)
+    digest = hashlib.sha256(json.dumps([code, output.model_dump(mode="json")]).encode())
     for job in jobs:
         for _, record in store.records(job):
-            told = [job.room.split, record["unit"], record["files"]]
+            told = [job.room.number, job.room.split, record["unit"], record["files"]]
             digest.update(json.dumps(told, sort_keys=True).encode())
     return digest.hexdigest()

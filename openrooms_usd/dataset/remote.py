@@ -1,18 +1,15 @@
 """Files of a dataset behind a URL: each comes whole or not at all, and in the order they are put.
 
-Any URL of fsspec will do, such as ``s3://bucket/name``. Who may read and write there is known from
-where its package looks, as the environment; nothing of it is written anywhere.
+Any URL of fsspec will do, such as ``s3://bucket/name`` (`openrooms_usd.urls`).
 """
 
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from functools import lru_cache
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Final, TypeVar
 
-from openrooms_usd import atomic
-from openrooms_usd.errors import InputError, MissingPackageError, OutputError
+from openrooms_usd import atomic, urls
+from openrooms_usd.errors import OutputError
 from openrooms_usd.untrusted import inside
 
 # Files that are asked for at once: so many answers are kept in memory.
@@ -34,8 +31,7 @@ class RemoteFolder:
 
     def __init__(self, url: str) -> None:
         self.url = url.rstrip("/")
-        self._system, root = _system(self.url, os.getpid())
-        self._root = root.rstrip("/")
+        self._system, self._root = urls.file_system(self.url)
 
     def put(self, folder: Path, names: Iterable[str]) -> None:
         """Put files of a folder there; which of them comes first is open.
@@ -87,7 +83,7 @@ class RemoteFolder:
             InputError: It cannot be read.
         """
         found: bytes | None = None
-        with self._reading(), suppress(FileNotFoundError):
+        with suppress(urls.MissingFileError), urls.reading(f"{self.url}/{name}"):
             found = self._system.cat_file(f"{self._root}/{name}")
         return found
 
@@ -99,14 +95,14 @@ class RemoteFolder:
             OutputError: The folder cannot be written.
         """
         for batch in _batches(names):
-            with self._reading():
+            with urls.reading(self.url):
                 found = self._system.cat(self._paths(batch), on_error="return")
             for name, path in zip(batch, self._paths(batch), strict=True):
                 data = found[path]
                 if isinstance(data, bytes):
                     atomic.write_bytes(inside(folder, name), data)
                 elif not isinstance(data, FileNotFoundError):
-                    raise self._unreadable(data) from data
+                    raise urls.unreadable(f"{self.url}/{name}", data) from data
 
     def get_all(self, prefix: str, folder: Path) -> None:
         """Bring all that lies below a name into a folder.
@@ -118,7 +114,7 @@ class RemoteFolder:
             targets = [inside(folder, name) for name in batch]
             for target in targets:
                 target.parent.mkdir(parents=True, exist_ok=True)
-            with self._reading():
+            with urls.reading(f"{self.url}/{prefix}"):
                 self._system.get(self._paths(batch), [str(target) for target in targets])
 
     def names(self, prefix: str) -> list[str]:
@@ -127,7 +123,8 @@ class RemoteFolder:
         Raises:
             InputError: They cannot be listed.
         """
-        with self._reading():
+        found: list[str] = []
+        with suppress(urls.MissingFileError), urls.reading(f"{self.url}/{prefix}"):
             found = self._system.find(f"{self._root}/{prefix}")
         return sorted(path.removeprefix(f"{self._root}/") for path in found)
 
@@ -138,7 +135,7 @@ class RemoteFolder:
             InputError: They cannot be listed.
         """
         found: list[str] = []
-        with suppress(FileNotFoundError), self._reading():
+        with suppress(urls.MissingFileError), urls.reading(f"{self.url}/{prefix}"):
             found = self._system.ls(f"{self._root}/{prefix}", detail=False)
         return {path.rstrip("/").rpartition("/")[2] for path in found}
 
@@ -156,31 +153,16 @@ class RemoteFolder:
         return [f"{self._root}/{name}" for name in names]
 
     @contextmanager
-    def _reading(self) -> Iterator[None]:
-        try:
-            yield
-        except FileNotFoundError:
-            raise
-        # What stands behind a URL raises what it likes.
-        except Exception as error:
-            raise self._unreadable(error) from error
-
-    @contextmanager
     def _writing(self) -> Iterator[None]:
         try:
             yield
-        except FileNotFoundError as error:
-            raise OutputError(
-                f"cannot write: {error}", place=self.url, remedy="make the bucket first"
-            ) from error
         except Exception as error:
+            is_missing = isinstance(error, FileNotFoundError)
             raise OutputError(
-                f"cannot write: {error}", place=self.url, remedy="check the URL and who may write"
+                f"cannot write: {urls.shown(error)}",
+                place=urls.shown(self.url),
+                remedy="make the bucket first" if is_missing else "check the URL and who may write",
             ) from error
-
-    def _unreadable(self, error: BaseException) -> InputError:
-        remedy = "check the URL and who may read"
-        return InputError(f"cannot read: {error}", place=self.url, remedy=remedy)
 
 
 def _batches(items: Iterable[Item]) -> Iterator[list[Item]]:
@@ -192,20 +174,3 @@ def _batches(items: Iterable[Item]) -> Iterator[list[Item]]:
             batch = []
     if batch:
         yield batch
-
-
-@lru_cache(maxsize=8)
-def _system(url: str, process: int) -> tuple[Any, str]:
-    """The file system of a URL, one for each process: connections do not survive a fork."""
-    try:
-        import fsspec
-
-        system, root = fsspec.core.url_to_fs(url, use_listings_cache=False)
-    except ImportError as error:
-        raise MissingPackageError(
-            f"{url} needs a package that cannot be imported ({error})",
-            remedy="pip install openrooms-usd[remote]",
-        ) from error
-    except ValueError as error:
-        raise InputError(f"no URL that files can be put to: {error}", place=url) from error
-    return system, root

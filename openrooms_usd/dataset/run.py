@@ -20,6 +20,7 @@ from openrooms_usd.errors import OrusdError, OutputError
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import check_needs
 from openrooms_usd.untrusted import read_bytes
+from openrooms_usd.urls import shown
 
 LOCAL: Final = "local"
 _CUDA: Final = "cuda"
@@ -137,7 +138,7 @@ def _keep_file(store: Store, file: Path, dataset: Dataset) -> None:
         if known != data and load_dataset(store.file).name != dataset.name:
             raise OutputError(
                 "this is the folder of another dataset",
-                place=store.remote.url if store.remote else store.file,
+                place=shown(store.remote.url) if store.remote else store.file,
                 remedy="choose another folder, or give the dataset its name",
             )
         if known == data:
@@ -205,18 +206,29 @@ class _Run:
             views = left.setdefault(job.key, list(job.views))
             if isinstance(told, Lost):
                 lost = begun.pop(job.key, None)
-                reason = {"code": "lost", "reason": told.reason}
                 # Before the first view is begun it is the room that kills its worker.
                 for view in list(views) if lost is None else [lost]:
-                    self._fail(job, view, reason)
+                    self._lose(job, view, told.reason, was_begun=lost is not None)
                     views.remove(view)
                 if views:
-                    yield replace(job, views=tuple(left.pop(job.key)))
-                continue
-            self._hear(job, told, views, begun)
+                    yield replace(job, views=tuple(views))
+                    views.clear()
+            else:
+                self._hear(job, told, views, begun)
             if not views:
                 # Of a million jobs only those that are worked on are kept in mind.
                 left.pop(job.key)
+
+    def _lose(self, job: Job, view: int, reason: str, *, was_begun: bool) -> None:
+        """Take note of a worker that died; what it had finished or told in this round stands."""
+        if was_begun:
+            fetch_unit(self.store, job, view)
+        if self.store.is_finished(job, view):
+            # Told already, unless it died between the record and the word of it.
+            self.made += was_begun
+            self._show(job, view)
+        elif f"{job.name}/{view_name(view)}" not in self.failed:
+            self._fail(job, view, {"code": "lost", "reason": reason})
 
     def _hear(self, job: Job, told: Told, views: list[int], begun: dict[str, int]) -> None:
         self.check()

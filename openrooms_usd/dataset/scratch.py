@@ -20,6 +20,7 @@ from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.dataset.store import FILE, KNOWN, PLAN, Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import check_writable
+from openrooms_usd.urls import is_url, shown
 
 Root = Path | str
 """Where a dataset lies: a folder, or a URL."""
@@ -31,7 +32,7 @@ _LOCK: Final = ".orusd.lock"
 def root_of(text: str | os.PathLike[str]) -> Root:
     """A folder, or a URL where it reads like one."""
     given = os.fspath(text)
-    return given if "://" in given else Path(given)
+    return given if is_url(given) else Path(given)
 
 
 @contextmanager
@@ -61,7 +62,7 @@ def fetch_all(store: Store) -> None:
     store.remote.get([FILE, PLAN], store.root)
     if not (store.root / PLAN).is_file():
         raise InputError(
-            "no dataset is there", place=store.remote.url, remedy="give the URL of a dataset"
+            "no dataset is there", place=shown(store.remote.url), remedy="give the URL of a dataset"
         )
     fetch_known(store)
 
@@ -92,8 +93,13 @@ def fetch_unit(store: Store, job: Job, view: int) -> None:
 
 
 @contextmanager
-def fetched(store: Store, *jobs: Job) -> Iterator[None]:
+def fetched(store: Store, *jobs: Job, scenes: bool = False) -> Iterator[None]:
     """Have the renders of jobs here, as long as the block lasts.
+
+    Args:
+        store: Where everything lies.
+        *jobs: The jobs.
+        scenes: Whether their composed rooms are needed, too.
 
     Raises:
         InputError: They cannot be read.
@@ -101,13 +107,15 @@ def fetched(store: Store, *jobs: Job) -> Iterator[None]:
     if store.remote is None:
         yield
         return
+    folders = [store.render(job) for job in jobs]
+    folders += [store.scene(job) for job in jobs if scenes]
     try:
-        for job in jobs:
-            store.remote.get_all(f"renders/{job.name}/", store.root)
+        for folder in folders:
+            store.remote.get_all(f"{store.name_of(folder)}/", store.root)
         yield
     finally:
-        for job in jobs:
-            removal.remove_tree(store.render(job))
+        for folder in folders:
+            removal.remove_tree(folder)
 
 
 def _known(store: Store, job: Job, views: tuple[int, ...]) -> Iterator[str]:

@@ -32,18 +32,7 @@ class ParquetIndex:
         options: DatasetOptions,
         progress: Progress = silent,
     ) -> DatasetSummary:
-        """Write the table.
-
-        Args:
-            rooms: With what the index says of their views.
-            root: The folder of the table.
-            options: Nothing of them.
-            progress: Called with each room and a fraction.
-
-        Raises:
-            InputError: These are single renders, of which there is no index.
-            OutputError: The table cannot be written.
-        """
+        """Write the table, for which rooms need ``rows``; see `render.datasets.RoomsWriter`."""
         import pyarrow.parquet
 
         rows, counts = _rows(rooms, progress), dict[str, list[int]]()

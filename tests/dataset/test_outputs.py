@@ -2,17 +2,27 @@
 
 import json
 import shutil
+import tarfile
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from openrooms_usd.dataset import outputs
 from openrooms_usd.dataset.finish import finish
+from openrooms_usd.dataset.remote import RemoteFolder
+from openrooms_usd.dataset.scratch import fetch_all, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import load_dataset
 from openrooms_usd.description.dataset import Dataset, Output
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.loading import open_source
 from openrooms_usd.render.datasets import write_dataset
 from openrooms_usd.render.reading import read_render
+
+CHANNELS = ("radiance", "depth", "instance", "valid")
 
 
 @pytest.fixture
@@ -27,6 +37,14 @@ def asking(dataset: Dataset, **output: object) -> Dataset:
     return dataset.model_copy(update={"outputs": (Output.model_validate(output),)})
 
 
+def there(store: Store, tmp_path: Path) -> RemoteFolder:
+    """A copy of a dataset behind a URL."""
+    remote = RemoteFolder(f"memory://{tmp_path.name}")
+    files = [store.name_of(path) for path in store.root.rglob("*") if path.is_file()]
+    remote.put(store.root, [name for name in files if "/.orusd." not in f"/{name}"])
+    return remote
+
+
 def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> None:
     store, dataset = finished
     wished = asking(dataset, **{"as": "webdataset"})
@@ -34,6 +52,16 @@ def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> Non
     folder = store.root / "outputs/webdataset"
     listed = json.loads((folder / "shards.json").read_text())
     assert sum(row["samples"] for rows in listed.values() for row in rows) == 4
+    # What trains on them sees what lies there as renders.
+    shards, views = open_source(folder), open_source(store.root)
+    found = {view.name: view for name in shards.names for view in shards.stream(name, CHANNELS)}
+    assert len(found) == len(views) == 4
+    for number in range(4):
+        view = views.read(number, CHANNELS)
+        assert found[view.name].about == view.about
+        np.testing.assert_array_equal(found[view.name].K, view.K)
+        for name in CHANNELS:
+            np.testing.assert_array_equal(found[view.name].images[name], view.images[name])
     shard = folder / next(iter(listed.values()))[0]["file"]
     before = (shard.read_bytes(), shard.stat().st_mtime_ns)
     finish(store, wished)
@@ -41,6 +69,89 @@ def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> Non
     # What is asked for is other: so are the files.
     finish(store, asking(dataset, **{"as": "webdataset", "files": ["channels.exr"]}))
     assert shard.stat().st_size < len(before[0])
+
+
+def test_a_room_that_moves_on_is_written_by_its_new_number(
+    finished: tuple[Store, Dataset],
+) -> None:
+    """As where another one is put before it: its views stay, what forms call it does not."""
+    store, dataset = finished
+    wished = asking(dataset, **{"as": "webdataset"})
+    finish(store, wished)
+    jobs = [
+        replace(job, room=replace(job.room, number=job.room.number + 5)) for job in store.jobs()
+    ]
+    store.write_plan(jobs)
+    finish(store, wished)
+    (shard,) = (store.root / "outputs/webdataset").glob("*/*.tar")
+    with tarfile.open(shard) as archive:
+        assert {name.partition("-")[0] for name in archive.getnames()} == {"0000005"}
+
+
+def test_other_code_writes_a_form_anew(
+    finished: tuple[Store, Dataset], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store, dataset = finished
+    wished, done = asking(dataset, **{"as": "coco"}), store.root / "records/coco.json"
+    finish(store, wished)
+    before = done.read_text()
+    finish(store, wished)
+    assert done.read_text() == before
+    monkeypatch.setattr(outputs, "code_digest", lambda *modules: "other")
+    (annotations,) = (store.root / "outputs/coco/annotations").iterdir()
+    annotations.write_text("of the code before")
+    finish(store, wished)
+    assert done.read_text() != before
+    assert "images" in json.loads(annotations.read_text())
+
+
+def test_behind_a_url_a_form_that_is_half_put_counts_as_none(
+    finished: tuple[Store, Dataset], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also when what is asked for is later what it was before."""
+    pytest.importorskip("fsspec")
+    store, dataset = finished
+    remote = there(store, tmp_path)
+    first, other = (asking(dataset, **{"as": "webdataset", **how}) for how in ({}, {"shard_mb": 9}))
+    put = Store.put
+
+    def breaks(store: Store, paths: Iterable[Path]) -> None:
+        listed = list(paths)
+        put(store, listed)
+        if any(path.name == "webdataset" for path in listed):
+            raise OutputError("the line is cut")
+
+    def written(wished: Dataset) -> None:
+        with store_at(remote.url) as store:
+            fetch_all(store)
+            finish(store, wished)
+
+    written(first)
+    assert remote.read("records/webdataset.json")
+    with monkeypatch.context() as patch, pytest.raises(OutputError, match="the line is cut"):
+        patch.setattr(Store, "put", breaks)
+        written(other)
+    assert remote.read("records/webdataset.json") is None
+    written(first)
+    assert remote.read("records/webdataset.json")
+
+
+def test_behind_a_url_forms_have_the_composed_rooms_too(
+    finished: tuple[Store, Dataset], tmp_path: Path
+) -> None:
+    pytest.importorskip("fsspec")
+    store, dataset = finished
+    remote = there(store, tmp_path)
+    wished = asking(dataset, **{"as": "openrooms", "scenes": True})
+    notes = finish(store, wished)
+    with store_at(remote.url) as far:
+        fetch_all(far)
+        assert finish(far, wished) == notes
+    home = store.root / "outputs/openrooms"
+    files = {p.relative_to(store.root).as_posix(): p.read_bytes() for p in home.rglob("*")
+             if p.is_file() and not p.name.startswith(".orusd.")}  # fmt: skip
+    assert any(name.endswith("main.xml") for name in files)
+    assert {name: remote.read(name) for name in remote.names("outputs/openrooms/")} == files
 
 
 def test_each_render_is_a_form_of_its_own(finished: tuple[Store, Dataset]) -> None:

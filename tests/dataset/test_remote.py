@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -134,6 +135,33 @@ def test_who_loses_it_is_told(remote: RemoteFolder) -> None:
     assert remote.names("") == [leases.FILE]
 
 
+@pytest.mark.usefixtures("quick")
+def test_what_its_keeper_was_saying_is_not_said_after_the_end(
+    remote: RemoteFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put, began = remote.put_text, threading.Event()
+
+    def slow(name: str, text: str, *, new: bool = False) -> bool:
+        if not new:
+            began.set()
+            time.sleep(0.2)
+        return put(name, text, new=new)
+
+    monkeypatch.setattr(remote, "put_text", slow)
+    with leased(remote):
+        assert began.wait(_PATIENCE_S)
+    time.sleep(0.3)
+    assert remote.names("") == []
+
+
+def test_what_goes_while_it_is_fetched_is_told(
+    remote: RemoteFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote, "names", lambda prefix: ["gone/a.txt"])
+    with pytest.raises(InputError, match="no such file"):
+        remote.get_all("gone/", tmp_path)
+
+
 def test_scratch_goes_and_that_of_the_dead_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -216,6 +244,17 @@ def test_a_run_behind_a_url_has_the_same_bytes(
             (Damage(changed, CHANGED), Damage(missing, MISSING), Damage(f"{home}/none.txt", EXTRA))
         )
     )
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("server")
+def test_of_two_that_begin_together_one_gets_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The server decides: both have looked, and found nothing there."""
+    remote = RemoteFolder(f"{BUCKET}/together")
+    monkeypatch.setattr(remote._system, "exists", lambda path: False)
+    assert remote.put_text("lease", "first", new=True)
+    assert not remote.put_text("lease", "second", new=True)
+    assert remote.read("lease") == b"first"
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from openrooms_usd.dataset import run
 from openrooms_usd.dataset.executor import Lost, Task, Wanted
 from openrooms_usd.dataset.plan import Job, job_of
 from openrooms_usd.dataset.records import SCENE
+from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.work import BEGUN, FAILED, FINISHED
 
@@ -57,7 +58,12 @@ class Pretending:
                 yield {"event": FAILED, "view": view, "reason": reason}
                 continue
             finish(store, job, view)
+            if fate == "dies before it says so":
+                yield Lost("the worker died")
+                return
             yield {"event": FINISHED, "view": view}
+        if self.fate(job.name, -1) == "dies at the end":
+            yield Lost("the worker died")
 
 
 def share(store: Store, job: Job) -> None:
@@ -138,6 +144,28 @@ def test_a_room_that_kills_its_worker_takes_its_views_alone(
     done = run.run_dataset(source, tmp_path / "out")
     assert sorted(done.failed) == [f"{GOOD}/view_0", f"{GOOD}/view_1"]
     assert done.made == 6
+
+
+@pytest.mark.parametrize(("view", "fate"), [(0, "dies before it says so"), (-1, "dies at the end")])
+def test_what_a_dead_worker_had_finished_is_finished(
+    view: int, fate: str, source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+) -> None:
+    crew = pretend(lambda job, at: fate if (job, at) == (GOOD, view) else "")
+    done = run.run_dataset(source, tmp_path / "out")
+    assert (done.failed, done.made) == ({}, 8)
+    assert set(crew.begun.values()) == {1}
+    assert not list((tmp_path / "out").glob("failures/**/*.json"))
+
+
+def test_what_has_failed_is_not_lost_besides(
+    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+) -> None:
+    fates = {(GOOD, 1): "fails", (GOOD, -1): "dies at the end"}
+    pretend(lambda job, view: fates.get((job, view), ""))
+    done = run.run_dataset(source, tmp_path / "out")
+    assert (done.failed, done.made) == ({f"{GOOD}/view_1": "no light"}, 7)
+    (failure,) = status_of(tmp_path / "out").failures
+    assert (failure.reason, failure.attempts) == ("no light", 1)
 
 
 def test_a_disk_that_takes_no_record_of_a_failure_stops_nothing(
