@@ -38,17 +38,9 @@ class WebDataset:
         options: DatasetOptions,
         progress: Progress = silent,
     ) -> DatasetSummary:
-        """Write all rooms: ``train/train-000000.tar`` and so on; a room is in one split.
+        """Write ``train/train-000000.tar`` and so on; see `render.datasets.RoomsWriter`.
 
-        Args:
-            rooms: With all their variants.
-            root: The folder of the shards; those of an earlier writing that are none now go.
-            options: ``shard_mb``, how large a shard may become, and ``files`` of each view.
-            progress: Called with each room and a fraction.
-
-        Raises:
-            InputError: A render is damaged, or lacks a file.
-            OutputError: A shard cannot be written.
+        Of the options it knows ``shard_mb`` and ``files``.
         """
         with replacing_all(root, _LEDGER) as written:
             with ExitStack() as opened:
@@ -84,8 +76,11 @@ class _Shards:
 
     @property
     def listed(self) -> dict[str, list[dict[str, Any]]]:
-        """Of each split the shards: their ``file``, how many ``samples``, their ``bytes``."""
-        return {name: split.rows for name, split in sorted(self._splits.items())}
+        """Of each split the finished shards: ``file``, how many ``samples``, and ``bytes``."""
+        return {
+            name: [row | {"bytes": (self._root / row["file"]).stat().st_size} for row in split.rows]
+            for name, split in sorted(self._splits.items())
+        }
 
 
 class _Split(ExitStack):
@@ -104,19 +99,17 @@ class _Split(ExitStack):
         if self._now is None or self._size + size + _END > self._most:
             self._begin()
         assert self._now is not None
-        files = [*sample.files, "json"]
-        for name in sorted(files):
+        for name in sorted([*sample.files, "json"]):
             if name == "json":
                 self._now.add_text(f"{sample.key}.json", sample.text)
             else:
                 self._now.add_file(f"{sample.key}.{name}", sample.files[name])
         self._size += size
         self.rows[-1]["samples"] += 1
-        self.rows[-1]["bytes"] += size
 
     def _begin(self) -> None:
         # What was written so far appears.
         self.close()
         file = f"{self._name}/{self._name}-{len(self.rows):06d}.tar"
-        self.rows.append({"file": file, "samples": 0, "bytes": 0})
+        self.rows.append({"file": file, "samples": 0})
         self._now, self._size = self.enter_context(archive(self._root / file)), 0

@@ -12,6 +12,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.render.datasets import FinishedRoom
 from openrooms_usd.render.folder import load_manifest
 from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.untrusted import is_plain_name
 
 _KINDS: Final = (".exr", ".npy")
 _NUMBER: Final = re.compile(r"view_([0-9]{1,9})")
@@ -52,8 +53,8 @@ def samples(room: FinishedRoom, wanted: Sequence[str]) -> Iterator[Sample]:
     for variant, render in sorted(room.renders.items()):
         said = load_manifest(render.folder)[1]
         shared = {name: value for name, value in said.items() if name not in _SHARED}
-        views = {_place(name, n): view for n, (name, view) in enumerate(render.views.items())}
-        for number, view in sorted(views.items()):
+        numbers = dict(zip(_numbers([*render.views]), render.views.values(), strict=True))
+        for number, view in sorted(numbers.items()):
             about = {
                 "room": room.name,
                 "split": room.split,
@@ -70,17 +71,19 @@ def samples(room: FinishedRoom, wanted: Sequence[str]) -> Iterator[Sample]:
 _CAMERA: Final = ("K", "world_from_camera", "resolution")
 
 
-def _place(name: str, place: int) -> int:
-    found = _NUMBER.fullmatch(name)
-    return int(found[1]) if found else place
+def _numbers(names: Sequence[str]) -> list[int]:
+    """Of views: those in their names where each has its own there, else their places."""
+    found = [int(said[1]) for name in names if (said := _NUMBER.fullmatch(name))]
+    return found if len(set(found)) == len(names) else [*range(len(names))]
 
 
 def _files(view: RenderedView, wanted: Sequence[str]) -> dict[str, Path]:
     """The files of a view that are in its folder, by name; in folders with dots."""
     if wanted:
         found = {name.replace("/", "."): view.folder / PurePosixPath(name) for name in wanted}
-        for name, path in found.items():
-            if not os.path.lexists(path):
+        for name in wanted:
+            path = view.folder / PurePosixPath(name)
+            if not all(map(is_plain_name, name.split("/"))) or not os.path.lexists(path):
                 raise InputError(
                     f"the view has no file {name!r}",
                     place=view.folder,

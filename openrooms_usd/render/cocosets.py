@@ -32,18 +32,7 @@ class CocoDataset:
         options: DatasetOptions,
         progress: Progress = silent,
     ) -> DatasetSummary:
-        """Write the annotations of all rooms.
-
-        Args:
-            rooms: With all their variants.
-            root: The folder of the annotations.
-            options: ``taxonomy``, whose classes.
-            progress: Called with each room and a fraction.
-
-        Raises:
-            InputError: A render lacks a channel that this needs.
-            OutputError: A file cannot be written.
-        """
+        """Write them by the ``taxonomy`` that is asked for; see `render.datasets.RoomsWriter`."""
         splits: dict[str, Annotations] = {}
         numbers: dict[str, int] = {}
         for room in rooms:

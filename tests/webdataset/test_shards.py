@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import re
 import tarfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,15 +25,14 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
 
-VIEWS = 3
+VIEWS = ("view_0", "view_1", "view_2")
 SPLITS = ("train", "val", "train", "test")
 
 
-def write_render(folder: Path, seed: int) -> None:
+def write_render(folder: Path, seed: int, names: tuple[str, ...] = VIEWS) -> None:
     """A render of few pixels, as the manifest has them."""
     views = {}
-    for number in range(VIEWS):
-        name = f"view_{number}"
+    for number, name in enumerate(names):
         (folder / name).mkdir(parents=True)
         depth = np.random.default_rng([seed, number]).random((6, 8, 1)).astype(np.float32)
         exr.write_channels(folder / name / "channels.exr", {"depth": depth})
@@ -146,6 +146,7 @@ def test_shards_are_no_larger_than_asked(rooms: list[FinishedRoom], tmp_path: Pa
     listed = json.loads((tmp_path / "shards.json").read_text())
     assert {row["file"] for rows in listed.values() for row in rows} == {*sizes}
     assert all(size <= 1_000_000 for size in sizes.values())
+    assert {row["file"]: row["bytes"] for rows in listed.values() for row in rows} == sizes
     # Four views of 240 kB have room in one.
     assert [row["samples"] for row in listed["train"]] == [4, 4, 4]
     # What is no shard any more goes.
@@ -155,10 +156,24 @@ def test_shards_are_no_larger_than_asked(rooms: list[FinishedRoom], tmp_path: Pa
     ]  # fmt: skip
 
 
-def test_a_file_that_no_view_has_is_refused(rooms: list[FinishedRoom], tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no file 'light\.exr'"):
-        written(rooms, tmp_path, files=("light.exr",))
+@pytest.mark.parametrize("name", ["light.exr", "../manifest.json", "/etc/hostname", ""])
+def test_a_file_that_no_view_has_is_refused(
+    name: str, rooms: list[FinishedRoom], tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=re.escape(f"no file {name!r}")):
+        written(rooms, tmp_path, files=(name,))
     assert not list(tmp_path.rglob("*.tar"))
+
+
+def test_views_of_any_names_have_a_key_each(tmp_path: Path) -> None:
+    """Also where one is called as another one is counted."""
+    names = ("hall", "kitchen", "view_1", "view_01")
+    write_render(tmp_path / "render", 0, names)
+    room = FinishedRoom("room", 0, "train", {"main": read_render(tmp_path / "render")})
+    written([room], tmp_path / "out")
+    found = list(samples(tmp_path / "out", "train"))
+    assert sorted(sample["json"]["view"] for sample in found) == sorted(names)  # type: ignore[index]
+    assert [sample["__key__"] for sample in found] == [f"0000000-main-000{n}" for n in range(4)]
 
 
 def test_a_room_that_moves_to_another_split_leaves_the_first(
