@@ -56,8 +56,8 @@ def cautions(
         said = " to ".join(f"{field:g}" for field in dict.fromkeys((fields[0], fields[-1])))
         yield (
             f"the field of view is {said} degrees, and the released loaders take "
-            f"{_RELEASED_FIELD_DEG} or 57 for granted: render with --fov {_RELEASED_FIELD_DEG}, or "
-            "change it in them"
+            f"{_RELEASED_FIELD_DEG} or 57 for granted: use --fov {_RELEASED_FIELD_DEG}, in a "
+            f"dataset.yaml views: {{fov: {_RELEASED_FIELD_DEG}}}, or change it in them"
         )
     shared = readers.read_intrinsics(root / layout.SHARED_INTRINSICS)
     if not all(np.allclose(view.K, shared, rtol=1e-6) for view in views):

@@ -113,7 +113,7 @@ def test_a_matrix_for_all_scenes_is_that_of_the_first(
     notes = write([other], tmp_path / "data", scene="scene0001_00").notes
     assert any(note.startswith("scenes/intrinsic.txt is that of other cameras") for note in notes)
     assert any("the field of view is 77.32 degrees" in note for note in notes)
-    assert any("render with --fov 57.95" in note for note in notes)
+    assert any("use --fov 57.95" in note for note in notes)
     assert (tmp_path / "data/scenes/intrinsic.txt").read_bytes() == first
     # A scene that is written again may change what it wrote itself.
     assert not any("other cameras" in note for note in write([other], tmp_path / "own").notes)

@@ -1,5 +1,6 @@
 """The page: what the records tell, put together and written as one file."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -65,10 +66,12 @@ def write_report(
         price: Of an hour of a core, in any money.
 
     Raises:
-        InputError: There is no dataset.
+        InputError: There is no dataset, or the price is no number.
         MissingPackageError: What draws charts or fills the page is not installed.
         OutputError: The page cannot be written.
     """
+    if price is not None and not math.isfinite(price):
+        raise InputError(f"{price} is no price", place="price", remedy="give a number")
     charts.check_installed()
     template = _environment().get_template(_TEMPLATE)
     with store_at(root) as store:
