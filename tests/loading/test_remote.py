@@ -4,9 +4,11 @@ import functools
 import hashlib
 import http.server
 import os
+import random
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -181,6 +183,26 @@ def test_the_cache_leaves_alone_what_another_process_fetches(tmp_path: Path) -> 
     assert (begun / "part.exr").exists() and not given_up.exists()
     kept = [path for path in tmp_path.rglob("*.exr") if path.parent != begun]
     assert [path.name for path in kept] == ["b.exr"]
+
+
+def test_many_readers_share_a_small_cache(tmp_path: Path) -> None:
+    """Each finds what it reads, while the others make room for what they read."""
+    size, most = 20_000, 60_000
+    source = tmp_path / "source"
+    source.mkdir()
+    for number in range(20):
+        (source / f"{number}.exr").write_bytes(random.Random(number).randbytes(size))
+    sums = {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in source.iterdir()}
+    files = RemoteFiles(f"file://{source}", tmp_path / "cache", most)
+
+    def read(seed: int) -> None:
+        for name in random.Random(seed).choices(sorted(sums), k=40):
+            with files.local({name: sums[name]}) as root:
+                assert hashlib.sha256((root / name).read_bytes()).hexdigest() == sums[name]
+
+    with ThreadPoolExecutor(4) as readers:
+        list(readers.map(read, range(4)))
+    assert sum(path.stat().st_size for path in (tmp_path / "cache").rglob("*.exr")) <= most + size
 
 
 def test_the_cache_is_of_bounded_size(server: Server, dataset: Path, tmp_path: Path) -> None:
