@@ -18,7 +18,7 @@ import click
 import numpy as np
 
 from benchmarks.report import publish, table
-from benchmarks.scenes import orusd
+from benchmarks.scenes import SMALL_ROOM, orusd
 from openrooms_usd import loading
 from openrooms_usd.errors import OrusdError
 from openrooms_usd.loading.source import Shards
@@ -72,7 +72,7 @@ OUTPUTS: Final[dict[str, list[dict[str, Any]]]] = {
 @click.option("--rounds", type=int, default=2, show_default=True, help="That are timed.")
 @click.option("--workers", type=int, multiple=True, default=(0, 1, 2), show_default=True)
 @click.option("--folder", type=click.Path(path_type=Path), help="Where the forms are, and stay.")
-@click.option("--quick", is_flag=True, help="One small room.")
+@click.option("--quick", is_flag=True, help="A small room.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
 def main(
     rooms: int,
@@ -85,15 +85,18 @@ def main(
     quick: bool,
     target: Path | None,
 ) -> None:
+    made: dict[str, Any] = {"types": ["bathroom"], "count": rooms}
     if quick:
-        rooms, views, size, rounds, workers = 1, 2, (64, 48), 1, (0,)
+        made, views, size, rounds, workers = {"files": ["room.yaml"]}, 11, (32, 24), 1, (0,)
     wanted: dict[str, Any] = {
-        "rooms": [{"types": ["bathroom"], "count": rooms}],
+        "rooms": [made],
         "views": {"count": views, "resolution": list(size), "fov": 57.95},
         "budget": {"samples": samples},
     }
     with ExitStack() as stack:
         kept = folder or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        kept.mkdir(parents=True, exist_ok=True)
+        (kept / "room.yaml").write_text(SMALL_ROOM)
         rows = list(measure(kept, wanted, rounds, workers))
     heads = ("form", "MB a view", "channels", *(f"views/s, {n} workers" for n in workers),
              "processor ms a view", "error of radiance", "of depth")  # fmt: skip
@@ -167,7 +170,6 @@ def views_of(source: Any, channels: Sequence[str]) -> Iterator[loading.Sample]:
 
 
 def _run(out: Path, wanted: dict[str, Any]) -> Path:
-    out.parent.mkdir(parents=True, exist_ok=True)
     file = out.with_suffix(".yaml")
     file.write_text(json.dumps(wanted))  # JSON is YAML
     orusd("dataset", "run", file, "-o", out)

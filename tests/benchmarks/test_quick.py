@@ -1,6 +1,7 @@
 """The benchmarks run, and measure what they say."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -36,9 +37,10 @@ def Xform "World"
 """
 
 
-def run(name: str, target: Path, *words: object) -> tuple[str, dict]:
+def run(name: str, target: Path, *words: object, packages: str = "") -> tuple[str, dict]:
     command = [sys.executable, "-m", f"benchmarks.{name}", "--quick", "--json", target, *words]
-    done = subprocess.run([*map(str, command)], cwd=ROOT, capture_output=True, text=True)
+    env = {**os.environ, "PYTHONPATH": packages}
+    done = subprocess.run([*map(str, command)], cwd=ROOT, capture_output=True, text=True, env=env)
     assert done.returncode == 0, done.stderr
     return done.stdout, json.loads(target.read_text())
 
@@ -208,3 +210,28 @@ def test_storage(tmp_path):
     assert 0 < light["half"] < light["dwa 45"] < light["dwa 1000"] < light["SH 2"]
     views = data["room 1"]["views"]
     assert views["compact"] < views["complete"] and "| compact |" in said
+
+
+@pytest.mark.slow
+def test_dataset(tmp_path):
+    pytest.importorskip("mitsuba")
+    _, data = run("dataset", tmp_path / "d.json")
+    (made,) = data["runs"]
+    assert made["samples"] == 4 and 0 < made["error"] < 1 and made["MB_a_view"] > 0
+    phases = sum(made[f"{name}_s"] for name in ("compose", "translation", "render", "output"))
+    assert 0 < phases < made["s_a_view"]
+    (beside,) = data["beside_others"]
+    # 700 s of the clock for 640 x 480 pixels.
+    assert beside["us_a_pixel"] * beside["paper_times"] == pytest.approx(700e6 / (640 * 480))
+    assert data["planning"]["units"] == 10_000
+
+
+@pytest.mark.slow
+def test_loading(tmp_path, torch_packages):
+    """More than ten views: all forms have them in the same order."""
+    pytest.importorskip("mitsuba")
+    _, data = run("loading", tmp_path / "l.json", packages=torch_packages)
+    assert len({row["form"] for row in data["rows"]}) == 5
+    for row in data["rows"]:
+        assert row["errors"]["depth"] < 1e-6 and row["errors"]["radiance"] < 0.03
+        assert all(speed > 0 for speed in row["views_a_second"])
