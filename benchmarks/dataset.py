@@ -75,6 +75,7 @@ def main(
 ) -> None:
     if quick:
         types, rooms, views, size, samples, units = "bathroom", 1, 2, (64, 48), (4,), 10_000
+        channels = "usual"
     wanted: dict[str, Any] = {
         "rooms": [{"types": types.split(","), "count": rooms}],
         "views": {"count": views, "resolution": list(size)},
