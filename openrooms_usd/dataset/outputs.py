@@ -107,7 +107,12 @@ def _whole(store: Store, output: Output, pieces: Callable[[], Iterator[_Piece]])
 
     Here is room for all of it, and it stands that a room is written when everything is there.
     """
+    folder = store.root / OUTPUTS / output.kind
     if store.remote is None:
+        if not folder.is_dir():
+            # Somebody may have removed it: none of its rooms is written then.
+            for piece in pieces():
+                removal.remove_file(piece.done)
         yield
         return
     store.remote.get((store.name_of(piece.done) for piece in pieces()), store.root)
@@ -118,7 +123,6 @@ def _whole(store: Store, output: Output, pieces: Callable[[], Iterator[_Piece]])
     for done in stale:
         removal.remove_file(done)
     yield
-    folder = store.root / OUTPUTS / output.kind
     # From here on it is neither the old one nor the new one, until the new one stands there.
     store.remote.remove(store.name_of(done) for done in stale)
     before = store.remote.names(f"{store.name_of(folder)}/")

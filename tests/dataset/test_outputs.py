@@ -88,6 +88,19 @@ def test_a_room_that_moves_on_is_written_by_its_new_number(
         assert {name.partition("-")[0] for name in archive.getnames()} == {"0000005"}
 
 
+@pytest.mark.parametrize("kind", ["webdataset", "nerf"])
+def test_a_form_that_somebody_removed_is_written_again(
+    kind: str, finished: tuple[Store, Dataset]
+) -> None:
+    store, dataset = finished
+    wished, home = asking(dataset, **{"as": kind}), store.root / "outputs" / kind
+    finish(store, wished)
+    files = sorted(path.relative_to(home) for path in home.rglob("*"))
+    shutil.rmtree(home)
+    finish(store, wished)
+    assert sorted(path.relative_to(home) for path in home.rglob("*")) == files
+
+
 def test_other_code_writes_a_form_anew(
     finished: tuple[Store, Dataset], monkeypatch: pytest.MonkeyPatch
 ) -> None:
