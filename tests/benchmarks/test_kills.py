@@ -6,7 +6,8 @@ from benchmarks.kills import CASES, kills
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", list(CASES))
+# Of datasets it takes minutes; tests/dataset/test_resuming.py kills those.
+@pytest.mark.parametrize("name", [name for name in CASES if name != "dataset"])
 def test_killed_and_run_again(name: str) -> None:
     if name.startswith("render"):
         pytest.importorskip("mitsuba")
