@@ -110,7 +110,14 @@ def convex_room(build: Any) -> Any:
     return room
 
 
-@pytest.mark.parametrize("target", [(0.3, 0.2, -1.0), (0.99, 0.1, 0.2), (0.9, 0.95, 0.9)])
+@pytest.mark.parametrize(
+    "target",
+    [
+        (0.3, 0.2, -1.0),
+        pytest.param((0.99, 0.1, 0.2), marks=pytest.mark.slow),
+        pytest.param((0.9, 0.95, 0.9), marks=pytest.mark.slow),
+    ],
+)
 def test_cells_times_cosine_are_irradiance(
     build: Any, lit: Any, target: tuple[float, float, float]
 ) -> None:
