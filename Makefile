@@ -11,12 +11,13 @@ export PIP_ROOT_USER_ACTION := ignore
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow venv lint types unit check benchmarks fuzz pictures clean
+.PHONY: help demo test slow long venv lint types unit check benchmarks fuzz pictures clean
 
 help:
 	@echo "make demo        compose and render the bundled example into out/demo"
 	@echo "make test        ruff, mypy --strict and pytest without the slow tests"
 	@echo "make slow        the slow tests"
+	@echo "make long        the rest: what slow tests show, for more rooms, lights and moments"
 	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
 	@echo "make check       ruff and mypy"
 	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
@@ -48,7 +49,10 @@ unit: .venv/installed-dev
 	$(PYTEST) -m "not slow"
 
 slow: .venv/installed-dev
-	$(PYTEST) -m slow
+	$(PYTEST) -m "slow and not long"
+
+long: .venv/installed-dev
+	$(PYTEST) -m long
 
 benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks

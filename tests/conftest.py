@@ -57,6 +57,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             if cases[test] % rare.args[0]:
                 item.add_marker(pytest.mark.slow)
             cases[test] += 1
+        if item.get_closest_marker("long"):
+            item.add_marker(pytest.mark.slow)
         grouped = item.get_closest_marker("xdist_group")
         if isinstance(item, pytest.Function) and not grouped and (group := shared_by(item)):
             item.add_marker(pytest.mark.xdist_group(group))

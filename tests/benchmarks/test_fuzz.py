@@ -1,4 +1,4 @@
-"""The fuzz campaign: five hundred cases end well, and nothing that ends badly escapes it."""
+"""The fuzz campaign: its cases end well, and nothing that ends badly escapes it."""
 
 import json
 import random
@@ -30,13 +30,14 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc"
 
 @linux
 @pytest.mark.slow
-def test_whatever_is_read_is_accepted_or_refused_in_a_sentence(tmp_path: Path) -> None:
-    done, found = campaign(tmp_path / "tally.json", "--cases", 500, "--seconds", 60)
+@pytest.mark.parametrize("cases", [200, pytest.param(500, marks=pytest.mark.long)])
+def test_whatever_is_read_is_accepted_or_refused_in_a_sentence(cases: int, tmp_path: Path) -> None:
+    done, found = campaign(tmp_path / "tally.json", "--cases", cases, "--seconds", 60)
     assert found["defects"] == [], done.stdout
     assert done.returncode == 0
     *kinds, total = found["rows"]
-    assert total["cases"] == 500
-    assert total["refused"] > 100 < total["accepted"]
+    assert total["cases"] == cases
+    assert total["refused"] > cases / 5 < total["accepted"]
     skipped = set(found["skipped"])
     assert {row["kind"] for row in kinds} == {kind.name for kind in KINDS} - skipped
 

@@ -5,9 +5,14 @@ import pytest
 from benchmarks.kills import CASES, kills
 
 
+USUAL = ("compose, warm", "render, again", "adopt")
+
+
 @pytest.mark.slow
-# Of datasets it takes minutes; tests/dataset/test_resuming.py kills those.
-@pytest.mark.parametrize("name", [name for name in CASES if name != "dataset"])
+@pytest.mark.parametrize(
+    "name",
+    [name if name in USUAL else pytest.param(name, marks=pytest.mark.long) for name in CASES],
+)
 def test_killed_and_run_again(name: str) -> None:
     if name.startswith("render"):
         pytest.importorskip("mitsuba")

@@ -163,7 +163,7 @@ def test_light(tmp_path):
     assert 0.5 < whole["robust: estimate / truth"] < 3.0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_light_of_every_method(tmp_path):
     pytest.importorskip("mitsuba")
     from orusd_mitsuba import variants

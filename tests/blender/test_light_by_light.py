@@ -218,7 +218,11 @@ def seen_alike(ours: Array, theirs: Array) -> tuple[Array, Array]:
 
 
 @pytest.mark.parametrize(
-    ("room", "camera", "close"), [("example", "overview", CLOSE), ("bedroom", "view_0", {})]
+    ("room", "camera", "close"),
+    [
+        ("example", "overview", CLOSE),
+        pytest.param("bedroom", "view_0", {}, marks=pytest.mark.long),
+    ],
 )
 def test_lamps_and_sky_of_a_room_light_it_alike(
     blender: Blender, request: pytest.FixtureRequest, tmp_path: Path, room: str, camera: str,
@@ -237,6 +241,7 @@ def test_lamps_and_sky_of_a_room_light_it_alike(
         assert np.abs(b - a).sum() <= in_blocks * a.sum(), name
 
 
+@pytest.mark.long
 def test_what_shines_besides_reflecting_diffusely_takes_its_light_from_it_in_cycles(
     blender: Blender, example: Path
 ) -> None:

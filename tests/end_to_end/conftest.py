@@ -96,6 +96,8 @@ GENERATED = (
 )  # fmt: skip
 ROOMS = (("demo",), *GENERATED)
 QUICK = (("bathroom", 11),)
+# Those that are looked at for every change; the rest is long.
+USUAL = (("demo",), ("kitchen", 16), ("living_room", 18), ("stairs", 20))
 
 
 # How much lies about in each type; nothing where it is not named.
@@ -150,8 +152,10 @@ def with_physics(demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Callab
 def marked(room: tuple[str] | tuple[str, int]) -> Any:
     """A room with its worker; the smallest alone is quick."""
     name = "-".join(map(str, room))
-    slow = () if room in QUICK else (pytest.mark.slow,)
-    return pytest.param(room, id=name, marks=[pytest.mark.xdist_group(name), *slow])
+    marks = [pytest.mark.xdist_group(name)]
+    if room not in QUICK:
+        marks.append(pytest.mark.slow if room in USUAL else pytest.mark.long)
+    return pytest.param(room, id=name, marks=marks)
 
 
 @pytest.fixture(scope="session", params=map(marked, ROOMS))

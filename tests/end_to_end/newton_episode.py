@@ -11,7 +11,8 @@ import numpy as np
 import warp as wp
 
 STEP = 2e-3
-ROUNDS = 8
+# With 8, a towel that lies on another hops by 9 mm now and then.
+ROUNDS = 16
 
 
 def main(scene: str, seconds: float) -> None:

@@ -69,7 +69,7 @@ class Engine:
 
 
 ENGINES = (
-    # Seen, by its solver of positions with 8 rounds: 2.7 mm in the example, 6.5 (a towel on one)
+    # Seen, by its solver of positions with 16 rounds: 2.7 mm in the example, 4.8 (a towel on one)
     # in the bedroom; jars turn by 2.8 degrees about their own axes. It knows no friction in joints:
     # a wardrobe's doors of 13 and 29 kg swing by 0.6 degrees a second.
     Engine("newton", 8e-3, 5.0, 2.0),
@@ -86,7 +86,13 @@ ROOMS = {
 pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(params=[pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in ROOMS])
+def marked(name: str) -> Any:
+    """A room with its worker; of the kitchen an episode takes a minute."""
+    long = [pytest.mark.long] if name == "kitchen-1" else []
+    return pytest.param(name, marks=[pytest.mark.xdist_group(name), *long])
+
+
+@pytest.fixture(params=map(marked, ROOMS))
 def room(request: pytest.FixtureRequest, with_physics: Callable[[str], Path]) -> tuple[str, Path]:
     return request.param, with_physics(request.param)
 

@@ -51,8 +51,14 @@ def glowing(scene: Path, target: Path) -> None:
     stage.Save()
 
 
+OTHERS = (("bedroom", 2), ("office", 4))
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "seed"), [("bedroom", 2), ("kitchen", 3), ("office", 4)])
+@pytest.mark.parametrize(
+    ("kind", "seed"),
+    [("kitchen", 3), *(pytest.param(*room, marks=pytest.mark.long) for room in OTHERS)],
+)
 def test_a_glowing_room_shows_no_furniture(kind, seed, tmp_path: Path, show, fastest) -> None:
     scene = closed_room(kind, seed, tmp_path)
     glowing(scene, scene.with_name("glowing.usda"))

@@ -141,7 +141,7 @@ def test_another_object_changes_no_other(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "categories",
-    [["chair", "clock"], pytest.param([*CATEGORIES], marks=pytest.mark.slow)],
+    [["chair", "clock"], pytest.param([*CATEGORIES], marks=pytest.mark.long)],
     ids=["few", "all"],
 )
 def test_equal_bytes_whatever_the_workers(categories: list[str], tmp_path: Path) -> None:

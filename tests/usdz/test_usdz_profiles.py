@@ -258,7 +258,9 @@ def test_usds_own_validators_accept_every_profile(composed_bodies: Path, tmp_pat
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["example", "kitchen", "bedroom"])
+@pytest.mark.parametrize(
+    "name", ["example", "kitchen", pytest.param("bedroom", marks=pytest.mark.long)]
+)
 def test_apples_rules_accept_whole_rooms(name: str, apple: Check, tmp_path: Path) -> None:
     room = copy_example(tmp_path / "source") if name == "example" else ou.generate(name, seed=5)
     scene = ou.compose(room, tmp_path / "out").path
