@@ -4,7 +4,6 @@ import pytest
 
 from benchmarks.kills import CASES, kills
 
-
 USUAL = ("compose, warm", "render, again", "adopt")
 
 

@@ -95,9 +95,7 @@ def test_a_client_sees_the_diffuse_part_of_the_picture(half_hidden: Any, tmp_pat
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "method", ["cache", pytest.param("reference", marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize("method", ["cache", pytest.param("reference", marks=pytest.mark.long)])
 def test_so_it_is_in_a_furnished_room(method: Any, tmp_path: Path) -> None:
     """The bundled example, through its own camera; what the noise of both leaves is told."""
     source = ou.compose(ou.copy_example(tmp_path / "room"), tmp_path / "out").path
