@@ -7,7 +7,8 @@ import select
 import shlex
 import shutil
 import subprocess
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,11 +18,21 @@ import pytest
 
 _EXECUTABLE: Final = os.environ.get("ORUSD_CHROMIUM") or shutil.which("chromium")
 _OPTIONS: Final = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
+    "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars",
     "--no-first-run", "--disable-background-networking", "--disable-extensions",
     "--remote-debugging-pipe",
 )  # fmt: skip
+# WebGL 2 in software costs a process of its own: pages without it go without.
+_FLAT: Final = ("--disable-gpu",)
+_WEBGL: Final = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 _PATIENCE_S: Final = 120.0
+_POLL_S: Final = 0.05
+# Keys that are no letters: their virtual key codes.
+_KEYS: Final = {"Escape": 27, "Enter": 13, "Delete": 46, "Backspace": 8, "Tab": 9, " ": 32,
+                "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40,
+                "Shift": 16, "Control": 17}  # fmt: skip
+_MODIFIERS: Final = {"Alt": 1, "Control": 2, "Meta": 4, "Shift": 8}
+_HELD: Final = {"none": 0, "left": 1, "right": 2, "middle": 4}
 
 needs_chromium = pytest.mark.skipif(_EXECUTABLE is None, reason="Chromium is not installed")
 
@@ -41,10 +52,99 @@ class Page:
     requests: list[str] = field(default_factory=list)
 
     def evaluate(self, expression: str) -> Any:
-        """The value of an expression in the page."""
-        done = self._ask("Runtime.evaluate", expression=expression, returnByValue=True)
+        """The value of an expression in the page; what a promise is settled to."""
+        done = self._ask("Runtime.evaluate", expression=expression, returnByValue=True,
+                         awaitPromise=True)  # fmt: skip
         assert "exceptionDetails" not in done, done
         return done["result"].get("value")
+
+    def wait(self, expression: str, seconds: float = 30.0) -> Any:
+        """The value of an expression as soon as it is true of the page."""
+        end = time.monotonic() + seconds
+        while not (value := self.evaluate(expression)):
+            assert time.monotonic() < end, (f"never true: {expression}", self.messages)
+            time.sleep(_POLL_S)
+        return value
+
+    def move(self, x: float, y: float, button: str = "none", held: Sequence[str] = ()) -> None:
+        """Move the mouse, with a button down where one is named."""
+        self._mouse("mouseMoved", x, y, button, held)
+
+    def press(self, x: float, y: float, button: str = "left", held: Sequence[str] = ()) -> None:
+        """Press a button of the mouse at a place of the window."""
+        self.move(x, y, held=held)
+        self._mouse("mousePressed", x, y, button, held, clickCount=1)
+
+    def release(self, x: float, y: float, button: str = "left", held: Sequence[str] = ()) -> None:
+        """Let a button of the mouse go."""
+        self._mouse("mouseReleased", x, y, button, held, clickCount=1)
+
+    def click(self, x: float, y: float, button: str = "left", held: Sequence[str] = ()) -> None:
+        """Click at a place of the window, with keys held that are named ("Shift", ...)."""
+        self.press(x, y, button, held)
+        self.release(x, y, button, held)
+
+    def click_on(self, selector: str) -> None:
+        """Click into the middle of what a CSS selector finds first."""
+        self.click(*self.middle(selector))
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        """Where the middle of an element is in the window; scrolled there where need be."""
+        found = self.evaluate(
+            f"(() => {{const e = document.querySelector({json.dumps(selector)});"
+            " if (!e) return null;"
+            " e.scrollIntoView({block: 'nearest', inline: 'nearest'});"
+            " const b = e.getBoundingClientRect();"
+            " return [b.x + b.width / 2, b.y + b.height / 2]})()"
+        )
+        assert found is not None, f"the page has no {selector}"
+        return float(found[0]), float(found[1])
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float], button: str = "left",
+             held: Sequence[str] = (), steps: int = 4) -> None:  # fmt: skip
+        """Press at one place, go to another in so many steps, and let go."""
+        self.press(*start, button, held)
+        for step in range(1, steps + 1):
+            share = step / steps
+            x, y = (a + (b - a) * share for a, b in zip(start, end, strict=True))
+            self.move(x, y, button, held)
+        self.release(*end, button, held)
+
+    def wheel(self, x: float, y: float, delta: float) -> None:
+        """Turn the wheel of the mouse; towards the person is more than nought."""
+        self._mouse("mouseWheel", x, y, "none", (), deltaX=0, deltaY=delta)
+
+    def key(self, key: str, held: Sequence[str] = ()) -> None:
+        """Press a key and let it go: a letter, or the name of a key."""
+        self.key_down(key, held)
+        self.key_up(key, held)
+
+    def key_down(self, key: str, held: Sequence[str] = ()) -> None:
+        """Press a key."""
+        text = {"text": "\r" if key == "Enter" else key} if len(key) == 1 or key == "Enter" else {}
+        self._key("keyDown" if text and not set(held) - {"Shift"} else "rawKeyDown", key, held,
+                  **(text if not set(held) - {"Shift"} else {}))  # fmt: skip
+
+    def key_up(self, key: str, held: Sequence[str] = ()) -> None:
+        """Let a key go."""
+        self._key("keyUp", key, held)
+
+    def write(self, text: str) -> None:
+        """Write into the field that has the focus."""
+        self._ask("Input.insertText", text=text)
+
+    def _mouse(
+        self, kind: str, x: float, y: float, button: str, held: Sequence[str], **more: Any
+    ) -> None:
+        down = _HELD[button] if kind != "mouseReleased" else 0
+        self._ask("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, buttons=down,
+                  modifiers=_modifiers(held), **more)  # fmt: skip
+
+    def _key(self, kind: str, key: str, held: Sequence[str], **more: Any) -> None:
+        code = _KEYS.get(key, ord(key[0].upper()))
+        self._ask("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code,
+                  code=f"Key{key.upper()}" if len(key) == 1 and key.isalpha() else key,
+                  modifiers=_modifiers(held), **more)  # fmt: skip
 
     def resize(self, width: int, height: int) -> None:
         """Make the window so large."""
@@ -87,21 +187,32 @@ class Page:
         return str(method)
 
 
+def _modifiers(held: Sequence[str]) -> int:
+    return sum(_MODIFIERS[key] for key in held)
+
+
 @contextmanager
-def opened(path: Path, scratch: Path) -> Iterator[Page]:
+def opened(
+    page: Path | str, scratch: Path, *, webgl: bool = False, size: tuple[int, int] | None = None
+) -> Iterator[Page]:
     """Open a page.
 
     Args:
-        path: The HTML file.
+        page: The HTML file, or an address.
         scratch: A folder that the browser may fill.
+        webgl: Whether it needs WebGL 2, which is drawn in software.
+        size: Width and height of the window; the browser's own without.
     """
-    pipe = _Pipe(scratch)
+    address = page.resolve().as_uri() if isinstance(page, Path) else page
+    pipe = _Pipe(scratch, _WEBGL if webgl else _FLAT)
     try:
         target = pipe.ask("Target.createTarget", url="about:blank")["targetId"]
         told = pipe.ask("Target.attachToTarget", targetId=target, flatten=True)
-        page = Page(pipe, told["sessionId"])
-        page._load(path.resolve().as_uri())
-        yield page
+        window = Page(pipe, told["sessionId"])
+        if size:
+            window.resize(*size)
+        window._load(address)
+        yield window
     finally:
         pipe.close()
 
@@ -109,11 +220,11 @@ def opened(path: Path, scratch: Path) -> Iterator[Page]:
 class _Pipe:
     """Messages to and from a browser: JSON, each with a zero byte at its end."""
 
-    def __init__(self, scratch: Path) -> None:
+    def __init__(self, scratch: Path, options: Sequence[str]) -> None:
         assert _EXECUTABLE is not None
         theirs, ours = os.pipe()
         back, back_theirs = os.pipe()
-        words = [_EXECUTABLE, *_OPTIONS, f"--user-data-dir={scratch}", "about:blank"]
+        words = [_EXECUTABLE, *_OPTIONS, *options, f"--user-data-dir={scratch}", "about:blank"]
         # The browser reads from 3 and writes to 4.
         script = f"exec {shlex.join(words)} 3<&{theirs} 4>&{back_theirs}"
         self._process = subprocess.Popen(
