@@ -1,41 +1,33 @@
-"""The command ``annotate``."""
+"""The commands of ``annotate``: pages in which people correct a room."""
 
-from pathlib import Path
-from typing import Literal
+from typing import Final
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo
+
+# What ``labels`` needs, and no page has.
+_OUT: Final = ("-o", "--out")
 
 
-@click.command()
-@click.argument("renders", type=click.Path(path_type=Path), nargs=-1, required=True,
-                metavar="RENDER...")  # fmt: skip
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
-@click.option("--format", "form", type=click.Choice(["coco", "boxes"]), default="coco",
-              show_default=True)  # fmt: skip
-@click.option("--classes", "--taxonomy", "taxonomy",
-              type=click.Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
-              default="category", show_default=True, help="Whose classes, for coco.")  # fmt: skip
-@click.option("--stage", type=click.Path(path_type=Path), help="What was rendered, for boxes.")
-@json_option
-def annotate(
-    renders: tuple[Path, ...],
-    out: Path,
-    form: Literal["coco", "boxes"],
-    taxonomy: str,
-    stage: Path | None,
-    as_json: bool,
-) -> None:
-    """Write what is seen in finished RENDERs: COCO masks and boxes, or boxes in 2D and 3D.
+class _Commands(click.Group):
+    """Goes on understanding ``annotate RENDER... -o FILE``, which is called ``labels`` now."""
 
-    Many renders make one COCO file; boxes are of one. A render needs the channel instance, and
-    semantic, semantic_nyu40, semantic_ade20k or semantic_coco for those classes.
-    """
-    from openrooms_usd.render.annotating import annotate as write
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command."""
+        if args[0] in self.commands or not any(word.startswith(_OUT) for word in args):
+            return super().resolve_command(ctx, args)
+        from openrooms_usd.cli.labelling import labels
 
-    summary = write(renders, out, form=form, taxonomy=taxonomy, stage=stage)
-    if as_json:
-        print_json(summary.as_dict())
-    else:
-        echo(f"wrote {out}: {summary.objects} objects in {summary.views} views")
+        echo(
+            "hint: this is `orusd labels` now; `orusd annotate` opens rooms in the browser",
+            err=True,
+        )
+        return "labels", labels, args
+
+
+@click.group(cls=_Commands, context_settings={"ignore_unknown_options": True})
+def annotate() -> None:
+    """Correct a room in the browser."""

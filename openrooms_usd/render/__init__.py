@@ -12,7 +12,7 @@ and ``manifest_schema`` give finished renders back and trust no file; ``relight`
 ``bake`` writes light as textures, ``paths`` renders walks as videos, ``sensors`` makes of views
 what a real camera would have made of them.
 
-Beside these: ``annotating`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves``
+Beside these: ``labelling`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves``
 and ``rare_light``, ``bias``, ``fits``, ``lights`` and ``light_store``, which keeps the light of a
 room beside it.
 """

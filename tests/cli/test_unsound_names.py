@@ -17,6 +17,7 @@ READERS = (
     ("compose", "*.yaml", "-o", "out"),
     ("convert", "*.usda", "out"),
     ("simulate", "*.usda"),
+    ("labels", "*", "-o", "out.json"),
     ("annotate", "*", "-o", "out.json"),
     ("relight", "*", "-o", "out", "--light", "a=1"),
     ("dataset", "write", "*", "-o", "out"),

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 from pxr import Gf, Usd, UsdGeom, Vt
 
-from openrooms_usd.cli.annotating import annotate
+from openrooms_usd.cli.labelling import labels
 from openrooms_usd.errors import InputError
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.boxes import _tightest, boxes
@@ -164,9 +164,7 @@ def test_many_renders_make_one_file(house: list[Path], tmp_path: Path) -> None:
     with pytest.raises(InputError, match="given twice"):
         coco([*house, house[0]])
     paths = [str(path) for path in house]
-    run = CliRunner().invoke(
-        annotate, [*paths, "-o", str(tmp_path / "x.json"), "--format", "boxes"]
-    )
+    run = CliRunner().invoke(labels, [*paths, "-o", str(tmp_path / "x.json"), "--format", "boxes"])
     assert isinstance(run.exception, InputError) and "by itself" in str(run.exception.remedy)
 
 
@@ -177,7 +175,7 @@ def test_pycocotools_reads_it(house: list[Path], tmp_path: Path) -> None:
     evaluation = pytest.importorskip("pycocotools.cocoeval")
     file = tmp_path / "coco.json"
     paths = [str(path) for path in house]
-    run = CliRunner().invoke(annotate, [*paths, "-o", str(file), "--classes", "coco"])
+    run = CliRunner().invoke(labels, [*paths, "-o", str(file), "--classes", "coco"])
     assert run.exit_code == 0, run.output
     truth = client.COCO(str(file))
     (chair,) = truth.getCatIds(catNms=["chair"])
@@ -264,7 +262,7 @@ def test_a_wall_without_a_frame_of_its_own_has_the_box_that_fits(degrees: float)
 def test_the_command_writes_the_same_bytes_again(shots: Path, scene: Path, tmp_path: Path) -> None:
     for options in ([], ["--classes", "ade20k"], ["--format", "boxes", "--stage", str(scene)]):
         for name in ("a.json", "b.json"):
-            run = CliRunner().invoke(annotate, [str(shots), "-o", str(tmp_path / name), *options])
+            run = CliRunner().invoke(labels, [str(shots), "-o", str(tmp_path / name), *options])
             assert run.exit_code == 0, run.output
         assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
         assert str(shots.parent) not in (tmp_path / "a.json").read_text()
@@ -291,6 +289,6 @@ def test_what_cannot_be_annotated_is_refused_with_a_remedy(
     moved.RemovePrim("/World/near")
     with pytest.raises(InputError, match="/World/near"):
         boxes(shots, moved)
-    run = CliRunner().invoke(annotate, [str(shots), "-o", "x.json", "--format", "boxes"])
+    run = CliRunner().invoke(labels, [str(shots), "-o", "x.json", "--format", "boxes"])
     assert run.exit_code != 0 and isinstance(run.exception, InputError)
     assert "--stage" in str(run.exception.remedy)

@@ -62,7 +62,7 @@ def test_relit_pictures_agree(home: Path, tmp_path: Path) -> None:
 def test_annotations_are_the_same(home: Path, tmp_path: Path) -> None:
     found = []
     for storage in STORAGES:
-        run("annotate", home / storage, "-o", tmp_path / f"{storage}.json")
+        run("labels", home / storage, "-o", tmp_path / f"{storage}.json")
         found.append(json.loads((tmp_path / f"{storage}.json").read_text()))
     assert found[0] == found[1] and found[0]["annotations"]
 

@@ -1,4 +1,4 @@
-"""What finished renders show, written as annotations: COCO, or boxes in 2D and 3D."""
+"""What finished renders show, written as labels: COCO, or boxes in 2D and 3D."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -12,13 +12,13 @@ from openrooms_usd.render.manifest import write_json
 
 
 @dataclass(frozen=True)
-class AnnotationSummary:
+class LabelSummary:
     """What was written.
 
     Attributes:
         file: The JSON file.
         views: How many views it describes.
-        objects: How many objects are annotated in them, all views together.
+        objects: How many objects are labelled in them, all views together.
     """
 
     file: Path
@@ -30,14 +30,14 @@ class AnnotationSummary:
         return {**asdict(self), "file": str(self.file)}
 
 
-def annotate(
+def write_labels(
     renders: Sequence[Path],
     out: Path,
     *,
     form: Literal["coco", "boxes"] = "coco",
     taxonomy: str = "category",
     stage: Path | None = None,
-) -> AnnotationSummary:
+) -> LabelSummary:
     """Write what is seen in finished renders.
 
     Args:
@@ -59,7 +59,7 @@ def annotate(
         found = _boxes(renders, stage)
         views, count = len(found["views"]), sum(len(v["objects"]) for v in found["views"].values())
     write_json(out, found)
-    return AnnotationSummary(out, views, count)
+    return LabelSummary(out, views, count)
 
 
 def _boxes(renders: Sequence[Path], stage: Path | None) -> dict[str, Any]:
@@ -69,7 +69,7 @@ def _boxes(renders: Sequence[Path], stage: Path | None) -> dict[str, Any]:
     if len(renders) != 1:
         raise InputError(
             f"boxes in 3D are those of one stage, and {len(renders)} renders are given",
-            remedy="annotate each render by itself",
+            remedy="label each render by itself",
         )
     if stage is None:
         raise InputError("boxes in 3D are the stage's", remedy="say --stage scene.usda")

@@ -1,0 +1,41 @@
+"""The command ``labels``."""
+
+from pathlib import Path
+from typing import Literal
+
+import click
+
+from openrooms_usd.cli.console import echo, json_option, print_json
+
+
+@click.command()
+@click.argument("renders", type=click.Path(path_type=Path), nargs=-1, required=True,
+                metavar="RENDER...")  # fmt: skip
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
+@click.option("--format", "form", type=click.Choice(["coco", "boxes"]), default="coco",
+              show_default=True)  # fmt: skip
+@click.option("--classes", "--taxonomy", "taxonomy",
+              type=click.Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
+              default="category", show_default=True, help="Whose classes, for coco.")  # fmt: skip
+@click.option("--stage", type=click.Path(path_type=Path), help="What was rendered, for boxes.")
+@json_option
+def labels(
+    renders: tuple[Path, ...],
+    out: Path,
+    form: Literal["coco", "boxes"],
+    taxonomy: str,
+    stage: Path | None,
+    as_json: bool,
+) -> None:
+    """Write what is seen in finished RENDERs: COCO masks and boxes, or boxes in 2D and 3D.
+
+    Many renders make one COCO file; boxes are of one. A render needs the channel instance, and
+    semantic, semantic_nyu40, semantic_ade20k or semantic_coco for those classes.
+    """
+    from openrooms_usd.render.labelling import write_labels
+
+    summary = write_labels(renders, out, form=form, taxonomy=taxonomy, stage=stage)
+    if as_json:
+        print_json(summary.as_dict())
+    else:
+        echo(f"wrote {out}: {summary.objects} objects in {summary.views} views")
