@@ -28,6 +28,7 @@ RANKS = (
         "validate",
         "validation",
         "package",
+        "view",
         "edits",
         "loading",
         "stages",

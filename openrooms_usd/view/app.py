@@ -1,0 +1,44 @@
+"""What a page in the browser is told, may ask for and may do."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from openrooms_usd.description.model import Model
+
+Given = TypeVar("Given", bound=Model)
+
+
+@dataclass(frozen=True)
+class Command(Generic[Given]):
+    """Something that a person does in a page.
+
+    Attributes:
+        model: What comes with it; anything else is refused.
+        run: Does it, and gives what the page is told. An `OrusdError` is told to the person.
+    """
+
+    model: type[Given]
+    run: Callable[[Given], Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class App:
+    """A page and all that it can reach.
+
+    Attributes:
+        page: The module in ``page/`` whose ``start(root)`` fills the page, without its suffix.
+        title: Of the page.
+        state: What is told when the page opens, as JSON.
+        resources: Larger things by name; made when they are asked for.
+        commands: What may be done, by name. They run one at a time.
+        watched: Files; when one of them changes the page is told ``changed`` with its name.
+    """
+
+    page: str
+    title: str
+    state: Callable[[], Mapping[str, Any]]
+    resources: Mapping[str, Callable[[], bytes]] = field(default_factory=dict)
+    commands: Mapping[str, Command[Any]] = field(default_factory=dict)
+    watched: tuple[Path, ...] = ()
