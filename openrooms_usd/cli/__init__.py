@@ -24,6 +24,7 @@ _COMMANDS: Final = {
     "validate": ("validating", "validate", "Check a USD stage."),
     "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
     "compare": ("comparing", "compare", "Put renders beside the photographs of a capture."),
+    "view": ("viewing", "view", "Look at a room in the browser."),
     "simulate": ("simulating", "simulate", "Let a room settle under gravity."),
     "dataset": (
         "datasets",

@@ -1,8 +1,8 @@
 """A room in the browser: pages that show it, and tools with which people change it.
 
 ``app`` says what a page is told, may ask for and may do. ``server`` serves it on this machine, and
-tells it what other programs changed (``watching``); ``offline`` makes one file of it. Both put the
-same HTML around it (``shell``). What runs in the browser lies in ``page/``: modules without a
-build step, which ask nobody else for anything. Pages write ``edits.usda`` or fields of
-``room.yaml``, nothing else.
+tells it what other programs changed (``watching``); ``offline`` makes one file of it. ``room`` is
+the page of a stage, and ``prims`` what it tells of it. Both put the same HTML around it
+(``shell``). What runs in the browser lies in ``page/``: modules without a build step, which ask
+nobody else for anything. Pages write ``edits.usda`` or fields of ``room.yaml``, nothing else.
 """

@@ -1,0 +1,44 @@
+// The stage's cameras: small pyramids in the room, and buttons that jump into them.
+
+import { fromRows, point } from "orusd/matrix.js";
+import { button, element, section, tick } from "orusd/panel.js";
+
+const COLOR = [0.95, 0.55, 0.1];
+const DEPTH_M = 0.25;
+
+/** The section of the cameras; jumps into the first one. */
+export function cameras(room, state) {
+  const list = state.cameras;
+  const jump = (camera) => {
+    room.camera.become("orbit");
+    room.camera.jump(camera);
+    document.body.dataset.camera = camera.name;
+    room.jumped?.(camera);
+  };
+  const overview = () => {
+    const box = room.bounds();
+    document.body.dataset.camera = "";
+    if (box) {
+      Object.assign(room.camera, { yaw: 0.9, pitch: -0.75, lens: { focal: 0.9, right: 0, down: 0 } });
+      room.camera.frame(...box);
+    }
+  };
+  const pyramids = (on) => room.overlay("cameras", on ? list.flatMap(pyramid) : null, { color: COLOR });
+  room.camera.floor = room.bounds(["/World/Room/Floor"])?.[1][2] ?? 0;
+  if (list.length) jump(list[0]);
+  else overview();
+  const buttons = list.map((camera) => button(`camera-${camera.name}`, camera.name, () => jump(camera)));
+  return [section("Cameras", "cameras",
+    element("div", { className: "buttons" }, button("overview", "whole room", overview), ...buttons),
+    tick("pyramids", "show where they stand", false, pyramids))];
+}
+
+/** Lines of a camera: its opening, and the edges to its eye. */
+function pyramid({ world_from_camera, focal, right, down, aspect }) {
+  const place = fromRows(world_from_camera);
+  const side = DEPTH_M / focal;
+  const corner = (x, y) => point(place, [(x - right) * side, (y / aspect - down) * side, DEPTH_M]);
+  const corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(([x, y]) => corner(x, y));
+  const eye = point(place, [0, 0, 0]);
+  return corners.flatMap((at, k) => [at, corners[(k + 1) % 4], eye, at]);
+}

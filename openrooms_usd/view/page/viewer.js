@@ -1,0 +1,239 @@
+// A room on a canvas: what it shows, what is picked, what is moved.
+
+import { Camera } from "orusd/camera.js";
+import { Frame, buffer, context, program } from "orusd/gl.js";
+import { parse } from "orusd/glb.js";
+import * as m from "orusd/matrix.js";
+import { Picking } from "orusd/picking.js";
+import { LINES, SHOWN, VERTEX } from "orusd/shading.js";
+import { Surfaces } from "orusd/surfaces.js";
+
+const MARK = [0.16, 0.55, 1];
+const TONES = { srgb: 0, film: 1, photograph: 2 };
+// A press that moves farther than this is no click, pixels.
+const CLICK_PX = 4;
+const BACK = [0.62, 0.68, 0.74];
+
+/** See the top of room.js. */
+export class Room {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.gl = context(canvas);
+    this.camera = new Camera(canvas, () => this.draw());
+    this.picking = new Picking(this.gl);
+    this.shown = program(this.gl, VERTEX, SHOWN);
+    this.lines = program(this.gl, LINES.vertex, LINES.fragment);
+    this.surfaces = null;
+    /** A Light of light.js, or null for a headlight. */
+    this.light = null;
+    this.tone = { name: "photograph", exposure: 1, balance: [1, 1, 1], slope: 1, stops: 0 };
+    this.matt = 1;
+    this.outside = true;
+    this.shell = [];
+    this.overlays = new Map();
+    this.handlers = { pick: [], draw: [] };
+    this.hidden = new Set();
+    this.wanted = false;
+    new ResizeObserver(() => this.draw()).observe(canvas);
+    this.listen();
+  }
+
+  /** Show another GLB file; what is marked and moved stays so. */
+  async load(buffer) {
+    const before = this.surfaces;
+    const made = new Surfaces(this.gl, await parse(buffer));
+    if (before) {
+      [made.marked, made.moves] = [before.marked, before.moves];
+      before.remove();
+    }
+    this.surfaces = made;
+    this.refresh();
+  }
+
+  select(paths) {
+    this.surfaces.marked = new Set(paths);
+    this.refresh();
+  }
+
+  move(path, matrix) {
+    if (matrix === null) this.surfaces.moves.delete(path);
+    else this.surfaces.moves.set(path, matrix);
+    this.refresh();
+  }
+
+  hide(paths) {
+    this.hidden = new Set(paths);
+    this.refresh();
+  }
+
+  onPick(handler) { this.handlers.pick.push(handler); }
+
+  onDraw(handler) { this.handlers.draw.push(handler); }
+
+  /** What is at a place of the canvas, pixels from its top left: see `Picking.at`. */
+  at(x, y, through = false) {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (this.cut()) this.surfaces.refresh(this.surfaces.glow);
+    return this.picking.at(this.surfaces, this.camera, x, y, clientWidth, clientHeight, through);
+  }
+
+  labels(width, height, through = true) {
+    return this.picking.labels(this.surfaces, this.camera, width, height, through);
+  }
+
+  bounds(paths) { return this.surfaces.bounds(paths); }
+
+  /**
+   * Lines (pairs of points), dots or triangles over the picture, by a name; null takes them away.
+   * points: [[x, y, z], ...]; how: { color, kind: "lines" | "points" | "triangles", size, over, alpha };
+   * colors: one for each point, in place of `color`.
+   */
+  overlay(name, points, { color = MARK, kind = "lines", size = 6, over = false, colors = null, alpha = 1 } = {}) {
+    const { gl } = this;
+    const before = this.overlays.get(name);
+    if (before) [before.places, before.paint].forEach((one) => gl.deleteBuffer(one));
+    this.overlays.delete(name);
+    if (points?.length) {
+      const flat = points instanceof Float32Array ? points : new Float32Array(points.flat());
+      const paint = colors instanceof Float32Array ? colors
+        : new Float32Array(colors?.flat() ?? Array.from({ length: flat.length / 3 }, () => color).flat());
+      this.overlays.set(name, { places: buffer(gl, flat), paint: buffer(gl, paint),
+        count: flat.length / 3, kind, size, over, alpha });
+    }
+    this.draw();
+  }
+
+  /** Bring marks, moves and hidden things to the screen. */
+  refresh() {
+    this.cut();
+    this.surfaces.refresh(this.light ? (path) => this.light.glow(path) : undefined);
+    this.draw();
+  }
+
+  /** Draw as soon as the browser is ready for it. */
+  draw() {
+    if (this.wanted) return;
+    this.wanted = true;
+    requestAnimationFrame(() => {
+      this.wanted = false;
+      if (!this.surfaces || !this.canvas.clientWidth) return;
+      const ratio = devicePixelRatio || 1;
+      const size = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.round(side * ratio));
+      if (size[0] !== this.canvas.width || size[1] !== this.canvas.height)
+        [this.canvas.width, this.canvas.height] = size;
+      if (this.cut()) this.surfaces.refresh(this.surfaces.glow);
+      this.paint(null, ...size);
+      this.handlers.draw.forEach((handler) => handler(this));
+    });
+  }
+
+  /** From outside, what stands between the eye and the room is left out; whether that changed. */
+  cut() {
+    const eye = this.camera.eye;
+    const hidden = new Set(this.hidden);
+    if (this.outside && this.shell.length) {
+      const { box } = this;
+      const inside = eye.every((value, k) => value > box[0][k] - 0.3 && value < box[1][k] + 0.3);
+      if (!inside) for (const { path, middle, normal } of this.shell)
+        if (m.dot(m.add(eye, middle, -1), normal) > 0) hidden.add(path);
+    }
+    const before = this.surfaces.hidden;
+    if (before.size === hidden.size && [...hidden].every((path) => before.has(path))) return false;
+    this.surfaces.hidden = hidden;
+    return true;
+  }
+
+  /** What the room's shell is made of: walls, ceilings and what is in them. */
+  enclose(paths) {
+    this.box = this.bounds(paths);
+    if (!this.box) return;
+    this.camera.box = this.box;
+    const middle = this.box[0].map((value, k) => (value + this.box[1][k]) / 2);
+    this.shell = paths.map((path) => ({ path, box: this.bounds([path]) })).filter(({ box }) => box)
+      .map(({ path, box: [low, high] }) => {
+        const at = low.map((value, k) => (value + high[k]) / 2);
+        const size = high.map((value, k) => value - low[k]);
+        const thin = size.indexOf(Math.min(...size));
+        const normal = [0, 0, 0];
+        normal[thin] = Math.sign(at[thin] - middle[thin]) || 1;
+        return { path, middle: at, normal };
+      });
+    this.refresh();
+  }
+
+  /** Draw into a frame, or on the canvas; output: 0 for people, 1 light in nits, 2 base colour. */
+  paint(frame, width, height, output = 0) {
+    const { gl, camera, shown, light, surfaces } = this;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame?.made ?? null);
+    gl.viewport(0, 0, width, height);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+    const { exposure, balance, slope, stops, name } = this.tone;
+    gl.clearColor(...(output ? [0, 0, 0] : light?.background(this.tone) ?? BACK), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.useProgram(shown.program);
+    gl.uniformMatrix4fv(shown.at("u_camera"), false, camera.matrix(width, height));
+    gl.uniform3f(shown.at("u_eye"), ...camera.eye);
+    gl.uniform3f(shown.at("u_exposure"), ...balance.map((factor) => factor * exposure * 2 ** stops));
+    gl.uniform1f(shown.at("u_slope"), slope);
+    gl.uniform1i(shown.at("u_tone"), TONES[name]);
+    gl.uniform1i(shown.at("u_output"), output);
+    gl.uniform1f(shown.at("u_matt"), this.matt);
+    gl.uniform3f(shown.at("u_mark"), ...MARK);
+    gl.uniform3f(shown.at("u_mean"), ...(light?.mean ?? [0, 0, 0]));
+    gl.uniform1i(shown.at("u_light"), 3);
+    const lit = ({ atlas }) => {
+      gl.activeTexture(gl.TEXTURE3);
+      gl.bindTexture(gl.TEXTURE_2D, light?.atlas(atlas) ?? surfaces.white);
+      gl.uniform1i(shown.at("u_lit"), light === null ? 0 : atlas === null ? 2 : 1);
+    };
+    surfaces.draw(shown.at, surfaces.groups.filter((group) => !group.see_through), lit);
+    if (output) return;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    surfaces.draw(shown.at, surfaces.groups.filter((group) => group.see_through), lit);
+    gl.depthMask(true);
+    this.paintOverlays(width, height);
+  }
+
+  paintOverlays(width, height) {
+    const { gl, lines } = this;
+    gl.useProgram(lines.program);
+    gl.uniformMatrix4fv(lines.at("u_camera"), false, this.camera.matrix(width, height));
+    for (const { places, paint, count, kind, size, over, alpha } of this.overlays.values()) {
+      if (over) gl.disable(gl.DEPTH_TEST);
+      [places, paint].forEach((one, place) => {
+        gl.bindBuffer(gl.ARRAY_BUFFER, one);
+        gl.enableVertexAttribArray(place);
+        gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 0, 0);
+      });
+      gl.uniform1f(lines.at("u_size"), size * (devicePixelRatio || 1));
+      gl.uniform1f(lines.at("u_alpha"), alpha);
+      gl.drawArrays({ lines: gl.LINES, points: gl.POINTS, triangles: gl.TRIANGLES }[kind], 0, count);
+      gl.enable(gl.DEPTH_TEST);
+    }
+  }
+
+  /** The light that a picture of this size shows, four floats a pixel, rows from the top. */
+  radiance(width, height, output = 1) {
+    const frame = new Frame(this.gl, width, height, [this.gl.RGBA32F]);
+    this.paint(frame, width, height, output);
+    const pixels = frame.pixels();
+    frame.remove();
+    return pixels;
+  }
+
+  listen() {
+    let start = null;
+    this.canvas.addEventListener("pointerdown", (event) => { start = [event.clientX, event.clientY]; });
+    this.canvas.addEventListener("pointerup", (event) => {
+      const near = start && Math.hypot(event.clientX - start[0], event.clientY - start[1]) <= CLICK_PX;
+      start = null;
+      if (!near || event.button !== 0 || !this.surfaces) return;
+      const found = this.at(event.offsetX, event.offsetY);
+      this.handlers.pick.forEach((handler) => handler(found, event));
+    });
+  }
+}

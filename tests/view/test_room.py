@@ -1,0 +1,143 @@
+"""A room in the browser: what it shows is what the renderer sees, and a click says what it is."""
+
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO
+import pytest
+from numpy.typing import NDArray
+
+import openrooms_usd as ou
+from openrooms_usd.view import offline
+from openrooms_usd.view.room import room_app, room_state
+from tests.chromium import Page, needs_chromium, opened
+from tests.view.conftest import Shown, drawn
+
+pytestmark = [pytest.mark.slow, needs_chromium]
+
+SIZE = (320, 240)
+ROOM = "document.getElementById('view').room"
+
+
+@pytest.fixture(scope="module")
+def page(composed_demo: Path, shown: Shown) -> Page:
+    return shown(room_app(composed_demo))
+
+
+def labels(page: Page) -> NDArray[np.str_]:
+    """(H, W) the prim of each pixel of the camera that the page looks through."""
+    width, height = SIZE
+    prims, numbers = page.evaluate(
+        f"[{ROOM}.surfaces.prims, Array.from({ROOM}.labels({width}, {height}))]"
+    )
+    found: NDArray[np.str_] = np.array(prims)[np.array(numbers).reshape(height, width)]
+    return found
+
+
+def pixels(path: Path) -> NDArray[np.float32]:
+    return np.asarray(OpenImageIO.ImageBuf(str(path)).get_pixels("float"))[..., :3]
+
+
+def test_every_pixel_shows_the_prim_that_the_preview_renderer_sees(
+    page: Page, composed_demo: Path, tmp_path: Path
+) -> None:
+    page.evaluate("document.getElementById('walk').checked = false")
+    cameras = [camera["name"] for camera in room_state(composed_demo)["cameras"]]
+    rendered = ou.render(
+        composed_demo, tmp_path, channels="part", resolution=SIZE, renderer="preview"
+    )
+    for camera in cameras:
+        page.click_on(f"#camera-{camera}")
+        page.wait(f"document.body.dataset.camera == '{camera}'")
+        view = rendered[camera]
+        names = {0: "", **rendered.legend("part")}
+        expected = np.vectorize(names.get)(view["part"])
+        same = labels(page) == expected
+        print(f"{camera}: {100 * same.mean():.2f} % of the pixels")
+        assert same.mean() > 0.99
+    # A picture that is turned by a degree is another one: the measure sees it.
+    page.evaluate(f"{ROOM}.camera.turned(Math.PI / 180 / 0.005, 0)")
+    assert (labels(page) == expected).mean() < 0.99
+
+
+def test_the_picture_is_neither_empty_nor_plain(page: Page, tmp_path: Path) -> None:
+    page.click_on("#overview")
+    page.click_on("button[id^=camera-]")
+    picture = pixels(drawn(page, tmp_path))[:, :560]
+    assert picture.std(axis=(0, 1)).min() > 0.05
+    assert len(np.unique((picture * 255).astype(np.uint8).reshape(-1, 3), axis=0)) > 500
+    assert page.messages == []
+    assert all(
+        address.startswith(("http://127.0.0.1:", "data:", "blob:")) for address in page.requests
+    )
+
+
+def test_a_click_names_the_prim_and_what_is_known_of_it(page: Page) -> None:
+    page.click_on("button[id^=camera-]")
+    place, path = page.evaluate(
+        f"(() => {{const r = {ROOM}, box = r.bounds(['/World/Furniture/desk']);"
+        "const at = r.camera.project([0, 1, 2].map(k => (box[0][k] + box[1][k]) / 2 * (k < 2)"
+        " + (k == 2) * box[1][2]));"
+        "return [at, r.at(...at).path]})()"
+    )
+    page.click(*place)
+    assert page.evaluate("document.body.dataset.prim") == path
+    assert path.startswith("/World/Furniture/desk")
+    assert page.evaluate("document.querySelector('.tree .chosen') !== null")
+    assert page.evaluate("document.querySelector('[data-fact=path]').textContent") == path
+    assert "alignment" in page.evaluate("document.querySelector('[data-fact=layers]').textContent")
+    marked = page.evaluate(f"[...{ROOM}.surfaces.marked]")
+    assert marked == [path]
+
+
+def test_a_name_in_the_tree_marks_the_prim(page: Page) -> None:
+    if page.evaluate("document.querySelector(\"[data-path='/World/Furniture/desk']\") === null"):
+        page.click_on("[data-path='/World/Furniture'] > .fold")
+    page.click_on("[data-path='/World/Furniture/desk'] > .name")
+    assert page.evaluate("document.body.dataset.prim") == "/World/Furniture/desk"
+    assert page.evaluate("document.querySelector('[data-fact=category]').textContent") == "table"
+
+
+def test_what_is_moved_is_elsewhere_and_comes_back(page: Page) -> None:
+    path = "/World/Furniture/desk"
+    ask = f"{ROOM}.bounds(['{path}'])"
+    before = np.array(page.evaluate(ask))
+    shift = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0.5,0,0.25,1]"
+    page.evaluate(f"{ROOM}.move('{path}', {shift})")
+    moved = np.array(page.evaluate(ask))
+    assert np.abs(moved - before - [0.5, 0.0, 0.25]).max() < 1e-6
+    page.evaluate(f"{ROOM}.move('{path}', null)")
+    assert np.abs(np.array(page.evaluate(ask)) - before).max() < 1e-9
+
+
+def test_mouse_and_keys_move_the_eye(page: Page) -> None:
+    page.click_on("#overview")
+    eye = f"{ROOM}.camera.eye"
+    first = np.array(page.evaluate(eye))
+    page.drag((200, 300), (300, 300))
+    turned = np.array(page.evaluate(eye))
+    assert np.abs(turned - first)[:2].max() > 0.3 and abs(turned[2] - first[2]) < 1e-9
+    page.wheel(300, 300, -300)
+    assert page.wait(f"{ROOM}.camera.distance") < np.linalg.norm(turned)
+    page.click_on("#walk")
+    walking = np.array(page.evaluate(eye))
+    assert walking[2] == pytest.approx(1.6, abs=0.02)
+    page.key_down("w")
+    page.wait(f"Math.hypot(...{eye}.map((v, k) => v - {walking.tolist()}[k])) > 0.3")
+    page.key_up("w")
+    assert page.evaluate(f"{eye}[2]") == pytest.approx(1.6, abs=0.02)
+    page.click_on("#walk")
+
+
+def test_the_page_in_a_file_shows_the_same(composed_demo: Path, tmp_path: Path) -> None:
+    app = room_app(composed_demo)
+    offline.write(app, tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_bytes()
+    offline.write(app, tmp_path / "again.html")
+    assert text == (tmp_path / "again.html").read_bytes()
+    with opened(tmp_path / "page.html", tmp_path / "scratch", webgl=True, size=(900, 600)) as page:
+        page.wait("document.body.dataset.ready == 'yes'")
+        picture = pixels(drawn(page, tmp_path))[:, :560]
+        assert picture.std(axis=(0, 1)).min() > 0.05
+        assert page.messages == []
+        assert all(address.startswith(("file:", "data:", "blob:")) for address in page.requests)
