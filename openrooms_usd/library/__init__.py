@@ -4,7 +4,7 @@
   `small_finishes`);
 - styles of rooms: `interior`, `interiors`, `ensembles`, `shellstyles`; their lamps: `lamplight`,
   `beams`; what screens show: `displays`;
-- materials: `textures`, `assignment`, `friction`, `ownmaterials`;
+- materials: `textures`, `thumbnails`, `assignment`, `friction`, `ownmaterials`;
 - surroundings: `solar`, `sunlight`, `skylight`, `sky`, `outside`, `skycache`, `panorama`,
   `environments`, `pictures`;
 - models of others: `pieces`, `wavefront`, `gltf`, `usdfile`, `urdf` (with

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from pxr import Gf, Usd, UsdGeom, Vt
 
+from openrooms_usd.cli import orusd
 from openrooms_usd.cli.labelling import labels
 from openrooms_usd.errors import InputError
 from openrooms_usd.render import render_stage
@@ -166,6 +167,13 @@ def test_many_renders_make_one_file(house: list[Path], tmp_path: Path) -> None:
     paths = [str(path) for path in house]
     run = CliRunner().invoke(labels, [*paths, "-o", str(tmp_path / "x.json"), "--format", "boxes"])
     assert isinstance(run.exception, InputError) and "by itself" in str(run.exception.remedy)
+
+
+def test_the_old_name_of_the_command_writes_the_same(house: list[Path], tmp_path: Path) -> None:
+    for name in ("labels", "annotate"):
+        words = [name, str(house[0]), "-o", str(tmp_path / name)]
+        assert CliRunner().invoke(orusd, words).exit_code == 0
+    assert (tmp_path / "labels").read_bytes() == (tmp_path / "annotate").read_bytes()
 
 
 # Its compiled part asks numpy for copies in the old way.

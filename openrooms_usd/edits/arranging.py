@@ -1,0 +1,239 @@
+"""Furniture of a composed room, as people change it: where it stands, and what it is.
+
+Everything is an opinion in the edits: operations of a transform, labels, a reference to another
+model in ``layers/edits/assets``, a copy that refers to the original, a prim that is not active.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.edits.editing import editing
+from openrooms_usd.edits.snapping import Spot, hung, snapped
+from openrooms_usd.edits.targets import furniture
+from openrooms_usd.geometry.rotations import in_plan
+from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.stages.surroundings import Surroundings, surroundings
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.placements import author_placed
+from openrooms_usd.usd.semantics import label, read_label
+
+# Between an object and its copy, metres.
+_APART_M: Final = 0.05
+# What is that near to the floor stands on it, metres.
+_ON_FLOOR_M: Final = 0.1
+
+_SNAPS: Final[dict[str, Callable[..., Spot]]] = {"floor": snapped, "wall": hung}
+
+
+@dataclass(frozen=True)
+class Standing:
+    """An object as it stands.
+
+    Attributes:
+        name: Its name.
+        category: What it is; empty where nobody says.
+        support: What usually carries such a thing: floor, wall, ceiling or surface.
+        x: Of its origin, metres.
+        y: Of its origin, metres.
+        z: Of its origin, metres.
+        yaw: Degrees, counter-clockwise from above.
+        size: Width, depth and height, metres.
+        low: Least x and y of its box in its own frame, scaled, metres.
+        high: Greatest x and y.
+    """
+
+    name: str
+    category: str
+    support: str
+    x: float
+    y: float
+    z: float
+    yaw: float
+    size: tuple[float, float, float]
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+
+def standing(prim: Usd.Prim) -> Standing:
+    """Where an object stands, in the frame of all furniture."""
+    local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
+    rows = np.array(local)
+    scale = np.linalg.norm(rows[:3, :3], axis=1)
+    boxes = UsdGeom.BBoxCache(TIME, [UsdGeom.Tokens.default_], useExtentsHint=True)
+    box = boxes.ComputeUntransformedBound(prim).ComputeAlignedRange()
+    empty = box.IsEmpty()
+    low, high = (np.zeros(3) if empty else np.array(end) * scale for end in (box.min, box.max))
+    category = read_label(prim, names.CATEGORY) or ""
+    known = CATEGORIES.get(category)
+    x, y, z = rows[3, :3].tolist()
+    return Standing(
+        prim.GetName(),
+        category,
+        known.support if known else "floor",
+        x,
+        y,
+        z,
+        float(np.degrees(np.arctan2(rows[0, 1], rows[0, 0]))),
+        tuple((high - low).tolist()),
+        tuple(low[:2].tolist()),
+        tuple(high[:2].tolist()),
+    )
+
+
+def settled(room: Surroundings, thing: Standing, spot: Spot) -> Spot:
+    """Where an object comes to stand that is put somewhere: snapped as its kind is."""
+    snap = _SNAPS.get(thing.support)
+    stacked = thing.support == "floor" and thing.z > room.floor + _ON_FLOOR_M
+    return (
+        spot
+        if snap is None or stacked
+        else snap(room, spot, *map(np.array, (thing.low, thing.high)))
+    )
+
+
+def place(
+    scene: Path,
+    name: str,
+    spot: Spot,
+    *,
+    size: tuple[float, float, float] | None = None,
+    snap: bool = True,
+) -> Standing:
+    """Move, turn or resize an object.
+
+    Its height stays, but that what stands on the floor does so wherever it is put.
+
+    Args:
+        scene: The ``scene.usda`` of the room.
+        name: The object.
+        spot: Where its origin shall be.
+        size: Its width, depth and height, metres; None: as they are.
+        snap: Whether it comes flush to walls that are near.
+
+    Raises:
+        InputError: There is no such object, or this is no composed room.
+        OutputError: The edits cannot be written.
+        StageError: The room would not compose.
+    """
+    with editing(scene) as stage:
+        prim, room = furniture(stage, name), surroundings(stage)
+        if size is not None:
+            _write(stage, prim, _resized(prim, size))
+        thing = standing(prim)
+        goal = settled(room, thing, spot) if snap else spot
+        floored = thing.support == "floor" and abs(thing.z - room.floor) < _ON_FLOOR_M
+        _write(stage, prim, _moved(prim, goal, room.floor if floored and snap else thing.z))
+        return standing(prim)
+
+
+def duplicate(scene: Path, name: str) -> Standing:
+    """Put a copy of an object beside it, to its right.
+
+    The copy refers to the original: it has its model, materials, labels and body, and follows
+    when they change.
+
+    Raises:
+        InputError: There is no such object, or this is no composed room.
+        OutputError: The edits cannot be written.
+        StageError: The room would not compose.
+    """
+    with editing(scene) as stage:
+        original, room = furniture(stage, name), surroundings(stage)
+        path = _free(stage, original)
+        layer = stage.GetEditTarget().GetLayer()
+        spec = Sdf.CreatePrimInLayer(layer, path)
+        spec.specifier, spec.typeName = Sdf.SpecifierDef, original.GetTypeName()
+        spec.referenceList.Prepend(Sdf.Reference("", original.GetPath()))
+        spec.instanceable = original.IsInstanceable()
+        # Also when the original is taken away.
+        spec.active = True
+        thing, copy = standing(original), stage.GetPrimAtPath(path)
+        _write(stage, copy, _moved(copy, _beside(room, thing), thing.z))
+        return standing(copy)
+
+
+def remove(scene: Path, name: str) -> None:
+    """Take an object away: it is switched off, and comes back when the opinion is removed.
+
+    Raises:
+        InputError: There is no such object, or this is no composed room.
+        OutputError: The edits cannot be written.
+        StageError: The room would not compose.
+    """
+    with editing(scene) as stage:
+        furniture(stage, name).SetActive(False)
+
+
+def relabel(scene: Path, name: str, category: str) -> Standing:
+    """Call an object something else; its mesh stays.
+
+    Args:
+        scene: The ``scene.usda`` of the room.
+        name: The object.
+        category: What it is.
+
+    Raises:
+        DescriptionError: There is no such category, in the words that compose would use.
+        InputError: There is no such object, or this is no composed room.
+        OutputError: The edits cannot be written.
+        StageError: The room would not compose.
+    """
+    from openrooms_usd.description.room import room_of
+
+    room_of({"alignment": {"objects": [{"category": category, "at": [0.0, 0.0]}]}})
+    with editing(scene) as stage:
+        prim = furniture(stage, name)
+        label(prim, category)
+        return standing(prim)
+
+
+def _beside(room: Surroundings, thing: Standing) -> Spot:
+    """A place next to an object: to its right, or where a wall leaves more room."""
+    here, width, depth = np.array([thing.x, thing.y]), *thing.size[:2]
+    found = []
+    for turn, side in ((0.0, width), (180.0, width), (-90.0, depth), (90.0, depth)):
+        way = in_plan(np.radians(thing.yaw + turn))[:, 0] * (side + _APART_M)
+        x, y = (here + way).tolist()
+        spot = settled(room, thing, Spot(x, y, thing.yaw))
+        apart = float(np.linalg.norm(np.array([spot.x, spot.y]) - here)) - side
+        if apart >= 0.0:
+            return spot
+        found.append((apart, spot))
+    return max(found)[1]
+
+
+def _free(stage: Usd.Stage, original: Usd.Prim) -> Sdf.Path:
+    """A path beside an object that neither this room nor a description of it has."""
+    name, number = f"{original.GetName()}_copy", 1
+    path = original.GetPath().ReplaceName(name)
+    while stage.GetPrimAtPath(path):
+        number += 1
+        path = original.GetPath().ReplaceName(f"{name}_{number}")
+    return path
+
+
+def _moved(prim: Usd.Prim, spot: Spot, z: float) -> Gf.Matrix4d:
+    """An object's transform at another place; it leans and is scaled as before."""
+    local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
+    turn = Gf.Rotation(Gf.Vec3d.ZAxis(), spot.yaw - standing(prim).yaw)
+    moved = local * Gf.Matrix4d().SetRotate(turn)
+    moved.SetTranslateOnly(Gf.Vec3d(spot.x, spot.y, z))
+    return moved
+
+
+def _resized(prim: Usd.Prim, size: tuple[float, float, float]) -> Gf.Matrix4d:
+    """An object's transform with another size along its own axes."""
+    local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
+    before = np.maximum(standing(prim).size, 1e-9)
+    return Gf.Matrix4d().SetScale(Gf.Vec3d(*(np.array(size) / before).tolist())) * local
+
+
+def _write(stage: Usd.Stage, prim: Usd.Prim, local: Gf.Matrix4d) -> None:
+    spec = Sdf.CreatePrimInLayer(stage.GetEditTarget().GetLayer(), prim.GetPath())
+    author_placed(spec, prim, local)

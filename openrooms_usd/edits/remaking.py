@@ -1,0 +1,106 @@
+"""Another model in the place of an object: of any category and style of the library.
+
+The object keeps its path and its place, so that what speaks about it, stands on it or is relative
+to it still finds it. Model and look lie in ``layers/edits``; the edits alone refer to both,
+and what earlier layers refer to counts no more.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.edits.arranging import Standing, standing
+from openrooms_usd.edits.assigning import context_of
+from openrooms_usd.edits.editing import editing
+from openrooms_usd.edits.targets import furniture
+from openrooms_usd.errors import InputError
+from openrooms_usd.library.assets import publish
+from openrooms_usd.library.furniture import CATEGORIES, category, styles
+from openrooms_usd.stages.alignment import ASSETS
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.catalogue import Catalogue
+from openrooms_usd.stages.choosing import Chooser
+from openrooms_usd.stages.dressing import Dresser
+from openrooms_usd.stages.looks import publish_look
+from openrooms_usd.stages.palette import Palette
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.placements import author_placed
+from openrooms_usd.usd.semantics import label, read_label
+
+_DIGITS: Final = 4
+
+
+def choices(kind: str, size: Sequence[float]) -> tuple[str, ...]:
+    """The styles in which the library makes a category in about this size; none of others."""
+    if kind not in CATEGORIES:
+        return ()
+    width, depth, height = size
+    return styles(kind, (width, depth, height))
+
+
+def remake(
+    scene: Path, name: str, style: str, kind: str | None = None, *, keep_size: bool = True
+) -> Standing:
+    """Let the library make an object anew.
+
+    Args:
+        scene: The ``scene.usda`` of the room.
+        name: The object.
+        style: One of the category's styles.
+        kind: Its category; None for what it is.
+        keep_size: Whether it is as large as before, or as large as such a thing usually is.
+
+    Raises:
+        InputError: There is no such object, category or style, or this is no composed room.
+        OutputError: The edits or a model cannot be written.
+        StageError: The room would not compose.
+    """
+    with editing(scene) as stage:
+        prim = furniture(stage, name)
+        wanted = kind or read_label(prim, names.CATEGORY) or ""
+        known = category(wanted)
+        if style not in known.styles:
+            raise InputError(
+                f"no {wanted} has the style {style!r}", remedy=f"known: {', '.join(known.styles)}"
+            )
+        usual = known.styles[style].size or known.size
+        width, depth, height = standing(prim).size if keep_size else usual
+        size = (round(width, _DIGITS), round(depth, _DIGITS), round(height, _DIGITS))
+        context = context_of(stage, scene)
+        asset = Catalogue(context).furniture(wanted, size, style)
+        file = publish(context.folder / ASSETS, asset)
+        layer = stage.GetEditTarget().GetLayer()
+        spec = Sdf.CreatePrimInLayer(layer, prim.GetPath())
+        # What was edited of the parts of the old model finds them no more.
+        for child in list(spec.nameChildren):
+            del spec.nameChildren[child.name]
+        _refer(spec, [context.asset(f"{ASSETS}/{file}")])
+        spec.instanceable = not known.emits
+        label(prim, wanted)
+        _unscale(spec, prim)
+        _refer(spec, [_dressed(context, prim), context.asset(f"{ASSETS}/{file}")])
+        return standing(prim)
+
+
+def _refer(spec: Sdf.PrimSpec, files: Sequence[str]) -> None:
+    spec.referenceList.ClearEditsAndMakeExplicit()
+    spec.referenceList.explicitItems = [Sdf.Reference(file) for file in files]
+
+
+def _dressed(context: StageContext, prim: Usd.Prim) -> str:
+    """A look for the model as the tables have it."""
+    look = Dresser(context, (Chooser(context),), {}).dressed(prim)
+    palette = Palette(context)
+    palette.publish(look.looks[0].values())
+    return publish_look(context, palette, look)
+
+
+def _unscale(spec: Sdf.PrimSpec, prim: Usd.Prim) -> None:
+    """The model is made in its size: no scale is left on the object."""
+    local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
+    scale = np.linalg.norm(np.array(local)[:3, :3], axis=1)
+    author_placed(spec, prim, Gf.Matrix4d().SetScale(Gf.Vec3d(*(1.0 / scale).tolist())) * local)
