@@ -1,10 +1,12 @@
 """The commands of ``annotate``: pages in which people correct a room."""
 
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 import click
 
 from openrooms_usd.cli.console import echo
+from openrooms_usd.cli.pages import page_options, show
 
 # What ``labels`` needs, and no page has.
 _OUT: Final = ("-o", "--out")
@@ -31,3 +33,18 @@ class _Commands(click.Group):
 @click.group(cls=_Commands, context_settings={"ignore_unknown_options": True})
 def annotate() -> None:
     """Correct a room in the browser."""
+
+
+@annotate.command(context_settings={"ignore_unknown_options": False})
+@click.argument("source", type=click.Path(path_type=Path), metavar="SCAN|room.yaml")
+@click.option("-o", "--out", type=click.Path(path_type=Path),
+              help="Where a SCAN is imported to; a room.yaml needs none.")  # fmt: skip
+@click.option("--importer", default="scan", show_default=True,
+              help="What reads the SCAN: a kind of `orusd import`.")  # fmt: skip
+@page_options
+def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:
+    """Correct the walls, doors, windows and height of a room over the points of its scan."""
+    from openrooms_usd.view.plan.beginning import room_file
+    from openrooms_usd.view.plan.session import Session
+
+    show(Session(room_file(source, out, importer)).app(), **where)

@@ -8,6 +8,7 @@
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
   has none;
 - `mistakes`, `diagnosis`: what is wrong, in words; `files`, `data`: of a file, of Python;
+- `rewriting`: other values for some keys, every other byte as it stands;
 - `schema`: the JSON Schema.
 """
 

@@ -131,34 +131,19 @@ class PolygonLayout(CheckedModel):
         yield from _name_clashes(openings, partitions)
         claddings = peek_list(given, "cladding")
         yield from repeated_names([peek_text(c, "name") for c in claddings], "cladding", "cladding")
-        known = set(unique_names((peek_text(p, "name"), "partition") for p in partitions))
         whole = peek(given, "polygon") is None
         walls = len(cls.model_fields["polygon"].default if whole else peek_list(given, "polygon"))
-        for index, opening in enumerate(openings):
-            wall = peek(opening, "wall")
-            if type(wall) is int and wall >= walls >= 3:
-                yield Found(
-                    ("openings", index, "wall"),
-                    f"there is no wall {wall}: the polygon has the walls 0 to {walls - 1}",
-                )
-            name = peek_text(opening, "partition")
-            if name is not None and name not in known:
-                has = f"only {', '.join(sorted(known))}" if known else "the layout has none"
-                yield Found(
-                    ("openings", index, "partition"), f"there is no partition {name!r}: {has}"
-                )
-        for index, one in enumerate(claddings):
-            for place, wall in enumerate(peek_list(one, "walls")):
-                if type(wall) is int and wall >= walls >= 3:
-                    yield Found(
-                        ("cladding", index, "walls", place),
-                        f"there is no wall {wall}: the polygon has the walls 0 to {walls - 1}",
-                    )
+        yield from _nowhere(given, walls)
 
 
 class CapturedLayout(CapturedSection):
     """The shell of a captured room."""
 
+    polygon: Annotated[tuple[Point2, ...], AfterValidator(simple_polygon)] | None = Field(
+        default=None, min_length=3, max_length=10_000
+    )
+    """Inner corners that a person drew in place of the captured floor, in the frame of the composed
+    room. `openings` and `partitions` are then all that there are."""
     wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
     """Thickness of the walls, outwards from the captured surfaces."""
     height: PositiveLength | None = Field(default=None, ge=0.5, le=100)
@@ -176,8 +161,10 @@ class CapturedLayout(CapturedSection):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """Names that repeat."""
+        """Names that repeat, and of drawn rooms openings in walls that they do not have."""
         yield from _name_clashes(*(peek_list(given, key) for key in ("openings", "partitions")))
+        if peek(given, "polygon") is not None:
+            yield from _nowhere(given, len(peek_list(given, "polygon")))
 
 
 class RoomPlanLayout(CapturedLayout):
@@ -293,3 +280,24 @@ def _name_clashes(openings: Sequence[Any], partitions: Sequence[Any]) -> Iterato
     for rows, key in ((openings, "openings"), (partitions, "partitions")):
         given = [peek_text(row, "name") for row in rows]
         yield from repeated_names(given, key, key[:-1])
+
+
+def _nowhere(given: Any, walls: int) -> Iterator[Found]:
+    """Openings and cladding of walls and partitions that a drawn room does not have."""
+    partitions = peek_list(given, "partitions")
+    known = set(unique_names((peek_text(p, "name"), "partition") for p in partitions))
+    missing = f"the polygon has the walls 0 to {walls - 1}"
+    for index, opening in enumerate(peek_list(given, "openings")):
+        wall = peek(opening, "wall")
+        if type(wall) is int and wall >= walls >= 3:
+            yield Found(("openings", index, "wall"), f"there is no wall {wall}: {missing}")
+        name = peek_text(opening, "partition")
+        if name is not None and name not in known:
+            has = f"only {', '.join(sorted(known))}" if known else "the layout has none"
+            yield Found(("openings", index, "partition"), f"there is no partition {name!r}: {has}")
+    for index, one in enumerate(peek_list(given, "cladding")):
+        for place, wall in enumerate(peek_list(one, "walls")):
+            if type(wall) is int and wall >= walls >= 3:
+                yield Found(
+                    ("cladding", index, "walls", place), f"there is no wall {wall}: {missing}"
+                )

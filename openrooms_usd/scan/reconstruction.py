@@ -103,8 +103,7 @@ def find_rooms(
         InputError: The scan shows too little of a room, or has no such storey.
     """
     options = options or LayoutOptions()
-    thinned = thin(cloud, VOXEL_M)
-    stands, storey = _storey(thinned, level(thinned, up), options.storey)
+    thinned, stands, storey = _standing(cloud, options, up)
     flat = _within(thinned.moved(stands.level_from_scan), storey)
     # The largest of those that were seen well: half-seen ones may be larger than they are.
     found = sorted(
@@ -113,6 +112,31 @@ def find_rooms(
     )
     rooms = tuple(_room(room, flat, stands) for room in found)
     return FoundLayout(stands, _within(cloud.moved(stands.level_from_scan), storey), rooms)
+
+
+def without_rooms(
+    cloud: Cloud, options: LayoutOptions | None = None, up: Array | None = None
+) -> FoundLayout:
+    """The level frame of a scan whose rooms are known: the frame of `find_rooms`, which needs more.
+
+    Args:
+        cloud: Finite points, metres, anywhere.
+        options: What people may choose.
+        up: (3,) roughly upwards; None: Z.
+
+    Raises:
+        InputError: The scan has no level floor, or has no such storey.
+    """
+    _, stands, storey = _standing(cloud, options or LayoutOptions(), up)
+    return FoundLayout(stands, _within(cloud.moved(stands.level_from_scan), storey), ())
+
+
+def _standing(
+    cloud: Cloud, options: LayoutOptions, up: Array | None
+) -> tuple[Cloud, Level, Storey | None]:
+    """The thinned cloud, in the scan's frame, with the level frame on the floor of its storey."""
+    thinned = thin(cloud, VOXEL_M)
+    return thinned, *_storey(thinned, level(thinned, up), options.storey)
 
 
 def _storey(cloud: Cloud, stands: Level, wanted: int | None) -> tuple[Level, Storey | None]:

@@ -1,7 +1,7 @@
 """The layout stage: floor, ceiling, walls with real holes, and what fills these holes."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -96,60 +96,88 @@ class LayoutStage:
 
 def described_plan(layout: PolygonLayout, notes: list[str]) -> Plan:
     """The plan of a room that is drawn by hand."""
-    if reason := defect(layout.polygon):
-        raise DescriptionError(
-            f"the polygon {reason}",
-            place="layout.polygon",
-            remedy="list the inner corners once, in order around the room, at least 1 mm apart",
-        )
-    corners, numbers = counter_clockwise(layout.polygon)
-    walls = walls_of(corners, numbers, layout.wall_thickness)
-    partitions = described_partitions(layout.partitions, corners, layout.height)
-    walls += walls_within(partitions, corners, notes)
-    clockwise = signed_area(np.asarray(layout.polygon)) < 0.0
-    cuts = described_cuts(layout.openings, walls, layout.height, clockwise=clockwise)
-    return Plan(
-        corners, walls, layout.height, layout.wall_thickness, tuple(cuts),
-        finish=_finish(layout), clockwise=clockwise,
-    )  # fmt: skip
+    return _drawn(layout, layout.polygon, layout.height, notes)
 
 
 def captured_plan(layout: CapturedLayout, context: StageContext) -> Plan:
     """The plan of a captured room."""
     capture = _capture(layout, context)
     context.notes.extend(capture.notes)
-    place = context.source / layout.file
+    return plan_of(layout, capture, context.source, context.notes)
+
+
+def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[str]) -> Plan:
+    """The plan of a captured room, as it was captured or as a person drew it over that.
+
+    Args:
+        layout: The section of a description.
+        capture: What was read; of a scan what was found in it.
+        folder: That of the description, for messages.
+        notes: Receives a sentence for everything that was changed or guessed.
+
+    Raises:
+        DescriptionError: What is described does not fit.
+        InputError: The capture has no usable floor.
+    """
+    height = layout.height or capture.height
+    if height is None:
+        height = names.ROOM_HEIGHT
+        notes.append(f"the capture has no height: {height} m is taken")
+    if layout.polygon is not None:
+        return replace(_drawn(layout, layout.polygon, height, notes), capture=capture)
+    place = folder / layout.file
     if capture.floor is None:
         raise InputError(
             "the capture has no floor and no walls that close", place=place, remedy=capture.remedy
         )
     if reason := defect(capture.floor):
         raise InputError(f"the captured floor {reason}", place=place, remedy="scan the room again")
-    height = layout.height or capture.height
-    if height is None:
-        height = names.ROOM_HEIGHT
-        context.notes.append(f"the capture has no height: {height} m is taken")
     corners, numbers = counter_clockwise(capture.floor)
     found = captured_partitions(
-        capture.partitions, corners, height, described=layout.partitions, notes=context.notes
+        capture.partitions, corners, height, described=layout.partitions, notes=notes
     )
     sources = {one.name: source for source, one in found}
     partitions = [one for _, one in found]
     partitions += described_partitions(layout.partitions, corners, height)
     walls = walls_of(corners, numbers, layout.wall_thickness)
-    walls += walls_within(partitions, corners, context.notes)
+    walls += walls_within(partitions, corners, notes)
     cuts = captured_cuts(
         capture.openings,
         walls,
         height,
         described=layout.openings,
-        notes=context.notes,
+        notes=notes,
         partitions={row.id: name for name, row in sources.items()},
     )
     cuts += described_cuts(layout.openings, walls, height, before=cuts)
     return Plan(
         corners, walls, height, layout.wall_thickness, tuple(cuts), capture, sources,
         _finish(layout),
+    )  # fmt: skip
+
+
+def _drawn(
+    layout: PolygonLayout | CapturedLayout,
+    polygon: Sequence[tuple[float, float]],
+    height: float,
+    notes: list[str],
+) -> Plan:
+    """The plan of a room whose corners a person gave."""
+    if reason := defect(polygon):
+        raise DescriptionError(
+            f"the polygon {reason}",
+            place="layout.polygon",
+            remedy="list the inner corners once, in order around the room, at least 1 mm apart",
+        )
+    corners, numbers = counter_clockwise(polygon)
+    walls = walls_of(corners, numbers, layout.wall_thickness)
+    partitions = described_partitions(layout.partitions, corners, height)
+    walls += walls_within(partitions, corners, notes)
+    clockwise = signed_area(np.asarray(polygon)) < 0.0
+    cuts = described_cuts(layout.openings, walls, height, clockwise=clockwise)
+    return Plan(
+        corners, walls, height, layout.wall_thickness, tuple(cuts),
+        finish=_finish(layout), clockwise=clockwise,
     )  # fmt: skip
 
 

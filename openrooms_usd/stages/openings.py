@@ -89,7 +89,7 @@ def described_cuts(
         if isinstance(wall, str):
             mistakes.append(f"{field}: {wall}")
             continue
-        hole = _hole(opening, wall, clockwise)
+        hole = hole_of(opening, wall, clockwise=clockwise)
         if reason := misfit(wall, wall.top(height), hole):
             mistakes.append(f"{field} in {_words(wall)} {reason}; {_free(wall, clockwise)}")
             continue
@@ -124,7 +124,14 @@ def _words(wall: Wall) -> str:
     return wall.partition or f"wall {wall.number}"
 
 
-def _hole(opening: Opening, wall: Wall, clockwise: bool) -> Hole:
+def hole_of(opening: Opening, wall: Wall, *, clockwise: bool) -> Hole:
+    """The hole that a described opening makes in its wall, whether it fits or not.
+
+    Args:
+        opening: As it is described.
+        wall: Its wall.
+        clockwise: Whether the polygon was given clockwise.
+    """
     width, height, sill = (
         default if given is None else given
         for given, default in zip(

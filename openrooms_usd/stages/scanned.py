@@ -21,13 +21,14 @@ from openrooms_usd.capture import (
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import SCANNED_HEIGHT
-from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms
+from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms, without_rooms
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import Flat, flat_of
 from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.stages.base import StageContext, input_file
 from openrooms_usd.stages.captures import capture_path
+from openrooms_usd.stages.drawn import drawn_room
 from openrooms_usd.stages.instances import hint_of
 
 Array = NDArray[np.float64]
@@ -66,9 +67,27 @@ def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
     Raises:
         InputError: The scan cannot be read, or shows too little of a room.
     """
-    path = capture_path(context, layout)
-    found, capture = _read(layout, path, context.source)
-    rooms, flat = _chosen(found, layout.room, path)
+    return scanned(layout, capture_path(context, layout), context.source)
+
+
+def scanned(layout: ScanLayout, path: Path, folder: Path) -> ScannedRoom:
+    """Find the room of a scan, or take the one that a person drew over it.
+
+    Args:
+        layout: The section of a description.
+        path: The scan.
+        folder: Where names of files in options begin.
+
+    Raises:
+        SparseScanError: It shows too little of a room, and nobody drew one.
+        InputError: It cannot be read, or has no such room.
+    """
+    found, capture = _read(layout, path, folder)
+    if layout.polygon is not None:
+        found = replace(found, rooms=(drawn_room(layout),))
+        rooms, flat = found.rooms, None
+    else:
+        rooms, flat = _chosen(found, layout.room, path)
     shown = _as_capture(capture, found, rooms)
     if flat is not None:
         shown = _flat_capture(shown, flat)
@@ -94,6 +113,8 @@ def found_rooms(layout: ScanLayout, folder: Path) -> tuple[Array, tuple[FoundRoo
     """
     path = input_file(folder, layout.file, folders=True)
     found, _ = _read(layout, path, folder)
+    if layout.polygon is not None:
+        return found.cloud.points, (drawn_room(layout),)
     return found.cloud.points, _chosen(found, layout.room, path)[0]
 
 
@@ -103,7 +124,8 @@ def _read(layout: ScanLayout, path: Path, source: Path) -> tuple[FoundLayout, Ca
     options = LayoutOptions(
         simplicity=layout.simplicity, partial=layout.partial, storey=layout.storey
     )
-    return _found(layout.reader, options, path, asked, source, stamp)
+    drawn = layout.polygon is not None
+    return _found(layout.reader, options, path, asked, source, stamp, drawn=drawn)
 
 
 def _chosen(
@@ -131,8 +153,13 @@ def _found(
     asked: tuple[tuple[str, str], ...],
     source: Path,
     stamp: tuple[int, int],
+    *,
+    drawn: bool,
 ) -> tuple[FoundLayout, Capture]:
-    """All rooms of a scan: two stages ask for the same, one after the other."""
+    """All rooms of a scan: two stages ask for the same, one after the other.
+
+    None where a person drew the room: then nothing is looked for.
+    """
     capture = read_capture(reader, path, dict(asked), source)
     if capture.cloud is None:
         raise InputError(
@@ -141,7 +168,7 @@ def _found(
             remedy="use `importer: scan`, or one that reads point clouds",
         )
     try:
-        found = find_rooms(capture.cloud, options)
+        found = (without_rooms if drawn else find_rooms)(capture.cloud, options)
     except InputError as error:
         error.place = error.place or str(path)
         raise

@@ -26,7 +26,7 @@ def two_rooms(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SimpleNamespac
     level = SimpleNamespace(scan_from_level=np.eye(4), notes=())
     found = FoundLayout(level, Cloud(np.zeros((1, 3))), (square(5.0), square(3.0)))  # type: ignore[arg-type]
     capture = Capture("scan.ply", np.eye(4))
-    monkeypatch.setattr(scanned, "_found", lambda *_: (found, capture))
+    monkeypatch.setattr(scanned, "_found", lambda *_, **__: (found, capture))
     monkeypatch.setattr(scanned, "capture_path", lambda *_: tmp_path / "scan.ply")
     return SimpleNamespace(source=tmp_path)
 
