@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance, srgb_from_linear
 from openrooms_usd.errors import StageError
 from openrooms_usd.render.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
@@ -19,9 +20,14 @@ from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.textures import read_texture
+from orusd_gltf.document import Object, numbers
+from orusd_gltf.geometry import Coordinates
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
+
+# The coordinates of lightmaps.
+LIGHTMAP: Final = Coordinates(names.BAKED_ST)
 
 # Pixels to a side of a texel, and the longest side of a picture: textures stay sharp.
 _MOST_PIXELS_A_TEXEL: Final = 8
@@ -137,28 +143,16 @@ class BakedLight:
     """
 
     def __init__(self, stage: Usd.Stage, exposure: float | None) -> None:
-        self.atlases = {
-            str(prim.GetPath()): _read_atlas(prim)
-            for prim in stage.Traverse()
-            if prim.GetAttribute(IRRADIANCE).HasAuthoredValue()
-        }
-        if not self.atlases:
-            raise StageError(
-                "the stage has no lightmaps",
-                place=stage.GetRootLayer().realPath,
-                remedy="bake them (orusd bake SCENE -o LIT), and convert LIT/baked.usda",
-            )
+        self.atlases = {str(prim.GetPath()): _read_atlas(prim) for prim in list_atlases(stage)}
         self._exposure = exposure
 
     def places(self, mesh: PlacedMesh) -> tuple[str, Array] | None:
         """The atlas of a mesh and (M, 3, 2) where its triangles are in it; None without one."""
-        st = mesh.mesh.uvs.get("st1")
-        found = UsdGeom.PrimvarsAPI(mesh.prim).FindPrimvarWithInheritance(SCALE_OFFSET)
-        name = _atlas_of(mesh.prim)
-        if st is None or not found or name not in self.atlases:
+        found = place_of(mesh)
+        if found is None or found[0] not in self.atlases:
             return None
-        scale_offset = np.array(found.Get(TIME), dtype=np.float64)
-        return name, st * scale_offset[:2] + scale_offset[2:]
+        name, scale_offset = found
+        return name, mesh.mesh.uvs[names.BAKED_ST] * scale_offset[:2] + scale_offset[2:]
 
     def pictures(self) -> dict[str, NDArray[np.uint8]]:
         """(H, W, 3) codes of each atlas in sRGB, exposed, the first row on top."""
@@ -178,6 +172,41 @@ class BakedLight:
     def exposure(self) -> float:
         """What nits are multiplied by."""
         return self._exposure or 1.0
+
+
+def list_atlases(stage: Usd.Stage) -> list[Usd.Prim]:
+    """The lightmaps of a stage.
+
+    Raises:
+        StageError: It has none.
+    """
+    found = [x for x in stage.Traverse() if x.GetAttribute(IRRADIANCE).HasAuthoredValue()]
+    if not found:
+        raise StageError(
+            "the stage has no lightmaps",
+            place=stage.GetRootLayer().realPath,
+            remedy="bake them (orusd bake SCENE -o LIT), and convert LIT/baked.usda",
+        )
+    return found
+
+
+def place_of(mesh: PlacedMesh) -> tuple[str, Array] | None:
+    """The path of a mesh's atlas, and (4,) scale and offset of its ``st1`` there; or None."""
+    found = UsdGeom.PrimvarsAPI(mesh.prim).FindPrimvarWithInheritance(SCALE_OFFSET)
+    name = _atlas_of(mesh.prim)
+    if names.BAKED_ST not in mesh.mesh.uvs or not found or not name:
+        return None
+    return name, np.array(found.Get(TIME), dtype=np.float64)
+
+
+def area_of(atlas: str, scale_offset: Array) -> Object:
+    """What a node says of its place in a lightmap.
+
+    ``area`` is (scale u, scale v, offset u, offset v) of the primitives' coordinates, in glTF's
+    way: v grows downwards from the upper edge of the picture.
+    """
+    scale_s, scale_t, offset_s, offset_t = scale_offset.tolist()
+    return {"atlas": atlas, "area": numbers([scale_s, scale_t, offset_s, 1 - scale_t - offset_t])}
 
 
 def _read_atlas(prim: Usd.Prim) -> Atlas:

@@ -10,7 +10,7 @@ from openrooms_usd.errors import InputError
 _MOST_STOPS: Final = 40.0
 _CHOICES: Final[dict[str, tuple[str, ...]]] = {
     "pictures": ("png", "jpeg", "webp"),
-    "light": ("lamps", "baked"),
+    "light": ("lamps", "baked", "lightmaps"),
     "compression": ("none", "draco"),
     "instances": ("nodes", "gpu"),
 }
@@ -24,7 +24,8 @@ class Options:
         pictures: How textures are stored: ``png`` keeps PNG and JPEG files as they are, ``jpeg``
             and ``webp`` make them smaller; readers must know the extension for WebP.
         light: ``lamps`` for lights of the viewer, or ``baked`` for what the stage's lightmaps say
-            (`orusd bake`): surfaces show their light themselves.
+            (`orusd bake`): surfaces show their light themselves. ``lightmaps`` is as ``lamps``,
+            with the places of surfaces in the lightmaps, for viewers that have these besides.
         compression: Of vertices: ``none``, or ``draco``, whose extension readers must know.
         exposure: Stops by which light is made brighter, for viewers that cannot expose: rooms are
             in nits. ``camera`` is what the first camera says that says something. None is as it is
@@ -34,7 +35,7 @@ class Options:
     """
 
     pictures: Literal["png", "jpeg", "webp"] = "png"
-    light: Literal["lamps", "baked"] = "lamps"
+    light: Literal["lamps", "baked", "lightmaps"] = "lamps"
     compression: Literal["none", "draco"] = "none"
     exposure: float | Literal["camera"] | None = None
     instances: Literal["nodes", "gpu"] = "nodes"

@@ -13,7 +13,7 @@ from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.lights import Light, MeshLight, read_lights
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import read_portals
-from orusd_gltf.baked import BakedLight
+from orusd_gltf.baked import LIGHTMAP, BakedLight, area_of, list_atlases, place_of
 from orusd_gltf.cameras import add_camera, authored_stops
 from orusd_gltf.document import INDICES, VERTICES, Document, Object
 from orusd_gltf.draco import packed_primitive
@@ -81,6 +81,8 @@ class _Translation:
         if self.options.light == "baked":
             light = BakedLight(self.stage, None if stops is None else float(2.0**stops))
             self._unlit = UnlitSurfaces(self.document, light, self.options.pictures)
+        if self.options.light == "lightmaps":
+            list_atlases(self.stage)
 
     def _stops(self) -> float | None:
         """By how much light is made brighter; None where nobody says."""
@@ -140,9 +142,12 @@ class _Translation:
             (rows, self._material(mesh, look, radiance, losses))
             for rows, look in self._looks.parts(mesh)
         ]
-        number, lost = self._mesh(mesh, parts)
+        placed = place_of(mesh) if self.options.light == "lightmaps" else None
+        number, lost = self._mesh(mesh, parts, lit=placed is not None)
         node = self._nodes.place(mesh.path, mesh.world_from_local)
         self.document.objects["nodes"][node]["mesh"] = number
+        if placed is not None:
+            self.document.objects["nodes"][node]["extras"] |= {"lightmap": area_of(*placed)}
         if emitted is not None and emitted.max() > 0.0:
             name = f"{mesh.path.rpartition('/')[2]}_light"
             lamp = add_glow(self.document, mesh, emitted * self._factor, name)
@@ -178,18 +183,22 @@ class _Translation:
         return drawn | {"material": material, "mode": _TRIANGLES}
 
     def _mesh(
-        self, mesh: PlacedMesh, parts: list[tuple[NDArray[np.intp], Material]]
+        self, mesh: PlacedMesh, parts: list[tuple[NDArray[np.intp], Material]], *, lit: bool
     ) -> tuple[int, tuple[str, ...]]:
         """The number of a mesh and what was lost; repeats of one prototype share it."""
         # The triangles are kept by the reading, so that their identity is not given to others.
-        key = (id(mesh.mesh), *((material.number, rows.tobytes()) for rows, material in parts))
+        key = (id(mesh.mesh), lit, *((made.number, rows.tobytes()) for rows, made in parts))
         if key not in self._meshes:
             losses: list[str] = []
             primitives = []
             for rows, material in parts:
-                found = vertices(mesh.mesh, rows, material.sets, material.normal_set)
+                sets = (*material.sets, LIGHTMAP) if lit else material.sets
+                found = vertices(mesh.mesh, rows, sets, material.normal_set)
                 losses += found.losses
-                primitives.append(self._primitive(found, material.number))
+                drawn = self._primitive(found, material.number)
+                # Which of its sets of coordinates is that of the lightmap.
+                drawn |= {"extras": {"lightmap": len(material.sets)}} if lit else {}
+                primitives.append(drawn)
             said = {"name": mesh.prim.GetName(), "primitives": primitives}
             self._meshes[key] = self.document.add("meshes", said), tuple(losses)
         return self._meshes[key]

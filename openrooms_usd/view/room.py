@@ -21,13 +21,20 @@ def room_app(path: Path, *, include_outside: bool = False) -> App:
     Raises:
         InputError: It is no stage.
     """
-    open_stage(path)
+    stage = open_stage(path)
+    # Lightmaps are read once: nobody edits them.
+    from openrooms_usd.view.light import light_of
+
+    light, maps = light_of(stage)
     edits = path.parent / names.LAYERS / f"{names.EDITS}.usda"
     return App(
         page="room",
         title=f"{path.resolve().parent.name} / {path.name}",
-        state=lambda: room_state(path),
-        resources={"room.glb": lambda: room_glb(path, include_outside=include_outside)},
+        state=lambda: {**room_state(path), "light": light},
+        resources={
+            "room.glb": lambda: room_glb(path, include_outside=include_outside, lit=bool(light)),
+            **maps,
+        },
         watched=(path, edits),
     )
 
@@ -52,17 +59,19 @@ def room_state(path: Path) -> dict[str, Any]:
     }
 
 
-def room_glb(path: Path, *, include_outside: bool = False) -> bytes:
+def room_glb(path: Path, *, include_outside: bool = False, lit: bool = False) -> bytes:
     """The stage as a GLB file, by the exporter that is installed for it.
 
     Args:
         path: The USD file.
         include_outside: Whether pictures outside its folder may be in it.
+        lit: Whether it tells where surfaces lie in the stage's lightmaps.
 
     Raises:
         StageError: It needs pictures outside its folder.
     """
     with tempfile.TemporaryDirectory(prefix="orusd-view-") as folder, quiet():
         target = Path(folder) / "room.glb"
-        convert_stage(path, target, to="gltf", include_outside=include_outside)
+        options = {"light": "lightmaps"} if lit else {}
+        convert_stage(path, target, to="gltf", options=options, include_outside=include_outside)
         return target.read_bytes()

@@ -105,3 +105,27 @@ def test_a_stage_without_lightmaps_is_told_how_to_get_them(export: Export) -> No
     made.box("/Box", 1.0)
     with pytest.raises(StageError, match="no lightmaps"):
         export(made.stage, {"light": "baked"})
+
+
+def test_a_node_tells_where_it_lies_in_a_lightmap(export: Export, tmp_path: Path) -> None:
+    made, _, _ = lit(tmp_path)
+    glb, _ = export(made.stage, {"light": "lightmaps"})
+    assert "KHR_materials_unlit" not in glb.json.get("extensionsUsed", ())
+    for number, offset in enumerate(((0.0, 0.0), (0.5, 0.25))):
+        (primitive,) = glb.named("meshes", f"Square_{number}")["primitives"]
+        told = glb.named("nodes", f"Square_{number}")["extras"]["lightmap"]
+        assert told["atlas"] == "/Lightmaps/atlas_0"
+        places = glb.accessor(
+            primitive["attributes"][f"TEXCOORD_{primitive['extras']['lightmap']}"]
+        )
+        found = places * told["area"][:2] + told["area"][2:]
+        points = glb.accessor(primitive["attributes"]["POSITION"])[:, :2]
+        expected = points * 0.5 + offset
+        assert np.abs(found - np.c_[expected[:, 0], 1.0 - expected[:, 1]]).max() < 1e-6
+
+
+def test_lightmaps_need_some(export: Export) -> None:
+    made = Build()
+    made.box("/Box", 1.0)
+    with pytest.raises(StageError, match="no lightmaps"):
+        export(made.stage, {"light": "lightmaps"})

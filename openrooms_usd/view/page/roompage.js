@@ -1,6 +1,7 @@
 // The page of a room: the picture on the left; cameras, light, doors, prims on the right.
 
 import { cameras } from "orusd/cameras.js";
+import { lamps } from "orusd/lamps.js";
 import { element, facts, section, tick } from "orusd/panel.js";
 import { tree } from "orusd/tree.js";
 
@@ -19,9 +20,11 @@ export async function roomPage(room, state, { stand, panel }) {
   };
   room.onPick((found) => choose(found && nearest(found.path, known)));
 
+  const lit = await lamps(room, state);
   panel.append(
     element("div", { id: "told", className: "told" }),
     ...cameras(room, state),
+    ...lit,
     section("View", "ways",
       tick("walk", "walk (W A S D)", false, (on) => room.camera.become(on ? "walk" : "orbit")),
       tick("outside", "walls between are left out", true, (on) => { room.outside = on; room.draw(); })),

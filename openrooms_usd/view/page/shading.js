@@ -68,12 +68,13 @@ uniform int u_lit;         // 0 a headlight, 1 a lightmap, 2 the mean of lightma
 uniform int u_output;      // 0 for people, 1 light in nits, 2 base colour
 uniform float u_matt;      // of the colour of metals, how much is shown as if they were matt
 uniform sampler2D u_light;
+uniform float u_unit;      // lux of one in it
 uniform vec3 u_mean;
 uniform vec3 u_mark;
 out vec4 result;
 vec3 radiance(vec3 color) {
   float metal = u_metallic * texture(u_metalMap, coordinates(u_sets.y)).b;
-  vec3 irradiance = u_lit == 1 ? texture(u_light, v_map).rgb : u_mean;
+  vec3 irradiance = u_lit == 1 ? texture(u_light, v_map).rgb * u_unit : u_mean;
   vec3 glowing = u_emission * texture(u_glowMap, coordinates(u_sets.z)).rgb * v_glow;
   return color * (1.0 - metal * (1.0 - u_matt)) * irradiance / 3.14159265359 + glowing;
 }
@@ -115,18 +116,43 @@ void main() {
   gl_Position = vec4(v_at * 2.0 - 1.0, 0.0, 1.0);
 }`;
 
-/** The sum of lights that weights say, light by light. */
+/** The sum of lights, each multiplied with its weight. */
 export const ADDED = `#version 300 es
 precision highp float;
 precision highp sampler2DArray;
-in vec2 v_at;
 uniform sampler2DArray u_lights;
-uniform int u_number;
-uniform vec3 u_weight;
+uniform sampler2D u_weights;
+uniform int u_count;
 out vec4 result;
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
-  result = vec4(texelFetch(u_lights, ivec3(texel, u_number), 0).rgb * u_weight, 1.0);
+  vec3 sum = vec3(0.0);
+  for (int k = 0; k < u_count; k += 1)
+    sum += texelFetch(u_lights, ivec3(texel, k), 0).rgb * texelFetch(u_weights, ivec2(k, 0), 0).rgb;
+  result = vec4(sum, 1.0);
+}`;
+
+/** The sky behind all: a panorama whose columns run about its Y axis. */
+export const SKY = `#version 300 es
+precision highp float;
+precision highp int;
+${GLSL}
+in vec2 v_at;
+uniform sampler2D u_sky;
+uniform float u_scale;
+uniform vec3 u_daylight;
+uniform mat3 u_local;      // to the sky from the world
+uniform mat3 u_pose;       // to the world from the camera
+uniform vec4 u_lens;       // 2 focal, its part of the height, right, down
+uniform int u_output;
+out vec4 result;
+void main() {
+  vec2 at = v_at * 2.0 - 1.0;
+  vec3 way = u_local * u_pose * vec3((at.x - u_lens.z) / u_lens.x, (at.y + u_lens.w) / u_lens.y, -1.0);
+  way = normalize(way);
+  vec2 place = vec2(atan(way.x, -way.z) / 6.28318530718, acos(clamp(way.y, -1.0, 1.0)) / 3.14159265359);
+  vec3 light = textureLod(u_sky, place, 0.0).rgb * u_scale * u_daylight;
+  result = vec4(u_output == 1 ? light : shown(light), 1.0);
 }`;
 
 /** Lines and dots that lie over the picture. */

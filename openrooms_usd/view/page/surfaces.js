@@ -4,6 +4,9 @@ import * as m from "orusd/matrix.js";
 import { buffer, picture, plain } from "orusd/gl.js";
 import { INSTANCE, PLACES } from "orusd/shading.js";
 
+// How much of itself clear glass shows.
+const CLEAR = 0.06;
+
 /**
  * Triangles and materials of a parsed GLB file.
  *
@@ -163,7 +166,7 @@ export class Surfaces {
 
   bind(at, one) {
     const { gl } = this;
-    gl.uniform4f(at("u_color"), ...one.color, one.alpha);
+    gl.uniform4f(at("u_color"), ...one.color, one.clear ? CLEAR : one.alpha);
     gl.uniform1f(at("u_cutoff"), one.mode === "MASK" ? one.cutoff : 0);
     gl.uniform1f(at("u_metallic"), one.metallic);
     gl.uniform3f(at("u_emission"), ...one.emission);

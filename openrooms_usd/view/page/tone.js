@@ -5,6 +5,9 @@ const KEY = 0.27;
 const BLOCK = 8;
 const KNEE_STOPS = 1.5;
 const BRIGHT_STOPS = 3.9;
+const LEAST_LEVEL = 0.47;
+const LEVEL_OF_A_STOP = 0.13;
+const MAX_RAISED_STOPS = 0.6;
 const LUMINANCE = [0.2126390058715104, 0.7151686787677559, 0.07219231536073371];
 
 const PRIMARIES = [
@@ -68,12 +71,12 @@ vec3 shown(vec3 radiance) {
 `.replaceAll("clip3(", "clamp(");
 
 /**
- * The tone of a picture: { exposure, balance, slope }.
+ * The tone of a picture: { exposure, balance, slope, over }; over: stops of its brightest part.
  * pixels: its light, four values each; exposure: that of the camera, or null to fit it.
  */
 export function fitted(pixels, width, height, exposure = null) {
   const means = blocks(pixels, width, height).filter((b) => b.every((v) => v > 0 && Number.isFinite(v)));
-  if (!means.length) return { exposure: exposure ?? 1, balance: [1, 1, 1], slope: 1 };
+  if (!means.length) return { exposure: exposure ?? 1, balance: [1, 1, 1], slope: 1, over: 0 };
   const balance = whiteBalance(means);
   const bright = means.map((b) => b.reduce((sum, v, k) => sum + v * balance[k] * LUMINANCE[k], 0)).sort((a, b) => a - b);
   let factor = exposure ?? KEY / Math.exp(clippedMean(bright.map(Math.log)));
@@ -83,9 +86,27 @@ export function fitted(pixels, width, height, exposure = null) {
     factor *= 2 ** -lowered;
     over -= lowered;
   }
-  const slope = Math.max((BRIGHT_STOPS - KNEE_STOPS) / (Math.max(over, BRIGHT_STOPS) - KNEE_STOPS), 0.3);
-  return { exposure: factor, balance, slope };
+  return { exposure: factor, balance, slope: slopeOf(over), over };
 }
+
+/**
+ * The same tone, raised where what it shows is too dark in the mean.
+ * codes: what is shown with it, four bytes each.
+ */
+export function raised(tone, codes) {
+  let sum = 0;
+  for (let k = 0; k < codes.length; k += 4) {
+    const light = LUMINANCE.reduce((total, share, c) => total + share * decoded(codes[k + c] / 255), 0);
+    sum += light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055;
+  }
+  const stops = clamp((LEAST_LEVEL - sum / (codes.length / 4)) / LEVEL_OF_A_STOP, 0, MAX_RAISED_STOPS);
+  return { ...tone, exposure: tone.exposure * 2 ** stops, slope: slopeOf(tone.over + stops) };
+}
+
+const decoded = (code) => (code <= 0.04045 ? code / 12.92 : ((code + 0.055) / 1.055) ** 2.4);
+
+/** Stops for each stop above the knee that bring the brightest part to where it keeps its detail. */
+const slopeOf = (over) => Math.max((BRIGHT_STOPS - KNEE_STOPS) / (Math.max(over, BRIGHT_STOPS) - KNEE_STOPS), 0.3);
 
 function blocks(pixels, width, height) {
   const out = [];

@@ -7,6 +7,7 @@ import * as m from "orusd/matrix.js";
 import { Picking } from "orusd/picking.js";
 import { LINES, SHOWN, VERTEX } from "orusd/shading.js";
 import { Surfaces } from "orusd/surfaces.js";
+import { fitted, raised } from "orusd/tone.js";
 
 const MARK = [0.16, 0.55, 1];
 const TONES = { srgb: 0, film: 1, photograph: 2 };
@@ -73,11 +74,12 @@ export class Room {
   /** What is at a place of the canvas, pixels from its top left: see `Picking.at`. */
   at(x, y, through = false) {
     const { clientWidth, clientHeight } = this.canvas;
-    if (this.cut()) this.surfaces.refresh(this.surfaces.glow);
+    this.follow();
     return this.picking.at(this.surfaces, this.camera, x, y, clientWidth, clientHeight, through);
   }
 
   labels(width, height, through = true) {
+    this.follow();
     return this.picking.labels(this.surfaces, this.camera, width, height, through);
   }
 
@@ -121,10 +123,15 @@ export class Room {
       const size = [this.canvas.clientWidth, this.canvas.clientHeight].map((side) => Math.round(side * ratio));
       if (size[0] !== this.canvas.width || size[1] !== this.canvas.height)
         [this.canvas.width, this.canvas.height] = size;
-      if (this.cut()) this.surfaces.refresh(this.surfaces.glow);
+      this.follow();
       this.paint(null, ...size);
       this.handlers.draw.forEach((handler) => handler(this));
     });
+  }
+
+  /** Leave out what the camera does not want any more. */
+  follow() {
+    if (this.cut()) this.surfaces.refresh(this.surfaces.glow);
   }
 
   /** From outside, what stands between the eye and the room is left out; whether that changed. */
@@ -169,24 +176,23 @@ export class Room {
     gl.enable(gl.DEPTH_TEST);
     gl.depthMask(true);
     gl.disable(gl.BLEND);
-    const { exposure, balance, slope, stops, name } = this.tone;
-    gl.clearColor(...(output ? [0, 0, 0] : light?.background(this.tone) ?? BACK), 1);
+    gl.clearColor(...(output ? [0, 0, 0] : BACK), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (light?.sky && output < 2) this.paintSky(width, height, output);
     gl.useProgram(shown.program);
     gl.uniformMatrix4fv(shown.at("u_camera"), false, camera.matrix(width, height));
     gl.uniform3f(shown.at("u_eye"), ...camera.eye);
-    gl.uniform3f(shown.at("u_exposure"), ...balance.map((factor) => factor * exposure * 2 ** stops));
-    gl.uniform1f(shown.at("u_slope"), slope);
-    gl.uniform1i(shown.at("u_tone"), TONES[name]);
-    gl.uniform1i(shown.at("u_output"), output);
+    this.expose(shown.at, output);
     gl.uniform1f(shown.at("u_matt"), this.matt);
     gl.uniform3f(shown.at("u_mark"), ...MARK);
     gl.uniform3f(shown.at("u_mean"), ...(light?.mean ?? [0, 0, 0]));
     gl.uniform1i(shown.at("u_light"), 3);
     const lit = ({ atlas }) => {
+      const map = light?.atlas(atlas) ?? null;
       gl.activeTexture(gl.TEXTURE3);
-      gl.bindTexture(gl.TEXTURE_2D, light?.atlas(atlas) ?? surfaces.white);
-      gl.uniform1i(shown.at("u_lit"), light === null ? 0 : atlas === null ? 2 : 1);
+      gl.bindTexture(gl.TEXTURE_2D, map?.texture ?? surfaces.white);
+      gl.uniform1f(shown.at("u_unit"), map?.scale ?? 1);
+      gl.uniform1i(shown.at("u_lit"), light === null ? 0 : map === null ? 2 : 1);
     };
     surfaces.draw(shown.at, surfaces.groups.filter((group) => !group.see_through), lit);
     if (output) return;
@@ -196,6 +202,43 @@ export class Room {
     surfaces.draw(shown.at, surfaces.groups.filter((group) => group.see_through), lit);
     gl.depthMask(true);
     this.paintOverlays(width, height);
+  }
+
+  expose(at, output) {
+    const { gl } = this;
+    const { exposure, balance, slope, stops, name } = this.tone;
+    gl.uniform3f(at("u_exposure"), ...balance.map((factor) => factor * exposure * 2 ** stops));
+    gl.uniform1f(at("u_slope"), slope);
+    gl.uniform1i(at("u_tone"), TONES[name]);
+    gl.uniform1i(at("u_output"), output);
+  }
+
+  paintSky(width, height, output) {
+    const { gl, camera, light: { behind: { program: made, at }, sky, daylight } } = this;
+    const { focal, right, down } = camera.lens;
+    const { pose } = camera;
+    gl.useProgram(made);
+    gl.disable(gl.DEPTH_TEST);
+    this.expose(at, output);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, sky.texture);
+    gl.uniform1i(at("u_sky"), 0);
+    gl.uniform1f(at("u_scale"), sky.scale);
+    gl.uniform3f(at("u_daylight"), ...daylight);
+    gl.uniformMatrix3fv(at("u_local"), false, sky.sky_from_world);
+    gl.uniformMatrix3fv(at("u_pose"), false, [0, 4, 8].flatMap((k) => [...pose.slice(k, k + 3)]));
+    gl.uniform4f(at("u_lens"), 2 * focal, 2 * focal * width / height, 2 * right, 2 * down * width / height);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.enable(gl.DEPTH_TEST);
+  }
+
+  /** Let the exposure fit what is seen, as a camera would; exposure: that of the camera, or null. */
+  meter(exposure = null) {
+    if (!this.light) return;
+    const [width, height] = [160, Math.round(160 * this.canvas.clientHeight / this.canvas.clientWidth)];
+    Object.assign(this.tone, fitted(this.radiance(width, height), width, height, exposure), { stops: 0 });
+    if (exposure === null) Object.assign(this.tone, raised(this.tone, this.codes(width, height)));
+    this.draw();
   }
 
   paintOverlays(width, height) {
@@ -218,9 +261,20 @@ export class Room {
 
   /** The light that a picture of this size shows, four floats a pixel, rows from the top. */
   radiance(width, height, output = 1) {
+    this.follow();
     const frame = new Frame(this.gl, width, height, [this.gl.RGBA32F]);
     this.paint(frame, width, height, output);
     const pixels = frame.pixels();
+    frame.remove();
+    return pixels;
+  }
+
+  /** What people see of a picture of this size, four bytes a pixel, rows from the top. */
+  codes(width, height) {
+    this.follow();
+    const frame = new Frame(this.gl, width, height, [this.gl.RGBA8]);
+    this.paint(frame, width, height);
+    const pixels = frame.pixels(0, Uint8Array);
     frame.remove();
     return pixels;
   }

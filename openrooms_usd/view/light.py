@@ -1,0 +1,114 @@
+"""What pages get of lightmaps: the light of every lamp and opening by itself, and the sky.
+
+Numbers are half floats in units of a scale that is told beside them, since the sun's lux are beyond
+what half floats reach.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Sdf, Usd, UsdLux
+
+from openrooms_usd.render.bake.layer import IRRADIANCE, LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHTS
+from openrooms_usd.render.scene.lamps import environment
+from openrooms_usd.usd.emitters import DomeLight
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.lights import read_lights
+from openrooms_usd.usd.textures import read_texture
+
+Floats = NDArray[np.float32]
+
+# The brightest is told as this; half floats end at 65504.
+_LARGEST: Final = 32768.0
+_MOST_SKY_COLUMNS: Final = 1024
+# What daylight is said to be where nobody says: that of the sky's white.
+_DAYLIGHT_K: Final = 6504.0
+_LAMP_K: Final = 2700.0
+
+
+def light_of(stage: Usd.Stage) -> tuple[dict[str, Any] | None, dict[str, Callable[[], bytes]]]:
+    """What a page is told of the light, and the resources that hold it; None without lightmaps.
+
+    Args:
+        stage: A composed stage, such as ``baked.usda`` of `orusd bake`.
+    """
+    prims = [x for x in stage.Traverse() if x.GetAttribute(IRRADIANCE).HasAuthoredValue()]
+    if not prims:
+        return None, {}
+    told: dict[str, Any] = {"lights": _lights(stage, prims[0]), "atlases": {}, "sky": None}
+    resources: dict[str, Callable[[], bytes]] = {}
+    for number, prim in enumerate(prims):
+        maps = [_read(asset) for asset in prim.GetAttribute(LIGHT_IRRADIANCE).Get(TIME)]
+        name, scale = f"light_{number}.half", _scale(maps)
+        height, width = maps[0].shape[:2]
+        lit = np.maximum.reduce([one.max(axis=2) for one in maps]) > 0
+        told["atlases"][str(prim.GetPath())] = {
+            "resource": name, "size": [width, height], "scale": scale, "texels": int(lit.sum()),
+            "sums": [one[lit].sum(axis=0, dtype=np.float64).tolist() for one in maps],
+        }  # fmt: skip
+        resources[name] = partial(_packed, np.stack(maps), scale)
+    sky = next((one for one in read_lights(stage) if isinstance(one, DomeLight)), None)
+    if sky is not None:
+        seen = environment(sky)[0]
+        pixels = _smaller(seen.pixels)
+        scale = _scale([pixels])
+        told["sky"] = {
+            "resource": "sky.half", "size": [pixels.shape[1], pixels.shape[0]], "scale": scale,
+            "world_from_sky": seen.world_from_light.tolist(),
+        }  # fmt: skip
+        resources["sky.half"] = partial(_packed, pixels, scale)
+    return told, resources
+
+
+def _lights(stage: Usd.Stage, atlas: Usd.Prim) -> list[dict[str, Any]]:
+    """Names, kinds, prims and colour temperatures, in the order of the lightmaps."""
+    targets = list(atlas.GetRelationship(LIGHTS).GetTargets())
+    found = []
+    for name in atlas.GetAttribute(LIGHT_NAMES).Get(TIME):
+        # Names are those of the prims, with a number where two are alike; light from elsewhere
+        # has no prim.
+        path = targets[0] if targets and str(name).startswith(targets[0].name) else None
+        targets = targets[1:] if path else targets
+        prim = stage.GetPrimAtPath(path) if path else None
+        kind = "elsewhere" if not prim else "opening" if prim.IsA(UsdLux.PortalLight) else "lamp"
+        kelvin = _kelvin(prim) if kind == "lamp" else _DAYLIGHT_K
+        found.append({"name": str(name), "kind": kind, "path": str(path or ""), "kelvin": kelvin})
+    return found
+
+
+def _kelvin(lamp: Usd.Prim) -> float:
+    """The colour temperature of a lamp's first part that has one."""
+    for prim in Usd.PrimRange(lamp, Usd.TraverseInstanceProxies()):
+        light = UsdLux.LightAPI(prim) if prim.HasAPI(UsdLux.LightAPI) else None
+        if light and light.GetEnableColorTemperatureAttr().Get(TIME):
+            return float(light.GetColorTemperatureAttr().Get(TIME))
+    return _LAMP_K
+
+
+def _read(asset: Sdf.AssetPath) -> Floats:
+    """(H, W, 3) lux, the first row on top."""
+    return np.nan_to_num(read_texture(str(asset.resolvedPath or asset.path))[..., :3])
+
+
+def _scale(maps: list[Floats]) -> float:
+    return max(float(max(one.max() for one in maps)) / _LARGEST, 1e-12)
+
+
+def _packed(pixels: Floats, scale: float) -> bytes:
+    """(..., 3) as half floats with a fourth one of nought: readers want four."""
+    padded = np.zeros((*pixels.shape[:-1], 4), "<f2")
+    padded[..., :3] = pixels / np.float32(scale)
+    return padded.tobytes()
+
+
+def _smaller(pixels: Floats) -> Floats:
+    """Means of blocks, so that there are few enough columns."""
+    step = -(-pixels.shape[1] // _MOST_SKY_COLUMNS)
+    rows, columns = (side // step for side in pixels.shape[:2])
+    if step == 1 or not rows:
+        return pixels
+    cut = pixels[: rows * step, : columns * step].reshape(rows, step, columns, step, 3)
+    return np.asarray(cut.mean(axis=(1, 3)), np.float32)
