@@ -93,6 +93,7 @@ def convert_stage(
     to: str | None = None,
     options: Mapping[str, Any] | None = None,
     include_outside: bool = False,
+    variants: Mapping[str, Mapping[str, str]] | None = None,
 ) -> Report:
     """Convert a USD file to a foreign form.
 
@@ -103,6 +104,7 @@ def convert_stage(
         options: What the exporter understands.
         include_outside: Whether pictures outside the file's folder may be copied, and layers
             where these are copied, too.
+        variants: By prim path and set, in place of what the stage says; its files stay as they are.
 
     Returns:
         What became of every prim.
@@ -112,12 +114,18 @@ def convert_stage(
         StageError: It needs pictures outside its folder, or is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
+    from pxr import Usd
+
     from openrooms_usd.usd.diagnostics import reading
     from openrooms_usd.usd.layers import open_stage
     from openrooms_usd.usd.outside import is_picture, refuse_outside
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to or exporter_of(destination))
     stage = open_stage(path)
+    for prim, chosen in (variants or {}).items():
+        with Usd.EditContext(stage, stage.GetSessionLayer()):
+            for name, variant in chosen.items():
+                stage.GetPrimAtPath(prim).GetVariantSet(name).SetVariantSelection(variant)
     if not include_outside:
         keeps_layers = getattr(exporter, "keeps_layers", False)
         concerns = (lambda _: True) if keeps_layers else is_picture

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
@@ -17,6 +17,8 @@ from openrooms_usd.usd.semantics import read_label
 
 # What has no place in a room.
 _NOWHERE: Final = (UsdShade.Material, UsdShade.NodeGraph, UsdShade.Shader, UsdPhysics.Scene)
+# Cosine of the angle between two axes above which they are one.
+_SAME_AXIS_COS: Final = 0.9999
 # A camera is told for a picture so wide; all its numbers are parts of that.
 _WIDTH_PX: Final = 1000
 
@@ -103,7 +105,7 @@ def _called(layer: Sdf.Layer, home: Path) -> str:
 
 
 def joints_of(stage: Usd.Stage) -> list[dict[str, Any]]:
-    """Doors and drawers: parts that turn about or slide along an axis.
+    """Doors and drawers: parts that turn about or slide along an axis, and how far they are open.
 
     ``world_from_prim`` is (4, 4), metres and Z up; ``axis`` is in the prim's frame; limits are
     degrees or metres from how it is built.
@@ -125,9 +127,17 @@ def joints_of(stage: Usd.Stage) -> list[dict[str, Any]]:
         found.append({
             "path": str(prim.GetPath()), "type": str(kind.Get()),
             "axis": [float(value) for value in axis], "lower": float(lower), "upper": float(upper),
+            "now": _opened(prim, axis) if kind.Get() == "hinge" else 0.0,
             "world_from_prim": world.tolist(),
         })  # fmt: skip
     return found
+
+
+def _opened(prim: Usd.Prim, axis: Gf.Vec3f) -> float:
+    """By how many degrees it is turned about its axis; 0 where it is turned about another one."""
+    turn = UsdGeom.Xformable(prim).GetLocalTransformation(TIME).ExtractRotation()
+    along = Gf.Dot(Gf.Vec3d(turn.GetAxis()), Gf.Vec3d(axis).GetNormalized())
+    return float(turn.GetAngle() * along) if abs(along) > _SAME_AXIS_COS else 0.0
 
 
 def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:

@@ -1,15 +1,19 @@
 // The page of a room: the picture on the left; cameras, light, doors, prims on the right.
 
 import { cameras } from "orusd/cameras.js";
+import { doors } from "orusd/doors.js";
 import { lamps } from "orusd/lamps.js";
-import { element, facts, section, tick } from "orusd/panel.js";
+import { looks } from "orusd/looks.js";
+import { measuring } from "orusd/measuring.js";
+import { complain, element, facts, section, tell, tick } from "orusd/panel.js";
+import { listen, resource, state as stateNow } from "orusd/source.js";
 import { tree } from "orusd/tree.js";
 
 /** Fill the panel, and join it to the room. */
 export async function roomPage(room, state, { stand, panel }) {
-  const known = new Map(state.prims.map((prim) => [prim.path, prim]));
+  let known = byPath(state);
   const about = element("div", { id: "about" });
-  const prims = tree(state.prims, (path) => choose(path));
+  let prims = tree(state.prims, (path) => choose(path));
 
   const choose = (path) => {
     const prim = known.get(path);
@@ -28,11 +32,30 @@ export async function roomPage(room, state, { stand, panel }) {
     section("View", "ways",
       tick("walk", "walk (W A S D)", false, (on) => room.camera.become(on ? "walk" : "orbit")),
       tick("outside", "walls between are left out", true, (on) => { room.outside = on; room.draw(); })),
+    ...measuring(room),
     section("Prim", "prim", about),
+    ...doors(room, state),
+    ...looks(room, state),
     section("Stage", "prims", prims.root),
   );
   room.page = { choose, state, stand };
+
+  /** Somebody has changed the stage: show what it is now. */
+  const again = async ({ file }) => {
+    const [now, glb] = await Promise.all([stateNow(), resource("room.glb")]);
+    known = byPath(now);
+    const before = prims.root;
+    prims = tree(now.prims, (path) => choose(path));
+    before.replaceWith(prims.root);
+    await room.load(glb);
+    if (document.body.dataset.prim) choose(document.body.dataset.prim);
+    document.body.dataset.changes = Number(document.body.dataset.changes ?? 0) + 1;
+    tell(`${file} was changed`);
+  };
+  listen((told) => { if (told.event === "changed") again(told).catch(complain); });
 }
+
+const byPath = (state) => new Map(state.prims.map((prim) => [prim.path, prim]));
 
 /** What is known of a prim. */
 function told(prim) {
