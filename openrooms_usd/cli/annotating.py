@@ -11,6 +11,12 @@ from openrooms_usd.cli.pages import page_options, show
 # What ``labels`` needs, and no page has.
 _OUT: Final = ("-o", "--out")
 
+_STAGE: Final = click.argument("stage", type=click.Path(path_type=Path))
+_DESCRIPTION: Final = click.option(
+    "--description", type=click.Path(path_type=Path), metavar="ROOM.yaml",
+    help="What STAGE is composed from: the page can then compose it again.",
+)  # fmt: skip
+
 
 class _Commands(click.Group):
     """Goes on understanding ``annotate RENDER... -o FILE``, which is called ``labels`` now."""
@@ -48,3 +54,25 @@ def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:
     from openrooms_usd.view.plan.session import Session
 
     show(Session(room_file(source, out, importer)).app(), **where)
+
+
+@annotate.command()
+@_STAGE
+@_DESCRIPTION
+@page_options
+def materials(stage: Path, description: Path | None, **where: Any) -> None:
+    """Say what the parts of a composed room are made of."""
+    from openrooms_usd.view.materials import materials_app
+
+    show(materials_app(stage, description), **where)
+
+
+@annotate.command()
+@_STAGE
+@_DESCRIPTION
+@page_options
+def objects(stage: Path, description: Path | None, **where: Any) -> None:
+    """Move, rename, exchange, copy and remove furniture of a composed room."""
+    from openrooms_usd.view.objects import objects_app
+
+    show(objects_app(stage, description), **where)

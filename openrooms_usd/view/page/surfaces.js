@@ -51,8 +51,9 @@ export class Surfaces {
     return this.numbers.get(path);
   }
 
-  group({ attributes, indices, material, extras }, members, upload) {
+  group(primitive, members, upload) {
     const { gl } = this;
+    const { attributes, indices, material, extras } = primitive;
     const array = gl.createVertexArray();
     gl.bindVertexArray(array);
     const wanted = { ...attributes };
@@ -80,7 +81,7 @@ export class Surfaces {
     gl.bindVertexArray(null);
     const said = this.materials[material];
     const box = bounds(attributes.POSITION.array);
-    return { array, instances, data, members, box, count: indices.array.length, shown: members.length,
+    return { primitive, upload, array, instances, data, members, box, count: indices.array.length, shown: members.length,
       indexKind: indices.kind, material: said, atlas: this.nodes[members[0]].extras.lightmap?.atlas ?? null,
       see_through: said.mode === "BLEND" };
   }
@@ -104,6 +105,22 @@ export class Surfaces {
       gl.bindBuffer(gl.ARRAY_BUFFER, group.instances);
       gl.bufferSubData(gl.ARRAY_BUFFER, 0, group.data);
     }
+  }
+
+  /** Show prims in a plain colour (scene-linear), until another file is loaded. */
+  redress(paths, color) {
+    const wanted = new Set(paths);
+    const plain = { color, colorTexture: null, metallic: 0, metallicTexture: null };
+    this.groups = this.groups.flatMap((group) => {
+      const meant = group.members.filter((member) => wanted.has(this.nodes[member].path));
+      if (!meant.length) return [group];
+      const rest = group.members.filter((member) => !meant.includes(member));
+      const made = rest.length ? this.group(group.primitive, meant, group.upload) : group;
+      made.material = { ...group.material, ...plain };
+      group.members = rest.length ? rest : meant;
+      return rest.length ? [group, made] : [made];
+    });
+    this.refresh(this.glow);
   }
 
   /** Whether a path, or what it is below, is in a set. */

@@ -67,6 +67,12 @@ export class Room {
     this.refresh();
   }
 
+  /** Show prims in a plain colour until another file is loaded. */
+  redress(paths, color) {
+    this.surfaces.redress(paths, color);
+    this.draw();
+  }
+
   onPick(handler) { this.handlers.pick.push(handler); }
 
   onDraw(handler) { this.handlers.draw.push(handler); }

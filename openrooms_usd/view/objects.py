@@ -1,0 +1,159 @@
+"""The page in which people move furniture, and say what it is."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from pxr import Usd, UsdGeom
+from pydantic import Field
+
+from openrooms_usd import names
+from openrooms_usd.description.alignment import Size
+from openrooms_usd.description.model import Model
+from openrooms_usd.description.units import Angle, Length
+from openrooms_usd.edits.arranging import (
+    Standing,
+    duplicate,
+    place,
+    relabel,
+    remove,
+    settled,
+    standing,
+)
+from openrooms_usd.edits.remaking import choices, remake
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import furniture
+from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.usd.diagnostics import quiet
+from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.view.app import App, Command
+from openrooms_usd.view.corrections import of_edits
+from openrooms_usd.view.room import room_glb, room_state
+
+
+class _Named(Model):
+    """An object."""
+
+    name: str = Field(max_length=4096)
+
+
+class _Spot(_Named):
+    """Where it shall be."""
+
+    x: Length
+    y: Length
+    yaw: Angle
+    snap: bool = True
+
+
+class _Placed(_Spot):
+    """And how large."""
+
+    size: Size | None = None
+
+
+class _Labelled(_Named):
+    """What it is called."""
+
+    category: str
+
+
+class _Remade(_Named):
+    """What the library shall make in its place."""
+
+    category: str
+    style: str
+    keep_size: bool = True
+
+
+def objects_app(scene: Path, description: Path | None = None) -> App:
+    """The page in which people correct the furniture of a composed room.
+
+    Args:
+        scene: The ``scene.usda`` of the room.
+        description: The room.yaml that it is composed from, to compose it again.
+
+    Raises:
+        InputError: It is no composed room.
+    """
+    held = of_edits(scene, description)
+
+    def tried(given: _Spot) -> dict[str, Any]:
+        """Where an object would come to stand; nothing is written."""
+        with quiet():
+            stage = open_stage(scene)
+            thing, spot = standing(furniture(stage, given.name)), _spot(given)
+            return (
+                settled(surroundings(stage), thing, spot)._asdict()
+                if given.snap
+                else spot._asdict()
+            )
+
+    def placed(given: _Placed) -> dict[str, Any]:
+        spot = _spot(given)
+        return held.done(
+            lambda: _told(place(scene, given.name, spot, size=given.size, snap=given.snap))
+        )
+
+    def removed(given: _Named) -> dict[str, Any]:
+        def change() -> dict[str, Any]:
+            remove(scene, given.name)
+            return {}
+
+        return held.done(change)
+
+    def remade(given: _Remade) -> dict[str, Any]:
+        kind, keep = given.category, given.keep_size
+        return held.done(
+            lambda: _told(remake(scene, given.name, given.style, kind, keep_size=keep))
+        )
+
+    def state() -> dict[str, Any]:
+        stage = open_stage(scene)
+        return {
+            **room_state(scene),
+            **held.told(),
+            "objects": [_told(thing)["object"] for thing in _objects(stage)],
+            "categories": {name: list(CATEGORIES[name].styles) for name in sorted(CATEGORIES)},
+            "floor": surroundings(stage).floor,
+        }
+
+    return App(
+        page="objects",
+        title=f"{scene.resolve().parent.name}: objects",
+        state=state,
+        resources={"room.glb": lambda: room_glb(scene)},
+        commands={
+            "try": Command(_Spot, tried),
+            "place": Command(_Placed, placed),
+            "remake": Command(_Remade, remade),
+            "remove": Command(_Named, removed),
+            "duplicate": Command(
+                _Named, lambda given: held.done(lambda: _told(duplicate(scene, given.name)))
+            ),
+            "relabel": Command(
+                _Labelled,
+                lambda given: held.done(lambda: _told(relabel(scene, given.name, given.category))),
+            ),
+            **held.commands(),
+        },
+        watched=(held.history.file,),
+    )
+
+
+def _objects(stage: Usd.Stage) -> list[Standing]:
+    group = stage.GetPrimAtPath(names.FURNITURE)
+    children = group.GetChildren() if group else ()
+    return [standing(prim) for prim in children if prim.IsA(UsdGeom.Xformable)]
+
+
+def _spot(given: _Spot) -> Spot:
+    return Spot(given.x, given.y, given.yaw)
+
+
+def _told(thing: Standing) -> dict[str, Any]:
+    """An object, with the styles in which the library would make it."""
+    styles = choices(thing.category, thing.size)
+    path = f"{names.FURNITURE}/{thing.name}"
+    return {"object": {**asdict(thing), "path": path, "styles": list(styles)}}
