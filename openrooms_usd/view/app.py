@@ -34,6 +34,7 @@ class App:
         resources: Larger things by name; made when they are asked for.
         commands: What may be done, by name. They run one at a time.
         watched: Files; when one of them changes the page is told ``changed`` with its name.
+        live: As resources, but only while the page is served: a page in a file does not hold them.
     """
 
     page: str
@@ -42,3 +43,4 @@ class App:
     resources: Mapping[str, Callable[[], bytes]] = field(default_factory=dict)
     commands: Mapping[str, Command[Any]] = field(default_factory=dict)
     watched: tuple[Path, ...] = ()
+    live: Mapping[str, Callable[[], bytes]] = field(default_factory=dict)

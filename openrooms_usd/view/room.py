@@ -36,8 +36,10 @@ def room_app(path: Path, *, include_outside: bool = False) -> App:
     stage = open_stage(path)
     # Lightmaps are read once: nobody edits them.
     from openrooms_usd.view.light import light_of
+    from openrooms_usd.view.tracing import PICTURE, Nothing, Trace, Tracing
 
     light, maps = light_of(stage)
+    tracing = Tracing(path)
     looks: dict[str, str] = {}
 
     def look(asked: Look) -> dict[str, Any]:
@@ -56,7 +58,13 @@ def room_app(path: Path, *, include_outside: bool = False) -> App:
             ),
             **maps,
         },
-        commands={"look": Command(Look, look)},
+        live={PICTURE: tracing.picture},
+        commands={
+            "look": Command(Look, look),
+            "trace": Command(Trace, tracing.start),
+            "traced": Command(Nothing, tracing.told),
+            "trace_stop": Command(Nothing, tracing.stop),
+        },
         watched=(path, edits),
     )
 

@@ -123,7 +123,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._index()
         elif (path, name) == ("state", ""):
             self._answer(app.state)
-        elif path == "resource" and name in app.resources:
+        elif path == "resource" and name in {*app.resources, *app.live}:
             self._resource(name)
         elif (path, name) == ("events", ""):
             self._events()
@@ -186,7 +186,8 @@ class _Handler(BaseHTTPRequestHandler):
     def _resource(self, name: str) -> None:
         try:
             with self.server.lock:
-                content = self.server.app.resources[name]()
+                app = self.server.app
+                content = (app.live.get(name) or app.resources[name])()
         except OrusdError as error:
             self._send_json(HTTPStatus.UNPROCESSABLE_ENTITY, {"error": error.as_dict()})
             return

@@ -35,7 +35,7 @@ LAMP, WINDOW = "table_lamp_0", "window_0"
 def baked(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The small room with coarse lightmaps."""
     out = tmp_path_factory.mktemp("lit") / "lit"
-    return Path(ou.bake(composed_demo, out, texel=0.25, samples=4).stage)
+    return Path(ou.bake(composed_demo, out, texel=0.25, samples=64).stage)
 
 
 @pytest.fixture(scope="module")
@@ -121,8 +121,8 @@ def test_a_light_that_is_switched_off_takes_away_what_its_lightmap_holds(
     expected = picture(page, output=2) * (1.0 - view["metallic"][..., None]) * lux / np.pi
     print(f"{light}: {100 * off(taken, expected, known):.2f} % of the mean")
     assert known.mean() > 0.8
-    # Graphics units look between texels in steps of 1/256, and these texels are noisy.
-    assert off(taken, expected, known) < 0.02
+    # Graphics units look between texels in steps of 1/256.
+    assert off(taken, expected, known) < 0.01
     assert taken[known].sum() == pytest.approx(expected[known].sum(), rel=0.003)
     # By the renderer's base colour, which knows no mipmaps.
     assert off(taken, colour * lux / np.pi, known) < 0.06
@@ -171,3 +171,31 @@ def test_pictures_are_toned_as_those_of_renders(page: Page, baked: Path) -> None
     codes = np.array(page.evaluate(ask.format("codes"))).reshape(height, width, 4)[..., :3]
     # Panes of glass lie over the picture, and not over its light.
     assert np.percentile(np.abs(codes - expected), 90) <= 1.0
+
+
+def test_a_traced_picture_shows_the_same_view_with_its_lamps_as_they_are_set(page: Page) -> None:
+    turn(page, WINDOW, on=False)
+    page.evaluate(f"{ROOM}.meter()")
+    for name, value in (("trace-size", 0.25), ("trace-samples", 16)):
+        chosen = f"document.getElementById('{name}')"
+        page.evaluate(f"{chosen}.value = {value}; {chosen}.dispatchEvent(new Event('change'))")
+    page.click_on("#trace")
+    page.wait("document.body.dataset.traced == 1", 240)
+    traced = page.evaluate(
+        "(() => {const i = document.getElementById('traced'), c = document.createElement('canvas');"
+        "[c.width, c.height] = [i.naturalWidth, i.naturalHeight];"
+        "const g = c.getContext('2d'); g.drawImage(i, 0, 0);"
+        "return [c.width, c.height, Array.from(g.getImageData(0, 0, c.width, c.height).data)]})()"
+    )
+    width, height = traced[:2]
+    own = np.array(page.evaluate(f"Array.from({ROOM}.codes({width}, {height}))"))
+    pictures = [np.reshape(x, (height, width, 4))[..., :3] for x in (traced[2], own)]
+    grey = [picture.mean(axis=2).ravel() for picture in pictures]
+    alike = float(np.corrcoef(*grey)[0, 1])
+    print(f"correlation {alike:.3f}, means {grey[0].mean():.1f} {grey[1].mean():.1f}")
+    assert alike > 0.9
+    assert grey[0].mean() == pytest.approx(grey[1].mean(), rel=0.15)
+    # Another view is another picture: the measure sees it.
+    assert np.corrcoef(grey[0], pictures[1][:, ::-1].mean(axis=2).ravel())[0, 1] < 0.7
+    turn(page, WINDOW, on=True)
+    page.click_on("#traced")

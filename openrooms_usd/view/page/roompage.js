@@ -7,6 +7,7 @@ import { looks } from "orusd/looks.js";
 import { measuring } from "orusd/measuring.js";
 import { complain, element, facts, section, tell, tick } from "orusd/panel.js";
 import { listen, resource, state as stateNow } from "orusd/source.js";
+import { tracing } from "orusd/tracing.js";
 import { tree } from "orusd/tree.js";
 
 /** Fill the panel, and join it to the room. */
@@ -33,6 +34,7 @@ export async function roomPage(room, state, { stand, panel }) {
       tick("walk", "walk (W A S D)", false, (on) => room.camera.become(on ? "walk" : "orbit")),
       tick("outside", "walls between are left out", true, (on) => { room.outside = on; room.draw(); })),
     ...measuring(room),
+    ...tracing(room, stand),
     section("Prim", "prim", about),
     ...doors(room, state),
     ...looks(room, state),

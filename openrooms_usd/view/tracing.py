@@ -1,0 +1,196 @@
+"""A path-traced picture of what a page shows, made beside it, round by round."""
+
+import tempfile
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from openrooms_usd import adapters
+from openrooms_usd.colorimetry import srgb_from_linear
+from openrooms_usd.description.model import Model, Number, Switch, Whole
+from openrooms_usd.errors import InputError, OrusdError
+from openrooms_usd.imagefile import write_png
+from openrooms_usd.render.color import quantize
+from openrooms_usd.render.contract import PHOTOGRAPH, Renderer, RenderRequest, View
+from openrooms_usd.render.denoise import load_denoiser
+from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.render.tone import fitted_tone
+from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usd.layers import open_stage
+
+Floats = NDArray[np.float32]
+Row = Annotated[list[Number], Field(min_length=4, max_length=4)]
+Three = Annotated[list[Number], Field(min_length=3, max_length=3)]
+Matrix = Annotated[list[Row], Field(min_length=4, max_length=4)]
+
+PICTURE: Final = "traced.png"
+# Samples of the first round; each of the others doubles what there is.
+_FIRST_SAMPLES: Final = 4
+_CAMERA: Final = "the page"
+
+
+class Trace(Model):
+    """What is asked for."""
+
+    world_from_camera: Matrix
+    """OpenCV axes, metres."""
+    focal: Annotated[Number, Field(gt=0.0, lt=1e3)]
+    """Of the lens, in parts of the picture's width."""
+    right: Number = 0.0
+    """Where its axis meets the picture: right of the middle, in parts of the width."""
+    down: Number = 0.0
+    """Likewise, down."""
+    width: Annotated[Whole, Field(ge=16, le=4096)]
+    """Pixels."""
+    height: Annotated[Whole, Field(ge=16, le=4096)]
+    """Pixels."""
+    samples: Annotated[Whole, Field(ge=1, le=65536)] = 64
+    """Paths for each pixel."""
+    denoise: Switch = False
+    """Whether noise is taken away at the end."""
+    moves: dict[str, Matrix] = Field(default_factory=dict)
+    """Prims that stand elsewhere: of the world to the world."""
+    weights: dict[str, Three] = Field(default_factory=dict)
+    """What the light of lamps and openings is multiplied with, by their names."""
+
+
+class Nothing(Model):
+    """Nothing comes with it."""
+
+
+@dataclass
+class Tracing:
+    """Makes one picture at a time, in a thread of its own; a new one ends the one before.
+
+    Attributes:
+        path: The stage.
+        renderer: The name of what renders.
+    """
+
+    path: Path
+    renderer: str = "mitsuba"
+    _opened: tuple[tuple[int, ...], OpenedStage] | None = None
+    _stop: threading.Event = field(default_factory=threading.Event)
+    _thread: threading.Thread | None = None
+    _told: dict[str, Any] = field(default_factory=lambda: {"state": "nothing"})
+    _picture: bytes = b""
+
+    def start(self, asked: Trace) -> dict[str, Any]:
+        """Begin with a picture.
+
+        Raises:
+            MissingPackageError: The renderer or the denoiser is not installed.
+        """
+        adapters.load(adapters.RENDERERS, self.renderer)
+        if asked.denoise:
+            load_denoiser()
+        self.stop(Nothing())
+        self._stop = threading.Event()
+        self._told = {"state": "opening", "samples": 0, "fraction": 0.0}
+        self._thread = threading.Thread(target=self._run, args=(asked, self._stop), daemon=True)
+        self._thread.start()
+        return self._told
+
+    def stop(self, _: Nothing) -> dict[str, Any]:
+        """End with what there is."""
+        self._stop.set()
+        if self._thread is not None:
+            self._thread.join()
+        return self._told
+
+    def told(self, _: Nothing) -> dict[str, Any]:
+        """How far it is: ``state``, ``samples``, ``fraction``, and ``error`` where it failed."""
+        return self._told
+
+    def picture(self) -> bytes:
+        """What there is of it, as a PNG.
+
+        Raises:
+            InputError: There is none yet.
+        """
+        if not self._picture:
+            raise InputError("there is no picture yet", remedy="trace one")
+        return self._picture
+
+    def _run(self, asked: Trace, stop: threading.Event) -> None:
+        try:
+            self._trace(asked, stop)
+        except OrusdError as error:
+            self._told = {**self._told, "state": "failed", "error": error.as_dict()}
+        except Exception as error:
+            # A thread has nobody to raise it to, and the page waits.
+            said = {"message": f"the renderer failed: {error}", "place": None, "remedy": None}
+            self._told = {**self._told, "state": "failed", "error": said}
+
+    def _trace(self, asked: Trace, stop: threading.Event) -> None:
+        opened = self._stage()
+        opened.move({path: np.array(matrix) for path, matrix in asked.moves.items()})
+        camera, done, total = _camera(asked), 0, np.zeros((asked.height, asked.width, 3))
+        guides: Mapping[str, Floats] = {}
+        while done < asked.samples and not stop.is_set():
+            now = min(max(done, _FIRST_SAMPLES), asked.samples - done)
+            request = RenderRequest(
+                _CAMERA, ("radiance_i",) if asked.weights else ("radiance",), asked.width,
+                asked.height, samples=now, seed=done, measure_bias=False,
+                guides=asked.denoise and not guides,
+            )  # fmt: skip
+
+            def tell(share: float, first: int = done, count: int = now) -> None:
+                fraction = (first + share * count) / asked.samples
+                self._told = {"state": "tracing", "samples": first, "fraction": fraction}
+
+            view = opened.picture(camera, request, tell)
+            guides = guides or view.guides
+            total += now * _light(view, opened, asked)
+            done += now
+            self._show((total / done).astype(np.float32), done, asked)
+        if asked.denoise and done:
+            clean = load_denoiser().denoise((total / done).astype(np.float32), guides)
+            self._show(clean, done, asked)
+        self._told = {"state": "ready", "samples": done, "fraction": done / asked.samples}
+
+    def _stage(self) -> OpenedStage:
+        """The stage as it is now; opened anew where a file of it has changed."""
+        stage = open_stage(self.path)
+        files = [layer.realPath for layer in stage.GetLayerStack() if layer.realPath]
+        stamps = tuple(Path(file).stat().st_mtime_ns for file in files)
+        if self._opened is None or self._opened[0] != stamps:
+            renderer: Renderer = adapters.load(adapters.RENDERERS, self.renderer)
+            self._opened = stamps, open_with(renderer, stage)
+        return self._opened[1]
+
+    def _show(self, radiance: Floats, samples: int, asked: Trace) -> None:
+        tone = fitted_tone(PHOTOGRAPH, radiance)
+        codes = quantize(srgb_from_linear(tone.shown(radiance)))
+        with tempfile.TemporaryDirectory(prefix="orusd-view-") as folder:
+            write_png(Path(folder) / PICTURE, codes)
+            self._picture = (Path(folder) / PICTURE).read_bytes()
+        self._told = {"state": "tracing", "samples": samples, "fraction": samples / asked.samples}
+
+
+def _camera(asked: Trace) -> PinholeCamera:
+    focal = asked.focal * asked.width
+    K = np.array(
+        [
+            [focal, 0.0, (0.5 + asked.right) * asked.width],
+            [0.0, focal, 0.5 * asked.height + asked.down * asked.width],
+            [0.0, 0.0, 1.0],
+        ]
+    )
+    return PinholeCamera(K, np.array(asked.world_from_camera))
+
+
+def _light(view: View, opened: OpenedStage, asked: Trace) -> NDArray[np.float64]:
+    """(H, W, 3) nits, each light as the page has it."""
+    if not asked.weights:
+        return view.images["radiance"].pixels.astype(np.float64)
+    weights = [asked.weights.get(light.name, [1.0, 1.0, 1.0]) for light in opened.lights]
+    images = [view.images[f"radiance_{light.number}"].pixels for light in opened.lights]
+    parts = [image * np.array(weight) for image, weight in zip(images, weights, strict=True)]
+    return np.asarray(np.sum(parts, axis=0), np.float64)
