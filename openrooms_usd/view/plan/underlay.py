@@ -136,12 +136,16 @@ def first_drawing(layout: PolygonLayout | CapturedLayout, under: Underlay) -> Dr
     wanted = str(layout.room) if isinstance(layout, ScanLayout) else "0"
     drawing = under.found.get(wanted) or under.found.get("0")
     if drawing is None:
-        points = under.points[:, :2] if len(under.points) else np.array([[0.0, 0.0], [5.0, 4.0]])
-        (x0, y0), (x1, y1) = np.percentile(points, (2, 98), axis=0).tolist()
-        corners = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
-        drawing = Drawing(corners, SCANNED_HEIGHT)
+        drawing = boxed(under)
     height = layout.height or drawing.height
     return replace(drawing, height=height, thickness=layout.wall_thickness)
+
+
+def boxed(under: Underlay) -> Drawing:
+    """A plan to begin with where no room was found: a box around most of the points."""
+    points = under.points[:, :2] if len(under.points) else np.array([[0.0, 0.0], [5.0, 4.0]])
+    (x0, y0), (x1, y1) = np.percentile(points, (2, 98), axis=0).tolist()
+    return Drawing(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), SCANNED_HEIGHT)
 
 
 def drawing_of_section(layout: PolygonLayout | CapturedLayout, under: Underlay) -> Drawing:

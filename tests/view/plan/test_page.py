@@ -50,6 +50,7 @@ def test_a_real_scan_is_corrected_saved_and_composed(
         opened(server.address, tmp_path / "scratch", size=(1200, 800)) as page,
     ):
         page.wait("document.getElementById('points')?.dataset.loaded")
+        assert page.evaluate("document.getElementById('draft').getClientRects().length") == 0
         x, y = before.corners[1]
         page.drag(page.middle("[data-corner='1']"), place(page, "#plan", x + 0.5, y - 0.4))
         count(page, 1)
@@ -136,7 +137,14 @@ def test_keys_refusals_and_a_change_by_another_program(served: Path, tmp_path: P
         page.click_on("[data-wall='0']")
         page.wait("document.getElementById('selected').textContent == 'wall 0'")
         assert all("422" in message for message in page.messages)
-    assert Session(served).state()["draft"]
+    with (
+        serving(Session(served).app()) as server,
+        opened(server.address, tmp_path / "again", size=(1000, 700)) as page,
+    ):
+        page.wait("document.getElementById('draft').getClientRects().length")
+        page.click_on("#draft-take")
+        count(page, 1)
+        assert page.evaluate("document.getElementById('draft').getClientRects().length") == 0
 
 
 def test_the_page_is_one_file_to_look_at(served: Path, tmp_path: Path) -> None:
