@@ -71,6 +71,7 @@ def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> Non
     assert shard.stat().st_size < len(before[0])
 
 
+@pytest.mark.slow
 def test_a_room_that_moves_on_is_written_by_its_new_number(
     finished: tuple[Store, Dataset],
 ) -> None:
@@ -149,6 +150,7 @@ def test_behind_a_url_a_form_that_is_half_put_counts_as_none(
     assert remote.read("records/webdataset.json")
 
 
+@pytest.mark.slow
 def test_behind_a_url_forms_have_the_composed_rooms_too(
     finished: tuple[Store, Dataset], tmp_path: Path
 ) -> None:

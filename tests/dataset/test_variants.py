@@ -26,6 +26,7 @@ def rooms(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Room]:
     return {job.variant: realised(job, dataset.views, dataset.folder) for job in plan_jobs(dataset)}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("variant", "other"),
     [

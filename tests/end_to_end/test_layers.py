@@ -69,6 +69,7 @@ def test_one_layer_defines_a_prim_and_the_others_only_say_more(composed_demo: Pa
             if spec.specifier == Sdf.SpecifierDef] == ["layout.usda"]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_edits_reach_the_pictures_and_survive(room: Path, show, paint, fastest: str) -> None:
     scene, edits = room / "out" / "scene.usda", room / "out" / "layers" / "edits.usda"
     how = {"options": {"variant": fastest}, "resolution": (24, 18), "samples": 1,

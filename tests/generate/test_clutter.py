@@ -88,6 +88,7 @@ def test_equal_seeds_give_equal_clutter(rooms: list[Generated]) -> None:
     assert write(generate("bathroom", 5, 5.0, clutter=2)) != write(rooms[2])
 
 
+@pytest.mark.slow
 def test_makes_are_few(rooms: list[Generated]) -> None:
     made = {(item.category, item.size, item.style) for item in lying(rooms[3])}
     assert max(Counter(category for category, _, _ in made).values()) <= 6

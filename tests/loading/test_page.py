@@ -9,6 +9,7 @@ import pytest
 PAGE = Path(__file__).parents[2] / "docs/loading.md"
 
 
+@pytest.mark.slow
 def test_the_python_of_the_page_runs_in_order(
     dataset: Path,
     torch: ModuleType,

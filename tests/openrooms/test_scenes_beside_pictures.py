@@ -44,6 +44,7 @@ def files(root: Path) -> dict[str, str]:
     }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("split", SPLITS)
 def test_what_the_3d_loader_opens_is_there(root: Path, split: str) -> None:
     scene = root / "scenes/xml/scene0000_00"
