@@ -1,6 +1,7 @@
 """A page as one file that works without a server: everything that it can ask for lies inside."""
 
 import base64
+import zlib
 from pathlib import Path
 from typing import Final
 
@@ -36,7 +37,7 @@ def page(app: App) -> str:
     inside = [f'<script type="application/json" id="state">{embedded(app.state())}</script>']
     inside += [
         f'<script type="text/plain" data-resource="{name}">'
-        f"{base64.b64encode(make()).decode('ascii')}</script>"
+        f"{base64.b64encode(zlib.compress(make())).decode('ascii')}</script>"
         for name, make in sorted(app.resources.items())
     ]
     return wrapped(app.page, app.title, places, head=head, body="\n".join(inside))

@@ -27,7 +27,9 @@ export async function resource(name) {
   if (!offline) return (await got(`/resource/${name}`)).arrayBuffer();
   const held = document.querySelector(`script[data-resource="${name}"]`);
   if (held === null) throw new Refused({ message: `the page does not hold ${name}` });
-  return (await fetch(`data:application/octet-stream;base64,${held.textContent}`)).arrayBuffer();
+  const packed = await fetch(`data:application/octet-stream;base64,${held.textContent}`);
+  const whole = packed.body.pipeThrough(new DecompressionStream("deflate"));
+  return new Response(whole).arrayBuffer();
 }
 
 /** Do something; gives what came of it. */
