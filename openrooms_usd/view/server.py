@@ -123,7 +123,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._index()
         elif (path, name) == ("state", ""):
             self._answer(app.state)
-        elif path == "resource" and name in {*app.resources, *app.live}:
+        elif path == "resource" and (name in app.resources or name in app.live):
             self._resource(name)
         elif (path, name) == ("events", ""):
             self._events()
