@@ -11,10 +11,14 @@ from openrooms_usd.cli.pages import page_options, show
 # What ``labels`` needs, and no page has.
 _OUT: Final = ("-o", "--out")
 
-_STAGE: Final = click.argument("stage", type=click.Path(path_type=Path))
+_ROOM: Final = click.argument("room", type=click.Path(path_type=Path), metavar="STAGE|room.yaml")
 _DESCRIPTION: Final = click.option(
     "--description", type=click.Path(path_type=Path), metavar="ROOM.yaml",
     help="What STAGE is composed from: the page can then compose it again.",
+)  # fmt: skip
+_COMPOSED: Final = click.option(
+    "-o", "--out", type=click.Path(path_type=Path),
+    help="Where a room.yaml is composed to.  [default: composed, beside it]",
 )  # fmt: skip
 
 
@@ -57,22 +61,26 @@ def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:
 
 
 @annotate.command()
-@_STAGE
+@_ROOM
 @_DESCRIPTION
+@_COMPOSED
 @page_options
-def materials(stage: Path, description: Path | None, **where: Any) -> None:
-    """Say what the parts of a composed room are made of."""
+def materials(room: Path, description: Path | None, out: Path | None, **where: Any) -> None:
+    """Say what the parts of a room are made of: in the edits of STAGE, or in room.yaml."""
+    from openrooms_usd.view.corrections import corrections
     from openrooms_usd.view.materials import materials_app
 
-    show(materials_app(stage, description), **where)
+    show(materials_app(corrections(room, description, out)), **where)
 
 
 @annotate.command()
-@_STAGE
+@_ROOM
 @_DESCRIPTION
+@_COMPOSED
 @page_options
-def objects(stage: Path, description: Path | None, **where: Any) -> None:
-    """Move, rename, exchange, copy and remove furniture of a composed room."""
+def objects(room: Path, description: Path | None, out: Path | None, **where: Any) -> None:
+    """Move, rename, exchange, copy and remove furniture: in the edits of STAGE, or in room.yaml."""
+    from openrooms_usd.view.corrections import corrections
     from openrooms_usd.view.objects import objects_app
 
-    show(objects_app(stage, description), **where)
+    show(objects_app(corrections(room, description, out)), **where)

@@ -96,6 +96,8 @@ def _cuts(text: str, section: str, values: Mapping[str, Any]) -> Iterator[_Cut]:
         yield _Cut(start, end, made)
     elif node.flow_style:
         yield from _in_flow(text, node, values)
+    elif not given and all(held.value in values for held, _ in node.value):
+        yield _Cut(_colon(text, key), _end(text, node), " {}")
     else:
         yield from _in_block(text, node, values)
 

@@ -5,7 +5,7 @@ model in ``layers/edits/assets``, a copy that refers to the original, a prim tha
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -86,6 +86,14 @@ def standing(prim: Usd.Prim) -> Standing:
     )
 
 
+def resized(thing: Standing, size: tuple[float, float, float]) -> Standing:
+    """An object as it would be with another size."""
+    across, along, _ = np.array(size) / np.maximum(thing.size, 1e-9)
+    (x0, y0), (x1, y1) = thing.low, thing.high
+    low, high = (x0 * across, y0 * along), (x1 * across, y1 * along)
+    return replace(thing, size=size, low=low, high=high)
+
+
 def settled(room: Surroundings, thing: Standing, spot: Spot) -> Spot:
     """Where an object comes to stand that is put somewhere: snapped as its kind is."""
     snap = _SNAPS.get(thing.support)
@@ -154,7 +162,7 @@ def duplicate(scene: Path, name: str) -> Standing:
         # Also when the original is taken away.
         spec.active = True
         thing, copy = standing(original), stage.GetPrimAtPath(path)
-        _write(stage, copy, _moved(copy, _beside(room, thing), thing.z))
+        _write(stage, copy, _moved(copy, beside(room, thing), thing.z))
         return standing(copy)
 
 
@@ -193,7 +201,7 @@ def relabel(scene: Path, name: str, category: str) -> Standing:
         return standing(prim)
 
 
-def _beside(room: Surroundings, thing: Standing) -> Spot:
+def beside(room: Surroundings, thing: Standing) -> Spot:
     """A place next to an object: to its right, or where a wall leaves more room."""
     here, width, depth = np.array([thing.x, thing.y]), *thing.size[:2]
     found = []

@@ -4,7 +4,8 @@
 tells it what other programs changed (``watching``); ``offline`` makes one file of it. ``room`` is
 the page of a stage, and ``prims`` and ``light`` are what it tells of it, and ``tracing`` makes
 path-traced pictures beside it; ``plan`` is that of a room's plan, ``materials`` and ``objects`` are
-those of its things (``corrections``). Server and file put the same HTML around a page (``shell``).
-What runs in the browser lies in ``page/``: modules without a build step, which ask nobody else for
-anything. Pages write ``edits.usda`` or fields of ``room.yaml``, nothing else.
+those of its things: their ``corrections`` go to ``targets``, which are edits or the ``fields`` of a
+room.yaml (``describing``). Server and file put the same HTML around a page (``shell``). What runs
+in the browser lies in ``page/``: modules without a build step, which ask nobody else for anything.
+Pages write ``edits.usda`` or fields of ``room.yaml``, nothing else.
 """

@@ -12,6 +12,7 @@ from openrooms_usd.edits.history import History
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.diagnostics import quiet
 from openrooms_usd.view.app import Command
+from openrooms_usd.view.targets import Edits, Target
 
 
 class Nothing(Model):
@@ -23,17 +24,17 @@ class Corrections:
     """A room that somebody corrects.
 
     Attributes:
-        scene: The ``scene.usda`` that is shown.
+        target: Where the corrections are written.
         description: The room.yaml that it is composed from; None where nobody has named it.
         history: What was done to the file that the corrections are written to.
         notes: What the last composition said.
     """
 
-    scene: Path
+    target: Target
     description: Path | None
     history: History
     notes: list[str] = field(default_factory=list)
-    _composed: bool = field(default=False, init=False)
+    _composed: bool = False
 
     def told(self) -> dict[str, Any]:
         """What can be taken back and composed, and the version of the file."""
@@ -73,11 +74,11 @@ class Corrections:
         if self.description is None:
             raise InputError(
                 "nobody has said which description this room is composed from",
-                place=self.scene,
+                place=self.target.scene,
                 remedy="open the page with --description room.yaml, or run orusd compose",
             )
         with quiet():
-            done = compose_room(self.description, self.scene.parent)
+            done = compose_room(self.description, self.target.scene.parent)
         self._composed = True
         self.notes = [*(note for row in done.stages for note in row.notes), *done.notes]
         return self.told()
@@ -102,17 +103,33 @@ class Corrections:
         }
 
 
-def of_edits(scene: Path, description: Path | None) -> Corrections:
-    """Corrections of a composed room, which go to its edits.
+def corrections(
+    room: Path, description: Path | None = None, out: Path | None = None
+) -> Corrections:
+    """Corrections of a composed room, which go to its edits, or of a description, which go there.
+
+    Args:
+        room: The ``scene.usda`` of a composed room, or a room.yaml, which is composed first.
+        description: What a composed room is composed from, to compose it again.
+        out: Where a room.yaml is composed to; by default ``composed`` beside it.
 
     Raises:
         InputError: It is no composed room.
+        OrusdError: The description does not compose.
     """
-    edits = scene.parent / names.LAYERS / f"{names.EDITS}.usda"
-    if not (scene.is_file() and edits.is_file()):
+    if room.suffix in (".yaml", ".yml"):
+        from openrooms_usd.view.describing import Described
+        from openrooms_usd.view.fields import Fields
+
+        described = Described(room, (out or room.parent / "composed") / names.SCENE)
+        with quiet():
+            described.compose()
+        return Corrections(Fields(described), room, History(room), _composed=True)
+    target = Edits(room, description.parent if description else None)
+    if not (room.is_file() and target.file.is_file()):
         raise InputError(
             "this is no composed room",
-            place=scene,
+            place=room,
             remedy="compose a room first: `orusd compose room.yaml -o out`",
         )
-    return Corrections(scene, description, History(edits))
+    return Corrections(target, description, History(target.file))

@@ -1,7 +1,6 @@
 """The page in which people say what things are made of."""
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any, Final
 
 from pxr import Usd
@@ -9,7 +8,6 @@ from pydantic import Field
 
 from openrooms_usd import names
 from openrooms_usd.description.model import Model
-from openrooms_usd.edits.assigning import assign, look_of, unassign
 from openrooms_usd.edits.targets import SCOPES, Scope
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.library.thumbnails import thumbnail
@@ -17,7 +15,7 @@ from openrooms_usd.stages.choosing import NUMBERS_PER_FAMILY
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.view.app import App, Command
-from openrooms_usd.view.corrections import of_edits
+from openrooms_usd.view.corrections import Corrections
 from openrooms_usd.view.room import room_glb, room_state
 
 _PICTURES: Final = "material"
@@ -62,30 +60,24 @@ class _Pictures(Mapping[str, Any]):
 _NUMBERS: Final = frozenset(map(str, range(NUMBERS_PER_FAMILY)))
 
 
-def materials_app(scene: Path, description: Path | None = None) -> App:
-    """The page in which people choose the materials of a composed room.
+def materials_app(held: Corrections) -> App:
+    """The page in which people choose the materials of a room.
 
     Args:
-        scene: The ``scene.usda`` of the room.
-        description: The room.yaml that it is composed from, to compose it again.
-
-    Raises:
-        InputError: It is no composed room.
+        held: The room, and where what they choose is written.
     """
-    held = of_edits(scene, description)
+    scene, target = held.target.scene, held.target
 
     def assigned(given: _Assigned) -> dict[str, Any]:
-        base = description.parent if description else None
-
         def change() -> dict[str, Any]:
-            done = assign(scene, given.path, given.scope, look_of(given.look), base)
+            done = target.assign(given.path, given.scope, given.look)
             return {"material": done.material, "parts": list(done.parts)}
 
         return held.done(change)
 
     def reset(given: _Meant) -> dict[str, Any]:
         return held.done(
-            lambda: {"parts": list(unassign(scene, given.path, given.scope).parts)}, bares=True
+            lambda: {"parts": list(target.unassign(given.path, given.scope).parts)}, bares=True
         )
 
     def state() -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """The page in which people move furniture, and say what it is."""
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from pxr import Usd, UsdGeom
@@ -11,16 +10,8 @@ from openrooms_usd import names
 from openrooms_usd.description.alignment import Size
 from openrooms_usd.description.model import Model
 from openrooms_usd.description.units import Angle, Length
-from openrooms_usd.edits.arranging import (
-    Standing,
-    duplicate,
-    place,
-    relabel,
-    remove,
-    settled,
-    standing,
-)
-from openrooms_usd.edits.remaking import choices, remake
+from openrooms_usd.edits.arranging import Standing, settled, standing
+from openrooms_usd.edits.remaking import choices
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.library.furniture import CATEGORIES
@@ -28,7 +19,7 @@ from openrooms_usd.stages.surroundings import surroundings
 from openrooms_usd.usd.diagnostics import quiet
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.view.app import App, Command
-from openrooms_usd.view.corrections import of_edits
+from openrooms_usd.view.corrections import Corrections
 from openrooms_usd.view.room import room_glb, room_state
 
 
@@ -67,17 +58,13 @@ class _Remade(_Named):
     keep_size: bool = True
 
 
-def objects_app(scene: Path, description: Path | None = None) -> App:
-    """The page in which people correct the furniture of a composed room.
+def objects_app(held: Corrections) -> App:
+    """The page in which people correct the furniture of a room.
 
     Args:
-        scene: The ``scene.usda`` of the room.
-        description: The room.yaml that it is composed from, to compose it again.
-
-    Raises:
-        InputError: It is no composed room.
+        held: The room, and where what they do is written.
     """
-    held = of_edits(scene, description)
+    scene, target = held.target.scene, held.target
 
     def tried(given: _Spot) -> dict[str, Any]:
         """Where an object would come to stand; nothing is written."""
@@ -93,12 +80,12 @@ def objects_app(scene: Path, description: Path | None = None) -> App:
     def placed(given: _Placed) -> dict[str, Any]:
         spot = _spot(given)
         return held.done(
-            lambda: _told(place(scene, given.name, spot, size=given.size, snap=given.snap))
+            lambda: _told(target.place(given.name, spot, size=given.size, snap=given.snap))
         )
 
     def removed(given: _Named) -> dict[str, Any]:
         def change() -> dict[str, Any]:
-            remove(scene, given.name)
+            target.remove(given.name)
             return {}
 
         return held.done(change)
@@ -106,7 +93,7 @@ def objects_app(scene: Path, description: Path | None = None) -> App:
     def remade(given: _Remade) -> dict[str, Any]:
         kind, keep = given.category, given.keep_size
         return held.done(
-            lambda: _told(remake(scene, given.name, given.style, kind, keep_size=keep))
+            lambda: _told(target.remake(given.name, given.style, kind, keep_size=keep))
         )
 
     def state() -> dict[str, Any]:
@@ -130,11 +117,11 @@ def objects_app(scene: Path, description: Path | None = None) -> App:
             "remake": Command(_Remade, remade),
             "remove": Command(_Named, removed),
             "duplicate": Command(
-                _Named, lambda given: held.done(lambda: _told(duplicate(scene, given.name)))
+                _Named, lambda given: held.done(lambda: _told(target.duplicate(given.name)))
             ),
             "relabel": Command(
                 _Labelled,
-                lambda given: held.done(lambda: _told(relabel(scene, given.name, given.category))),
+                lambda given: held.done(lambda: _told(target.relabel(given.name, given.category))),
             ),
             **held.commands(),
         },

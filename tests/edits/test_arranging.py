@@ -72,6 +72,7 @@ def box(scene: Path, name: str) -> np.ndarray:
     return np.stack([every.min(axis=0), every.max(axis=0)])
 
 
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("kind", CHANGES)
 def test_a_change_survives_compositions_and_writes_no_other_layer(
     kind: str, scene: Path, assert_valid: Callable[..., None]

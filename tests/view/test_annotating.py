@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf
 
+from openrooms_usd.description import load_room
+from openrooms_usd.view.corrections import corrections
 from openrooms_usd.view.materials import materials_app
 from openrooms_usd.view.objects import objects_app
 from tests.chromium import Page, needs_chromium
@@ -60,7 +62,7 @@ def test_a_click_and_a_picture_change_what_things_are_made_of(
     scope: str, meant: Callable[[str], bool], scene: Path, shown: Shown, tmp_path: Path
 ) -> None:
     before, layers = worn(scene), others(scene)
-    page = shown(materials_app(scene, scene.parents[1] / "room.yaml"))
+    page = shown(materials_app(corrections(scene, scene.parents[1] / "room.yaml")))
     page.click(*seen(page, SEAT))
     assert page.evaluate("document.body.dataset.part") == SEAT
     assert page.evaluate("document.querySelector('[data-fact=object]').textContent") == "chair_1"
@@ -95,7 +97,7 @@ def test_furniture_is_dragged_copied_exchanged_and_removed(
     scene: Path, shown: Shown, tmp_path: Path
 ) -> None:
     layers = others(scene)
-    page = shown(objects_app(scene, scene.parents[1] / "room.yaml"))
+    page = shown(objects_app(corrections(scene, scene.parents[1] / "room.yaml")))
     start = seen(page, "/World/Furniture/chair_1")
     page.click(*start)
     assert page.evaluate("document.body.dataset.object") == "chair_1"
@@ -142,7 +144,7 @@ def test_furniture_is_dragged_copied_exchanged_and_removed(
 
 
 def test_it_is_turned_by_its_handle(scene: Path, shown: Shown) -> None:
-    page = shown(objects_app(scene))
+    page = shown(objects_app(corrections(scene)))
     page.click(*seen(page, "/World/Furniture/chair_1"))
     script = (
         f"(() => {{const r = {ROOM}.camera, o = [2.6, 1.5, 0.01], d = 0.265 + 0.35;"
@@ -159,7 +161,7 @@ def test_it_is_turned_by_its_handle(scene: Path, shown: Shown) -> None:
 
 
 def test_what_another_program_writes_is_shown(scene: Path, shown: Shown) -> None:
-    page = shown(objects_app(scene))
+    page = shown(objects_app(corrections(scene)))
     where = f"{ROOM}.bounds(['/World/Furniture/chair_1'])[0][0]"
     before = page.evaluate(where)
     layer = Sdf.Layer.OpenAsAnonymous(str(scene.parent / "layers/edits.usda"))
@@ -172,7 +174,7 @@ def test_what_another_program_writes_is_shown(scene: Path, shown: Shown) -> None
 
 
 def test_what_is_refused_is_said_and_the_picture_is_as_it_was(scene: Path, shown: Shown) -> None:
-    page = shown(objects_app(scene))
+    page = shown(objects_app(corrections(scene)))
     page.click(*seen(page, "/World/Furniture/chair_1"))
     where = f"{ROOM}.bounds(['/World/Furniture/chair_1'])"
     before = np.array(page.evaluate(where))
@@ -183,6 +185,23 @@ def test_what_is_refused_is_said_and_the_picture_is_as_it_was(scene: Path, shown
     )
     assert "size" in page.evaluate("document.getElementById('told').textContent")
     assert np.array(page.evaluate(where)) == pytest.approx(before) and objects(scene)["chair_1"]
+
+
+def test_a_room_yaml_is_corrected_and_composed(scene: Path, shown: Shown) -> None:
+    file = scene.parents[1] / "room.yaml"
+    page = shown(objects_app(corrections(file, out=scene.parent)))
+    page.click(*seen(page, "/World/Furniture/chair_1"))
+    before = box(scene, "chair_1")
+    page.key("ArrowRight")
+    idle(page)
+    assert box(scene, "chair_1") - before == pytest.approx(
+        np.tile([0.05, 0.0, 0.0], (2, 1)), abs=1e-4
+    )
+    chair = load_room(file).as_dict()["alignment"]["objects"][2]
+    assert chair["at"] == pytest.approx([2.65, 1.5])
+    page.click_on("#undo")
+    idle(page)
+    assert box(scene, "chair_1") == pytest.approx(before)
 
 
 def choose(page: Page, id: str, value: str) -> None:
