@@ -28,6 +28,8 @@ const FRAME = `
       <option value="">door or window</option><option>window</option><option>door</option>
       <option value="opening">passage</option></select></div>
     <p id="refusal" class="wrong"></p>
+    <p id="renumbered" class="wrong" hidden>The room has other walls now: look at cladding and
+      accents, which name walls by their numbers.</p>
     <h2>Height</h2>
     <div class="row"><label for="height">floor to ceiling, m</label>
       <input id="height" type="number" step="0.01" min="0.5" size="6"></div>
@@ -105,6 +107,8 @@ class Editor {
         this.show(await send(command, given));
         await this.#elevation();
       } catch (error) {
+        // What was only tried out is shown no more.
+        this.show(await state());
         this.#refuse(error);
       }
     });
@@ -132,6 +136,7 @@ class Editor {
     element("selected").textContent = this.#words();
     if (plan.refusal) this.#refuse(plan.refusal);
     else element("refusal").textContent = "";
+    element("renumbered").hidden = !plan.renumbered;
     document.body.dataset.undo = plan.undo;
   }
 

@@ -44,9 +44,11 @@ export function follow(event, group, { moved, dropped, clicked }) {
   const up = (now) => {
     window.removeEventListener("pointermove", move);
     window.removeEventListener("pointerup", up);
+    window.removeEventListener("pointercancel", up);
     if (far || way(now) > STILL_PX) dropped?.(from, placeOf(group, now));
     else clicked?.(from);
   };
   window.addEventListener("pointermove", move);
   window.addEventListener("pointerup", up);
+  window.addEventListener("pointercancel", up);
 }

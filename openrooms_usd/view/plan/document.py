@@ -66,6 +66,17 @@ class Document:
         """Whether the file says that plan, or leaves it as it was found."""
         return plan.as_section() == self.saved.as_section()
 
+    def renumbers(self, plan: Drawing) -> bool:
+        """Whether the file names walls by numbers that are others' in that plan."""
+        if len(plan.corners) == len(self.saved.corners):
+            return False
+        room = parse_room(self.text, str(self.file))
+        cladding = self._layout(self.text).cladding
+        accents = room.materials.accents
+        return any(one.walls for one in cladding) or any(
+            name.startswith("wall_") for name in accents
+        )
+
     def text_of(self, plan: Drawing) -> str:
         """The text with a plan in it; as it stands, where it has that plan already.
 

@@ -113,6 +113,7 @@ class Session:
             "height": plan.height,
             "area": plan.area,
             "refusal": None if refusal is None else refusal.as_dict(),
+            "renumbered": self.document.renumbers(plan),
             "unsaved": not self.document.has(plan),
             "undo": self.history.done,
             "redo": self.history.undone,

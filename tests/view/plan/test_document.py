@@ -199,6 +199,24 @@ def test_another_section_that_changes_is_no_step(drawn: Document) -> None:
     assert "name: ours" in drawn.file.read_text()
 
 
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ("", False),
+        ("  cladding: [{bottom: 0, top: 1}]\n", False),
+        ("  cladding: [{walls: [1], bottom: 0, top: 1}]\n", True),
+        ("materials: {accents: {wall_2: paint}}\n", True),
+    ],
+)
+def test_numbers_that_become_other_walls_are_told(tmp_path: Path, more: str, said: bool) -> None:
+    file = tmp_path / "room.yaml"
+    file.write_text(f"layout:\n  polygon: [[0, 0], [5, 0], [5, 4], [0, 4]]\n{more}")
+    commands = Session(file).app().commands
+    split, move = commands["split_wall"], commands["move_wall"]
+    assert not move.run(move.model(wall=1, by=(0.1, 0.0)))["renumbered"]
+    assert split.run(split.model(wall=0, at=(2.0, 0.0)))["renumbered"] is said
+
+
 def test_walls_of_a_seed_are_not_moved(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text("room: kitchen\nlayout: {from: generate}\n")
     with pytest.raises(InputError, match="drawn by its seed"):

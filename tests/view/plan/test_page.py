@@ -136,6 +136,10 @@ def test_keys_refusals_and_a_change_by_another_program(served: Path, tmp_path: P
         page.wait("document.querySelector('[data-hole]') === null")
         page.click_on("[data-wall='0']")
         page.wait("document.getElementById('selected').textContent == 'wall 0'")
+        x, y = place(page, "#elevation", 2.0, 1.0)
+        page.drag((x, y), (x + 4, y + 90))
+        page.wait("document.getElementById('refusal').textContent.includes('too small')")
+        assert page.evaluate("document.querySelectorAll('[data-hole]').length") == 0
         assert all("422" in message for message in page.messages)
     with (
         serving(Session(served).app()) as server,
