@@ -1,19 +1,58 @@
 """The command ``view``."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import click
 
 from openrooms_usd.cli.pages import page_options, show
+from openrooms_usd.errors import InputError
+from openrooms_usd.view.app import App
+
+_STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
 
 
 @click.command()
-@click.argument("stage", type=click.Path(path_type=Path))
+@click.argument("what", type=click.Path(path_type=Path), metavar="STAGE|RENDER|SCAN")
+@click.option("--render", type=click.Path(path_type=Path), metavar="RENDER",
+              help="A finished render of STAGE, to be shown from its cameras.")  # fmt: skip
+@click.option("--importer", default="scan", show_default=True, metavar="KIND",
+              help="What reads SCAN.")  # fmt: skip
 @click.option("--include-outside", is_flag=True, help="Show pictures outside STAGE's folder too.")
 @page_options
-def view(stage: Path, include_outside: bool, **where: Any) -> None:
-    """Look at STAGE in the browser."""
+def view(
+    what: Path, render: Path | None, importer: str, include_outside: bool, **where: Any
+) -> None:
+    """Look at a room, a render of it, or a scan in the browser.
+
+    A RENDER is a folder that `orusd render` wrote beside its stage, a SCAN what `orusd import`
+    reads.
+    """
+    show(_page(what, render, importer, include_outside), **where)
+
+
+def _page(what: Path, render: Path | None, importer: str, include_outside: bool) -> App:
     from openrooms_usd.view.room import room_app
 
-    show(room_app(stage, include_outside=include_outside), **where)
+    if what.suffix.lower() in _STAGES:
+        return room_app(what, include_outside=include_outside, render=render)
+    if (what / "manifest.json").is_file():
+        return room_app(_stage_of(what), include_outside=include_outside, render=what)
+    from openrooms_usd.view.scanned import scan_app
+
+    return scan_app(what, importer=importer)
+
+
+def _stage_of(render: Path) -> Path:
+    """The stage of a render, where it lies beside it or one folder above."""
+    from openrooms_usd import untrusted
+    from openrooms_usd.render.manifest_schema import read_manifest
+
+    name = Path(read_manifest(render).stage or "scene.usda").name
+    for folder in (render.absolute().parent, render.absolute().parent / "out"):
+        if untrusted.kind_of(folder / name) == "a file":
+            return folder / name
+    raise InputError(
+        "the stage of this render is not beside it", place=render,
+        remedy=f"orusd view STAGE --render {render}",
+    )  # fmt: skip

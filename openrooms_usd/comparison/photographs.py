@@ -27,11 +27,13 @@ class Photographs:
         frames: Its cameras, in the room's world.
         points: (N, 3) what was scanned, in the room's world, metres; None where nothing was.
         folders: Where pictures are looked for, the first first.
+        colors: (N, 3) uint8, sRGB, of the points; None where they have none.
     """
 
     frames: tuple[CapturedFrame, ...]
     points: Array | None
     folders: tuple[Path, ...]
+    colors: NDArray[np.uint8] | None = None
 
     def file(self, frame: CapturedFrame) -> Path | None:
         """The picture of a frame; None where it is in none of the folders."""
@@ -48,7 +50,7 @@ class Photographs:
 def read_photographs(
     stage: Usd.Stage, path: Path, description: Path | None, pictures: Path | None
 ) -> Photographs:
-    """Read the capture that a room was made of.
+    """Read the capture that a room was made of, with the cameras of its photographs.
 
     Args:
         stage: The composed room.
@@ -60,6 +62,24 @@ def read_photographs(
         InputError: A file is missing or damaged, the room comes from no capture, or the capture
             knows no cameras.
     """
+    found = read_captured(stage, path, description, pictures)
+    if not found.frames:
+        raise InputError(
+            "this capture knows no cameras of photographs",
+            place=description or _beside(path),
+            remedy="import it with --frames, where its importer has that (`orusd import --help`)",
+        )
+    return found
+
+
+def read_captured(
+    stage: Usd.Stage, path: Path, description: Path | None = None, pictures: Path | None = None
+) -> Photographs:
+    """The same, also of a capture without photographs.
+
+    Raises:
+        InputError: A file is missing or damaged, or the room comes from no capture.
+    """
     file = description or _beside(path)
     section = captured_section(load_room(file))
     if section is None:
@@ -69,20 +89,23 @@ def read_photographs(
     source = file.parent / section.file
     untrusted.check_path(source)
     capture = read_capture(section.reader, source, section.asked, file.parent)
-    if not capture.frames:
-        raise InputError(
-            "this capture knows no cameras of photographs",
-            place=source,
-            remedy="import it with --frames, where its importer has that (`orusd import --help`)",
-        )
     room_from_capture = _room_from_source(stage, path) @ capture.source_from_world
     frames = tuple(_moved(frame, room_from_capture) for frame in capture.frames)
-    points = None
+    points = colors = None
     if capture.cloud is not None:
         points = capture.cloud.points @ room_from_capture[:3, :3].T + room_from_capture[:3, 3]
+        colors = capture.cloud.colors
     own = source if source.is_dir() else source.parent
     folders = (pictures,) if pictures else (own, file.parent)
-    return Photographs(frames, points, folders)
+    return Photographs(frames, points, folders, colors)
+
+
+def is_captured(path: Path) -> bool:
+    """Whether the description beside a composed room says that it comes from a capture."""
+    try:
+        return captured_section(load_room(_beside(path))) is not None
+    except InputError:
+        return False
 
 
 def chosen_frames(

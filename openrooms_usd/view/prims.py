@@ -165,7 +165,7 @@ def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
             "world_from_camera": camera.world_from_camera.tolist(),
             "focal": float(K[0, 0]), "right": float(K[0, 2]) - 0.5,
             "down": float(K[1, 2]) - 0.5 * height / _WIDTH_PX,
-            "exposure": camera.exposure, "photograph": taken["file"] if taken else None,
+            "exposure": camera.exposure, "photograph": taken["id"] if taken else None,
         })  # fmt: skip
     return found
 

@@ -1,17 +1,22 @@
 """The page of a stage: its surfaces as a GLB file, and what is known of its prims."""
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from openrooms_usd import names
 from openrooms_usd.convert import convert_stage
 from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
+from openrooms_usd.render.reading import RenderedScene, read_render
 from openrooms_usd.usd.diagnostics import quiet
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.view.app import App, Command
+
+if TYPE_CHECKING:
+    from pxr import Usd
 
 
 class Look(Model):
@@ -23,22 +28,26 @@ class Look(Model):
     """The variant."""
 
 
-def room_app(path: Path, *, include_outside: bool = False) -> App:
+def room_app(path: Path, *, include_outside: bool = False, render: Path | None = None) -> App:
     """The page of a stage.
 
     Args:
         path: The USD file.
         include_outside: Whether pictures outside its folder may be shown.
+        render: A finished render of it, whose pictures are shown too.
 
     Raises:
-        InputError: It is no stage.
+        InputError: It is no stage, or ``render`` no render.
     """
     stage = open_stage(path)
-    # Lightmaps are read once: nobody edits them.
+    # Lightmaps, renders and captures are read once: nobody edits them.
     from openrooms_usd.view.light import light_of
+    from openrooms_usd.view.shots import Spot, hemisphere
     from openrooms_usd.view.tracing import PICTURE, Nothing, Trace, Tracing
 
     light, maps = light_of(stage)
+    finished = None if render is None else read_render(render)
+    more, taken = besides(stage, path, finished)
     tracing = Tracing(path)
     looks: dict[str, str] = {}
 
@@ -51,22 +60,58 @@ def room_app(path: Path, *, include_outside: bool = False) -> App:
     return App(
         page="room",
         title=f"{path.resolve().parent.name} / {path.name}",
-        state=lambda: {**room_state(path), "light": light},
+        state=lambda: {**room_state(path), "light": light, **more},
         resources={
             "room.glb": lambda: room_glb(
                 path, include_outside=include_outside, lit=bool(light), looks=looks
             ),
             **maps,
+            **taken,
         },
         live={PICTURE: tracing.picture},
         commands={
             "look": Command(Look, look),
+            **({"hemisphere": Command(Spot, partial(hemisphere, finished))} if finished else {}),
             "trace": Command(Trace, tracing.start),
             "traced": Command(Nothing, tracing.told),
             "trace_stop": Command(Nothing, tracing.stop),
         },
         watched=(path, edits),
     )
+
+
+def besides(
+    stage: "Usd.Stage", path: Path, render: RenderedScene | None
+) -> tuple[dict[str, Any], dict[str, Callable[[], bytes]]]:
+    """What a page is told of a render, photographs and a scan, and the resources that hold them."""
+    from openrooms_usd.comparison.photographs import is_captured, read_captured
+    from openrooms_usd.view.prims import cameras_of
+    from openrooms_usd.view.scanned import POINTS, packed
+    from openrooms_usd.view.shots import has_hemispheres, photographs_of, rendered_shots
+
+    cameras = cameras_of(stage)
+    told: dict[str, dict[str, str]] = {}
+    resources: dict[str, Callable[[], bytes]] = {}
+    capture = cache(lambda: read_captured(stage, path))
+    captured = is_captured(path)
+    if captured and any(camera["photograph"] for camera in cameras):
+        told, resources = photographs_of(capture(), cameras)
+    if render is not None:
+        shots, pictures = rendered_shots(render, cameras)
+        told = {name: told.get(name, {}) | shots.get(name, {}) for name in {**told, **shots}}
+        resources |= pictures
+
+    def points() -> bytes:
+        found = capture()
+        if found.points is None:
+            raise InputError("the capture of this room has no points", place=path)
+        return packed(found.points, found.colors)
+
+    if captured:
+        resources[POINTS] = points
+    hemispheres = has_hemispheres(render) if render is not None else []
+    scan = POINTS if captured else None
+    return {"shots": told, "hemispheres": hemispheres, "scan": scan, "glb": True}, resources
 
 
 def room_state(path: Path) -> dict[str, Any]:

@@ -5,6 +5,7 @@ import { button, element, section, tick } from "orusd/panel.js";
 
 const COLOR = [0.95, 0.55, 0.1];
 const DEPTH_M = 0.25;
+const NEAR_PX = 10;
 
 /** The section of the cameras; jumps into the first one. */
 export function cameras(room, state) {
@@ -13,17 +14,24 @@ export function cameras(room, state) {
     room.camera.become("orbit");
     room.camera.jump(camera);
     document.body.dataset.camera = camera.name;
-    room.jumped?.(camera);
+    room.jumps.forEach((jumped) => jumped(camera));
   };
   const overview = () => {
-    const box = room.bounds();
+    const box = room.bounds() ?? state.box;
     document.body.dataset.camera = "";
     if (box) {
       Object.assign(room.camera, { yaw: 0.9, pitch: -0.75, lens: { focal: 0.9, right: 0, down: 0 } });
       room.camera.frame(...box);
     }
   };
-  const pyramids = (on) => room.overlay("cameras", on ? list.flatMap(pyramid) : null, { color: COLOR });
+  // While they are shown, a click near one's eye jumps there.
+  let standing = false;
+  room.onPick((found, event) => {
+    const near = list.map((camera) => [camera, room.camera.project(fromRows(camera.world_from_camera).slice(12, 15))])
+      .find(([, at]) => at && Math.hypot(at[0] - event.offsetX, at[1] - event.offsetY) < NEAR_PX);
+    if (standing && near) jump(near[0]);
+  });
+  const pyramids = (on) => { standing = on; room.overlay("cameras", on ? list.flatMap(pyramid) : null, { color: COLOR }); };
   room.camera.floor = room.bounds(["/World/Room/Floor"])?.[1][2] ?? 0;
   if (list.length) jump(list[0]);
   else overview();

@@ -20,7 +20,7 @@ export async function lamps(room, state) {
       slider(`share-${name}`, "brightness", { max: 2, value: 1 }, (value) => { set.share = value; changed(); }),
       slider(`kelvin-${name}`, "colour", { ...KELVIN, value: set.kelvin }, (value) => { set.kelvin = value; changed(); }))];
   });
-  room.jumped = (camera) => room.meter(camera.exposure);
+  room.jumps.push((camera) => room.meter(camera.exposure));
   return [
     section("Lamps", "lamps", ...rows(["lamp"])),
     section("Windows and doors", "openings", ...rows(["opening", "elsewhere"])),

@@ -2,7 +2,7 @@
 //
 // What other pages build on:
 //
-//   room = await openRoom(canvas, glb, { shell })   glb: an ArrayBuffer; shell: paths of walls and the like
+//   room = await openRoom(canvas, glb, { shell })   glb: an ArrayBuffer, or null; shell: paths of walls and the like
 //   room.select(paths)             mark prims and all below them
 //   room.onPick((found, event))    a click: found is { path, point, normal }, or null for nothing;
 //                                  path is a mesh's, point and normal are in the room's frame
@@ -42,7 +42,8 @@ export async function start(root) {
   const stand = element("div", { className: "stand" }, canvas);
   const panel = element("aside", { className: "panel" });
   root.append(stand, panel);
-  const [state, glb] = await Promise.all([source.state(), source.resource("room.glb")]);
+  const state = await source.state();
+  const glb = state.glb ? await source.resource("room.glb") : null;
   const room = await openRoom(canvas, glb, { shell: state.shell });
   await roomPage(room, state, { stand, panel });
 }

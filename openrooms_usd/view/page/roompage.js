@@ -7,6 +7,8 @@ import { looks } from "orusd/looks.js";
 import { measuring } from "orusd/measuring.js";
 import { complain, element, facts, section, tell, tick } from "orusd/panel.js";
 import { listen, resource, state as stateNow } from "orusd/source.js";
+import { scan } from "orusd/scan.js";
+import { shots } from "orusd/shots.js";
 import { tracing } from "orusd/tracing.js";
 import { tree } from "orusd/tree.js";
 
@@ -26,15 +28,18 @@ export async function roomPage(room, state, { stand, panel }) {
   room.onPick((found) => choose(found && nearest(found.path, known)));
 
   const lit = await lamps(room, state);
+  const taken = shots(room, state, stand);
   panel.append(
     element("div", { id: "told", className: "told" }),
     ...cameras(room, state),
+    ...taken,
     ...lit,
     section("View", "ways",
       tick("walk", "walk (W A S D)", false, (on) => room.camera.become(on ? "walk" : "orbit")),
       tick("outside", "walls between are left out", true, (on) => { room.outside = on; room.draw(); })),
     ...measuring(room),
-    ...tracing(room, stand),
+    ...scan(room, state),
+    ...(state.prims.length ? tracing(room, stand) : []),
     section("Prim", "prim", about),
     ...doors(room, state),
     ...looks(room, state),

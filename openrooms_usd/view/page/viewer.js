@@ -13,6 +13,7 @@ const MARK = [0.16, 0.55, 1];
 const TONES = { srgb: 0, film: 1, photograph: 2 };
 // A press that moves farther than this is no click, pixels.
 const CLICK_PX = 4;
+const NOTHING = { nodes: [], meshes: [], materials: [], textures: [], images: [] };
 const BACK = [0.62, 0.68, 0.74];
 
 /** See the top of room.js. */
@@ -32,6 +33,8 @@ export class Room {
     this.outside = true;
     this.shell = [];
     this.overlays = new Map();
+    /** Called with a camera of the state that somebody has jumped into. */
+    this.jumps = [];
     this.handlers = { pick: [], draw: [] };
     this.hidden = new Set();
     this.wanted = false;
@@ -42,7 +45,7 @@ export class Room {
   /** Show another GLB file; what is marked and moved stays so. */
   async load(buffer) {
     const before = this.surfaces;
-    const made = new Surfaces(this.gl, await parse(buffer));
+    const made = new Surfaces(this.gl, buffer ? await parse(buffer) : NOTHING);
     if (before) {
       [made.marked, made.moves] = [before.marked, before.moves];
       before.remove();
