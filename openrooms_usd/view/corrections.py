@@ -7,6 +7,8 @@ from typing import Any
 
 from openrooms_usd import names
 from openrooms_usd.compose import compose_room
+from openrooms_usd.description import load_room
+from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.description.model import Model
 from openrooms_usd.edits.history import History
 from openrooms_usd.errors import InputError
@@ -120,11 +122,14 @@ def corrections(
     if room.suffix in (".yaml", ".yml"):
         from openrooms_usd.view.describing import Described
         from openrooms_usd.view.fields import Fields
+        from openrooms_usd.view.hints import Hints
 
+        is_scan = isinstance(load_room(room).alignment, ScanAlignment)
         described = Described(room, (out or room.parent / "composed") / names.SCENE)
         with quiet():
             described.compose()
-        return Corrections(Fields(described), room, History(room), _composed=True)
+        fields = Hints(described) if is_scan else Fields(described)
+        return Corrections(fields, room, History(room), _composed=True)
     target = Edits(room, description.parent if description else None)
     if not (room.is_file() and target.file.is_file()):
         raise InputError(

@@ -1,0 +1,178 @@
+"""What people do with things that were found in a scan, as hints of its room.yaml.
+
+A hint says what an instance is, which CAD it is, and roughly where it is: composing fits it to the
+points again, and puts it where it can be. Without hints every instance is taken; so the first one
+makes a list of all that was found.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd
+
+from openrooms_usd import names
+from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import furniture
+from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.stages.scanned import in_metres
+from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.view.fields import Fields
+
+Array: TypeAlias = NDArray[np.float64]
+Row: TypeAlias = dict[str, Any]
+
+_DIGITS: Final = 4
+
+
+@dataclass(frozen=True)
+class Hints(Fields):
+    """Changes of a room that is found in a scan; what it lists besides are fields as elsewhere."""
+
+    def place(
+        self, name: str, spot: Spot, *, size: tuple[float, float, float] | None, snap: bool
+    ) -> Standing:
+        """Say where an instance is, roughly."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().place(name, spot, size=size, snap=snap)
+        prim = furniture(stage, name)
+        thing = standing(prim)
+        thing = thing if size is None else resized(thing, size)
+        goal = settled(surroundings(stage), thing, spot) if snap else spot
+        moved = replace(thing, x=goal.x, y=goal.y, yaw=goal.yaw)
+
+        def change(row: Row) -> None:
+            row.pop("pose", None)
+            row["box"] = _box(stage, moved)
+
+        return self._hint(stage, instance, change)
+
+    def duplicate(self, name: str) -> Standing:
+        """Put another such object of the library beside it, which the scan does not show."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().duplicate(name)
+        thing = standing(furniture(stage, name))
+        spot, copy = beside(surroundings(stage), thing), f"{name}_copy"
+        row = {
+            "name": copy,
+            "category": thing.category,
+            "at": [round(spot.x, _DIGITS), round(spot.y, _DIGITS)],
+            "yaw": round(spot.yaw, _DIGITS),
+            "size": [round(side, _DIGITS) for side in thing.size],
+        }
+        self.described.change(
+            "alignment", lambda section: {"further": [*(section.get("further") or ()), row]}
+        )
+        return self._standing(copy)
+
+    def remove(self, name: str) -> None:
+        """Leave an instance out."""
+        stage, instance = self._found(name)
+        if instance is None:
+            super().remove(name)
+        else:
+            self._change(stage, lambda rows: [r for r in rows if r["instance"] != instance])
+
+    def relabel(self, name: str, category: str) -> Standing:
+        """Say what an instance is."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().relabel(name, category)
+
+        def change(row: Row) -> None:
+            row.pop("cad", None)
+            row["category"] = category
+
+        return self._hint(stage, instance, change)
+
+    def remake(self, name: str, style: str, kind: str | None, *, keep_size: bool) -> Standing:
+        """Say which of the library's CADs an instance is."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().remake(name, style, kind, keep_size=keep_size)
+        category = kind or standing(furniture(stage, name)).category
+
+        def change(row: Row) -> None:
+            row |= {"category": category, "cad": f"{category}.{style}"}
+
+        return self._hint(stage, instance, change)
+
+    def _found(self, name: str) -> tuple[Usd.Stage, int | None]:
+        """The stage, and the number of an object in the scan; None where it is not from there."""
+        stage = open_stage(self.scene)
+        return stage, _instance(furniture(stage, name))
+
+    def _hint(self, stage: Usd.Stage, instance: int, change: Callable[[Row], None]) -> Standing:
+        before = next(
+            standing(prim)
+            for prim in stage.GetPrimAtPath(names.FURNITURE).GetChildren()
+            if _instance(prim) == instance
+        )
+
+        def changed(rows: list[Row]) -> list[Row]:
+            found = [dict(row) for row in rows]
+            if instance not in {row["instance"] for row in found}:
+                found += [row for row in _hints(stage) if row["instance"] == instance]
+            for row in found:
+                if row["instance"] == instance:
+                    change(row)
+            return found
+
+        self._change(stage, changed)
+        # What an instance is called depends on what it is.
+        again = open_stage(self.scene)
+        for prim in again.GetPrimAtPath(names.FURNITURE).GetChildren():
+            if _instance(prim) == instance:
+                return standing(prim)
+        # Composing may leave out what has no place.
+        return before
+
+    def _change(self, stage: Usd.Stage, change: Callable[[list[Row]], list[Row]]) -> None:
+        def listed(section: dict[str, Any]) -> dict[str, Any]:
+            held = section.get("objects")
+            return {"objects": change(_hints(stage) if held is None else list(held))}
+
+        self.described.change("alignment", listed)
+
+
+def _instance(prim: Usd.Prim) -> int | None:
+    said = prim.GetAttribute(names.SOURCE_ID)
+    text = str(said.Get(TIME)) if said and said.HasValue() else ""
+    return int(text) if text.isdecimal() else None
+
+
+def _hints(stage: Usd.Stage) -> list[Row]:
+    """What is there of the scan, as hints."""
+    found = []
+    for prim in stage.GetPrimAtPath(names.FURNITURE).GetChildren():
+        if (number := _instance(prim)) is not None:
+            thing = standing(prim)
+            found.append(
+                {"instance": number, "category": thing.category, "box": _box(stage, thing)}
+            )
+    return found
+
+
+def _box(stage: Usd.Stage, thing: Standing) -> dict[str, Any]:
+    """The box of an object in the scan's own axes, metres."""
+    from scipy.spatial.transform import Rotation
+
+    said = stage.GetPrimAtPath(names.ROOM).GetAttribute(names.SOURCE_FROM_WORLD).Get(TIME)
+    scan_from_world: Array = in_metres(np.array(said).T)
+    turn = about_z(np.radians(thing.yaw))
+    middle = 0.5 * (np.array(thing.low) + np.array(thing.high))
+    center = turn @ np.append(middle, 0.5 * thing.size[2]) + [thing.x, thing.y, thing.z]
+    there = scan_from_world[:3, :3] @ center + scan_from_world[:3, 3]
+    quaternion = Rotation.from_matrix(scan_from_world[:3, :3] @ turn).as_quat(scalar_first=True)
+    return {
+        "center": np.round(there, _DIGITS).tolist(),
+        "size": [round(side, _DIGITS) for side in thing.size],
+        "rotation_wxyz": np.round(quaternion, 6).tolist(),
+    }
