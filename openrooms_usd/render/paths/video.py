@@ -58,13 +58,17 @@ def check(size: tuple[int, int]) -> None:
 
 
 @contextmanager
-def writing(path: Path, size: tuple[int, int], rate: int) -> Iterator["Encoder"]:
+def writing(
+    path: Path, size: tuple[int, int], rate: int, *, whole: int | None = None
+) -> Iterator["Encoder"]:
     """Encode frames into a file, which is complete when the block ends.
 
     Args:
         path: The file.
         size: Width and height.
         rate: Frames a second.
+        whole: Every so manieth frame stands for itself; by default one a second, to which players
+            can jump.
 
     Raises:
         OutputError: It cannot be written.
@@ -76,7 +80,7 @@ def writing(path: Path, size: tuple[int, int], rate: int) -> Iterator["Encoder"]
         ) as container:
             stream = container.add_stream(CODEC, rate=rate, options=dict(_OPTIONS))
             stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
-            stream.codec_context.gop_size = rate
+            stream.codec_context.gop_size = whole or rate
             # What the numbers mean: BT.709 throughout, video range.
             context = stream.codec_context
             context.colorspace = context.color_primaries = context.color_trc = 1
