@@ -9,6 +9,7 @@ from pydantic import Field
 from openrooms_usd import names
 from openrooms_usd.description.model import Model
 from openrooms_usd.edits.targets import SCOPES, Scope
+from openrooms_usd.errors import InputError
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.library.thumbnails import thumbnail
 from openrooms_usd.stages.choosing import NUMBERS_PER_FAMILY
@@ -69,6 +70,12 @@ def materials_app(held: Corrections) -> App:
     scene, target = held.target.scene, held.target
 
     def assigned(given: _Assigned) -> dict[str, Any]:
+        if isinstance(given.look, dict) and "file" in given.look:
+            raise InputError(
+                "a page chooses materials of the library, and names no files",
+                remedy="write your own material into the room.yaml, or into the edits",
+            )
+
         def change() -> dict[str, Any]:
             done = target.assign(given.path, given.scope, given.look)
             return {"material": done.material, "parts": list(done.parts)}
