@@ -2,18 +2,22 @@
 
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 from pxr import Gf, Sdf
 
+import openrooms_usd as ou
 from openrooms_usd.description import load_room
+from openrooms_usd.view.app import App
 from openrooms_usd.view.corrections import corrections
 from openrooms_usd.view.materials import materials_app
 from openrooms_usd.view.objects import objects_app
-from tests.chromium import Page, needs_chromium
+from openrooms_usd.view.server import serving
+from tests.chromium import Page, needs_chromium, opened
 from tests.edits.test_arranging import box, is_a, objects
 from tests.edits.test_assigning import others, worn
 from tests.view.conftest import Shown
@@ -230,3 +234,48 @@ def shade(page: Page, path: str) -> np.ndarray:
       return sum.slice(0, 3).map((v) => 255 * v / sum[3]);
     }})()"""
     return np.array(page.evaluate(script))
+
+
+@pytest.fixture
+def generated(tmp_path: Path) -> Path:
+    room = ou.generate("bedroom", seed=4, style="mid_century", clutter=1, area=12)
+    ou.save(room, tmp_path / "room.yaml")
+    return ou.compose(tmp_path / "room.yaml", tmp_path / "out").path
+
+
+@contextmanager
+def alone(app: App, scratch: Path) -> Iterator[Page]:
+    """A page that is closed before the next one: both would read the same layers."""
+    with serving(app) as server, opened(server.address, scratch, webgl=True) as page:
+        page.resize(900, 600)
+        page.wait("document.body.dataset.ready == 'yes'")
+        yield page
+        idle(page)
+        assert page.messages == []
+
+
+def test_a_generated_room_keeps_a_material_and_a_place(generated: Path, tmp_path: Path) -> None:
+    layers, before = others(generated), worn(generated)
+    held = corrections(generated, generated.parents[1] / "room.yaml")
+    stand = next(name for name in objects(generated) if name.startswith("night_stand"))
+    path = f"/World/Furniture/{stand}"
+    rest = [f"/World/Furniture/{name}" for name in objects(generated) if name != stand]
+    meant = {one for one in before if one.startswith(f"{path}/")}
+    start = box(generated, stand)
+    with alone(materials_app(held), tmp_path / "one") as page:
+        page.evaluate(f"{ROOM}.hide({json.dumps(rest)})")
+        page.click(*seen(page, path))
+        choose(page, "scope", "object")
+        choose(page, "substance", "wood")
+        page.click_on("[data-family=zebrano]")
+    after = worn(generated)
+    assert {one for one in after if after[one][0] == "zebrano"} == meant
+    assert all(after[one] == before[one] for one in set(before) - meant)
+    with alone(objects_app(held), tmp_path / "two") as page:
+        choose(page, "object", stand)
+        page.key("ArrowLeft")
+        idle(page)
+        assert others(generated) == layers
+        page.click_on("#compose")
+    assert worn(generated).items() >= {one: after[one] for one in meant}.items()
+    assert np.abs(box(generated, stand) - start).max() > 1e-3
