@@ -17,7 +17,7 @@ import numpy as np
 import OpenImageIO
 
 from benchmarks.scenes import orusd
-from docs import plan_film, plan_picture, report_picture
+from docs import plan_film, plan_picture, report_picture, view_picture
 from docs.scan_picture import scanned
 from openrooms_usd import removal
 from openrooms_usd.channels import CHANNELS, numbered
@@ -130,6 +130,7 @@ def main() -> None:
         light(options.folder, options.spp)
         robot(options.folder)
         report_picture.draw(options.folder / "report", Path("docs/report.png"))
+        view_picture.draw(options.folder, Path("docs"))
         plan_picture.draw(options.folder, *SCANNED, Path("docs/plan.png"))
         plan_film.draw(options.folder, *SCANNED, Path("docs/plan.webm"))
         tiles = scanned(options.folder, *SCANNED, (480, 360), quality[:3])

@@ -16,28 +16,36 @@ _STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
 @click.argument("what", type=click.Path(path_type=Path), metavar="STAGE|RENDER|SCAN")
 @click.option("--render", type=click.Path(path_type=Path), metavar="RENDER",
               help="A finished render of STAGE, to be shown from its cameras.")  # fmt: skip
+@click.option("--photographs", type=click.Path(path_type=Path), metavar="DIR",
+              help="Where the photographs of STAGE's capture lie.")  # fmt: skip
 @click.option("--importer", default="scan", show_default=True, metavar="KIND",
               help="What reads SCAN.")  # fmt: skip
 @click.option("--include-outside", is_flag=True, help="Show pictures outside STAGE's folder too.")
 @page_options
 def view(
-    what: Path, render: Path | None, importer: str, include_outside: bool, **where: Any
+    what: Path,
+    render: Path | None,
+    photographs: Path | None,
+    importer: str,
+    include_outside: bool,
+    **where: Any,
 ) -> None:
     """Look at a room, a render of it, or a scan in the browser.
 
     A RENDER is a folder that `orusd render` wrote beside its stage, a SCAN what `orusd import`
     reads.
     """
-    show(_page(what, render, importer, include_outside), **where)
+    more = {"include_outside": include_outside, "photographs": photographs}
+    show(_page(what, render, importer, **more), **where)
 
 
-def _page(what: Path, render: Path | None, importer: str, include_outside: bool) -> App:
+def _page(what: Path, render: Path | None = None, importer: str = "scan", **more: Any) -> App:
     from openrooms_usd.view.room import room_app
 
     if what.suffix.lower() in _STAGES:
-        return room_app(what, include_outside=include_outside, render=render)
+        return room_app(what, render=render, **more)
     if (what / "manifest.json").is_file():
-        return room_app(_stage_of(what), include_outside=include_outside, render=what)
+        return room_app(_stage_of(what), render=what, **more)
     from openrooms_usd.view.scanned import scan_app
 
     return scan_app(what, importer=importer)

@@ -28,13 +28,20 @@ class Look(Model):
     """The variant."""
 
 
-def room_app(path: Path, *, include_outside: bool = False, render: Path | None = None) -> App:
+def room_app(
+    path: Path,
+    *,
+    include_outside: bool = False,
+    render: Path | None = None,
+    photographs: Path | None = None,
+) -> App:
     """The page of a stage.
 
     Args:
         path: The USD file.
         include_outside: Whether pictures outside its folder may be shown.
         render: A finished render of it, whose pictures are shown too.
+        photographs: Where those of its capture lie, if not where the capture does.
 
     Raises:
         InputError: It is no stage, or ``render`` no render.
@@ -47,7 +54,7 @@ def room_app(path: Path, *, include_outside: bool = False, render: Path | None =
 
     light, maps = light_of(stage)
     finished = None if render is None else read_render(render)
-    more, taken = besides(stage, path, finished)
+    more, taken = besides(stage, path, finished, photographs)
     tracing = Tracing(path)
     looks: dict[str, str] = {}
 
@@ -81,7 +88,7 @@ def room_app(path: Path, *, include_outside: bool = False, render: Path | None =
 
 
 def besides(
-    stage: "Usd.Stage", path: Path, render: RenderedScene | None
+    stage: "Usd.Stage", path: Path, render: RenderedScene | None, photographs: Path | None = None
 ) -> tuple[dict[str, Any], dict[str, Callable[[], bytes]]]:
     """What a page is told of a render, photographs and a scan, and the resources that hold them."""
     from openrooms_usd.comparison.photographs import is_captured, read_captured
@@ -92,7 +99,7 @@ def besides(
     cameras = cameras_of(stage)
     told: dict[str, dict[str, str]] = {}
     resources: dict[str, Callable[[], bytes]] = {}
-    capture = cache(lambda: read_captured(stage, path))
+    capture = cache(lambda: read_captured(stage, path, None, photographs))
     captured = is_captured(path)
     if captured and any(camera["photograph"] for camera in cameras):
         told, resources = photographs_of(capture(), cameras)

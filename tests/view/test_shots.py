@@ -84,13 +84,13 @@ def test_a_render_finds_its_stage(composed_demo: Path, rendered: Path, tmp_path:
     out = composed_demo.parent / "beside"
     out.symlink_to(rendered)
     try:
-        app = _page(out, None, "scan", include_outside=False)
+        app = _page(out)
     finally:
         out.unlink()
     assert app.state()["shots"]
     (tmp_path / "render").symlink_to(rendered)
     with pytest.raises(InputError, match="not beside it"):
-        _page(tmp_path / "render", None, "scan", include_outside=False)
+        _page(tmp_path / "render")
 
 
 def test_a_scan_is_shown_as_its_points(shown: Shown, tmp_path: Path) -> None:

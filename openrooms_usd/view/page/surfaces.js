@@ -20,13 +20,17 @@ export class Surfaces {
     this.marked = new Set();
     this.moves = new Map();
     this.hidden = new Set();
+    this.texels = 0;
     this.white = plain(gl, [255, 255, 255, 255]);
     const held = new Map();
     this.picture = (info, encoded) => {
       if (!info) return this.white;
       const key = `${info.index} ${encoded}`;
       const { image, ...how } = textures[info.index];
-      if (!held.has(key)) held.set(key, picture(gl, images[image], encoded, how));
+      if (!held.has(key)) {
+        held.set(key, picture(gl, images[image], encoded, how));
+        this.texels += images[image].width * images[image].height;
+      }
       return held.get(key);
     };
     const vertices = new Map();
@@ -199,7 +203,7 @@ export class Surfaces {
   /** How many triangles are drawn, and how many pixels of textures are held. */
   get sizes() {
     const triangles = this.groups.reduce((sum, { count, members }) => sum + count / 3 * members.length, 0);
-    return { triangles, calls: this.groups.length, textures: this.textures.size };
+    return { triangles, calls: this.groups.length, textures: this.textures.size, texels: this.texels };
   }
 
   remove() {
