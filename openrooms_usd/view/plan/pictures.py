@@ -17,7 +17,7 @@ Box = tuple[float, float, float, float]
 # Between these heights walls are seen more than furniture and ceilings, metres.
 _KNEE_M: Final = 0.5
 _BELOW_CEILING_M: Final = 0.25
-# The larger side of the picture from above has at most so many pixels, and each so many metres.
+# The larger side of a picture has at most so many pixels; from above each has so many metres.
 _MOST_PIXELS: Final = 1000
 _LEAST_CELL_M: Final = 0.015
 # What is shown around the plan, metres.
@@ -99,7 +99,8 @@ def of_wall(points: Array, colors: NDArray[np.uint8] | None, wall: Wall, height:
     near = (place[:, 1] > -_BEFORE_M) & (place[:, 1] < max(_BEHIND_M, thick + _BEFORE_M))
     near &= (place[:, 0] > 0.0) & (place[:, 0] < wall.length) & (z > 0.0) & (z < height)
     x, depth, z = place[near, 0], place[near, 1], z[near]
-    columns, rows = (max(1, round(side / _WALL_CELL_M)) for side in (wall.length, height))
+    cell = max(_WALL_CELL_M, max(wall.length, height) / _MOST_PIXELS)
+    columns, rows = (max(1, round(side / cell)) for side in (wall.length, height))
     column = np.minimum((x / wall.length * columns).astype(int), columns - 1)
     row = np.minimum((z / height * rows).astype(int), rows - 1)
     cells = row * columns + column

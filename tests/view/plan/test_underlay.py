@@ -81,6 +81,12 @@ def test_a_wall_is_seen_from_inside_in_the_colours_of_its_points(
         assert ahead[0] * to_right[1] - ahead[1] * to_right[0] < 0.0
 
 
+def test_an_absurd_wall_is_no_absurd_picture(tmp_path: Path) -> None:
+    plan = Drawing(((0.0, 0.0), (1e9, 0.0), (1e9, 4.0), (0.0, 4.0)), 1e6)
+    points = np.array([[1.0, 0.0, 1.0]])
+    assert max(pixels(of_wall(points, None, plan.seen(0), 1e6).png, tmp_path).shape) <= 1000
+
+
 def test_floor_and_ceiling_are_peaks_of_the_heights() -> None:
     points = np.column_stack([np.zeros((90, 2)), np.repeat([0.01, 1.0, 2.51], [40, 10, 40])])
     told = heights(points)
