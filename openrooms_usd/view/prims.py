@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.errors import StageError
+from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.cameras import list_cameras, photograph, read_camera
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
@@ -17,6 +17,9 @@ from openrooms_usd.usd.semantics import read_label
 
 # What has no place in a room.
 _NOWHERE: Final = (UsdShade.Material, UsdShade.NodeGraph, UsdShade.Shader, UsdPhysics.Scene)
+# Of opinions that are told in words.
+_MOST_VALUES: Final = 16
+_MOST_LETTERS: Final = 120
 # Cosine of the angle between two axes above which they are one.
 _SAME_AXIS_COS: Final = 0.9999
 # A camera is told for a picture so wide; all its numbers are parts of that.
@@ -94,6 +97,41 @@ def _layers(prim: Usd.Prim, home: Path) -> dict[str, int]:
     for spec in prim.GetPrimStack():
         counts[_called(spec.layer, home)] += len(spec.properties)
     return dict(counts)
+
+
+def opinions_of(stage: Usd.Stage, path: str) -> list[dict[str, Any]]:
+    """What each layer says of a prim, the strongest first: the layer, and its properties.
+
+    ``properties`` are pairs of a name and its value in words; long arrays by their length.
+
+    Args:
+        stage: A composed stage.
+        path: The prim's path.
+
+    Raises:
+        InputError: There is no such prim.
+    """
+    prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
+    if not prim:
+        raise InputError("the stage has no such prim", place=path, remedy="choose one of the tree")
+    home = Path(stage.GetRootLayer().realPath).parent
+    return [
+        {
+            "layer": _called(spec.layer, home),
+            "properties": [[found.name, _in_words(found)] for found in spec.properties],
+        }
+        for spec in prim.GetPrimStack()
+    ]
+
+
+def _in_words(spec: Sdf.PropertySpec) -> str:
+    if isinstance(spec, Sdf.RelationshipSpec):
+        return " ".join(str(path) for path in spec.targetPathList.GetAddedOrExplicitItems())
+    value = spec.default
+    if hasattr(value, "__len__") and not isinstance(value, str) and len(value) > _MOST_VALUES:
+        return f"{len(value)} values"
+    text = str(value)
+    return text if len(text) <= _MOST_LETTERS else f"{text[:_MOST_LETTERS]} ..."
 
 
 def _called(layer: Sdf.Layer, home: Path) -> str:

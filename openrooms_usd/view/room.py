@@ -11,7 +11,7 @@ from openrooms_usd.convert import convert_stage
 from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.reading import RenderedScene, read_render
-from openrooms_usd.usd.diagnostics import quiet
+from openrooms_usd.usd.diagnostics import quiet, reading
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.view.app import App, Command
 
@@ -26,6 +26,13 @@ class Look(Model):
     """The object's prim."""
     look: str
     """The variant."""
+
+
+class OfPrim(Model):
+    """A prim that somebody asks about."""
+
+    path: str
+    """Its path."""
 
 
 def room_app(
@@ -49,14 +56,19 @@ def room_app(
     stage = open_stage(path)
     # Lightmaps, renders and captures are read once: nobody edits them.
     from openrooms_usd.view.light import light_of
+    from openrooms_usd.view.prims import opinions_of
     from openrooms_usd.view.shots import Spot, hemisphere
     from openrooms_usd.view.tracing import PICTURE, Nothing, Trace, Tracing
 
-    light, maps = light_of(stage)
+    with reading(path):
+        light, maps = light_of(stage)
     finished = None if render is None else read_render(render)
     more, taken = besides(stage, path, finished, photographs)
     tracing = Tracing(path)
     looks: dict[str, str] = {}
+
+    def opinions(asked: OfPrim) -> dict[str, Any]:
+        return {"opinions": opinions_of(open_stage(path), asked.path)}
 
     def look(asked: Look) -> dict[str, Any]:
         check_look(path, asked)
@@ -78,6 +90,7 @@ def room_app(
         live={PICTURE: tracing.picture},
         commands={
             "look": Command(Look, look),
+            "opinions": Command(OfPrim, opinions),
             **({"hemisphere": Command(Spot, partial(hemisphere, finished))} if finished else {}),
             "trace": Command(Trace, tracing.start),
             "traced": Command(Nothing, tracing.told),
@@ -131,14 +144,15 @@ def room_state(path: Path) -> dict[str, Any]:
     from openrooms_usd.view.prims import cameras_of, joints_of, looks_of, prims_of, shell_of
 
     stage = open_stage(path)
-    prims = prims_of(stage)
-    return {
-        "prims": prims,
-        "shell": shell_of(prims),
-        "joints": joints_of(stage),
-        "looks": looks_of(stage),
-        "cameras": cameras_of(stage),
-    }
+    with reading(path):
+        prims = prims_of(stage)
+        return {
+            "prims": prims,
+            "shell": shell_of(prims),
+            "joints": joints_of(stage),
+            "looks": looks_of(stage),
+            "cameras": cameras_of(stage),
+        }
 
 
 def check_look(path: Path, asked: Look) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 from numpy.typing import NDArray
+from pxr import Usd
 
 import openrooms_usd as ou
 from openrooms_usd.view import offline
@@ -96,6 +97,28 @@ def test_a_name_in_the_tree_marks_the_prim(page: Page) -> None:
     page.click_on("[data-path='/World/Furniture/desk'] > .name")
     assert page.evaluate("document.body.dataset.prim") == "/World/Furniture/desk"
     assert page.evaluate("document.querySelector('[data-fact=category]').textContent") == "table"
+
+
+def test_opinions_are_those_of_the_layers(page: Page, composed_demo: Path) -> None:
+    page.evaluate(f"{ROOM}.page.choose('/World/Furniture/desk')")
+    page.click_on("#opinions > summary")
+    layers = page.wait("[...document.querySelectorAll('[data-layer]')].map(e => e.dataset.layer)")
+    stage, home = Usd.Stage.Open(str(composed_demo)), composed_demo.parent
+    stack = stage.GetPrimAtPath("/World/Furniture/desk").GetPrimStack()
+    assert layers == [Path(x.layer.realPath).relative_to(home).as_posix() for x in stack]
+    told = page.evaluate(
+        "[...document.querySelectorAll('[data-layer]')].map("
+        "e => [...e.querySelectorAll('dd')].map(d => d.dataset.fact))"
+    )
+    expected = [sorted(one.name for one in spec.properties) for spec in stack]
+    # A property without a value, such as a class of nothing, has nothing to show.
+    assert all(set(found) <= set(names) for found, names in zip(told, expected, strict=True))
+    assert sum(map(len, told)) > 0.7 * sum(map(len, expected))
+    refused = page.evaluate(
+        "import('orusd/source.js').then(s => s.send('opinions', {path: '/Nowhere'}))"
+        ".catch(error => error.message)"
+    )
+    assert refused == "the stage has no such prim"
 
 
 def test_what_is_moved_is_elsewhere_and_comes_back(page: Page) -> None:

@@ -88,10 +88,10 @@ export class Light {
     return number < 0 ? [1, 1, 1] : this.weight(number);
   }
 
-  /** The sky's factor: as bright as the brightest of what comes in by windows. */
+  /** The sky's factor: how bright openings are in the mean, since it is seen through them. */
   get daylight() {
-    const open = this.lights.flatMap(({ kind }, number) => (kind === "lamp" ? [] : [this.weight(number)]));
-    return [0, 1, 2].map((k) => Math.max(0, ...open.map((weight) => weight[k])));
+    const open = this.lights.flatMap(({ kind }, number) => (kind === "opening" ? [this.weight(number)] : []));
+    return [0, 1, 2].map((k) => open.reduce((sum, weight) => sum + weight[k] / open.length, open.length ? 0 : 1));
   }
 }
 

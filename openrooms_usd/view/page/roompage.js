@@ -6,7 +6,7 @@ import { lamps } from "orusd/lamps.js";
 import { looks } from "orusd/looks.js";
 import { measuring } from "orusd/measuring.js";
 import { complain, element, facts, section, tell, tick } from "orusd/panel.js";
-import { listen, resource, state as stateNow } from "orusd/source.js";
+import { listen, offline, resource, send, state as stateNow } from "orusd/source.js";
 import { scan } from "orusd/scan.js";
 import { shots } from "orusd/shots.js";
 import { tracing } from "orusd/tracing.js";
@@ -22,7 +22,7 @@ export async function roomPage(room, state, { stand, panel }) {
     const prim = known.get(path);
     room.select(path ? [path] : []);
     prims.choose(path);
-    about.replaceChildren(...(prim ? [told(prim)] : []));
+    about.replaceChildren(...(prim ? [told(prim), ...opinions(path)] : []));
     document.body.dataset.prim = path ?? "";
   };
   room.onPick((found) => choose(found && nearest(found.path, known)));
@@ -72,6 +72,20 @@ function told(prim) {
     mass: mass && `${mass.toPrecision(3)} kg`, friction: friction?.toPrecision(2), source,
     layers: layers && Object.entries(layers).map(([name, count]) => `${name} (${count})`).join(", "),
   });
+}
+
+/** A list of what each layer says of a prim, when somebody opens it. */
+function opinions(path) {
+  if (offline) return [];
+  const list = element("div", {});
+  return [element("details", { id: "opinions", ontoggle: async (event) => {
+    if (!event.target.open || list.childElementCount) return;
+    try {
+      const { opinions: found } = await send("opinions", { path });
+      list.replaceChildren(...found.map(({ layer, properties }) => element("div", { "data-layer": layer },
+        element("h2", {}, layer), facts("", Object.fromEntries(properties)))));
+    } catch (error) { complain(error); }
+  } }, element("summary", {}, "Opinions"), list)];
 }
 
 /** The prim that the state tells of, or the nearest one above it. */
