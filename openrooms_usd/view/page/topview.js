@@ -11,7 +11,8 @@ export class TopView {
     this.editor = editor;
     [this.left, this.right, this.bottom, this.top] = told.box;
     this.svg = shape(holder, "svg", { id: "plan", preserveAspectRatio: "xMidYMid meet" });
-    this.look(this.left, this.top, this.right - this.left, this.top - this.bottom);
+    const [left, right, bottom, top] = told.look;
+    this.look(left, top, right - left, top - bottom);
     // Metres with y upwards.
     this.group = shape(this.svg, "g", { transform: "scale(1 -1)" });
     this.under = shape(this.group, "g");

@@ -24,8 +24,11 @@ _LEAST_CELL_M: Final = 0.015
 _MARGIN_M: Final = 1.0
 # Points this far before and behind a wall's face are seen on its elevation, metres.
 _BEFORE_M, _BEHIND_M = 0.12, 0.25
-_WALL_CELL_M: Final = 0.02
-_INK: Final = (64, 110, 190)
+# Cells of a wall are as large as its points are apart, within these bounds.
+_WALL_CELLS_M: Final = (0.02, 0.06)
+# Seen on light and on dark; single points are seen, too.
+_INK: Final = (74, 134, 222)
+_FAINTEST: Final = 50.0
 _HEIGHT_STEP_M: Final = 0.02
 _HIGHEST_M: Final = 6.0
 
@@ -80,7 +83,8 @@ def from_above(points: Array, box: Box, height: float) -> Picture:
         if counts.any() else counts  # fmt: skip
     pixels = np.empty((rows, columns, 4), np.uint8)
     pixels[..., :3] = _INK
-    pixels[..., 3] = np.round(255.0 * np.clip(share, 0.0, 1.0))[::-1]
+    alpha = _FAINTEST + (255.0 - _FAINTEST) * np.clip(share, 0.0, 1.0)
+    pixels[..., 3] = np.round(np.where(counts > 0, alpha, 0.0))[::-1]
     return Picture(_png(pixels), box)
 
 
@@ -99,7 +103,8 @@ def of_wall(points: Array, colors: NDArray[np.uint8] | None, wall: Wall, height:
     near = (place[:, 1] > -_BEFORE_M) & (place[:, 1] < max(_BEHIND_M, thick + _BEFORE_M))
     near &= (place[:, 0] > 0.0) & (place[:, 0] < wall.length) & (z > 0.0) & (z < height)
     x, depth, z = place[near, 0], place[near, 1], z[near]
-    cell = max(_WALL_CELL_M, max(wall.length, height) / _MOST_PIXELS)
+    apart = np.sqrt(wall.length * height / max(int(near.sum()), 1))
+    cell = max(float(np.clip(apart, *_WALL_CELLS_M)), max(wall.length, height) / _MOST_PIXELS)
     columns, rows = (max(1, round(side / cell)) for side in (wall.length, height))
     column = np.minimum((x / wall.length * columns).astype(int), columns - 1)
     row = np.minimum((z / height * rows).astype(int), rows - 1)

@@ -97,6 +97,7 @@ class Session:
         return {
             **self.told(self.history.now),
             "box": self.box,
+            "look": view_box(self.history.now.polygon, np.empty((0, 3))),
             "picture": POINTS if len(under.points) else None,
             "heights": heights(under.points),
             "found": {name: _outline(plan) for name, plan in under.found.items()},
