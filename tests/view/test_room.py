@@ -91,6 +91,15 @@ def test_a_click_names_the_prim_and_what_is_known_of_it(page: Page) -> None:
     assert marked == [path]
 
 
+def test_a_click_beside_everything_chooses_nothing(page: Page) -> None:
+    page.click_on("#overview")
+    page.wait(f"{ROOM}.at(5, 5) === null")
+    page.click(5, 5)
+    assert page.evaluate("document.body.dataset.prim") == ""
+    assert page.evaluate("document.querySelector('.tree .chosen') === null")
+    assert page.messages == []
+
+
 def test_a_name_in_the_tree_marks_the_prim(page: Page) -> None:
     if page.evaluate("document.querySelector(\"[data-path='/World/Furniture/desk']\") === null"):
         page.click_on("[data-path='/World/Furniture'] > .fold")

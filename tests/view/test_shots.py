@@ -106,6 +106,19 @@ def test_a_scan_is_shown_as_its_points(shown: Shown, tmp_path: Path) -> None:
     assert len(held) == 4 + 15 * count
     found = np.frombuffer(held, "<f4", 3 * count, 4).reshape(-1, 3)
     assert found.max(axis=0) == pytest.approx(places.max(axis=0), abs=0.1)
+    # Two points are clicked, and their distance is measured.
+    page.click_on("#measure")
+    spots = page.evaluate(
+        f"{found[::50].tolist()}.map(p => {ROOM}.camera.project(p))"
+        ".filter(([x, y]) => x > 40 && x < 500 && y > 40 && y < 560)"
+    )
+    met = []
+    for x, y in (min(spots), max(spots)):
+        met.append(page.evaluate(f"{ROOM}.at({x}, {y}).point"))
+        page.click(x, y)
+    told = page.evaluate("document.getElementById('distance').textContent")
+    expected = float(np.linalg.norm(np.subtract(*met)))
+    assert float(told.split(" m")[0]) == pytest.approx(expected, abs=2e-3)
     codes = np.array(page.evaluate(f"Array.from({ROOM}.codes(160, 120))")).reshape(-1, 4)
     assert len(np.unique(codes, axis=0)) > 20
     assert page.messages == []

@@ -45,8 +45,9 @@ export function tree(prims, chosen) {
 
   const root = list("", 0);
   root.className = "tree";
-  /** Open all that a prim is below, and mark it. */
+  /** Open all that a prim is below, and mark it; null marks nothing. */
   const choose = (path) => {
+    path ??= "";
     for (let end = path.indexOf("/", 1); end > 0; end = path.indexOf("/", end + 1))
       items.get(path.slice(0, end))?.open(true);
     marked?.classList.remove("chosen");

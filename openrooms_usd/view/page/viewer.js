@@ -33,6 +33,8 @@ export class Room {
     this.outside = true;
     this.shell = [];
     this.overlays = new Map();
+    /** Finds a point of a scan at a place of the canvas, where one is shown. */
+    this.points = null;
     /** Called with a camera of the state that somebody has jumped into. */
     this.jumps = [];
     this.handlers = { pick: [], draw: [] };
@@ -84,7 +86,8 @@ export class Room {
   at(x, y, through = false) {
     const { clientWidth, clientHeight } = this.canvas;
     this.follow();
-    return this.picking.at(this.surfaces, this.camera, x, y, clientWidth, clientHeight, through);
+    return this.picking.at(this.surfaces, this.camera, x, y, clientWidth, clientHeight, through)
+      ?? this.points?.(x, y) ?? null;
   }
 
   labels(width, height, through = true) {
