@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 import openrooms_usd as ou
+from openrooms_usd.importing import import_capture
 from openrooms_usd.view import offline
 from openrooms_usd.view.room import room_app, room_state
 from tests.chromium import Page, needs_chromium, opened
+from tests.conftest import REAL
 from tests.view.conftest import Shown, drawn
 
 pytestmark = [pytest.mark.slow, needs_chromium]
@@ -59,6 +61,39 @@ def test_every_pixel_shows_the_prim_that_the_preview_renderer_sees(
     # A picture that is turned by a degree is another one: the measure sees it.
     page.evaluate(f"{ROOM}.camera.turned(Math.PI / 180 / 0.005, 0)")
     assert (labels(page) == expected).mean() < 0.99
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("room", ["kitchen", "lounge"])
+def test_generated_and_scanned_rooms_show_what_the_preview_renderer_sees(
+    room: str, shown: Shown, tmp_path: Path
+) -> None:
+    """A kitchen with all that lies about, and a room that was scanned by phone."""
+    if room == "kitchen":
+        scene = Path(ou.compose(ou.generate("kitchen", seed=5), tmp_path / "out"))
+    else:
+        capture = REAL / "real_dev/data/arkit_lounge"
+        if not capture.is_dir():
+            pytest.skip("the captures of real rooms are not here (ORUSD_REAL)")
+        options = {"up": "0,1,0", "frames": str(capture / "frames.json")}
+        import_capture("scan", capture / "textured.obj", tmp_path / "room", options)
+        scene = Path(ou.compose(tmp_path / "room" / "room.yaml", tmp_path / "out"))
+    page = shown(room_app(scene))
+    cameras = [camera["name"] for camera in room_state(scene)["cameras"]][:2]
+    rendered = ou.render(
+        scene, tmp_path / "render", channels="part", resolution=SIZE, renderer="preview",
+        cameras=cameras,
+    )  # fmt: skip
+    for camera in cameras:
+        page.click_on(f"#camera-{camera}")
+        page.wait(f"document.body.dataset.camera == '{camera}'")
+        names = {0: "", **rendered.legend("part")}
+        expected = np.vectorize(names.get)(rendered[camera]["part"])
+        # What stands outside of the windows is not in the page.
+        inside = ~np.char.startswith(expected, "/World/Outside")
+        same = (labels(page) == expected)[inside]
+        print(f"{room} {camera}: {100 * same.mean():.2f} % of {100 * inside.mean():.1f} %")
+        assert inside.mean() > 0.8 and same.mean() > 0.99
 
 
 def test_the_picture_is_neither_empty_nor_plain(page: Page, tmp_path: Path) -> None:
