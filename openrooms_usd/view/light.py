@@ -17,6 +17,7 @@ from openrooms_usd.render.scene.lamps import environment
 from openrooms_usd.usd.emitters import DomeLight
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lights import read_lights
+from openrooms_usd.usd.portals import read_portals
 from openrooms_usd.usd.textures import read_texture
 
 Floats = NDArray[np.float32]
@@ -66,7 +67,8 @@ def light_of(stage: Usd.Stage) -> tuple[dict[str, Any] | None, dict[str, Callabl
 def _lights(stage: Usd.Stage, atlas: Usd.Prim) -> list[dict[str, Any]]:
     """Names, kinds, prims and colour temperatures, in the order of the lightmaps."""
     targets = list(atlas.GetRelationship(LIGHTS).GetTargets())
-    found = []
+    portals = {portal.path: portal for portal in read_portals(stage)}
+    found: list[dict[str, Any]] = []
     for name in atlas.GetAttribute(LIGHT_NAMES).Get(TIME):
         # Names are those of the prims, with a number where two are alike; light from elsewhere
         # has no prim.
@@ -75,7 +77,18 @@ def _lights(stage: Usd.Stage, atlas: Usd.Prim) -> list[dict[str, Any]]:
         prim = stage.GetPrimAtPath(path) if path else None
         kind = "elsewhere" if not prim else "opening" if prim.IsA(UsdLux.PortalLight) else "lamp"
         kelvin = _kelvin(prim) if kind == "lamp" else _DAYLIGHT_K
-        found.append({"name": str(name), "kind": kind, "path": str(path or ""), "kelvin": kelvin})
+        said: dict[str, Any] = {
+            "name": str(name),
+            "kind": kind,
+            "path": str(path or ""),
+            "kelvin": kelvin,
+        }
+        if portal := portals.get(said["path"]):
+            # What is seen through it is as bright as it is set.
+            inwards = np.linalg.inv(portal.world_from_portal)
+            said |= {"portal_from_world": inwards.tolist()}
+            said |= {"half": [portal.width / 2.0, portal.height / 2.0]}
+        found.append(said)
     return found
 
 

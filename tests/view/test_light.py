@@ -151,6 +151,22 @@ def slide(page: Page, name: str, value: float) -> None:
     page.evaluate(f"import('orusd/panel.js').then(panel => panel.slide('{name}', {value}))")
 
 
+def test_the_sky_behind_an_opening_is_as_bright_as_it_is_set(page: Page) -> None:
+    width, height = SIZE
+    numbers = np.array(page.evaluate(f"Array.from({ROOM}.labels({width}, {height}))"))
+    sky = numbers.reshape(height, width) == 0
+    before = picture(page)[sky]
+    assert len(before) > 100 and before.min() > 0.0
+    lights = page.evaluate(f"{ROOM}.light.lights.filter(one => one.half).map(one => one.name)")
+    taken = np.zeros_like(before)
+    for light in lights:
+        slide(page, f"share-{light}", 0.5)
+        taken += before - picture(page)[sky]
+        slide(page, f"share-{light}", 1)
+    # Each part of the sky is seen through one of them.
+    assert np.abs(taken - 0.5 * before).max() < 1e-3 * before.max()
+
+
 def test_pictures_are_toned_as_those_of_renders(page: Page, baked: Path) -> None:
     """The exposure, the white and the curve, by `openrooms_usd.render.tone`."""
     page.evaluate(f"{ROOM}.meter()")

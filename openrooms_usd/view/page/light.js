@@ -1,7 +1,8 @@
 // The light of a room from lightmaps: each lamp and opening by itself, added up as sliders say.
 
 import { Frame, filters, program } from "orusd/gl.js";
-import { ADDED, SKY, WHOLE } from "orusd/shading.js";
+import { fromRows } from "orusd/matrix.js";
+import { ADDED, MOST_OPENINGS, SKY, WHOLE } from "orusd/shading.js";
 import { resource } from "orusd/source.js";
 
 /** Lamps, openings and the sky of a room. told: `light` of the state. */
@@ -88,10 +89,10 @@ export class Light {
     return number < 0 ? [1, 1, 1] : this.weight(number);
   }
 
-  /** The sky's factor: how bright openings are in the mean, since it is seen through them. */
-  get daylight() {
-    const open = this.lights.flatMap(({ kind }, number) => (kind === "opening" ? [this.weight(number)] : []));
-    return [0, 1, 2].map((k) => open.reduce((sum, weight) => sum + weight[k] / open.length, open.length ? 0 : 1));
+  /** Openings through which the sky is seen, each with what it is multiplied with. */
+  get openings() {
+    return this.lights.flatMap(({ half, portal_from_world: rows }, number) => (
+      rows ? [{ half, matrix: fromRows(rows), weight: this.weight(number) }] : [])).slice(0, MOST_OPENINGS);
   }
 }
 

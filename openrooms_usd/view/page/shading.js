@@ -132,6 +132,9 @@ void main() {
   result = vec4(sum, 1.0);
 }`;
 
+/** How many openings the sky is seen through, each as bright as it is set; others as they are. */
+export const MOST_OPENINGS = 16;
+
 /** The sky behind all: a panorama whose columns run about its Y axis. */
 export const SKY = `#version 300 es
 precision highp float;
@@ -140,18 +143,36 @@ ${GLSL}
 in vec2 v_at;
 uniform sampler2D u_sky;
 uniform float u_scale;
-uniform vec3 u_daylight;
+uniform vec3 u_eye;
+uniform int u_openings;
+uniform mat4 u_portals[${MOST_OPENINGS}];   // to an opening from the world; it lies in z = 0
+uniform vec2 u_halves[${MOST_OPENINGS}];
+uniform vec3 u_weights[${MOST_OPENINGS}];
 uniform mat3 u_local;      // to the sky from the world
 uniform mat3 u_pose;       // to the world from the camera
 uniform vec4 u_lens;       // 2 focal, its part of the height, right, down
 uniform int u_output;
 out vec4 result;
+vec3 daylight(vec3 way) {
+  float nearest = 1e9;
+  vec3 found = vec3(1.0);
+  for (int k = 0; k < u_openings; k += 1) {
+    vec3 eye = (u_portals[k] * vec4(u_eye, 1.0)).xyz;
+    vec3 along = mat3(u_portals[k]) * way;
+    float far = -eye.z / along.z;
+    vec2 met = abs(eye.xy + far * along.xy);
+    if (far <= 0.0 || far >= nearest || any(greaterThan(met, u_halves[k]))) continue;
+    nearest = far;
+    found = u_weights[k];
+  }
+  return found;
+}
 void main() {
   vec2 at = v_at * 2.0 - 1.0;
-  vec3 way = u_local * u_pose * vec3((at.x - u_lens.z) / u_lens.x, (at.y + u_lens.w) / u_lens.y, -1.0);
-  way = normalize(way);
+  vec3 seen = u_pose * vec3((at.x - u_lens.z) / u_lens.x, (at.y + u_lens.w) / u_lens.y, -1.0);
+  vec3 way = normalize(u_local * seen);
   vec2 place = vec2(atan(way.x, -way.z) / 6.28318530718, acos(clamp(way.y, -1.0, 1.0)) / 3.14159265359);
-  vec3 light = textureLod(u_sky, place, 0.0).rgb * u_scale * u_daylight;
+  vec3 light = textureLod(u_sky, place, 0.0).rgb * u_scale * daylight(normalize(seen));
   result = vec4(u_output == 1 ? light : shown(light), 1.0);
 }`;
 

@@ -226,7 +226,7 @@ export class Room {
   }
 
   paintSky(width, height, output) {
-    const { gl, camera, light: { behind: { program: made, at }, sky, daylight } } = this;
+    const { gl, camera, light: { behind: { program: made, at }, sky, openings } } = this;
     const { focal, right, down } = camera.lens;
     const { pose } = camera;
     gl.useProgram(made);
@@ -236,7 +236,13 @@ export class Room {
     gl.bindTexture(gl.TEXTURE_2D, sky.texture);
     gl.uniform1i(at("u_sky"), 0);
     gl.uniform1f(at("u_scale"), sky.scale);
-    gl.uniform3f(at("u_daylight"), ...daylight);
+    gl.uniform3f(at("u_eye"), ...camera.eye);
+    gl.uniform1i(at("u_openings"), openings.length);
+    openings.forEach(({ matrix, half, weight }, k) => {
+      gl.uniformMatrix4fv(at(`u_portals[${k}]`), false, matrix);
+      gl.uniform2f(at(`u_halves[${k}]`), ...half);
+      gl.uniform3f(at(`u_weights[${k}]`), ...weight);
+    });
     gl.uniformMatrix3fv(at("u_local"), false, sky.sky_from_world);
     gl.uniformMatrix3fv(at("u_pose"), false, [0, 4, 8].flatMap((k) => [...pose.slice(k, k + 3)]));
     gl.uniform4f(at("u_lens"), 2 * focal, 2 * focal * width / height, 2 * right, 2 * down * width / height);
