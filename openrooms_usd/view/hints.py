@@ -2,7 +2,8 @@
 
 A hint says what an instance is, which CAD it is, and roughly where it is: composing fits it to the
 points again, and puts it where it can be. Without hints every instance is taken; so the first one
-makes a list of all that was found.
+makes a list of all that was found. Where the scan itself knows its instances their numbers are all
+that is said of the others; elsewhere it is the source's word for each, and a box.
 """
 
 from collections.abc import Callable
@@ -14,14 +15,19 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import names
+from openrooms_usd.description import load_room
+from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.stages.scanned import in_metres
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.instances import instances_of
+from openrooms_usd.stages.scanned import in_metres, scanned_room
 from openrooms_usd.stages.surroundings import surroundings
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.view.fields import Fields
 
 Array: TypeAlias = NDArray[np.float64]
@@ -119,7 +125,7 @@ class Hints(Fields):
         def changed(rows: list[Row]) -> list[Row]:
             found = [dict(row) for row in rows]
             if instance not in {row["instance"] for row in found}:
-                found += [row for row in _hints(stage) if row["instance"] == instance]
+                found += [row for row in self._all(stage) if row["instance"] == instance]
             for row in found:
                 if row["instance"] == instance:
                     change(row)
@@ -137,27 +143,38 @@ class Hints(Fields):
     def _change(self, stage: Usd.Stage, change: Callable[[list[Row]], list[Row]]) -> None:
         def listed(section: dict[str, Any]) -> dict[str, Any]:
             held = section.get("objects")
-            return {"objects": change(_hints(stage) if held is None else list(held))}
+            return {"objects": change(self._all(stage) if held is None else list(held))}
 
         self.described.change("alignment", listed)
+
+    def _all(self, stage: Usd.Stage) -> list[Row]:
+        """What is there of the scan, as hints."""
+        told = self._told(stage)
+        if told:
+            return [{"instance": number} for number in told]
+        found = []
+        for prim in stage.GetPrimAtPath(names.FURNITURE).GetChildren():
+            if (number := _instance(prim)) is not None:
+                word = read_label(prim, names.CAPTURED) or read_label(prim, names.CATEGORY)
+                box = _box(stage, standing(prim))
+                found.append({"instance": number, "category": word, "box": box})
+        return found
+
+    def _told(self, stage: Usd.Stage) -> list[int]:
+        """The things that the scan itself tells apart; also those that found no place."""
+        room = load_room(self.file)
+        if not isinstance(room.layout, ScanLayout):
+            return []
+        context = StageContext(room, self.file.parent, stage, self.scene.parent)
+        scanned = scanned_room(context, room.layout)
+        known = () if scanned.capture.boxes else instances_of(scanned.layout.cloud) or ()
+        return [one.number for one in known if one.meaning.kind == "thing"]
 
 
 def _instance(prim: Usd.Prim) -> int | None:
     said = prim.GetAttribute(names.SOURCE_ID)
     text = str(said.Get(TIME)) if said and said.HasValue() else ""
     return int(text) if text.isdecimal() else None
-
-
-def _hints(stage: Usd.Stage) -> list[Row]:
-    """What is there of the scan, as hints."""
-    found = []
-    for prim in stage.GetPrimAtPath(names.FURNITURE).GetChildren():
-        if (number := _instance(prim)) is not None:
-            thing = standing(prim)
-            found.append(
-                {"instance": number, "category": thing.category, "box": _box(stage, thing)}
-            )
-    return found
 
 
 def _box(stage: Usd.Stage, thing: Standing) -> dict[str, Any]:
