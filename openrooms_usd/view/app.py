@@ -1,13 +1,22 @@
 """What a page in the browser is told, may ask for and may do."""
 
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 from openrooms_usd.description.model import Model
 
 Given = TypeVar("Given", bound=Model)
+
+# Who reads or writes a stage holds it: layers are shared by all pages of a process, and USD allows
+# no thread to read what another one changes.
+STAGES: Final = threading.Lock()
+
+
+class Nothing(Model):
+    """What comes with a command that needs nothing to be said."""
 
 
 @dataclass(frozen=True)

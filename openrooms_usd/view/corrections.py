@@ -9,16 +9,11 @@ from openrooms_usd import names
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import load_room
 from openrooms_usd.description.alignment import ScanAlignment
-from openrooms_usd.description.model import Model
 from openrooms_usd.edits.history import History
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.diagnostics import quiet
-from openrooms_usd.view.app import Command
+from openrooms_usd.view.app import Command, Nothing
 from openrooms_usd.view.targets import Edits, Target
-
-
-class Nothing(Model):
-    """A command that needs nothing to be said."""
 
 
 @dataclass

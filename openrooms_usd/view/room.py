@@ -13,7 +13,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.render.reading import RenderedScene, read_render
 from openrooms_usd.usd.diagnostics import quiet, reading
 from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.view.app import App, Command
+from openrooms_usd.view.app import App, Command, Nothing
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -58,7 +58,7 @@ def room_app(
     from openrooms_usd.view.light import light_of
     from openrooms_usd.view.prims import opinions_of
     from openrooms_usd.view.shots import Spot, hemisphere
-    from openrooms_usd.view.tracing import PICTURE, Nothing, Trace, Tracing
+    from openrooms_usd.view.tracing import PICTURE, Trace, Tracing
 
     with reading(path):
         light, maps = light_of(stage)

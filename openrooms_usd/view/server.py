@@ -18,7 +18,7 @@ from urllib.parse import parse_qs, urlsplit
 from pydantic import ValidationError
 
 from openrooms_usd.errors import OrusdError, OutputError
-from openrooms_usd.view.app import App
+from openrooms_usd.view.app import STAGES, App
 from openrooms_usd.view.shell import STYLE, modules, wrapped
 from openrooms_usd.view.watching import watching
 
@@ -56,7 +56,6 @@ class Server(ThreadingHTTPServer):
         self.token = secrets.token_urlsafe(24)
         self.address = f"http://{host}:{self.server_port}/?token={self.token}"
         self.modules = modules()
-        self.lock = threading.Lock()
         self._listeners: list[queue.Queue[str]] = []
 
     def tell(self, event: str, **data: Any) -> None:
@@ -174,9 +173,9 @@ class _Handler(BaseHTTPRequestHandler):
         self._send("text/html", text.encode(), {"Content-Security-Policy": policy})
 
     def _answer(self, make: Any) -> None:
-        """What commands and the state say; they see the stage one at a time."""
+        """What commands and the state say."""
         try:
-            with self.server.lock:
+            with STAGES:
                 told: Mapping[str, Any] = make()
         except OrusdError as error:
             self._send_json(HTTPStatus.UNPROCESSABLE_ENTITY, {"error": error.as_dict()})
@@ -185,7 +184,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _resource(self, name: str) -> None:
         try:
-            with self.server.lock:
+            with STAGES:
                 app = self.server.app
                 content = (app.live.get(name) or app.resources[name])()
         except OrusdError as error:

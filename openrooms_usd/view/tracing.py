@@ -23,6 +23,7 @@ from openrooms_usd.render.opened import OpenedStage, open_with
 from openrooms_usd.render.tone import fitted_tone
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.view.app import STAGES, Nothing
 
 Floats = NDArray[np.float32]
 Row = Annotated[list[Number], Field(min_length=4, max_length=4)]
@@ -33,6 +34,8 @@ PICTURE: Final = "traced.png"
 # Samples of the first round; each of the others doubles what there is.
 _FIRST_SAMPLES: Final = 4
 _CAMERA: Final = "the page"
+# Between two looks whether the stages are free or the picture is wanted no more, seconds.
+_TURN_S: Final = 0.1
 
 
 class Trace(Model):
@@ -58,10 +61,6 @@ class Trace(Model):
     """Prims that stand elsewhere: of the world to the world."""
     weights: dict[str, Three] = Field(default_factory=dict)
     """What the light of lamps and openings is multiplied with, by their names."""
-
-
-class Nothing(Model):
-    """Nothing comes with it."""
 
 
 @dataclass
@@ -129,7 +128,10 @@ class Tracing:
             self._told = {**self._told, "state": "failed", "error": said}
 
     def _trace(self, asked: Trace, stop: threading.Event) -> None:
-        opened = self._stage()
+        opened = self._stage(stop)
+        if opened is None:
+            self._told = {"state": "ready", "samples": 0, "fraction": 0.0}
+            return
         opened.move({path: np.array(matrix) for path, matrix in asked.moves.items()})
         camera, done, total = _camera(asked), 0, np.zeros((asked.height, asked.width, 3))
         guides: Mapping[str, Floats] = {}
@@ -155,15 +157,25 @@ class Tracing:
             self._show(clean, done, asked)
         self._told = {"state": "ready", "samples": done, "fraction": done / asked.samples}
 
-    def _stage(self) -> OpenedStage:
-        """The stage as it is now; opened anew where a file of it has changed."""
-        stage = open_stage(self.path)
-        files = [layer.realPath for layer in stage.GetLayerStack() if layer.realPath]
-        stamps = tuple(Path(file).stat().st_mtime_ns for file in files)
-        if self._opened is None or self._opened[0] != stamps:
-            renderer: Renderer = adapters.load(adapters.RENDERERS, self.renderer)
-            self._opened = stamps, open_with(renderer, stage)
-        return self._opened[1]
+    def _stage(self, stop: threading.Event) -> OpenedStage | None:
+        """The stage as it is now, opened anew where a file of it has changed; None when stopped."""
+        # Who stops this thread may hold the stages, and waits for it.
+        while not STAGES.acquire(timeout=_TURN_S):
+            if stop.is_set():
+                return None
+        try:
+            stage = open_stage(self.path)
+            files = [layer.realPath for layer in stage.GetLayerStack() if layer.realPath]
+            stamps = tuple(Path(file).stat().st_mtime_ns for file in files)
+            if self._opened is None or self._opened[0] != stamps:
+                renderer: Renderer = adapters.load(adapters.RENDERERS, self.renderer)
+                opened = open_with(renderer, stage)
+                # Read here: pictures are made while others have the stages.
+                _ = opened.lights
+                self._opened = stamps, opened
+            return self._opened[1]
+        finally:
+            STAGES.release()
 
     def _show(self, radiance: Floats, samples: int, asked: Trace) -> None:
         tone = fitted_tone(PHOTOGRAPH, radiance)

@@ -250,7 +250,8 @@ def test_every_file_of_data_counts_for_some_module() -> None:
     there = {
         path.name
         for path in (ROOT / "openrooms_usd").rglob("*.*")
-        if path.is_file() and path.suffix not in (".py", ".pyc")
+        if path.is_file()
+        and path.suffix not in (".py", ".pyc")
         # The pages of `orusd view`, that browsers read.
         and path.parent != ROOT / "openrooms_usd/view/page"
     }

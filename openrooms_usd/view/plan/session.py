@@ -12,7 +12,7 @@ import numpy as np
 from openrooms_usd.description.layout import named_openings, named_partitions
 from openrooms_usd.description.model import Model, Switch, Whole
 from openrooms_usd.errors import InputError
-from openrooms_usd.view.app import App, Command
+from openrooms_usd.view.app import App, Command, Nothing
 from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.drawing import Drawing
 from openrooms_usd.view.plan.fittings import hole_in
@@ -21,10 +21,6 @@ from openrooms_usd.view.plan.operations import OPERATIONS, Given, Operation
 from openrooms_usd.view.plan.pictures import Picture, from_above, heights, of_wall, view_box
 
 POINTS = "points.png"
-
-
-class Nothing(Model):
-    """A command that needs nothing more."""
 
 
 class Answer(Model):

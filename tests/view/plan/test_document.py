@@ -12,10 +12,11 @@ from openrooms_usd import names
 from openrooms_usd.description import load_room
 from openrooms_usd.errors import DescriptionError, InputError, OutputError
 from openrooms_usd.geometry.shell import Hole
+from openrooms_usd.view.app import Nothing
 from openrooms_usd.view.plan.corners import move_corner, move_wall, split_wall
 from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.fittings import add_opening, set_height, set_opening
-from openrooms_usd.view.plan.session import Nothing, Session
+from openrooms_usd.view.plan.session import Session
 
 DRAWN = """\
 # A room of our own
