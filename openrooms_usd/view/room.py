@@ -135,12 +135,13 @@ def besides(
 
 
 def room_state(path: Path) -> dict[str, Any]:
-    """What the page is told of a stage: prims, joints, looks and cameras.
+    """What the page is told of a stage: prims, joints, looks, cameras and the plan.
 
     Args:
         path: The USD file.
     """
     # Stages are of USD, whose import takes a while.
+    from openrooms_usd.view.outline import plan_of
     from openrooms_usd.view.prims import cameras_of, joints_of, looks_of, prims_of, shell_of
 
     stage = open_stage(path)
@@ -152,6 +153,7 @@ def room_state(path: Path) -> dict[str, Any]:
             "joints": joints_of(stage),
             "looks": looks_of(stage),
             "cameras": cameras_of(stage),
+            "plan": plan_of(stage),
         }
 
 

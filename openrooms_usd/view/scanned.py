@@ -54,7 +54,7 @@ def scan_app(path: Path, *, importer: str = "scan") -> App:
             remedy="import it, compose it and look at the stage",
         )  # fmt: skip
     state: dict[str, Any] = {
-        **{name: [] for name in ("prims", "shell", "joints", "looks", "cameras")},
+        **{name: [] for name in ("prims", "shell", "joints", "looks", "cameras", "plan")},
         "light": None, "shots": {}, "hemispheres": [], "scan": POINTS, "glb": False,
         "box": np.percentile(cloud.points, _SHOWN_PERCENTILES, axis=0).tolist(),
     }  # fmt: skip

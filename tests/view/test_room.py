@@ -165,6 +165,30 @@ def test_opinions_are_those_of_the_layers(page: Page, composed_demo: Path) -> No
     assert refused == "the stage has no such prim"
 
 
+def test_the_plan_is_drawn_over_the_picture(page: Page) -> None:
+    page.click_on("#overview")
+    assert page.evaluate(f"{ROOM}.overlays.has('plan')") is False
+    before = np.array(page.evaluate(f"Array.from({ROOM}.codes(200, 150))")).reshape(-1, 4)
+    page.click_on("#plan")
+    assert page.evaluate(f"{ROOM}.overlays.get('plan').count") == 2 * (4 + 2 * 4)
+    after = np.array(page.evaluate(f"Array.from({ROOM}.codes(200, 150))")).reshape(-1, 4)
+    painted = (after != before).any(axis=1)
+    assert 0.005 < painted.mean() < 0.1
+    assert np.abs(after[painted][:, :3] - np.array([242, 77, 153])).max() <= 2
+    page.click_on("#plan")
+
+
+def test_a_click_on_a_cameras_eye_jumps_into_it(page: Page) -> None:
+    page.click_on("#overview")
+    page.click_on("#pyramids")
+    camera = page.evaluate(f"{ROOM}.page.state.cameras[0]")
+    eye = [row[3] for row in camera["world_from_camera"][:3]]
+    page.click(*page.evaluate(f"{ROOM}.camera.project({eye})"))
+    assert page.evaluate("document.body.dataset.camera") == camera["name"]
+    assert np.abs(np.array(page.evaluate(f"{ROOM}.camera.eye")) - eye).max() < 1e-6
+    page.click_on("#pyramids")
+
+
 def test_what_is_moved_is_elsewhere_and_comes_back(page: Page) -> None:
     path = "/World/Furniture/desk"
     ask = f"{ROOM}.bounds(['{path}'])"

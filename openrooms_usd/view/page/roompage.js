@@ -12,11 +12,15 @@ import { shots } from "orusd/shots.js";
 import { tracing } from "orusd/tracing.js";
 import { tree } from "orusd/tree.js";
 
+const PLAN = [0.95, 0.3, 0.6];
+
 /** Fill the panel, and join it to the room. */
 export async function roomPage(room, state, { stand, panel }) {
   let known = byPath(state);
   const about = element("div", { id: "about" });
   let prims = tree(state.prims, (path) => choose(path));
+  let [plan, planned] = [state.plan, false];
+  const overlayPlan = () => room.overlay("plan", planned ? plan : null, { color: PLAN, over: true });
 
   const choose = (path) => {
     const prim = known.get(path);
@@ -36,7 +40,8 @@ export async function roomPage(room, state, { stand, panel }) {
     ...lit,
     section("View", "ways",
       tick("walk", "walk (W A S D)", false, (on) => room.camera.become(on ? "walk" : "orbit")),
-      tick("outside", "walls between are left out", true, (on) => { room.outside = on; room.draw(); })),
+      tick("outside", "walls between are left out", true, (on) => { room.outside = on; room.draw(); }),
+      ...(state.plan.length ? [tick("plan", "plan", false, (on) => { planned = on; overlayPlan(); })] : [])),
     ...measuring(room),
     ...scan(room, state),
     ...(state.prims.length ? tracing(room, stand) : []),
@@ -51,6 +56,8 @@ export async function roomPage(room, state, { stand, panel }) {
   const again = async ({ file }) => {
     const [now, glb] = await Promise.all([stateNow(), resource("room.glb")]);
     known = byPath(now);
+    plan = now.plan;
+    overlayPlan();
     const before = prims.root;
     prims = tree(now.prims, (path) => choose(path));
     before.replaceWith(prims.root);
