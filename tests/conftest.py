@@ -52,11 +52,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Few of many cases are fast, and what shares something goes to one worker."""
     cases: Counter[str] = Counter()
     for item in items:
-        if rare := item.get_closest_marker("one_in"):
-            test = item.nodeid.partition("[")[0]
+        test = item.nodeid.partition("[")[0]
+        for rare in item.iter_markers("one_in"):
             if cases[test] % rare.args[0]:
-                item.add_marker(pytest.mark.slow)
-            cases[test] += 1
+                item.add_marker(rare.kwargs.get("rest", "slow"))
+        cases[test] += 1
         if item.get_closest_marker("long"):
             item.add_marker(pytest.mark.slow)
         grouped = item.get_closest_marker("xdist_group")

@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.kills import CASES, kills
 
-USUAL = ("compose, warm", "render, again", "adopt")
+USUAL = ("compose, warm", "render, again")
 
 
 @pytest.mark.slow

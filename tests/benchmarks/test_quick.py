@@ -96,7 +96,7 @@ def test_compose(tmp_path):
     assert "| 10 |" in said
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_generate(tmp_path):
     pytest.importorskip("fcl")
     said, data = run("generate", tmp_path / "g.json")
@@ -182,7 +182,7 @@ def test_light_of_every_method(tmp_path):
     assert {row["channel"] for row in data["channels"]} >= {"radiance", "irradiance_i"}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_physics_by_step(tmp_path):
     pytest.importorskip("pybullet")
     pytest.importorskip("mujoco")
@@ -198,7 +198,7 @@ def test_physics_by_step(tmp_path):
         assert all(row[f"{engine}, moved mm"] < 5.0 for row in data["speed"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_storage(tmp_path):
     variants = pytest.importorskip("orusd_mitsuba.variants")
     if variants.choose("auto").variant.startswith("scalar"):
@@ -226,7 +226,7 @@ def test_dataset(tmp_path):
     assert data["planning"]["units"] == 10_000
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_loading(tmp_path, torch_packages):
     """More than ten views: all forms have them in the same order."""
     pytest.importorskip("mitsuba")

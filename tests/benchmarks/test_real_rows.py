@@ -160,6 +160,7 @@ def test_sources_are_named_with_their_commits():
     )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_real_capture_whole(real, tmp_path):
     folder = real("real_dev/captures.json").parent

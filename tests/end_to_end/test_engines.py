@@ -87,8 +87,8 @@ pytestmark = pytest.mark.slow
 
 
 def marked(name: str) -> Any:
-    """A room with its worker; of the kitchen an episode takes a minute."""
-    long = [pytest.mark.long] if name == "kitchen-1" else []
+    """A room with its worker; of those that are generated an episode takes a minute."""
+    long = [] if name == "demo" else [pytest.mark.long]
     return pytest.param(name, marks=[pytest.mark.xdist_group(name), *long])
 
 

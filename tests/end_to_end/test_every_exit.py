@@ -5,7 +5,7 @@ What is drawn, shines or looks is told of in each report, itself or by what it i
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import pytest
 from pxr import Usd, UsdGeom, UsdLux
@@ -60,7 +60,13 @@ def _parents(path: str) -> list[str]:
     return ["/" + "/".join(parts[:count]) for count in range(3, len(parts))]
 
 
-@pytest.fixture(params=[pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in ROOMS])
+def marked(name: str) -> Any:
+    """A room with its worker; the largest is long."""
+    long = [pytest.mark.long] if name == "kitchen-1" else []
+    return pytest.param(name, marks=[pytest.mark.xdist_group(name), *long])
+
+
+@pytest.fixture(params=map(marked, ROOMS))
 def room(request: pytest.FixtureRequest, with_physics: Callable[[str], Path]) -> Path:
     return with_physics(request.param)
 

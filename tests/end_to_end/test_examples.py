@@ -23,8 +23,16 @@ SAYS = {
 }
 
 
+# Robots that navigate or put a room in order take up to a minute.
+LONG = ("05_navigate", "06_rearrange")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "example",
+    [pytest.param(x, marks=pytest.mark.long) if x.stem in LONG else x for x in EXAMPLES],
+    ids=lambda path: path.stem,
+)
 def test_an_example_runs_anywhere(
     example: Path, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:

@@ -68,6 +68,7 @@ def found_in(room_type: str, seed: int, area: float | None, folder: Path) -> lis
     return wrong(text, assembled(text, shapes, folder))
 
 
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.slow
 @pytest.mark.parametrize("room_type", PROGRAMS)
 def test_generated_rooms_are_sound(room_type: str, tmp_path: Path) -> None:

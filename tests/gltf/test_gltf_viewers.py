@@ -30,7 +30,9 @@ from tests.gltf.conftest import MODULES
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("gltf")]
 
 Node = Callable[..., str]
-ROOMS = ("example", "kitchen", "bedroom")
+ROOMS = (
+    "example", *(pytest.param(name, marks=pytest.mark.long) for name in ("kitchen", "bedroom")),
+)  # fmt: skip
 SIZE = (320, 240)
 
 
@@ -112,8 +114,13 @@ SMALLER = {"compression": "draco", "pictures": "webp"}
 
 
 @pytest.mark.parametrize(
-    ("name", "options"), [*((name, {}) for name in ROOMS), ("example", SMALLER)], ids=str
-)
+    ("name", "options"),
+    [
+        ("example", {}), ("example", SMALLER),
+        *(pytest.param(name, {}, marks=pytest.mark.long) for name in ("kitchen", "bedroom")),
+    ],
+    ids=str,
+)  # fmt: skip
 def test_three_js_shows_the_same_room(
     name: str,
     options: dict[str, str],

@@ -119,6 +119,7 @@ def test_names_are_unique_words() -> None:
     assert all(name.isidentifier() and name == name.lower() for name in NAMES)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_families_differ_in_structure() -> None:
     """Materials never seen are recognised among all families, by structure alone."""

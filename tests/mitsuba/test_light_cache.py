@@ -140,6 +140,7 @@ def test_light_goes_through_sheets(build: Any, lit: Any) -> None:
     _agrees_behind(lit(_curtained(build), "openrooms"))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_light_goes_through_sheets_that_nearly_touch(build: Any, lit: Any) -> None:
     """What arrives between them is not what arrives behind both; steps here are of 0.16 mm."""

@@ -94,6 +94,7 @@ def test_a_client_sees_the_diffuse_part_of_the_picture(half_hidden: Any, tmp_pat
     assert {"path": "/Panel", "reason": "it emits light"} in found["left_out"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["cache", pytest.param("reference", marks=pytest.mark.long)])
 def test_so_it_is_in_a_furnished_room(method: Any, tmp_path: Path) -> None:

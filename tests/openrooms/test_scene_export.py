@@ -331,6 +331,7 @@ def test_the_example_there_and_back(tmp_path: Path) -> None:
     assert_there_and_back(compose_room(room, tmp_path / "first", workers=1).scene, tmp_path)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_generated_room_there_and_back(tmp_path: Path) -> None:
     text = "room: bedroom\nseed: 4\nlayout: {from: generate}\nmaterials: {resolution: 64}\n"

@@ -8,6 +8,7 @@ import pytest
 from tests.scan.real_rooms import found_plans, iou, truth_of
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_two_rooms_of_a_laser_scan_without_the_yard_before_the_gate(real: Callable[[str], Path]):
     folder = real("real_dev")

@@ -124,6 +124,7 @@ CAPTURES = {
 }
 
 
+@pytest.mark.one_in(2, rest="long")
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CAPTURES)
 def test_a_real_scan_on_every_side_and_in_every_unit(real: Real, name: str) -> None:

@@ -32,7 +32,13 @@ class Room(NamedTuple):
 
 
 @pytest.fixture(
-    scope="module", params=[("closet", 3, 2.5), ("hallway", 5, 3.0), ("bathroom", 7, 3.0)], ids=str
+    scope="module",
+    params=[
+        ("closet", 3, 2.5),
+        ("hallway", 5, 3.0),
+        pytest.param(("bathroom", 7, 3.0), marks=pytest.mark.long),
+    ],
+    ids=str,
 )
 def room(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Room:
     """One hull a part: shapes that are made at once."""

@@ -254,6 +254,7 @@ def alone(app: App, scratch: Path) -> Iterator[Page]:
         assert page.messages == []
 
 
+@pytest.mark.long
 def test_a_generated_room_keeps_a_material_and_a_place(generated: Path, tmp_path: Path) -> None:
     layers, before = others(generated), worn(generated)
     held = corrections(generated, generated.parents[1] / "room.yaml")

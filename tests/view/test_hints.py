@@ -82,6 +82,7 @@ def test_what_is_not_there_is_refused(hints: Hints) -> None:
     assert hints.file.read_bytes() == before
 
 
+@pytest.mark.long
 def test_a_real_scan_without_cads_is_corrected(tmp_path: Path, real: Callable[[str], Path]) -> None:
     """Points with classes and without instances: boxes say which thing is meant, and where."""
     folder = real("scan2cad_scene0470_00") / "Assets/scannet-sample/scene0470_00"

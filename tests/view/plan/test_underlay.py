@@ -175,6 +175,7 @@ def test_a_roomplan_export_keeps_its_walls_openings_and_names(
         assert after[name] == pytest.approx(size, abs=2e-4)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_rooms_of_a_scan_are_taken_one_by_one_or_together(
     real: Callable[[str], Path], tmp_path: Path
