@@ -29,6 +29,7 @@ def mesh_triangles(prim):
     return points[np.array(faces)]
 
 
+@pytest.mark.slow
 def test_the_outline_is_where_walls_stop_rays_from_inside(read):
     import shapely
     import trimesh
@@ -79,6 +80,7 @@ def test_openings_are_holes_in_their_walls_counter_clockwise_from_inside(read):
             assert not (np.stack(sides) > 1e-9).all(axis=0).any()
 
 
+@pytest.mark.slow
 def test_objects_are_their_cads_in_their_poses(read):
     from benchmarks.scan.truth import moved, pose_matrix
 

@@ -89,6 +89,7 @@ def test_a_room_that_moves_on_is_written_by_its_new_number(
         assert {name.partition("-")[0] for name in archive.getnames()} == {"0000005"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["webdataset", "nerf"])
 def test_a_form_that_somebody_removed_is_written_again(
     kind: str, finished: tuple[Store, Dataset]

@@ -35,6 +35,7 @@ def label(prim: Usd.Prim, taxonomy: str) -> tuple[str, str]:
     return prim.GetAttribute(f"semantics:labels:{taxonomy}").Get()[0], str(prim.GetPath())
 
 
+@pytest.mark.slow
 def test_geometry_and_labels_are_those_of_the_prims(shown, seen) -> None:
     stage, casts = seen
     assert stage.GetPrototypes(), "instances must be read too"
@@ -77,6 +78,7 @@ def test_geometry_and_labels_are_those_of_the_prims(shown, seen) -> None:
         assert worn[same][~screens].all(), "lights wear no material"
 
 
+@pytest.mark.slow
 def test_depth_is_planar_and_back_projects_to_position(shown) -> None:
     for name, view in shown.manifest["views"].items():
         image = shown[name]
@@ -132,6 +134,7 @@ def looked_up(texture: UsdShade.Shader, st: NDArray[np.float64]) -> NDArray[np.f
     return total * np.array(factors)[:channels] + np.array(offsets)[:channels]
 
 
+@pytest.mark.slow
 def test_materials_are_those_of_their_textures(shown, seen) -> None:
     textured = constant = 0
     for view, ours in seen[1].items():

@@ -24,7 +24,8 @@ def own_box(stage: Usd.Stage, path: str) -> np.ndarray:
     return np.array([found.GetMin(), found.GetMax()])
 
 
-@pytest.mark.parametrize("engine", ["pybullet", pytest.param("mujoco", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
 def test_it_rests_is_pushed_and_is_seen_where_it_is(engine: str, composed_bodies: Path) -> None:
     stage = open_stage(composed_bodies)
     world = with_robot(read_world(stage), pusher((0.9, 0.6)))

@@ -124,6 +124,7 @@ def in_room(points: Any) -> np.ndarray:
     return (np.array(points) - AWAY) @ SCAN_FROM_ROOM
 
 
+@pytest.mark.slow
 def test_the_report_has_the_walls_in_the_frame_of_the_scan(report: Any) -> None:
     (room,) = report["layout"]["rooms"]
     corners = in_room(room["corners"])
@@ -140,6 +141,7 @@ def test_the_report_has_the_walls_in_the_frame_of_the_scan(report: Any) -> None:
     assert x @ np.roll(y, -1) - y @ np.roll(x, -1) > 0
 
 
+@pytest.mark.slow
 def test_the_window_has_its_corners_from_bottom_left(report: Any) -> None:
     (window,) = report["layout"]["rooms"][0]["openings"]
     left, right, low, high = WINDOW
@@ -149,6 +151,7 @@ def test_the_window_has_its_corners_from_bottom_left(report: Any) -> None:
     np.testing.assert_allclose(in_room(window["corners"]), true, atol=0.06)
 
 
+@pytest.mark.slow
 def test_the_table_is_found_with_its_scale(report: Any) -> None:
     (table,) = report["alignment"]["objects"]
     assert (table["instance"], table["category"], table["cad"]) == (1, "table", "desk_b")
@@ -162,6 +165,7 @@ def test_the_table_is_found_with_its_scale(report: Any) -> None:
     assert 0.5 < table["coverage"] <= 1.0
 
 
+@pytest.mark.slow
 def test_the_stage_has_the_room_level_and_the_table_on_its_floor(out: Path, report: Any) -> None:
     stage = Usd.Stage.Open(str(out / "scene.usda"))
     room = stage.GetPrimAtPath("/World/Room")

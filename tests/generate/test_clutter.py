@@ -83,6 +83,7 @@ def test_each_level_holds_what_the_one_below_has(rooms: list[Generated]) -> None
     assert bare[0] == bare[1] == bare[3]
 
 
+@pytest.mark.slow
 def test_equal_seeds_give_equal_clutter(rooms: list[Generated]) -> None:
     assert write(generate("bathroom", 4, 5.0, clutter=2)) == write(rooms[2])
     assert write(generate("bathroom", 5, 5.0, clutter=2)) != write(rooms[2])

@@ -44,7 +44,7 @@ def files(root: Path) -> dict[str, str]:
     }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.slow
 @pytest.mark.parametrize("split", SPLITS)
 def test_what_the_3d_loader_opens_is_there(root: Path, split: str) -> None:
     scene = root / "scenes/xml/scene0000_00"
@@ -65,6 +65,7 @@ def test_what_the_3d_loader_opens_is_there(root: Path, split: str) -> None:
     assert (root / "scenes/intrinsic.txt").is_file()
 
 
+@pytest.mark.slow
 def test_the_scene_has_the_cameras_of_the_pictures(root: Path, rendered: Path) -> None:
     tree = ElementTree.parse(root / "scenes/xml/scene0000_00/main.xml").getroot()
     sensor = tree.find("sensor")
