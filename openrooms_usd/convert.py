@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
 from openrooms_usd import adapters
+from openrooms_usd.errors import InputError
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -35,7 +36,7 @@ class Report:
         """Say what was lost of prims later on; those with an empty reason stay as they are.
 
         Args:
-            reasons: By prim path; the prim has a row already.
+            reasons: By prim path; a prim without a row gets one.
         """
         left = dict(reasons)
         for number in reversed(range(len(self.rows))):
@@ -45,6 +46,7 @@ class Report:
                 # What was skipped is not there to lose anything.
                 found: Outcome = "skipped" if outcome == "skipped" else "approximated"
                 self.rows[number] = prim, found, "; ".join(filter(None, (reason, later)))
+        self.rows += [(prim, "approximated", reason) for prim, reason in left.items() if reason]
 
     def count(self, outcome: Outcome) -> int:
         """How many rows have this outcome."""
@@ -94,6 +96,7 @@ def convert_stage(
     options: Mapping[str, Any] | None = None,
     include_outside: bool = False,
     variants: Mapping[str, Mapping[str, str]] | None = None,
+    time_code: float | None = None,
 ) -> Report:
     """Convert a USD file to a foreign form.
 
@@ -105,12 +108,14 @@ def convert_stage(
         include_outside: Whether pictures outside the file's folder may be copied, and layers
             where these are copied, too.
         variants: By prim path and set, in place of what the stage says; its files stay as they are.
+        time_code: The moment to write of a stage that moves; None for the first sample of
+            everything, or for all of it where the exporter copies layers.
 
     Returns:
         What became of every prim.
 
     Raises:
-        InputError: The file is no USD, or no exporter has that name.
+        InputError: The file is no USD, no exporter has that name, or this one writes no moment.
         StageError: It needs pictures outside its folder, or is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
@@ -118,20 +123,29 @@ def convert_stage(
 
     from openrooms_usd.usd.diagnostics import reading
     from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.moments import hold
     from openrooms_usd.usd.outside import is_picture, refuse_outside
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to or exporter_of(destination))
+    keeps_layers = getattr(exporter, "keeps_layers", False)
+    if keeps_layers and time_code is not None:
+        raise InputError(
+            "this exporter copies the stage's layers with all that moves",
+            place="time code",
+            remedy="leave it away, or convert to a form that holds one moment",
+        )
     stage = open_stage(path)
     for prim, chosen in (variants or {}).items():
         with Usd.EditContext(stage, stage.GetSessionLayer()):
             for name, variant in chosen.items():
                 stage.GetPrimAtPath(prim).GetVariantSet(name).SetVariantSelection(variant)
     if not include_outside:
-        keeps_layers = getattr(exporter, "keeps_layers", False)
         concerns = (lambda _: True) if keeps_layers else is_picture
         refuse_outside(stage, str(destination), concerns)
     with reading(path):
+        lost = {} if keeps_layers else hold(stage, time_code)
         report = exporter.convert(stage, destination, options or {})
+        report.lose(lost)
         add_missing(report, stage)
     return report
 

@@ -35,6 +35,7 @@ def render(
     grid: tuple[int, int] | None = None,
     error_maps: bool = False,
     denoise: bool | Literal["all"] = False,
+    time_code: float | None = None,
     renderer: str = "mitsuba",
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
@@ -63,6 +64,7 @@ def render(
         error_maps: Whether to write the estimated standard error of each pixel too.
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``); ``"all"``:
             also ``denoised_channels.exr`` and ``denoised_lights.exr`` (docs/light.md).
+        time_code: When a stage that moves is seen; None for the first sample of everything.
         renderer: A registered renderer.
         options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with the view's name and the finished fraction of the whole.
@@ -107,6 +109,7 @@ def render(
             storage=storage,
             renderer=renderer,
             denoise=denoise,
+            time_code=time_code,
             options=options or {},
             progress=progress,
         )

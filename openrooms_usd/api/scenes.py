@@ -239,6 +239,7 @@ def convert(
     to: str | None = None,
     options: Mapping[str, Any] | None = None,
     include_outside: bool = False,
+    time_code: float | None = None,
 ) -> "Report":
     """Write a scene in a foreign form.
 
@@ -249,12 +250,14 @@ def convert(
             installed exporter; None for what ``out`` ends in (.glb, .usdz), else ``mitsuba``.
         options: What is asked of the exporter.
         include_outside: Whether pictures outside the scene's folder may be copied.
+        time_code: The moment to write of a scene that moves; None for the first sample of
+            everything.
 
     Returns:
         What became of every prim; ``.losses()`` are those that were not translated whole.
 
     Raises:
-        InputError: The file is no USD, or no exporter has that name.
+        InputError: The file is no USD, no exporter has that name, or this one writes no moment.
         StageError: It needs pictures outside its folder, or is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
@@ -263,7 +266,12 @@ def convert(
 
     with quiet():
         return convert_stage(
-            usd_file(scene), path_of(out), to=to, options=options, include_outside=include_outside
+            usd_file(scene),
+            path_of(out),
+            to=to,
+            options=options,
+            include_outside=include_outside,
+            time_code=time_code,
         )
 
 

@@ -23,6 +23,10 @@ _FLAGS: Final = {"true": True, "false": False}
     help="What to ask of the exporter; may be repeated.",
 )
 @click.option("--profile", metavar="NAME", help="Of a USDZ file: default, exchange or arkit.")
+@click.option(
+    "--time-code", type=float, metavar="T",
+    help="The moment to write of a stage that moves; by default the first sample of everything.",
+)  # fmt: skip
 @click.option("--include-outside", is_flag=True, help="Copy pictures outside STAGE's folder too.")
 @json_option
 def convert(
@@ -32,6 +36,7 @@ def convert(
     options: tuple[str, ...],
     profile: str | None,
     include_outside: bool,
+    time_code: float | None,
     as_json: bool,
 ) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
@@ -47,7 +52,9 @@ def convert(
     to = to or exporter_of(out)
     asked = _given(options) | ({"profile": profile} if profile else {})
     with quiet():
-        report = convert_stage(stage, out, to=to, options=asked, include_outside=include_outside)
+        report = convert_stage(
+            stage, out, to=to, options=asked, include_outside=include_outside, time_code=time_code
+        )
     if as_json:
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return

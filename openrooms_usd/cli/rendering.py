@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 # light that few paths find has heavy tails.
 _BIAS_WORTH_A_WARNING: Final = 0.03
 _SURE_STANDARD_ERRORS: Final = 4.0
+# What --frames means without a range.
+_EVERY: Final = "every"
 
 
 def _resolution(
@@ -102,7 +104,15 @@ def _resolution(
 )  # fmt: skip
 @click.option("--duration", type=float, help="Seconds of the video; 10 for a walk.")
 @click.option("--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default.")
-@click.option("--frames", is_flag=True, help="Write every frame of the video too.")
+@click.option(
+    "--time-code", type=float, metavar="T",
+    help="When a stage that moves is seen; by default at the first sample of everything.",
+)  # fmt: skip
+@click.option(
+    "--frames", is_flag=False, flag_value=_EVERY, metavar="[A:B:STEP]",
+    help="Render a stage that moves at these time codes, into a folder for each; alone, with "
+    "--path: write every frame of the video too.",
+)  # fmt: skip
 @click.option(
     "--dataset", "root", type=click.Path(path_type=Path), metavar="ROOT",
     help="Also write OpenRooms' files there, as `orusd dataset write` does.",
@@ -139,7 +149,8 @@ def render(
     spec: str | None,
     duration: float | None,
     fps: int | None,
-    frames: bool,
+    time_code: float | None,
+    frames: str | None,
     root: Path | None,
     layout: Literal["split", "merged"],
     as_json: bool,
@@ -147,7 +158,8 @@ def render(
     """Render the cameras of a USD stage with their ground truth, or a camera path as a video.
 
     OUT receives a folder for every view, contact_sheet.png, manifest.json and timing.json. Ctrl-C
-    keeps the views that are finished.
+    keeps the views that are finished. With --frames A:B:STEP all this is in a folder for each
+    frame, such as OUT/frame_0012.
     """
     from openrooms_usd import adapters
     from openrooms_usd.cli.datasets import print_dataset
@@ -161,51 +173,57 @@ def render(
     if spec is not None:
         _check_stills(
             cameras, channels, fov, grid, error_maps, error, seconds, f_stop, root,
-            storage != COMPLETE,
+            storage != COMPLETE, time_code, frames if frames != _EVERY else None,
         )  # fmt: skip
         film(
             stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
             resolution=resolution, samples=spp, seed=seed, bounces=bounces, method=method,
-            tone=tone, renderer=renderer, options=options, denoise=denoise, keep_frames=frames,
+            tone=tone, renderer=renderer, options=options, denoise=denoise,
+            keep_frames=frames is not None,
         )  # fmt: skip
         return
-    if duration is not None or fps is not None or frames:
-        raise click.UsageError("--duration, --fps and --frames belong to --path")
-    _tell_what_goes(out)
+    if duration is not None or fps is not None or frames == _EVERY:
+        raise click.UsageError("--duration, --fps and --frames without a range belong to --path")
+    renders = _renders(out, time_code, frames, root)
+    for folder in renders:
+        _tell_what_goes(folder)
     # What cannot be written should not be rendered first.
     writer: DatasetWriter | None = adapters.load(adapters.DATASETS, "openrooms") if root else None
-    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
-        summary = render_stage(
-            stage,
-            out,
-            cameras=cameras,
-            channels=_names(channels),
-            resolution=resolution,
-            field_of_view=fov,
-            grid=grid or DEFAULT_GRID,
-            error_maps=error_maps,
-            samples=spp,
-            error=error,
-            seconds=seconds,
-            seed=seed,
-            bounces=bounces,
-            method=method,
-            tone=tone,
-            f_stop=f_stop,
-            storage=storage,
-            renderer=renderer,
-            options=options,
-            denoise="all" if denoise_light else denoise,
-            progress=progress,
-        )
+    asked: dict[str, Any] = {
+        "cameras": cameras,
+        "channels": _names(channels),
+        "resolution": resolution,
+        "field_of_view": fov,
+        "grid": grid or DEFAULT_GRID,
+        "error_maps": error_maps,
+        "samples": spp,
+        "error": error,
+        "seconds": seconds,
+        "seed": seed,
+        "bounces": bounces,
+        "method": method,
+        "tone": tone,
+        "f_stop": f_stop,
+        "storage": storage,
+        "renderer": renderer,
+        "options": options,
+        "denoise": "all" if denoise_light else denoise,
+    }
+    summaries: list[RenderSummary] = []
+    for folder, when in renders.items():
+        with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+            summary = render_stage(stage, folder, time_code=when, progress=progress, **asked)
+        if not as_json:
+            _print_summary(summary)
+        summaries.append(summary)
     written = None
     if writer and root:
         written = writer.write([read_render(out)], root, DatasetOptions(layout=layout))
-    if as_json:
-        print_json(summary.as_dict() | ({"dataset": written.as_dict()} if written else {}))
-        return
-    _print_summary(summary)
-    if written:
+    if as_json and frames:
+        print_json({"frames": [summary.as_dict() for summary in summaries]})
+    elif as_json:
+        print_json(summaries[0].as_dict() | ({"dataset": written.as_dict()} if written else {}))
+    elif written:
         print_dataset(written)
 
 
@@ -214,9 +232,25 @@ def _check_stills(*given: Any) -> None:
     if any(value not in ((), "usual", None, False) for value in given):
         raise click.UsageError(
             "with --path there is no --camera, --channels, --fov, --grid, --error-maps, --error, "
-            "--time, --f-stop, --storage or --dataset: frames have --spp, and --frames keeps them "
-            "with their ground truth"
+            "--time, --f-stop, --storage, --dataset, --time-code or range of --frames: frames have "
+            "--spp, and --frames alone keeps them with their ground truth"
         )
+
+
+def _renders(
+    out: Path, time_code: float | None, frames: str | None, dataset: Path | None
+) -> dict[Path, float | None]:
+    """The folders to write, each with the time code it shows."""
+    from openrooms_usd.render.frames import frame_folders, frames_of
+
+    if frames is None:
+        return {out: time_code}
+    if time_code is not None or dataset is not None:
+        raise click.UsageError(
+            "with --frames there is no --time-code or --dataset: `orusd dataset write` takes "
+            "each folder afterwards"
+        )
+    return {**frame_folders(out, frames_of(frames))}
 
 
 def _warn_of_units(stage: Path) -> None:

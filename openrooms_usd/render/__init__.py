@@ -2,9 +2,10 @@
 
 ``driver`` is the story of a run: ``plan`` says what it shall render, ``given`` who gives which
 channel, ``job`` holds both and opens the stage for them, ``scene`` translates the stage,
-``contract`` is what an adapter implements, ``opened`` puts its light and the core's exact channels
-together, ``shading``, ``friction`` and ``denoise`` (of all light: ``denoised_light``) make others
-of them, and ``run`` writes, beside the next view (``writer``). The files are ``exr``, ``previews``
+``frames`` are the times of one that moves, ``contract`` is what an adapter implements, ``opened``
+puts its light and the core's exact channels together, ``shading``, ``friction`` and ``denoise``
+(of all light: ``denoised_light``) make others of them, and ``run`` writes, beside the next view
+(``writer``). The files are ``exr``, ``previews``
 (with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all;
 ``storage`` says how they hold channels (``compact``, ``restoring`` read it). ``reading``
 and ``manifest_schema`` give finished renders back and trust no file; ``relight``, ``probes``,

@@ -68,6 +68,7 @@ def render_stage(
     renderer: str = "mitsuba",
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: Denoise = False,
+    time_code: float | None = None,
     progress: Progress = silent,
 ) -> RenderSummary:
     """Render cameras of a USD stage with their ground truth.
@@ -103,6 +104,7 @@ def render_stage(
         options: What is asked of the renderer, by the names that it declares.
         denoise: Whether to write the denoised radiance beside the raw one; ``all``: also denoised
             versions of every channel of light that can bear it, whose bias the manifest states.
+        time_code: When a stage that moves is seen; None for the first sample of everything.
         progress: Called with the view's name and the finished fraction of the whole run.
 
     Returns:
@@ -134,6 +136,7 @@ def render_stage(
         renderer=renderer,
         options=options,
         denoise=denoise,
+        time_code=time_code,
     )
     folder.check_writable(out)
 

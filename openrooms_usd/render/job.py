@@ -31,7 +31,14 @@ from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
 from openrooms_usd.render.denoised_light import Denoise, with_denoised_light
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
 from openrooms_usd.render.given import available, check_method, choose_method
-from openrooms_usd.render.plan import choose_cameras, choose_channels, paths_of, plan, sized
+from openrooms_usd.render.plan import (
+    check_time_code,
+    choose_cameras,
+    choose_channels,
+    paths_of,
+    plan,
+    sized,
+)
 from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.render.shading import Shading
 
@@ -58,6 +65,7 @@ class RenderJob:
         denoise: Which versions are denoised.
         denoiser: What does it.
         flow: Whether views are frames of a path, which have the optical flow to the next one.
+        time_code: When a stage that moves is seen; None for the first sample of everything.
     """
 
     renderer: str
@@ -71,6 +79,7 @@ class RenderJob:
     denoise: Denoise = False
     denoiser: Denoiser | None = None
     flow: bool = False
+    time_code: float | None = None
 
     @classmethod
     def of(
@@ -94,6 +103,7 @@ class RenderJob:
         options: Mapping[str, str] = NO_OPTIONS,
         denoise: Denoise = False,
         flow: bool = False,
+        time_code: float | None = None,
     ) -> "RenderJob":
         """The job of these wishes, which are those of `openrooms_usd.render.driver.render_stage`.
 
@@ -125,7 +135,7 @@ class RenderJob:
             denoiser.check(request.channels)
         return cls(
             renderer, adapter, options, request, named, resolution, field_of_view, error_maps,
-            denoise, denoiser, flow,
+            denoise, denoiser, flow, None if time_code is None else check_time_code(time_code),
         )  # fmt: skip
 
     @cached_property
@@ -176,13 +186,16 @@ class RenderJob:
         from openrooms_usd.usd.diagnostics import reading
         from openrooms_usd.usd.fields_of_view import set_field_of_view
         from openrooms_usd.usd.layers import open_stage
+        from openrooms_usd.usd.moments import hold
 
         stage = open_stage(path)
-        if self.field_of_view is not None:
-            set_field_of_view(stage, self.field_of_view)
         began = time.perf_counter()
         with reading(path):
+            lost = hold(stage, self.time_code)
+            if self.field_of_view is not None:
+                set_field_of_view(stage, self.field_of_view)
             opened = open_with(self.adapter, stage, self.options)
+            opened.report.lose(lost)
             add_missing(opened.report, stage)
         took = time.perf_counter() - began
         request = sized(self.rendered, self.resolution or opened.resolution)
@@ -238,7 +251,10 @@ class OpenedJob:
 
     def entry(self) -> dict[str, Any]:
         """What the manifest says of all views."""
-        entry = manifest.run_entry(self.path, self.job.renderer, self.opened, self.listed)
+        job = self.job
+        entry = manifest.run_entry(
+            self.path, job.renderer, self.opened, self.listed, time_code=job.time_code
+        )
         if self.job.denoiser:
             entry["denoiser"] = self.job.denoiser.entry()
         return entry | ({"friction": self.friction.entry()} if self.friction else {})

@@ -65,6 +65,8 @@ CONVENTIONS: Final = {
     "denoised": "of denoised versions of channels: bias is the mean of the denoised picture over "
     "that of the raw one, less 1; standard_error that of the raw mean, relative; blocks_beyond the "
     "part of blocks of 16x16 pixels whose mean lies more than two standard errors from the raw one",
+    "time_code": "of a stage that moves: when it is seen; where nothing is said, everything is at "
+    "the first of its time samples",
     "traced": "of a view: the mean over its pixels of the channel of that name",
     "method": "how light was computed: reference, every path is followed to its end, without bias; "
     "cache, what is smooth was computed once for the room and looked up",
@@ -73,7 +75,14 @@ CONVENTIONS: Final = {
 Plain = dict[str, Any]
 
 
-def run_entry(stage: Path, renderer: str, opened: "OpenedStage", request: RenderRequest) -> Plain:
+def run_entry(
+    stage: Path,
+    renderer: str,
+    opened: "OpenedStage",
+    request: RenderRequest,
+    *,
+    time_code: float | None = None,
+) -> Plain:
     """What all views of a run share.
 
     Args:
@@ -81,6 +90,7 @@ def run_entry(stage: Path, renderer: str, opened: "OpenedStage", request: Render
         renderer: The name under which the renderer is registered.
         opened: The opened stage.
         request: What every view was asked for.
+        time_code: When the stage is seen, where that was asked for.
     """
     session = opened.session
     asked = {"samples": request.samples, "error": request.error, "seconds": request.seconds}
@@ -88,6 +98,7 @@ def run_entry(stage: Path, renderer: str, opened: "OpenedStage", request: Render
         "format": FORMAT,
         "generator": f"{names.CREATOR} {__version__}",
         "stage": stage.name,
+        **({} if time_code is None else {"time_code": time_code}),
         "renderer": {"name": renderer, "backend": session.backend, **session.settings},
         "seed": request.seed,
         "bounces": request.bounces,

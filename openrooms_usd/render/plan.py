@@ -47,6 +47,7 @@ _LIMITS: Final[dict[str, tuple[float, float]]] = {
     "seed": (0, 2**31 - 1),
     "bounces": (0, 1024),
     "f-stop (--f-stop)": (0.5, 128),
+    "time code (--time-code)": (-1e12, 1e12),
 }
 
 
@@ -138,6 +139,15 @@ def sized(request: RenderRequest, resolution: tuple[int, int]) -> RenderRequest:
             f"{width}x{height} are more than {_MOST_PIXELS:,} pixels", place="resolution"
         )
     return replace(request, width=width, height=height)
+
+
+def check_time_code(time_code: float) -> float:
+    """A time code that a stage may be seen at.
+
+    Raises:
+        InputError: It is no number, or an absurd one.
+    """
+    return _number("time code (--time-code)", time_code)
 
 
 def _one_of(what: str, known: tuple[_Name, ...], name: str) -> _Name:

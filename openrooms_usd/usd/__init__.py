@@ -1,6 +1,7 @@
 """Authoring and reading USD by concept; knows no stage of the pipeline and no renderer.
 
 - opening: `crates`, `crate_reader`, `preflight`, `diagnostics`; `layers`, `activation`, `outside`;
+- time: `moments`, `skinning`;
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;
 - surfaces: `traversal`, `gprims`, `tessellation`, `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;

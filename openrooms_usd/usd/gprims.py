@@ -124,8 +124,6 @@ class _Polygons:
         scheme = self._geometry.GetSubdivisionSchemeAttr().Get(TIME)
         if scheme != UsdGeom.Tokens.none:
             self._lose(f"a {scheme} subdivision surface is drawn as its control cage")
-        if "SkelBindingAPI" in self._geometry.GetPrim().GetAppliedSchemas():
-            self._lose("skinning is not applied: drawn in its rest pose")
 
     def _lose(self, reason: str) -> None:
         self._losses.append(("approximated", reason))

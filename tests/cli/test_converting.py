@@ -90,3 +90,21 @@ def test_an_unknown_option_names_those_there_are(stage: Path, tmp_path: Path) ->
     refused = _convert(stage, tmp_path / "out", "frition=dynamic")
     assert isinstance(refused.exception, InputError)
     assert "use friction, package" in str(refused.exception.remedy)
+
+
+def test_a_moment_of_what_moves(tmp_path: Path) -> None:
+    """What copies layers keeps all that moves, and has no moments."""
+    moving = STAGE.replace("double size = 0.2", "double size.timeSamples = { 0: 0.2, 10: 0.4 }")
+    (tmp_path / "scene.usda").write_text(moving)
+    asked = ["convert", str(tmp_path / "scene.usda")]
+    for name, code in (("a", "5"), ("b", "10")):
+        done = CliRunner().invoke(
+            orusd, [*asked, str(tmp_path / f"{name}.glb"), "--time-code", code]
+        )
+        assert done.exit_code == 0, done.output
+    assert (tmp_path / "a.glb").read_bytes() != (tmp_path / "b.glb").read_bytes()
+    with pytest.raises(InputError, match="all that moves"):
+        CliRunner().invoke(
+            orusd, [*asked, str(tmp_path / "a.usdz"), "--time-code", "5"], catch_exceptions=False
+        )
+    assert not (tmp_path / "a.usdz").exists()

@@ -12,7 +12,7 @@ from openrooms_usd.usd.frames import TIME
 _SILENT: Final = frozenset(
     {
         "", "Xform", "Scope", "Camera", "Material", "Shader", "NodeGraph", "GeomSubset",
-        "PointInstancer", "SkelRoot", "Backdrop",
+        "PointInstancer", "Backdrop", "SkelRoot", "Skeleton", "SkelAnimation", "BlendShape",
     }
 )  # fmt: skip
 _SILENT_FAMILIES: Final = ("Render", "Physics")
