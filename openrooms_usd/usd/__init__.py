@@ -5,7 +5,7 @@
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;
 - surfaces: `traversal`, `gprims`, `tessellation`, `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;
-- light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`),
+- light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`, `cones`),
   `lights`, `portals`; `cameras`, `fields_of_view`;
 - meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.
 """

@@ -47,7 +47,13 @@ class DomeLight(Light):
 
 @dataclass(frozen=True, eq=False)
 class MeshLight(Light):
-    """A mesh that emits from its front sides (from both where it is double-sided)."""
+    """A mesh that emits from its front sides.
+
+    Attributes:
+        tinted: Whether its radiance is a factor of the picture that its material emits.
+    """
+
+    tinted: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,8 +73,10 @@ def read_light(prim: Usd.Prim) -> Light:
         prim: A prim with ``UsdLux.LightAPI``.
     """
     reader = _Reader(prim)
-    is_mesh = prim.HasAPI(UsdLux.MeshLightAPI) and prim.IsA(UsdGeom.Mesh)
-    read = _Reader.mesh if is_mesh else _KINDS.get(prim.GetTypeName(), _Reader.unknown)
+    # LightAPI makes a light of any shape; MeshLightAPI is for meshes.
+    read = (
+        _Reader.mesh if prim.IsA(UsdGeom.Gprim) else _KINDS.get(prim.GetTypeName(), _Reader.unknown)
+    )
     light = read(reader)
     found, lost = read_shaping(prim, light)
     return replace(light, shaping=found, losses=(*light.losses, *lost))
@@ -86,6 +88,7 @@ class _Reader:
     def __init__(self, prim: Usd.Prim) -> None:
         self.prim = prim
         self.losses: list[str] = []
+        self.normalize = False
         self.world = world_from_prim(prim)
 
     # Kinds: each reads what is its own, and what all have in common at the end.
@@ -102,25 +105,31 @@ class _Reader:
         return DomeLight(path, radiance, _rotation(frame), losses, texture)
 
     def mesh(self) -> Light:
-        glow = self.glow()
-        path, radiance, world, losses = self.common(world_area(self.prim))
-        return MeshLight(path, radiance * glow, world, losses)
+        glow, tinted = self.glow()
+        area = world_area(self.prim)
+        if area == 0.0 and self.value("inputs:normalize", False):
+            self.losses.append(
+                "inputs:normalize: the area of such a shape is not known; 1 is taken"
+            )
+        path, radiance, world, losses = self.common(area)
+        return MeshLight(path, radiance * glow, world, losses, tinted)
 
     def rect(self) -> Light:
-        width, height = self.number("inputs:width", 1.0), self.number("inputs:height", 1.0)
+        width, height = self.size("inputs:width", 1.0), self.size("inputs:height", 1.0)
         texture = self.texture()
         return RectLight(*self.common(width * height * self.xy_scale()), width, height, texture)
 
     def disk(self) -> Light:
-        radius = self.number("inputs:radius", 0.5)
+        radius = self.size("inputs:radius", 0.5)
         return DiskLight(*self.common(math.pi * radius**2 * self.xy_scale()), radius)
 
     def sphere(self) -> Light:
-        radius = self.number("inputs:radius", 0.5)
+        radius = self.thick("inputs:radius", 0.5, "treatAsPoint")
         return SphereLight(*self.common(ellipsoid_area(*(radius * self.scales()))), radius)
 
     def cylinder(self) -> Light:
-        radius, length = self.number("inputs:radius", 0.5), self.number("inputs:length", 1.0)
+        radius = self.thick("inputs:radius", 0.5, "treatAsLine")
+        length = self.size("inputs:length", 1.0)
         sx, sy, sz = self.scales()
         area = length * sx * ellipse_perimeter(radius * sy, radius * sz)
         return CylinderLight(*self.common(area), radius, length)
@@ -159,10 +168,30 @@ class _Reader:
         self.losses.append(f"{name}: {value} is not finite; {default} is taken")
         return default
 
+    def size(self, name: str, default: float) -> float:
+        """A length, in the light's own units."""
+        value = self.number(name, default)
+        if value < 0.0:
+            self.losses.append(f"{name}: {value:g} is no length; 0 is taken")
+        return max(value, 0.0)
+
+    def thick(self, name: str, default: float, hint: str) -> float:
+        """A radius. Points and lines without any are taken as thin, of the flux that they have.
+
+        Without a surface there is no radiance: their intensity counts as if it was normalized.
+        """
+        radius = self.size(name, default)
+        if radius > 0.0 or not self.value(hint, False):
+            return radius
+        self.normalize = True
+        self.losses.append(f"{hint}: it is taken as {1e3 * _THIN_METRES:g} mm thick")
+        scale = float(self.scales().mean())
+        return _THIN_METRES / scale if scale > 0.0 else 0.0
+
     def radiance(self, size: float) -> NDArray[np.float64]:
         """(3,) nits of each primary."""
         scale = self.number("inputs:intensity", 1.0) * 2.0 ** self.number("inputs:exposure", 0.0)
-        if self.value("inputs:normalize", False) and size > 0:
+        if (self.normalize or self.value("inputs:normalize", False)) and size > 0:
             scale /= size
         color = np.array(self.value("inputs:color", (1.0, 1.0, 1.0)), dtype=np.float64)
         if self.value("inputs:enableColorTemperature", False):
@@ -189,18 +218,22 @@ class _Reader:
             return resolved
         return None
 
-    def glow(self) -> NDArray[np.float64]:
-        """(3,) what the bound material makes of a mesh light's color."""
+    def glow(self) -> tuple[NDArray[np.float64], bool]:
+        """(3,) what the bound material makes of a mesh light's color, and whether by a picture."""
         mode = self.value("light:materialSyncMode", UsdLux.Tokens.materialGlowTintsLight)
         material = bound_material(self.prim)
-        if mode != UsdLux.Tokens.materialGlowTintsLight or material is None:
-            return np.ones(3)
+        if mode == UsdLux.Tokens.noMaterialResponse or material is None:
+            return np.ones(3), False
         emissive = read_preview_surface(material)[0].emissive
-        if isinstance(emissive, Texture) or not any(emissive):
-            what = "textured" if isinstance(emissive, Texture) else "black"
-            self.losses.append(f"its material's glow is {what}; the light is not tinted by it")
-            return np.ones(3)
-        return np.array(emissive)
+        if mode == UsdLux.Tokens.independent:
+            self.losses.append("light:materialSyncMode: what is seen of it is what it sends")
+            return np.ones(3), False
+        if isinstance(emissive, Texture):
+            return np.ones(3), True
+        if not any(emissive):
+            self.losses.append("its material's glow is black; the light is not tinted by it")
+            return np.ones(3), False
+        return np.array(emissive), False
 
     def check_extras(self) -> None:
         """Note the features that no light here has."""
@@ -238,9 +271,10 @@ _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
     "inputs:diffuse": (1.0, "the light acts on diffuse reflection as on any other"),
     "inputs:specular": (1.0, "the light acts on specular reflection as on any other"),
     "inputs:shadow:enable": (True, "the light casts shadows all the same"),
-    "inputs:shaping:focus": (0.0, "the light is not focused"),
-    "inputs:shaping:cone:angle": (90.0, "the light is not cut to a cone"),
 }
+
+# The radius that points and lines have, metres.
+_THIN_METRES: Final = 1e-3
 
 # What is smaller in a rotation is rounding.
 _ROUNDING_TOLERANCE: Final = 1e-15

@@ -10,6 +10,7 @@ goes, in its own frame, whose -Z is the nadir.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -36,6 +37,7 @@ _SAME_ANGLE_DEG: Final = 1e-6
 _HEMISPHERE_UP_TO_DEG: Final = 90.0 + math.degrees(0.1)
 # Directions over which what a surface sends out is summed.
 _FLUX_STEP_DEG: Final = 0.5
+_LEAST_FLUX_STEPS: Final = 64
 _FLUX_AROUND: Final = 72
 
 
@@ -145,8 +147,9 @@ class Shaping:
             normals: (N, 3) unit normals of its faces, in the world.
             areas: (N,) of these, square metres.
         """
-        steps = round(180.0 / _FLUX_STEP_DEG)
-        edges = np.radians(np.linspace(0.0, 180.0, steps + 1))
+        spread = self.last_deg - self.first_deg
+        steps = max(_LEAST_FLUX_STEPS, round(spread / _FLUX_STEP_DEG))
+        edges = np.radians(np.linspace(self.first_deg, self.last_deg, steps + 1))
         middle = 0.5 * (edges[1:] + edges[:-1])
         solid = (np.cos(edges[:-1]) - np.cos(edges[1:])) * 2.0 * math.pi / _FLUX_AROUND
         phi = 2.0 * math.pi * (np.arange(_FLUX_AROUND) + 0.5) / _FLUX_AROUND
@@ -163,7 +166,12 @@ class Shaping:
 
 
 def shaping(
-    profile: Profile, world_from_light: Array, *, normalize: bool, scale: float = 0.0
+    profile: Profile,
+    world_from_light: Array,
+    *,
+    normalize: bool,
+    scale: float = 0.0,
+    cut: Callable[[Profile], Profile] = lambda profile: profile,
 ) -> Shaping:
     """What a profile makes of a light, as UsdLux has it.
 
@@ -172,9 +180,10 @@ def shaping(
         world_from_light: (3, 3) or (4, 4), the light's frame.
         normalize: Whether intensities count relative to their mean over all directions.
         scale: UsdLux's ``angleScale``.
+        cut: What else is made of the profile: the light's cone and focus.
     """
     power = profile.mean if normalize else 1.0
-    found = profile.scaled(scale)
+    found = cut(profile.scaled(scale))
     height, width = _samples(found.around), _samples(found.polar)
     polar = np.linspace(found.polar[0], found.polar[-1], width)
     around = np.linspace(0.0, 360.0, height)
@@ -293,6 +302,8 @@ def _samples(places: Array) -> int:
     """How many even steps, and one, hold all places; at most a quarter of a degree apart."""
     offsets = places - places[0]
     last = float(offsets[-1])
+    if np.ptp(np.diff(places)) < _SAME_ANGLE_DEG:
+        return len(places)
     for step in _STEPS_DEG:
         if np.abs(offsets / step - np.round(offsets / step)).max() * step < _SAME_ANGLE_DEG:
             return round(last / step) + 1

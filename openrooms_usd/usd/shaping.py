@@ -1,11 +1,14 @@
-"""`UsdLux.ShapingAPI` of a light: the IES profile that its radiance follows."""
+"""`UsdLux.ShapingAPI` of a light: the profile, the cone and the focus that its radiance follows."""
 
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
+import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
+from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.cones import EVEN, Cone
 from openrooms_usd.usd.emitters import (
     CylinderLight,
     DiskLight,
@@ -14,35 +17,86 @@ from openrooms_usd.usd.emitters import (
     RectLight,
     SphereLight,
 )
-from openrooms_usd.usd.profiles import Shaping, read_profile, shaping
+from openrooms_usd.usd.profiles import Profile, Shaping, read_profile, shaping
 
 _SURFACES: Final = (MeshLight, RectLight, DiskLight, SphereLight, CylinderLight)
+# Lights of which no more than a hemisphere is seen from anywhere, in which a right angle cuts
+# nothing.
+_ONE_SIDED: Final = (RectLight, DiskLight)
+_AFAR: Final = {
+    "ies": "inputs:shaping:ies:file: the light does not follow its IES profile",
+    "cone": "inputs:shaping: the light is not held by its cone or focus",
+}
 _WHEN: Final = Usd.TimeCode.EarliestTime()
 
 
 def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[str, ...]]:
-    """What a light's profile makes of it, and what was lost.
+    """What a light's profile, cone and focus make of it, and what was lost.
 
     Args:
         prim: The light.
         light: The same as plain data.
     """
     api = UsdLux.ShapingAPI(prim)
-    asset = api.GetShapingIesFileAttr().Get(_WHEN) if api.GetShapingIesFileAttr() else None
-    if asset is None or not asset.path:
-        return None, ()
+    cone, losses = _read_cone(api, light)
+    file = _value(api.GetShapingIesFileAttr(), None)
     if not isinstance(light, _SURFACES):
-        return None, ("inputs:shaping:ies:file: the light does not follow its IES profile",)
-    if not asset.resolvedPath:
-        return None, (f"its IES profile {asset.path} is missing",)
-    try:
-        profile = read_profile(Path(asset.resolvedPath))
-    except InputError as error:
-        return None, (f"{asset.path}: {error.message}; it shines evenly",)
-    normalize = bool(_value(api.GetShapingIesNormalizeAttr(), False))
+        authored = {"ies": file, "cone": cone.changes}
+        return None, tuple(why for name, why in _AFAR.items() if authored[name])
+    profile, lost = _read_profile(file)
+    if profile is None and not cone.changes:
+        return None, (*losses, *lost)
+    normalize = profile is not None and bool(_value(api.GetShapingIesNormalizeAttr(), False))
     scale = float(_value(api.GetShapingIesAngleScaleAttr(), 0.0))
-    found = shaping(profile, light.world_from_light, normalize=normalize, scale=scale)
-    return found, ()
+    found = shaping(profile or EVEN, light.world_from_light, normalize=normalize,
+                    scale=scale if profile else 0.0, cut=cone.of)  # fmt: skip
+    return found, (*losses, *lost)
+
+
+def _read_cone(api: UsdLux.ShapingAPI, light: Light) -> tuple[Cone, list[str]]:
+    """The cone and the focus; an angle that nobody wrote cuts nothing, unless it is soft."""
+    losses = []
+    angle, softness, focus = (
+        _finite(attribute, losses)
+        for attribute in (
+            api.GetShapingConeAngleAttr(),
+            api.GetShapingConeSoftnessAttr(),
+            api.GetShapingFocusAttr(),
+        )
+    )
+    softness = min(max(softness or 0.0, 0.0), 1.0)
+    if angle is None:
+        angle = 90.0 if softness else 180.0
+    tint = np.clip(np.array(_value(api.GetShapingFocusTintAttr(), (0, 0, 0)), dtype=float), 0, 1)
+    focus = max(focus or 0.0, 0.0)
+    if focus and np.ptp(tint) > 0.0:
+        losses.append("inputs:shaping:focusTint: its hue is left out")
+    angle = min(max(angle, 0.0), 180.0)
+    if softness == 0.0 and angle >= 90.0 and isinstance(light, _ONE_SIDED):
+        angle = 180.0
+    return Cone(angle, softness, focus, float(luminance(tint)) if focus else 0.0), losses
+
+
+def _finite(attribute: Usd.Attribute, losses: list[str]) -> float | None:
+    """The number that somebody wrote."""
+    if not attribute or not attribute.HasAuthoredValue():
+        return None
+    value = attribute.Get(_WHEN)
+    if value is None or np.isfinite(value):
+        return None if value is None else float(value)
+    losses.append(f"{attribute.GetName()}: {value} is not finite; it is left out")
+    return None
+
+
+def _read_profile(file: Any) -> tuple[Profile | None, tuple[str, ...]]:
+    if file is None or not file.path:
+        return None, ()
+    if not file.resolvedPath:
+        return None, (f"its IES profile {file.path} is missing",)
+    try:
+        return read_profile(Path(file.resolvedPath)), ()
+    except InputError as error:
+        return None, (f"{file.path}: {error.message}; it shines evenly",)
 
 
 def define_shaping(prim: Usd.Prim, file: str) -> None:
@@ -57,6 +111,6 @@ def define_shaping(prim: Usd.Prim, file: str) -> None:
     api.CreateShapingIesNormalizeAttr(True)
 
 
-def _value(attribute: Usd.Attribute, default: float | bool) -> float | bool:
+def _value(attribute: Usd.Attribute, default: Any) -> Any:
     value = attribute.Get(_WHEN) if attribute else None
     return default if value is None else value

@@ -17,11 +17,13 @@ from openrooms_usd.render.scene.pictures import (
     load,
     within,
 )
+from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.usd.lights import (
     CylinderLight,
     DiskLight,
     DistantLight,
     DomeLight,
+    MeshLight,
     RectLight,
     SphereLight,
 )
@@ -31,6 +33,9 @@ from openrooms_usd.usd.textures import color_space, read_texture
 # Facets around a round light: even, so that its outline is symmetric.
 _FACETS_AROUND: Final = 48
 _FACETS_UP: Final = 24
+# Of the determinant relative to the lengths of the axes, and square metres.
+_SINGULAR: Final = 1e-9
+_NO_AREA: Final = 1e-25
 # Rows from which half a row is less than a tenth of a degree.
 _ROWS_FINE_ENOUGH: Final = 1024
 
@@ -94,6 +99,22 @@ def _read_sky(file: str) -> tuple[Floats, tuple[str, ...]]:
 Shaped = RectLight | DiskLight | SphereLight | CylinderLight
 
 
+def nothing(light: Shaped) -> str:
+    """Why a light has no surface that could send anything; empty where it has one."""
+    M = light.world_from_light[:3, :3]
+    if not np.isfinite(M).all() or abs(np.linalg.det(M)) <= _SINGULAR * np.prod(
+        np.linalg.norm(M, axis=0)
+    ):
+        return "its transform is singular"
+    return "" if is_extended(shape(light, 0)) else "it has no size"
+
+
+def is_extended(triangles: Triangles) -> bool:
+    """Whether triangles have any area, in the precision of renderers, which cannot emit without."""
+    a, b, c = np.moveaxis(triangles.corners.astype(np.float32), 1, 0)
+    return bool((np.linalg.norm(np.cross(b - a, c - a), axis=1) > _NO_AREA).any())
+
+
 def shape(light: Shaped, piece: int) -> Triangles:
     """The emitting surface of a light in the world.
 
@@ -135,6 +156,17 @@ def radiance(light: Shaped) -> tuple[Value, tuple[str, ...]]:
                       wrap_s="clamp", wrap_t="clamp")  # fmt: skip
     picture: Picture = load(texture, 3, (0.0, np.inf), np.eye(3))
     return picture, picture.losses
+
+
+def emission(surface: Surface, light: MeshLight | None) -> Value | None:
+    """What a mesh emits: by its light where it is one, by its material where not."""
+    if light is None:
+        return surface.emission
+    red, green, blue = map(float, light.radiance)
+    if not light.tinted or not isinstance(surface.emission, Picture):
+        return red, green, blue
+    glow = surface.emission
+    return Picture((glow.pixels * light.radiance).astype(np.float32), glow.wrap, glow.uv)
 
 
 Parts = tuple[Array, Any, Array, Array]  # points, triangles, normals, st

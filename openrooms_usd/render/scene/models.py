@@ -38,11 +38,11 @@ def without_shaping(scene: Scene) -> Scene:
     """The scene whose lamps shine evenly, with the same flux; its report says which did not."""
     if all(patch.shaping is None for patch in scene.patches):
         return scene
-    lost = {}
+    lost, why = {}, "it shines evenly, by no profile or cone"
     for patch in scene.patches:
         if patch.shaping is not None:
             for row in np.unique(patch.triangles.pieces):
-                lost[scene.legend.part[scene.pieces[row].part]] = "it shines evenly, by no profile"
+                lost[scene.legend.part[scene.pieces[row].part]] = why
     scene.report.lose(lost)
     return replace(scene, patches=tuple(map(_even, scene.patches)))
 

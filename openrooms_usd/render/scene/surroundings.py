@@ -39,6 +39,19 @@ def surroundings(scene: Scene) -> Surroundings:
     found = scene.environment
     if found is None:
         found = Environment(np.zeros((1, 1, 3), dtype=np.float32), np.eye(3))
+    return _around(found, scene.suns)
+
+
+def summed(one: Environment, other: Environment) -> Environment:
+    """Two environments at once, by the pixels of the finer one."""
+    fine, coarse = (one, other) if one.pixels.size >= other.pixels.size else (other, one)
+    if coarse.pixels.shape[:2] == (1, 1):
+        return Environment(fine.pixels + coarse.pixels, fine.world_from_light)
+    added = _lookup(_around(coarse, ()), _around(fine, ()).directions)
+    return Environment((fine.pixels + added).astype(np.float32), fine.world_from_light)
+
+
+def _around(found: Environment, suns: tuple[Sun, ...]) -> Surroundings:
     pixels = found.pixels.astype(np.float64)
     if pixels.shape[:2] == (1, 1):
         pixels = np.broadcast_to(pixels, (_ROWS_OF_CONSTANT + 1, 2 * _ROWS_OF_CONSTANT, 3))
@@ -54,7 +67,7 @@ def surroundings(scene: Scene) -> Surroundings:
     )
     weights = np.repeat((edges[:-1] - edges[1:])[:, None] * 2.0 * np.pi / width, width, axis=1)
     turn = found.world_from_light
-    return Surroundings(pixels, local @ turn.T, weights, scene.suns, turn)
+    return Surroundings(pixels, local @ turn.T, weights, suns, turn)
 
 
 def passing(sky: Surroundings, outwards: Array) -> Array:

@@ -25,6 +25,7 @@ from openrooms_usd.render.scene.arrays import (
 from openrooms_usd.render.scene.labels import Labels, material_path
 from openrooms_usd.render.scene.pictures import Array, Value
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
+from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lights import (
@@ -121,7 +122,7 @@ class _Translation:
                 f"patch_{next(numbers)}",
                 triangles,
                 group.surface,
-                group.radiance,
+                group.radiance if lamps.is_extended(triangles) else None,
                 shaping=group.shaping,
             )
             for group, triangles in groups
@@ -159,18 +160,18 @@ class _Translation:
             if not losses:
                 return
         elif isinstance(light, DomeLight):
-            if self._environment is not None:
-                self.report.add(light.path, "skipped", "only the first dome is used")
-                return
-            self._environment, lost = lamps.environment(light)
+            found, lost = lamps.environment(light)
+            before = self._environment
+            self._environment = found if before is None else summed(before, found)
             losses += lost
         elif isinstance(light, DistantLight):
-            found, lost = lamps.sun(light)
-            self._suns.append(found)
+            sun, lost = lamps.sun(light)
+            self._suns.append(sun)
             losses += lost
         elif isinstance(light, RectLight | DiskLight | SphereLight | CylinderLight):
-            if abs(np.linalg.det(light.world_from_light[:3, :3])) < 1e-18:
-                self.report.add(light.path, "skipped", "its transform is singular")
+            reason = lamps.nothing(light)
+            if reason:
+                self.report.add(light.path, "skipped", reason)
                 return
             radiance, lost = lamps.radiance(light)
             surface = _surface_of(stage.GetPrimAtPath(light.path))
@@ -199,11 +200,10 @@ class _Translation:
         losses: list[str] = []
         corners, normals = _placed(mesh)
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
-        light = None if emitted is None else (*map(float, emitted.radiance),)
         shaping = None if emitted is None else emitted.shaping
         for rows, material in parts:
             surface = self._surface(mesh, material, losses)
-            radiance: Value | None = light if light is not None else surface.emission  # type: ignore[assignment]
+            radiance = lamps.emission(surface, emitted)
             if surface.pane is not None and radiance is not None:
                 radiance = None
                 losses.append("a clear pane emits nothing")

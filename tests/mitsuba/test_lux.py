@@ -1,0 +1,183 @@
+"""Lights of any stage against closed forms: what falls on a small white patch below them."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from pxr import Gf, UsdGeom, UsdLux
+
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.opened import open_with
+from openrooms_usd.render.scene.surroundings import surroundings
+from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.usd.surfaces import Texture
+from orusd_mitsuba import MitsubaRenderer
+from tests.handmade import Build
+
+HEIGHT = 2.0
+NITS = 1000.0
+
+
+def below(build: type[Build], x: float = 0.0) -> Build:
+    """A white patch at (x, 0, 0) and a camera that sees nothing else."""
+    made = build()
+    h = 0.01
+    made.quad("/Patch", [(x - h, -h, 0), (x + h, -h, 0), (x + h, h, 0), (x - h, h, 0)],
+              material=made.material("/White", base_color=(1.0, 1.0, 1.0)))  # fmt: skip
+    made.camera((x, -0.3, 0.3), (x, 0, 0), fov=0.5, aspect=1.0)
+    return made
+
+
+def light(made: Build, kind: str, path: str = "/L", **inputs: Any) -> Any:
+    """A light at the height over the origin that looks down."""
+    found = getattr(UsdLux, f"{kind}Light").Define(made.stage, path)
+    found.CreateIntensityAttr(NITS)
+    found.AddTranslateOp().Set(Gf.Vec3d(0.0, 0.0, HEIGHT))
+    UsdLux.ShapingAPI.Apply(found.GetPrim())
+    for name, value in inputs.items():
+        found.GetPrim().GetAttribute(f"inputs:{name.replace('__', ':')}").Set(value)
+    return found
+
+
+def lux(made: Build, samples: int = 64) -> np.ndarray:
+    """(3,) what the patch receives: of a white surface pi times its radiance."""
+    session = open_with(MitsubaRenderer(), made.stage, {"variant": "scalar"})
+    request = RenderRequest("/Camera", ("radiance",), 4, 4, samples=samples, bounces=1)
+    pixels = session.render(request).images["radiance"].pixels
+    return np.pi * pixels.reshape(-1, 3).mean(axis=0, dtype=np.float64)
+
+
+@pytest.mark.parametrize(
+    ("angle", "softness", "focus", "off"),
+    [(20.0, 0.0, 0.0, 0.0), (20.0, 0.0, 0.0, 19.0), (20.0, 0.0, 0.0, 21.0), (30.0, 0.5, 0.0, 20.0),
+     (60.0, 0.5, 3.0, 40.0)],
+)  # fmt: skip
+def test_a_spot_is_as_bright_as_its_disk_and_dark_beside_it(
+    build: type[Build], angle: float, softness: float, focus: float, off: float
+) -> None:
+    a = math.radians(off)
+    made = below(build, HEIGHT * math.tan(a))
+    light(made, "Disk", radius=0.01, shaping__cone__angle=angle, shaping__cone__softness=softness,
+          shaping__focus=focus)  # fmt: skip
+    start = angle * (1.0 - softness)
+    t = (
+        float(off > angle)
+        if softness == 0.0
+        else min(1.0, max(0.0, (off - start) / (angle - start)))
+    )
+    factor = math.cos(a) ** focus * (1.0 - t * t * (3.0 - 2.0 * t))
+    even = NITS * math.pi * 0.01**2 * math.cos(a) ** 4 / HEIGHT**2
+    assert lux(made)[1] == pytest.approx(factor * even, rel=0.01, abs=1e-6)
+
+
+def test_points_have_the_flux_of_their_intensity(build: type[Build]) -> None:
+    """A ball of radius r sends pi^2 4 r^2 L lumen: without any, by its intensity alone."""
+    made = below(build)
+    light(made, "Sphere", radius=0.0).CreateTreatAsPointAttr(True)
+    assert lux(made, 1024)[1] == pytest.approx(NITS / 4.0 / HEIGHT**2, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", ["Sphere", "Disk", "Cylinder"])
+def test_lights_of_no_size_are_left_out(build: type[Build], kind: str) -> None:
+    made = below(build)
+    light(made, kind, radius=0.0)
+    scene = translate(made.stage)
+    assert all(patch.radiance is None for patch in scene.patches)
+    assert ("/L", "skipped", "it has no size") in scene.report.losses()
+    assert lux(made).max() == 0.0
+
+
+@pytest.mark.parametrize("kind", ["Rect", "Disk", "Sphere", "Cylinder"])
+def test_lights_alone_are_seen_and_all_else_is_black(build: type[Build], kind: str) -> None:
+    made = build()
+    made.camera((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), up=(0, 1, 0), fov=40.0, aspect=1.0)
+    light(made, kind)
+    session = open_with(MitsubaRenderer(), made.stage, {"variant": "scalar"})
+    request = RenderRequest("/Camera", ("radiance",), 16, 16, samples=1)
+    pixels = session.render(request).images["radiance"].pixels
+    assert np.unique(pixels.round(2)).tolist() == [0.0, NITS]
+
+
+@pytest.mark.parametrize("kind", ["Distant", "Dome"])
+def test_light_from_afar_alone_is_no_error(build: type[Build], kind: str) -> None:
+    made = build()
+    getattr(UsdLux, f"{kind}Light").Define(made.stage, "/L").CreateIntensityAttr(NITS)
+    session = open_with(MitsubaRenderer(), made.stage, {"variant": "scalar"})
+    request = RenderRequest(None, ("radiance",), 4, 4, samples=1)
+    pixels = session.render(request).images["radiance"].pixels
+    assert (pixels == (NITS if kind == "Dome" else 0.0)).all()
+
+
+@pytest.mark.parametrize("scale", [(2.0, 1.0, 1.0), (-2.0, 1.0, 1.0), (2.0, 1.0, -1.0)])
+def test_scaled_and_mirrored_lights_keep_their_side(
+    build: type[Build], scale: tuple[float, float, float]
+) -> None:
+    """An elongated rectangle, seen from afar; -Z of a light whose Z is mirrored looks up."""
+    made = below(build)
+    light(made, "Rect", width=0.02, height=0.02).AddScaleOp().Set(Gf.Vec3f(*scale))
+    expected = 2.0 * NITS * 0.02**2 / HEIGHT**2 if scale[2] > 0 else 0.0
+    assert lux(made)[1] == pytest.approx(expected, rel=1e-3)
+
+
+def test_all_domes_shine(build: type[Build]) -> None:
+    made = below(build)
+    made.dome(radiance=NITS)
+    made.dome("/Second", 2.0 * NITS)
+    assert lux(made, 256)[1] == pytest.approx(3.0 * math.pi * NITS, rel=0.02)
+
+
+def test_domes_of_any_turn_are_summed_by_direction(
+    build: type[Build], save_picture: Any, tmp_path: Path
+) -> None:
+    """Two smooth pictures, 1 + a d for a direction d: their sum has the sum of both."""
+    rows, columns = 32, 64
+    polar = np.pi * (np.arange(rows) + 0.5)[:, None] / rows
+    around = np.pi - 2.0 * np.pi * (np.arange(columns) + 0.5) / columns
+    x, y = np.sin(polar) * np.sin(around), np.cos(polar) * np.ones(columns)
+    z = np.sin(polar) * np.cos(around)
+    made, expected = build(), []
+    ways = np.random.default_rng(0).normal(size=(400, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    for name, tilt in (("One", (0.9, 0.0, 0.0)), ("Other", (0.0, 0.5, 0.4))):
+        values = 1.0 + tilt[0] * x + tilt[1] * y + tilt[2] * z
+        file = save_picture(tmp_path / f"{name}.exr", np.stack([values] * 3, -1).astype(np.float32))
+        dome = UsdLux.DomeLight.Define(made.stage, f"/{name}")
+        dome.CreateTextureFileAttr(file)
+        dome.AddRotateXYZOp().Set(Gf.Vec3f(20.0, 30.0 if name == "One" else -50.0, 70.0))
+        turn = np.array(dome.GetLocalTransformation())[:3, :3]
+        expected.append(1.0 + ways @ (np.array(tilt) @ turn))
+    sky = surroundings(translate(made.stage))
+    flat = sky.radiance[..., 1].ravel()
+    nearest = flat[(ways @ sky.directions.reshape(-1, 3).T).argmax(axis=1)]
+    np.testing.assert_allclose(nearest, sum(expected), atol=0.12)
+    assert abs((nearest - sum(expected)).mean()) < 0.01
+
+
+def test_shapes_that_are_lights_emit(build: type[Build]) -> None:
+    """A sphere of `UsdGeom` with LightAPI."""
+    made = below(build)
+    ball = UsdGeom.Sphere.Define(made.stage, "/Ball")
+    ball.CreateRadiusAttr(0.1)
+    ball.AddTranslateOp().Set(Gf.Vec3d(0.0, 0.0, HEIGHT))
+    UsdLux.LightAPI.Apply(ball.GetPrim()).CreateIntensityAttr(NITS)
+    assert lux(made, 1024)[1] == pytest.approx(NITS * math.pi * 0.1**2 / HEIGHT**2, rel=0.03)
+
+
+def test_the_picture_of_a_glow_is_tinted_by_the_light(
+    build: type[Build], save_picture: Any, tmp_path: Path
+) -> None:
+    glow = save_picture(tmp_path / "glow.exr", np.full((4, 4, 3), (2.0, 1.0, 0.5), np.float32))
+    made = build()
+    sheet = [(-1.0, 0.0, -1.0), (1.0, 0.0, -1.0), (1.0, 0.0, 1.0), (-1.0, 0.0, 1.0)]
+    material = made.material("/Glow", emissive=Texture(glow, color_space="raw"))
+    prim = made.quad("/Sheet", sheet, material=material).GetPrim()
+    UsdLux.MeshLightAPI.Apply(prim)
+    UsdLux.LightAPI(prim).CreateIntensityAttr(10.0)
+    UsdLux.LightAPI(prim).CreateColorAttr(Gf.Vec3f(1.0, 0.5, 0.25))
+    made.camera((0.0, -2.0, 0.0), (0.0, 0.0, 0.0), fov=20.0, aspect=1.0)
+    session = open_with(MitsubaRenderer(), made.stage, {"variant": "scalar"})
+    seen = session.render(RenderRequest("/Camera", ("radiance",), 2, 2, samples=4))
+    pixels = seen.images["radiance"].pixels
+    np.testing.assert_allclose(pixels.reshape(-1, 3), [[20.0, 5.0, 1.25]] * 4, rtol=1e-3)
