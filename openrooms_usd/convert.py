@@ -95,7 +95,6 @@ def convert_stage(
     to: str | None = None,
     options: Mapping[str, Any] | None = None,
     include_outside: bool = False,
-    variants: Mapping[str, Mapping[str, str]] | None = None,
     time_code: float | None = None,
 ) -> Report:
     """Convert a USD file to a foreign form.
@@ -107,7 +106,6 @@ def convert_stage(
         options: What the exporter understands.
         include_outside: Whether pictures outside the file's folder may be copied, and layers
             where these are copied, too.
-        variants: By prim path and set, in place of what the stage says; its files stay as they are.
         time_code: The moment to write of a stage that moves; None for the first sample of
             everything, or for all of it where the exporter copies layers.
 
@@ -119,14 +117,12 @@ def convert_stage(
         StageError: It needs pictures outside its folder, or is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
-    from pxr import Usd
-
     from openrooms_usd.usd.diagnostics import reading
     from openrooms_usd.usd.layers import open_stage
-    from openrooms_usd.usd.moments import hold
     from openrooms_usd.usd.outside import is_picture, refuse_outside
 
-    exporter: Exporter = adapters.load(adapters.EXPORTERS, to or exporter_of(destination))
+    kind = to or exporter_of(destination)
+    exporter: Exporter = adapters.load(adapters.EXPORTERS, kind)
     keeps_layers = getattr(exporter, "keeps_layers", False)
     if keeps_layers and time_code is not None:
         raise InputError(
@@ -135,18 +131,45 @@ def convert_stage(
             remedy="leave it away, or convert to a form that holds one moment",
         )
     stage = open_stage(path)
-    for prim, chosen in (variants or {}).items():
-        with Usd.EditContext(stage, stage.GetSessionLayer()):
-            for name, variant in chosen.items():
-                stage.GetPrimAtPath(prim).GetVariantSet(name).SetVariantSelection(variant)
     if not include_outside:
         concerns = (lambda _: True) if keeps_layers else is_picture
         refuse_outside(stage, str(destination), concerns)
     with reading(path):
-        lost = {} if keeps_layers else hold(stage, time_code)
-        report = exporter.convert(stage, destination, options or {})
-        report.lose(lost)
-        add_missing(report, stage)
+        return write_stage(stage, destination, kind, options, time_code=time_code)
+
+
+def write_stage(
+    stage: "Usd.Stage",
+    destination: Path,
+    to: str,
+    options: Mapping[str, Any] | None = None,
+    *,
+    time_code: float | None = None,
+) -> Report:
+    """Write an open stage in a foreign form, wherever its files lie.
+
+    Args:
+        stage: The composed stage.
+        destination: The file or folder to write.
+        to: The exporter's name.
+        options: What the exporter understands.
+        time_code: The moment to write, as in `convert_stage`.
+
+    Returns:
+        What became of every prim.
+
+    Raises:
+        InputError: No exporter has that name.
+        StageError: It is not what the exporter needs.
+        OutputError: The destination cannot be written.
+    """
+    from openrooms_usd.usd.moments import hold
+
+    exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
+    lost = {} if getattr(exporter, "keeps_layers", False) else hold(stage, time_code)
+    report = exporter.convert(stage, destination, options or {})
+    report.lose(lost)
+    add_missing(report, stage)
     return report
 
 

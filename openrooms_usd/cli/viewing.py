@@ -14,16 +14,21 @@ _STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
 
 @click.command()
 @click.argument("what", type=click.Path(path_type=Path), metavar="STAGE|RENDER|SCAN")
+@click.option("--light", type=click.Path(path_type=Path), metavar="LIT", multiple=True,
+              help="What `orusd bake` wrote of STAGE. Several are of times of day, in their order: "
+              "a slider goes from one to the next.")  # fmt: skip
 @click.option("--render", type=click.Path(path_type=Path), metavar="RENDER",
               help="A finished render of STAGE, to be shown from its cameras.")  # fmt: skip
 @click.option("--photographs", type=click.Path(path_type=Path), metavar="DIR",
               help="Where the photographs of STAGE's capture lie.")  # fmt: skip
 @click.option("--importer", default="scan", show_default=True, metavar="KIND",
               help="What reads SCAN.")  # fmt: skip
-@click.option("--include-outside", is_flag=True, help="Show pictures outside STAGE's folder too.")
+@click.option("--include-outside", is_flag=True,
+              help="Show pictures outside the folders of STAGE and LIT too.")  # fmt: skip
 @page_options
 def view(
     what: Path,
+    light: tuple[Path, ...],
     render: Path | None,
     photographs: Path | None,
     importer: str,
@@ -35,7 +40,7 @@ def view(
     A RENDER is a folder that `orusd render` wrote beside its stage, a SCAN what `orusd import`
     reads.
     """
-    more = {"include_outside": include_outside, "photographs": photographs}
+    more = {"light": light, "include_outside": include_outside, "photographs": photographs}
     show(_page(what, render, importer, **more), **where)
 
 

@@ -6,7 +6,7 @@ what lies inside is decided after following all links.
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -19,6 +19,12 @@ from openrooms_usd.usd.diagnostics import reading
 # More names than this say no more.
 _MAX_NAMED_FILES: Final = 5
 _LAYERS: Final = (".usda", ".usdc", ".usd")
+
+COPY_OR_TAKE_OUT: Final = "copy them into the folder and refer to them there, or take them out"
+_REMEDY: Final = (
+    "copy them into the folder and refer to them there, take them out, or say --include-outside "
+    "where they may be passed on"
+)
 
 
 @dataclass(frozen=True, order=True)
@@ -40,22 +46,27 @@ class Outside:
         return f"{self.layer} refers to {self.file}{said}"
 
 
-def files_outside(stage: Usd.Stage) -> list[Outside]:
+def files_outside(stage: Usd.Stage, beside: Sequence[Path] = ()) -> list[Outside]:
     """The files outside a scene's folder that it needs, unselected variants included.
 
     Those that the scene's own layers name come first.
+
+    Args:
+        stage: The scene.
+        beside: Other folders that its files may lie in.
 
     Raises:
         InputError: A file of the scene cannot be read.
     """
     root = Path(stage.GetRootLayer().realPath)
-    home = root.parent.resolve()
+    homes = [folder.resolve() for folder in (root.parent, *beside)]
     found: set[Outside] = set()
 
     def note(layer: Sdf.Layer, info: UsdUtils.DependencyInfo) -> UsdUtils.DependencyInfo:
         for path in {info.assetPath, *info.dependencies}:
             file = _leads_to(layer, path)
-            if file and file != root.resolve() and not file.is_relative_to(home):
+            is_inside = file and any(file.is_relative_to(home) for home in homes)
+            if file and file != root.resolve() and not is_inside:
                 name = layer.realPath.removeprefix(f"{root.parent}/")
                 found.add(Outside(str(file), name, path))
         return info
@@ -66,7 +77,12 @@ def files_outside(stage: Usd.Stage) -> list[Outside]:
 
 
 def refuse_outside(
-    stage: Usd.Stage, what: str, concerns: Callable[[Outside], bool] = lambda found: True
+    stage: Usd.Stage,
+    what: str,
+    concerns: Callable[[Outside], bool] = lambda found: True,
+    *,
+    beside: Sequence[Path] = (),
+    remedy: str = _REMEDY,
 ) -> None:
     """Refuse to pass on files from outside a scene's folder.
 
@@ -74,22 +90,24 @@ def refuse_outside(
         stage: The scene.
         what: Where they would go, for the message.
         concerns: Which of them would go there.
+        beside: Other folders that its files may lie in.
+        remedy: What to do about it, for the message.
 
     Raises:
         InputError: A file of the scene cannot be read.
         StageError: There are some.
     """
-    found = [row for row in files_outside(stage) if concerns(row)]
+    found = [row for row in files_outside(stage, beside) if concerns(row)]
     if not found:
         return
     root = stage.GetRootLayer().realPath
+    homes = dict.fromkeys(str(folder.resolve()) for folder in (Path(root).parent, *beside))
     rows = "".join(f"\n  {row}" for row in found[:_MAX_NAMED_FILES])
     more = f"\n  and {len(found) - _MAX_NAMED_FILES} more" if len(found) > _MAX_NAMED_FILES else ""
     raise StageError(
-        f"files outside {Path(root).parent} would go into {what}:{rows}{more}",
+        f"files outside {' and '.join(homes)} would go into {what}:{rows}{more}",
         place=root,
-        remedy="copy them into the folder and refer to them there, take them out, or say "
-        "--include-outside where they may be passed on",
+        remedy=remedy,
     )
 
 

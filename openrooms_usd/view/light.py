@@ -1,10 +1,10 @@
-"""What pages get of lightmaps: the light of every lamp and opening by itself, and the sky.
+"""What pages get of lightmaps: every lamp and opening at every moment by itself, and the skies.
 
 Numbers are half floats in units of a scale that is told beside them, since the sun's lux are beyond
 what half floats reach.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Final
 
@@ -12,37 +12,62 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdLux
 
-from openrooms_usd.render.bake.layer import IRRADIANCE, LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHTS
+from openrooms_usd.errors import InputError
+from openrooms_usd.render.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHTS
 from openrooms_usd.render.scene.lamps import environment
 from openrooms_usd.usd.emitters import DomeLight
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lights import read_lights
 from openrooms_usd.usd.portals import read_portals
 from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.view.moments import Moment, atlases_of
 
 Floats = NDArray[np.float32]
 
 # The brightest is told as this; half floats end at 65504.
 _LARGEST: Final = 32768.0
 _MOST_SKY_COLUMNS: Final = 1024
+# What WebGL 2 has at least of layers of a texture.
+_MOST_LAYERS: Final = 256
 # What daylight is said to be where nobody says: that of the sky's white.
 _DAYLIGHT_K: Final = 6504.0
 _LAMP_K: Final = 2700.0
 
 
-def light_of(stage: Usd.Stage) -> tuple[dict[str, Any] | None, dict[str, Callable[[], bytes]]]:
+def light_of(
+    moments: Sequence[Moment],
+) -> tuple[dict[str, Any] | None, dict[str, Callable[[], bytes]]]:
     """What a page is told of the light, and the resources that hold it; None without lightmaps.
 
+    ``layers`` says of each layer of the lightmaps which light it is of, at which moment.
+
     Args:
-        stage: A composed stage, such as ``baked.usda`` of `orusd bake`.
+        moments: The room in the light of each, with lightmaps of the same surfaces.
+
+    Raises:
+        InputError: Lightmaps are of different sizes, or too many.
     """
-    prims = [x for x in stage.Traverse() if x.GetAttribute(IRRADIANCE).HasAuthoredValue()]
-    if not prims:
+    atlases = [atlases_of(moment.stage) for moment in moments]
+    if not all(atlases):
         return None, {}
-    told: dict[str, Any] = {"lights": _lights(stage, prims[0]), "atlases": {}, "sky": None}
+    lights: dict[str, dict[str, Any]] = {}
+    layers = []
+    for number, (moment, prims) in enumerate(zip(moments, atlases, strict=True)):
+        for light in _lights(moment.stage, prims[0]):
+            lights.setdefault(light["name"], light)
+            layers.append([list(lights).index(light["name"]), number])
+    if len(layers) > _MOST_LAYERS:
+        raise InputError(
+            f"{len(layers)} lightmaps, of each light at each moment, are more than browsers take",
+            place=moments[0].file, remedy=f"show fewer moments: up to {_MOST_LAYERS} lightmaps",
+        )  # fmt: skip
+    told: dict[str, Any] = {
+        "moments": [moment.name for moment in moments],
+        "lights": list(lights.values()), "layers": layers, "atlases": {}, "skies": [],
+    }  # fmt: skip
     resources: dict[str, Callable[[], bytes]] = {}
-    for number, prim in enumerate(prims):
-        maps = [_read(asset) for asset in prim.GetAttribute(LIGHT_IRRADIANCE).Get(TIME)]
+    for number, prim in enumerate(atlases[0]):
+        maps = _maps(prim.GetPath(), moments)
         name, scale = f"light_{number}.half", _scale(maps)
         height, width = maps[0].shape[:2]
         lit = np.maximum.reduce([one.max(axis=2) for one in maps]) > 0
@@ -51,17 +76,44 @@ def light_of(stage: Usd.Stage) -> tuple[dict[str, Any] | None, dict[str, Callabl
             "sums": [one[lit].sum(axis=0, dtype=np.float64).tolist() for one in maps],
         }  # fmt: skip
         resources[name] = partial(_packed, np.stack(maps), scale)
-    sky = next((one for one in read_lights(stage) if isinstance(one, DomeLight)), None)
-    if sky is not None:
-        seen = environment(sky)[0]
-        pixels = _smaller(seen.pixels)
-        scale = _scale([pixels])
-        told["sky"] = {
-            "resource": "sky.half", "size": [pixels.shape[1], pixels.shape[0]], "scale": scale,
-            "world_from_sky": seen.world_from_light.tolist(),
-        }  # fmt: skip
-        resources["sky.half"] = partial(_packed, pixels, scale)
+    for number, moment in enumerate(moments):
+        if sky := _sky(moment.stage):
+            pixels, world_from_sky = sky
+            name, scale = f"sky_{number}.half", _scale([pixels])
+            told["skies"].append({
+                "resource": name, "size": [pixels.shape[1], pixels.shape[0]], "scale": scale,
+                "world_from_sky": world_from_sky.tolist(), "moment": number,
+            })  # fmt: skip
+            resources[name] = partial(_packed, pixels, scale)
     return told, resources
+
+
+def _maps(atlas: Sdf.Path, moments: Sequence[Moment]) -> list[Floats]:
+    """The lightmaps of all lights at all moments.
+
+    Raises:
+        InputError: They are of different sizes.
+    """
+    maps: list[Floats] = []
+    for moment in moments:
+        prim = moment.stage.GetPrimAtPath(atlas)
+        assets = prim.GetAttribute(LIGHT_IRRADIANCE).Get(TIME) if prim else None
+        maps += [_read(asset) for asset in assets or ()]
+        if not assets or len({one.shape for one in maps}) > 1:
+            raise InputError(
+                "its lightmaps are not as large as those of other moments", place=moment.file,
+                remedy="bake all moments with the same --texel and --max-texels",
+            )  # fmt: skip
+    return maps
+
+
+def _sky(stage: Usd.Stage) -> tuple[Floats, NDArray[np.float64]] | None:
+    """(H, W, 3) nits of the surroundings, and the (3, 3) rotation to the world from them."""
+    dome = next((one for one in read_lights(stage) if isinstance(one, DomeLight)), None)
+    if dome is None:
+        return None
+    seen = environment(dome)[0]
+    return _smaller(seen.pixels), seen.world_from_light
 
 
 def _lights(stage: Usd.Stage, atlas: Usd.Prim) -> list[dict[str, Any]]:
@@ -107,7 +159,9 @@ def _read(asset: Sdf.AssetPath) -> Floats:
 
 
 def _scale(maps: list[Floats]) -> float:
-    return max(float(max(one.max() for one in maps)) / _LARGEST, 1e-12)
+    """A power of two, so that the same lux round to the same numbers beside whatever others."""
+    brightest = max(float(one.max()) for one in maps)
+    return float(2.0 ** np.ceil(np.log2(max(brightest / _LARGEST, 1e-12))))
 
 
 def _packed(pixels: Floats, scale: float) -> bytes:

@@ -1,13 +1,13 @@
 """The page of a stage: its surfaces as a GLB file, and what is known of its prims."""
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd import names
-from openrooms_usd.convert import convert_stage
+from openrooms_usd.convert import write_stage
 from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.reading import RenderedScene, read_render
@@ -17,6 +17,11 @@ from openrooms_usd.view.app import App, Command, Nothing
 
 if TYPE_CHECKING:
     from pxr import Usd
+
+
+_OF_A_BAKE: Final = (
+    "show the stage that was baked: orusd view STAGE --light FOLDER; or say --include-outside"
+)
 
 
 class Look(Model):
@@ -38,6 +43,7 @@ class OfPrim(Model):
 def room_app(
     path: Path,
     *,
+    light: Sequence[Path] = (),
     include_outside: bool = False,
     render: Path | None = None,
     photographs: Path | None = None,
@@ -46,22 +52,31 @@ def room_app(
 
     Args:
         path: The USD file.
-        include_outside: Whether pictures outside its folder may be shown.
+        light: What `orusd bake` wrote of it; several are of moments between which it blends.
+        include_outside: Whether pictures outside its folder and those of ``light`` may be shown.
         render: A finished render of it, whose pictures are shown too.
         photographs: Where those of its capture lie, if not where the capture does.
 
     Raises:
-        InputError: It is no stage, or ``render`` no render.
+        InputError: It is no stage, ``render`` no render, or ``light`` of something else.
+        StageError: It needs pictures outside of these folders.
     """
-    stage = open_stage(path)
-    # Lightmaps, renders and captures are read once: nobody edits them.
     from openrooms_usd.view.light import light_of
+    from openrooms_usd.view.moments import Moment, moments_of
     from openrooms_usd.view.prims import opinions_of
     from openrooms_usd.view.shots import Spot, hemisphere
     from openrooms_usd.view.tracing import PICTURE, Trace, Tracing
 
+    stage = open_stage(path)
+    moments = moments_of(path, light) or (Moment("", path, stage, is_own=True),)
+    shown = next(one.file for one in moments if one.is_own)
+    beside = (*light, path.resolve().parent) if light else ()
+    check = partial(refuse_pictures, beside=beside, include_outside=include_outside)
+    for moment in moments:
+        check(moment.stage)
+    # Lightmaps, renders and captures are read once: nobody edits them.
     with reading(path):
-        light, maps = light_of(stage)
+        lit, maps = light_of(moments)
     finished = None if render is None else read_render(render)
     more, taken = besides(stage, path, finished, photographs)
     tracing = Tracing(path)
@@ -79,11 +94,9 @@ def room_app(
     return App(
         page="room",
         title=f"{path.resolve().parent.name} / {path.name}",
-        state=lambda: {**room_state(path), "light": light, **more},
+        state=lambda: {**room_state(path), "light": lit, **more},
         resources={
-            "room.glb": lambda: room_glb(
-                path, include_outside=include_outside, lit=bool(light), looks=looks
-            ),
+            "room.glb": lambda: room_glb(shown, check, lit=bool(lit), looks=looks),
             **maps,
             **taken,
         },
@@ -173,10 +186,35 @@ def check_look(path: Path, asked: Look) -> None:
         )  # fmt: skip
 
 
+def refuse_pictures(
+    stage: "Usd.Stage", *, beside: Sequence[Path] = (), include_outside: bool = False
+) -> None:
+    """Refuse to show pictures from outside a stage's folder.
+
+    Args:
+        stage: The stage.
+        beside: Other folders that they may lie in.
+        include_outside: Whether they may lie anywhere.
+
+    Raises:
+        InputError: A file of the stage cannot be read.
+        StageError: There are some.
+    """
+    from openrooms_usd.render.bake.baking import LIT
+    from openrooms_usd.usd.outside import COPY_OR_TAKE_OUT, is_picture, refuse_outside
+
+    if include_outside:
+        return
+    is_bake = Path(stage.GetRootLayer().realPath).name == LIT and not beside
+    way = f"{COPY_OR_TAKE_OUT}; orusd view shows them with --include-outside"
+    remedy = _OF_A_BAKE if is_bake else way
+    refuse_outside(stage, "the page", is_picture, beside=beside, remedy=remedy)
+
+
 def room_glb(
     path: Path,
+    check: Callable[["Usd.Stage"], None] = refuse_pictures,
     *,
-    include_outside: bool = False,
     lit: bool = False,
     looks: Mapping[str, str] | None = None,
 ) -> bytes:
@@ -184,18 +222,23 @@ def room_glb(
 
     Args:
         path: The USD file.
-        include_outside: Whether pictures outside its folder may be in it.
+        check: Refuses pictures that may not be shown.
         lit: Whether it tells where surfaces lie in the stage's lightmaps.
         looks: The look of some prims, in place of what the stage says.
 
     Raises:
-        StageError: It needs pictures outside its folder.
+        StageError: It needs pictures that may not be shown.
     """
-    with tempfile.TemporaryDirectory(prefix="orusd-view-") as folder, quiet():
+    # Stages are of USD, whose import takes a while.
+    from pxr import Usd
+
+    with tempfile.TemporaryDirectory(prefix="orusd-view-") as folder, quiet(), reading(path):
+        stage = open_stage(path)
+        check(stage)
+        with Usd.EditContext(stage, stage.GetSessionLayer()):
+            for prim, look in (looks or {}).items():
+                variants = stage.GetPrimAtPath(prim).GetVariantSet(names.LOOK)
+                variants.SetVariantSelection(look)
         target = Path(folder) / "room.glb"
-        options = {"light": "lightmaps"} if lit else {}
-        convert_stage(
-            path, target, to="gltf", options=options, include_outside=include_outside,
-            variants={prim: {names.LOOK: look} for prim, look in (looks or {}).items()},
-        )  # fmt: skip
+        write_stage(stage, target, "gltf", {"light": "lightmaps"} if lit else {})
         return target.read_bytes()

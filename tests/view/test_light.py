@@ -20,14 +20,13 @@ from openrooms_usd.usd.meshes import read_meshes, world_triangles
 from openrooms_usd.usd.textures import read_texture
 from openrooms_usd.view.room import room_app
 from tests.chromium import Page, needs_chromium
-from tests.view.conftest import Shown
+from tests.view.conftest import PICTURE, ROOM, Shown, lit_picture, slide, turn
 
 pytestmark = [pytest.mark.slow, needs_chromium]
 
 Array = NDArray[np.float64]
 
-SIZE = (160, 120)
-ROOM = "document.getElementById('view').room"
+SIZE = PICTURE
 LAMP, WINDOW = "table_lamp_0", "window_0"
 
 
@@ -39,22 +38,10 @@ def baked(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 
 @pytest.fixture(scope="module")
-def page(baked: Path, shown: Shown) -> Page:
-    page = shown(room_app(baked, include_outside=True))
+def page(composed_demo: Path, baked: Path, shown: Shown) -> Page:
+    page = shown(room_app(composed_demo, light=[baked.parent]))
     page.evaluate("document.getElementById('matt').click()")
     return page
-
-
-def picture(page: Page, output: int = 1) -> Array:
-    """(H, W, 3) light in nits, or base colour, as the page shows it."""
-    width, height = SIZE
-    values = page.evaluate(f"Array.from({ROOM}.radiance({width}, {height}, {output}))")
-    return np.array(values).reshape(height, width, 4)[..., :3]
-
-
-def turn(page: Page, light: str, on: bool) -> None:
-    if page.evaluate(f"document.getElementById('on-{light}').checked") != on:
-        page.click_on(f"#on-{light}")
 
 
 def irradiance(baked: Path, light: str, camera: str) -> tuple[Array, NDArray[np.bool_]]:
@@ -112,13 +99,13 @@ def test_a_light_that_is_switched_off_takes_away_what_its_lightmap_holds(
     asked = {"channels": ["base_color", "metallic"], "cameras": camera, "resolution": SIZE}
     view = ou.render(composed_demo, tmp_path, renderer="preview", **asked)[camera]
     colour = view["base_color"] * (1.0 - view["metallic"][..., None])
-    before = picture(page)
+    before = lit_picture(page)
     turn(page, light, on=False)
-    taken = before - picture(page)
+    taken = before - lit_picture(page)
     turn(page, light, on=True)
-    assert np.array_equal(picture(page), before)
+    assert np.array_equal(lit_picture(page), before)
     lux, known = irradiance(baked, light, camera)
-    expected = picture(page, output=2) * (1.0 - view["metallic"][..., None]) * lux / np.pi
+    expected = lit_picture(page, output=2) * (1.0 - view["metallic"][..., None]) * lux / np.pi
     print(f"{light}: {100 * off(taken, expected, known):.2f} % of the mean")
     assert known.mean() > 0.8
     # Graphics units look between texels in steps of 1/256.
@@ -132,36 +119,32 @@ def test_a_light_that_is_switched_off_takes_away_what_its_lightmap_holds(
 
 
 def test_sliders_dim_a_lamp_and_change_its_colour(page: Page) -> None:
-    whole = picture(page)
+    whole = lit_picture(page)
     turn(page, LAMP, on=False)
-    without = picture(page)
+    without = lit_picture(page)
     turn(page, LAMP, on=True)
     slide(page, f"share-{LAMP}", 0.5)
-    half = picture(page)
+    half = lit_picture(page)
     assert np.abs(half - 0.5 * (whole + without)).max() < 1e-3 * whole.max()
     slide(page, f"share-{LAMP}", 1)
     slide(page, f"kelvin-{LAMP}", 6500)
-    cold = (picture(page) - without).sum(axis=(0, 1))
+    cold = (lit_picture(page) - without).sum(axis=(0, 1))
     warm = (whole - without).sum(axis=(0, 1))
     assert cold[2] / cold[0] > 1.5 * warm[2] / warm[0]
     assert cold @ LUMINANCE == pytest.approx(warm @ LUMINANCE, rel=0.2)
-
-
-def slide(page: Page, name: str, value: float) -> None:
-    page.evaluate(f"import('orusd/panel.js').then(panel => panel.slide('{name}', {value}))")
 
 
 def test_the_sky_behind_an_opening_is_as_bright_as_it_is_set(page: Page) -> None:
     width, height = SIZE
     numbers = np.array(page.evaluate(f"Array.from({ROOM}.labels({width}, {height}))"))
     sky = numbers.reshape(height, width) == 0
-    before = picture(page)[sky]
+    before = lit_picture(page)[sky]
     assert len(before) > 100 and before.min() > 0.0
     lights = page.evaluate(f"{ROOM}.light.lights.filter(one => one.half).map(one => one.name)")
     taken = np.zeros_like(before)
     for light in lights:
         slide(page, f"share-{light}", 0.5)
-        taken += before - picture(page)[sky]
+        taken += before - lit_picture(page)[sky]
         slide(page, f"share-{light}", 1)
     # Each part of the sky is seen through one of them.
     assert np.abs(taken - 0.5 * before).max() < 1e-3 * before.max()

@@ -1,11 +1,11 @@
-// Sliders of the lights: on or off, dimmed, and of another colour.
+// Sliders of the lights: the time of day, on or off, dimmed, and of another colour.
 
 import { Light } from "orusd/light.js";
 import { button, choice, element, section, slider, tick } from "orusd/panel.js";
 
 const KELVIN = { min: 1800, max: 9000, step: 50, unit: " K" };
 
-/** The sections of lamps, windows and exposure; none where there are no lightmaps. */
+/** The sections of time, lamps, windows and exposure; none where there are no lightmaps. */
 export async function lamps(room, state) {
   if (!state.light) return [];
   const light = await Light.open(room.gl, state.light);
@@ -22,6 +22,7 @@ export async function lamps(room, state) {
   });
   room.jumps.push((camera) => room.meter(camera.exposure));
   return [
+    ...time(light, changed),
     section("Lamps", "lamps", ...rows(["lamp"])),
     section("Windows and doors", "openings", ...rows(["opening", "elsewhere"])),
     section("Exposure", "exposure",
@@ -30,4 +31,13 @@ export async function lamps(room, state) {
       tick("matt", "metals are shown matt", true, (on) => { room.matt = on ? 1 : 0; room.draw(); }),
       element("div", { className: "buttons" }, button("meter", "fit to what is seen", () => room.meter()))),
   ];
+}
+
+/** The time of day; none where there is one moment alone. */
+function time(light, changed) {
+  const { moments } = light.told;
+  if (moments.length < 2) return [];
+  const words = (now) => [...new Set([moments[Math.floor(now)], moments[Math.ceil(now)]])].join(" to ");
+  return [section("Time of day", "times",
+    slider("time", "time", { max: moments.length - 1, words }, (now) => { light.go(now); changed(); }))];
 }

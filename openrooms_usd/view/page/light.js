@@ -1,14 +1,14 @@
-// The light of a room from lightmaps: each lamp and opening by itself, added up as sliders say.
+// The light of a room from lightmaps: each lamp and opening at each moment, added up as sliders say.
 
 import { Frame, filters, program } from "orusd/gl.js";
 import { fromRows } from "orusd/matrix.js";
 import { ADDED, MOST_OPENINGS, SKY, WHOLE } from "orusd/shading.js";
 import { resource } from "orusd/source.js";
 
-/** Lamps, openings and the sky of a room. told: `light` of the state. */
+/** Lamps, openings and skies of a room. told: `light` of the state. */
 export class Light {
   static async open(gl, told) {
-    const names = [...Object.values(told.atlases), ...(told.sky ? [told.sky] : [])];
+    const names = [...Object.values(told.atlases), ...told.skies];
     const buffers = await Promise.all(names.map(({ resource: name }) => resource(name)));
     return new Light(gl, told, new Map(names.map(({ resource: name }, k) => [name, buffers[k]])));
   }
@@ -19,15 +19,17 @@ export class Light {
     this.behind = program(gl, WHOLE, SKY);
     /** Of each light: whether it is on, by how much it is dimmed, and its colour temperature. */
     this.set = told.lights.map(({ kelvin }) => ({ on: true, share: 1, kelvin }));
+    /** How much of each moment there is. */
+    this.shares = told.moments.map((_, number) => Number(number === 0));
     const float = gl.getExtension("OES_texture_float_linear") ? gl.RGBA32F : gl.RGBA16F;
     this.maps = new Map(Object.entries(told.atlases).map(([path, { resource: name, size, ...more }]) => {
       const frame = new Frame(gl, ...size, [float]);
       gl.bindTexture(gl.TEXTURE_2D, frame.textures[0]);
       filters(gl, gl.TEXTURE_2D, gl.LINEAR, gl.CLAMP_TO_EDGE, gl.CLAMP_TO_EDGE);
-      return [path, { ...more, size, frame, layers: layers(gl, new Uint16Array(buffers.get(name)), size, told.lights.length) }];
+      return [path, { ...more, size, frame, layers: layers(gl, new Uint16Array(buffers.get(name)), size, told.layers.length) }];
     }));
     this.weights = gl.createTexture();
-    this.sky = told.sky && sky(gl, told.sky, new Uint16Array(buffers.get(told.sky.resource)));
+    this.skies = told.skies.map((one) => sky(gl, one, new Uint16Array(buffers.get(one.resource))));
     this.sum();
   }
 
@@ -38,10 +40,16 @@ export class Light {
     return now.map((value, k) => (on ? share * value / usual[k] : 0));
   }
 
+  /** Go to a time: 0 is the first moment, 1 the second, and between them are both in parts. */
+  go(time) {
+    this.shares = this.told.moments.map((_, number) => Math.max(0, 1 - Math.abs(time - number)));
+  }
+
   /** Add all up again, after something was set. */
   sum() {
     const { gl, added } = this;
-    const weights = this.lights.map((_, number) => this.weight(number));
+    const weights = this.told.layers.map(([number, moment]) => (
+      this.weight(number).map((value) => value * this.shares[moment])));
     gl.bindTexture(gl.TEXTURE_2D, this.weights);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, weights.length, 1, 0, gl.RGBA, gl.FLOAT,
       new Float32Array(weights.flatMap((weight) => [...weight, 0])));
@@ -89,6 +97,14 @@ export class Light {
     return number < 0 ? [1, 1, 1] : this.weight(number);
   }
 
+  /** Skies that are seen now, one or two, each with the unit of its numbers in nits. */
+  get seen() {
+    const now = this.skies.filter(({ moment }) => this.shares[moment] > 0);
+    const [first = this.skies[0], second = first] = now;
+    const scale = (one) => one.scale * this.shares[one.moment];
+    return [{ ...first, scale: scale(first) }, { ...second, scale: second === first ? 0 : scale(second) }];
+  }
+
   /** Openings through which the sky is seen, each with what it is multiplied with. */
   get openings() {
     return this.lights.flatMap(({ half, portal_from_world: rows }, number) => (
@@ -120,12 +136,12 @@ function layers(gl, halves, [width, height], count) {
   return made;
 }
 
-function sky(gl, { size, scale, world_from_sky }, halves) {
+function sky(gl, { size, scale, moment, world_from_sky }, halves) {
   const texture = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, texture);
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
   gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA16F, ...size, 0, gl.RGBA, gl.HALF_FLOAT, halves);
   filters(gl, gl.TEXTURE_2D, gl.LINEAR, gl.REPEAT, gl.CLAMP_TO_EDGE);
   // Rows of the matrix are columns of its transpose: to the sky from the world.
-  return { texture, scale, sky_from_world: world_from_sky.flat() };
+  return { texture, scale, moment, sky_from_world: world_from_sky.flat() };
 }

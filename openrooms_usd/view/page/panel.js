@@ -17,12 +17,13 @@ export const section = (title, id, ...rows) => element("section", { id }, elemen
 /** A row with a label. */
 export const row = (label, ...inside) => element("div", { className: "row" }, element("label", { title: label }, label), ...inside);
 
-/** A slider: `changed(value)` while it is dragged. */
-export function slider(id, label, { min = 0, max = 1, step = 0.01, value = min, unit = "" }, changed) {
+/** A slider: `changed(value)` while it is dragged; words: what is said of a value in place of its number. */
+export function slider(id, label, { min = 0, max = 1, step = 0.01, value = min, unit = "", words = null }, changed) {
   const told = element("output", { className: "told" });
   const input = element("input", { type: "range", id, min, max, step });
   input.value = value;
-  const tell = () => { told.textContent = `${Number(input.value).toFixed(step < 1 ? 2 : 0)}${unit}`; };
+  const number = (now) => `${now.toFixed(step < 1 ? 2 : 0)}${unit}`;
+  const tell = () => { told.textContent = (words ?? number)(Number(input.value)); };
   input.addEventListener("input", () => { tell(); changed(Number(input.value)); });
   tell();
   return row(label, input, told);

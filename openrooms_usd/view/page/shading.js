@@ -127,28 +127,31 @@ out vec4 result;
 void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
   vec3 sum = vec3(0.0);
-  for (int k = 0; k < u_count; k += 1)
-    sum += texelFetch(u_lights, ivec3(texel, k), 0).rgb * texelFetch(u_weights, ivec2(k, 0), 0).rgb;
+  for (int k = 0; k < u_count; k += 1) {
+    vec3 weight = texelFetch(u_weights, ivec2(k, 0), 0).rgb;
+    // Most are of moments that are not now.
+    if (weight != vec3(0.0)) sum += texelFetch(u_lights, ivec3(texel, k), 0).rgb * weight;
+  }
   result = vec4(sum, 1.0);
 }`;
 
 /** How many openings the sky is seen through, each as bright as it is set; others as they are. */
 export const MOST_OPENINGS = 16;
 
-/** The sky behind all: a panorama whose columns run about its Y axis. */
+/** The sky behind all: panoramas of two moments, whose columns run about their Y axes. */
 export const SKY = `#version 300 es
 precision highp float;
 precision highp int;
 ${GLSL}
 in vec2 v_at;
-uniform sampler2D u_sky;
-uniform float u_scale;
+uniform sampler2D u_sky0, u_sky1;
+uniform vec2 u_scales;
 uniform vec3 u_eye;
 uniform int u_openings;
 uniform mat4 u_portals[${MOST_OPENINGS}];   // to an opening from the world; it lies in z = 0
 uniform vec2 u_halves[${MOST_OPENINGS}];
 uniform vec3 u_weights[${MOST_OPENINGS}];
-uniform mat3 u_local;      // to the sky from the world
+uniform mat3 u_local0, u_local1;   // to the skies from the world
 uniform mat3 u_pose;       // to the world from the camera
 uniform vec4 u_lens;       // 2 focal, its part of the height, right, down
 uniform int u_output;
@@ -167,12 +170,15 @@ vec3 daylight(vec3 way) {
   }
   return found;
 }
+vec3 panorama(sampler2D sky, vec3 way) {
+  return textureLod(sky, vec2(atan(way.x, -way.z) / 6.28318530718, acos(clamp(way.y, -1.0, 1.0)) / 3.14159265359), 0.0).rgb;
+}
 void main() {
   vec2 at = v_at * 2.0 - 1.0;
   vec3 seen = u_pose * vec3((at.x - u_lens.z) / u_lens.x, (at.y + u_lens.w) / u_lens.y, -1.0);
-  vec3 way = normalize(u_local * seen);
-  vec2 place = vec2(atan(way.x, -way.z) / 6.28318530718, acos(clamp(way.y, -1.0, 1.0)) / 3.14159265359);
-  vec3 light = textureLod(u_sky, place, 0.0).rgb * u_scale * daylight(normalize(seen));
+  seen = normalize(seen);
+  vec3 light = panorama(u_sky0, u_local0 * seen) * u_scales.x + panorama(u_sky1, u_local1 * seen) * u_scales.y;
+  light *= daylight(seen);
   result = vec4(u_output == 1 ? light : shown(light), 1.0);
 }`;
 

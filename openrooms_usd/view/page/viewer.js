@@ -190,7 +190,7 @@ export class Room {
     gl.disable(gl.BLEND);
     gl.clearColor(...(output ? [0, 0, 0] : BACK), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    if (light?.sky && output < 2) this.paintSky(width, height, output);
+    if (light?.skies.length && output < 2) this.paintSky(width, height, output);
     gl.useProgram(shown.program);
     gl.uniformMatrix4fv(shown.at("u_camera"), false, camera.matrix(width, height));
     gl.uniform3f(shown.at("u_eye"), ...camera.eye);
@@ -226,16 +226,19 @@ export class Room {
   }
 
   paintSky(width, height, output) {
-    const { gl, camera, light: { behind: { program: made, at }, sky, openings } } = this;
+    const { gl, camera, light: { behind: { program: made, at }, seen, openings } } = this;
     const { focal, right, down } = camera.lens;
     const { pose } = camera;
     gl.useProgram(made);
     gl.disable(gl.DEPTH_TEST);
     this.expose(at, output);
-    gl.activeTexture(gl.TEXTURE0);
-    gl.bindTexture(gl.TEXTURE_2D, sky.texture);
-    gl.uniform1i(at("u_sky"), 0);
-    gl.uniform1f(at("u_scale"), sky.scale);
+    seen.forEach(({ texture, sky_from_world: local }, k) => {
+      gl.activeTexture(gl.TEXTURE0 + k);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.uniform1i(at(`u_sky${k}`), k);
+      gl.uniformMatrix3fv(at(`u_local${k}`), false, local);
+    });
+    gl.uniform2f(at("u_scales"), ...seen.map(({ scale }) => scale));
     gl.uniform3f(at("u_eye"), ...camera.eye);
     gl.uniform1i(at("u_openings"), openings.length);
     openings.forEach(({ matrix, half, weight }, k) => {
@@ -243,7 +246,6 @@ export class Room {
       gl.uniform2f(at(`u_halves[${k}]`), ...half);
       gl.uniform3f(at(`u_weights[${k}]`), ...weight);
     });
-    gl.uniformMatrix3fv(at("u_local"), false, sky.sky_from_world);
     gl.uniformMatrix3fv(at("u_pose"), false, [0, 4, 8].flatMap((k) => [...pose.slice(k, k + 3)]));
     gl.uniform4f(at("u_lens"), 2 * focal, 2 * focal * width / height, 2 * right, 2 * down * width / height);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
