@@ -1,8 +1,8 @@
 """Pure arrays in, arrays out: knows no USD and no renderer.
 
 - `vectors`, `rows`, `rotations`, `quaternions`: the basics; `mesh`, `topology`, `normals`,
-  `triangulation`, `raycast`: meshes; `uv`, `uvquality`, `unwrap`, `shelves`,
-  `grain`: texture coordinates;
+  `triangulation`, `cages`, `subdivision`, `smooth_normals`, `raycast`: meshes; `uv`,
+  `uvquality`, `unwrap`, `shelves`, `grain`: texture coordinates;
 - `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `looks`, `views`,
   `viewpoints`, `composition`, `focus`, `framing`: the plan, and cameras in it;
 - `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,

@@ -14,6 +14,7 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.subdivided import Subdivided
 from openrooms_usd.usd.tessellation import tessellate
 
 Loss = tuple[Literal["approximated", "skipped"], str]
@@ -77,6 +78,11 @@ def _array(value: Any, dtype: type[np.generic], width: int | None = None) -> NDA
     return found if width is None else found.reshape(-1, width)
 
 
+def _usual_first(sets: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Texture coordinates by name, those that consumers of a single set take first."""
+    return dict(sorted(sets.items(), key=lambda item: (item[0] != names.ST, item[0])))
+
+
 class _Polygons:
     """The reading of one mesh prim; it gathers the losses on its way."""
 
@@ -92,6 +98,10 @@ class _Polygons:
         reason = self._invalid()
         if reason is not None:
             return Surface(None, losses=(("skipped", reason),))
+        if self._geometry.GetSubdivisionSchemeAttr().Get(TIME) != UsdGeom.Tokens.none:
+            refined = self._refined(bare)
+            if refined is not None:
+                return refined
         corners, faces = triangulate(self._points, self._counts, self._indices)
         seen = ~np.isin(faces, self._holes())
         corners, faces = corners[seen], faces[seen]
@@ -99,7 +109,6 @@ class _Polygons:
             return Surface(None, losses=(("skipped", "no face has an area"),))
         if _left_handed(self._geometry.GetPrim()):
             corners = np.ascontiguousarray(corners[:, ::-1])
-        self._note_approximations()
         normals = None if bare else self._normals(corners, faces)
         uvs = {} if bare else self._uvs(corners, faces)
         mesh = TriangleMesh(self._points, self._indices[corners], faces, normals, uvs, corners)
@@ -120,10 +129,29 @@ class _Polygons:
     def _holes(self) -> Ints:
         return _array(self._geometry.GetHoleIndicesAttr().Get(TIME), np.int32)
 
-    def _note_approximations(self) -> None:
-        scheme = self._geometry.GetSubdivisionSchemeAttr().Get(TIME)
-        if scheme != UsdGeom.Tokens.none:
-            self._lose(f"a {scheme} subdivision surface is drawn as its control cage")
+    def _refined(self, bare: bool) -> Surface | None:
+        """It as a subdivision surface; None, with a reason, where that cannot be."""
+        fine = Subdivided.read(self._geometry, self._points, self._counts, self._indices)
+        if unfit := fine.unfit():
+            self._lose(f"a {fine.scheme} subdivision surface is drawn as its control cage: {unfit}")
+            return None
+        sets = {}
+        for primvar in () if bare else self._uv_primvars():
+            values = _array(primvar.Get(TIME), np.float64, 2)
+            indices = _array(primvar.GetIndices(TIME), np.int64)
+            carried = fine.carried(values, indices, primvar.GetInterpolation())
+            name = primvar.GetPrimvarName()
+            if carried is None or not np.isfinite(carried).all():
+                self._lose(f"primvars:{name} do not fit the faces and are left out")
+            else:
+                sets[name] = carried
+        left_handed = _left_handed(self._geometry.GetPrim())
+        mesh = fine.mesh(_usual_first(sets), left_handed=left_handed, bare=bare)
+        if not len(mesh.faces):
+            return Surface(None, losses=(("skipped", "no face has an area"),))
+        how = f"a {fine.scheme} subdivision surface is refined {fine.levels} times"
+        self._lose(f"{how}, its points on the limit surface")
+        return Surface(mesh, self._double_sided, tuple(self._losses))
 
     def _lose(self, reason: str) -> None:
         self._losses.append(("approximated", reason))
@@ -158,9 +186,7 @@ class _Polygons:
 
     def _uvs(self, corners: Ints, faces: Ints) -> dict[str, NDArray[np.float32]]:
         sets: dict[str, NDArray[np.float32]] = {}
-        for primvar in UsdGeom.PrimvarsAPI(self._geometry).GetPrimvarsWithValues():
-            if primvar.GetTypeName() not in _UV_TYPES:
-                continue
+        for primvar in self._uv_primvars():
             values = _array(primvar.Get(TIME), np.float32, 2)
             indices = _array(primvar.GetIndices(TIME), np.int32)
             rows = self._rows(primvar.GetInterpolation(), corners, faces)
@@ -168,8 +194,11 @@ class _Polygons:
             unrolled = self._unrolled(values, indices, rows, f"primvars:{name}")
             if unrolled is not None:
                 sets[name] = unrolled
-        # The usual name first: it is what consumers that want just one set take.
-        return dict(sorted(sets.items(), key=lambda item: (item[0] != names.ST, item[0])))
+        return _usual_first(sets)
+
+    def _uv_primvars(self) -> list[UsdGeom.Primvar]:
+        found = UsdGeom.PrimvarsAPI(self._geometry).GetPrimvarsWithValues()
+        return [primvar for primvar in found if primvar.GetTypeName() in _UV_TYPES]
 
     def _rows(self, interpolation: str, corners: Ints, faces: Ints) -> NDArray[Any] | None:
         """(M, 3) the element of a primvar that each corner takes; None for an unknown word."""

@@ -255,9 +255,41 @@ def photograph(job: dict[str, Any], eye: Any, *, samples: int, sharp: bool = Fal
     bpy.ops.render.render(write_still=True)
 
 
+def subdivided(job: dict[str, Any]) -> list[dict[str, Any]]:
+    """Control cages as the modifier refines them, on the limit surface."""
+    found = []
+    for number, cage in enumerate(job["cages"]):
+        mesh = bpy.data.meshes.new(f"cage_{number}")
+        rest = iter(cage["indices"])
+        faces = [[next(rest) for _ in range(count)] for count in cage["counts"]]
+        mesh.from_pydata(cage["points"], [], faces)
+        edges = {tuple(sorted(edge.vertices)): edge.index for edge in mesh.edges}
+        sharp = mesh.attributes.new("crease_edge", "FLOAT", "EDGE").data
+        # What it stores is the root of the sharpness, 1 for 10.
+        for one, other, sharpness in cage["creases"]:
+            sharp[edges[tuple(sorted((one, other)))]].value = math.sqrt(sharpness / 10.0)
+        sharp = mesh.attributes.new("crease_vert", "FLOAT", "POINT").data
+        for point, sharpness in cage["corners"]:
+            sharp[point].value = math.sqrt(sharpness / 10.0)
+        for place, pair in zip(mesh.uv_layers.new(name="st").data, cage["st"], strict=True):
+            place.uv = pair
+        thing = bpy.data.objects.new(mesh.name, mesh)
+        bpy.context.collection.objects.link(thing)
+        how = thing.modifiers.new("refined", "SUBSURF")
+        how.levels, how.quality, how.use_limit_surface = job["levels"], 6, True
+        how.boundary_smooth, how.uv_smooth = cage["boundary"], cage["uv"]
+        drawn = thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+        places = [list(vertex.co) for vertex in drawn.vertices]
+        pairs = [list(corner.uv) for corner in drawn.uv_layers["st"].data]
+        rows = [corner.vertex_index for corner in drawn.loops]
+        found.append({"points": [places[row] for row in rows], "st": pairs})
+    return found
+
+
 JOBS = {
     "seen": seen, "rearranged": rearranged, "export": export, "panorama": panorama,
     "picture": picture, "arrived": arrived, "alone": alone, "visited": visited,
+    "subdivided": subdivided,
 }  # fmt: skip
 
 

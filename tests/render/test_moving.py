@@ -73,6 +73,7 @@ def test_the_nearest_prim_above_leads() -> None:
         mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
         mesh.CreateFaceVertexCountsAttr([3])
         mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+        mesh.CreateSubdivisionSchemeAttr("none")
         UsdGeom.XformCommonAPI(mesh).SetTranslate(Gf.Vec3d(0, 0, 0))
     UsdGeom.SetStageUpAxis(stage, "Z")
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)

@@ -369,12 +369,13 @@ def test_holes_are_left_open() -> None:
     assert sorted(set(only(reading).mesh.faces.tolist())) == [1, 2, 4, 5]
 
 
-def test_subdivision_surfaces_are_drawn_as_their_cage_and_reported() -> None:
+def test_subdivision_surfaces_are_refined_and_reported() -> None:
     reading = broken(lambda mesh: mesh.GetSubdivisionSchemeAttr().Set("catmullClark"))
     assert len(reading) == 1
     [(path, outcome, reason)] = reading.losses
     assert (path, outcome) == ("/World/mesh", "approximated")
     assert "catmullClark" in reason
+    assert np.bincount(reading.meshes[0].mesh.faces).tolist() == [32] * 6
 
 
 def test_other_geometry_is_reported_once_however_often_it_is_used() -> None:

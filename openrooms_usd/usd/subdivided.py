@@ -1,0 +1,201 @@
+"""Meshes with a subdivision scheme, as USD describes them: refined, and moved onto their limit."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import UsdGeom
+from scipy.sparse import csr_array
+
+from openrooms_usd.geometry.cages import Cage, Weights
+from openrooms_usd.geometry.smooth_normals import smooth_normals
+from openrooms_usd.geometry.subdivision import Refinement, limit, refine
+from openrooms_usd.geometry.triangulation import TriangleMesh, has_area
+from openrooms_usd.usd.creases import integers, read_corners, read_creases
+from openrooms_usd.usd.frames import TIME
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# How often faces are refined, and of one mesh the most triangles before that is less often.
+LEVELS: Final = 2
+_MOST_TRIANGLES: Final = 400_000
+
+_T: Final = UsdGeom.Tokens
+
+
+@dataclass(frozen=True, eq=False)
+class Subdivided:
+    """A mesh prim whose faces are refined.
+
+    Attributes:
+        geometry: The prim.
+        points: (N, 3) of the control cage.
+        cage: The control cage.
+        scheme: ``catmullClark``, ``loop`` or ``bilinear``.
+        holes: Faces that are not drawn.
+    """
+
+    geometry: UsdGeom.Mesh
+    points: Array
+    cage: Cage
+    scheme: str
+    holes: Ints
+
+    @staticmethod
+    def read(geometry: UsdGeom.Mesh, points: Array, counts: Any, indices: Any) -> "Subdivided":
+        """What a prim says of its edges, corners and boundaries; what does not fit is left out."""
+        counts, indices = np.asarray(counts, np.int64), np.asarray(indices, np.int64)
+        smooth = Cage(counts, indices, np.zeros(len(indices)), np.zeros(len(points)))
+        creases, corners = read_creases(geometry, smooth), read_corners(geometry, len(points))
+        holes = integers(geometry.GetHoleIndicesAttr())
+        boundary = geometry.GetInterpolateBoundaryAttr().Get(TIME)
+        if boundary == _T.none:
+            open_points = np.unique(smooth.ends[smooth.is_open])
+            beside = smooth.faces[np.isin(indices, open_points)]
+            holes = np.union1d(holes, beside)
+        elif boundary != _T.edgeOnly:
+            corners[np.bincount(indices, minlength=len(points)) == 1] = np.inf
+        cage = replace(smooth, creases=creases, corners=corners)
+        scheme = str(geometry.GetSubdivisionSchemeAttr().Get(TIME))
+        return Subdivided(geometry, points, cage, scheme, holes)
+
+    def unfit(self) -> str | None:
+        """Why it cannot be refined, if so."""
+        if (self.cage.counts < 3).any():
+            return "it has faces of less than three corners"
+        if self.scheme == _T.loop and (self.cage.counts != 3).any():
+            return "loop refines triangles alone"
+        if self.scheme not in (_T.catmullClark, _T.loop, _T.bilinear):
+            return f"there is no scheme {self.scheme}"
+        return None
+
+    @cached_property
+    def levels(self) -> int:
+        """How often faces are refined."""
+        first = 2 * len(self.cage.indices) if self.scheme != _T.loop else 4 * len(self.cage.counts)
+        found = 1
+        while found < LEVELS and first * 4**found <= _MOST_TRIANGLES:
+            found += 1
+        return found
+
+    @cached_property
+    def refinement(self) -> Refinement:
+        """The fine polygons."""
+        return self._refined(self.cage)
+
+    def mesh(
+        self, sets: Mapping[str, Array], *, left_handed: bool = False, bare: bool = False
+    ) -> TriangleMesh:
+        """Its triangles, with smooth normals that break at sharp edges.
+
+        Args:
+            sets: (K', 2) texture coordinates at the corners of the fine faces, by their name.
+            left_handed: Whether faces are seen from where they turn clockwise.
+            bare: Whether normals are left out.
+        """
+        cage, faces = self.refinement.cage, self.refinement.faces
+        points = self._limit(self.refinement) @ self.points
+        corners = np.arange(len(cage.indices)).reshape(len(cage.counts), -1)
+        if corners.shape[1] == 4:
+            corners = corners[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+            faces = np.repeat(faces, 2)
+        seen = ~np.isin(faces, self.holes) & has_area(points[cage.indices[corners]])
+        corners, faces = corners[seen], faces[seen]
+        normals = None if bare else smooth_normals(cage, points)
+        if left_handed:
+            corners = corners[:, ::-1]
+            normals = None if normals is None else -normals
+        return TriangleMesh(
+            points,
+            cage.indices[corners].astype(np.int32),
+            faces.astype(np.int32),
+            None if normals is None else normals[corners].astype(np.float32),
+            {name: values[corners].astype(np.float32) for name, values in sets.items()},
+        )
+
+    # What is carried along.
+
+    def carried(self, values: Array, indices: Ints, interpolation: str) -> Array | None:
+        """(K', ...) a primvar's values at the corners of the fine faces; None if they do not fit.
+
+        Args:
+            values: (P, ...) its values.
+            indices: Of its elements; empty where it has none.
+            interpolation: As USD names it.
+        """
+        cage, fine = self.cage, self.refinement.cage
+        sizes = {_T.constant: 1, _T.uniform: len(cage.counts), _T.faceVarying: len(cage.indices),
+                 _T.vertex: len(cage.corners), _T.varying: len(cage.corners)}  # fmt: skip
+        rows = indices if len(indices) else np.arange(len(values))
+        if len(rows) != sizes.get(interpolation) or rows.min() < 0 or rows.max() >= len(values):
+            return None
+        if interpolation == _T.faceVarying:
+            return self._face_varying(values, rows)
+        own = np.asarray(values[rows], np.float64)
+        if interpolation == _T.constant:
+            return np.repeat(own, len(fine.indices), axis=0)
+        if interpolation == _T.uniform:
+            return own[self.refinement.faces[fine.faces]]
+        if interpolation == _T.varying:
+            linear = refine(self.cage, self.scheme, self.levels, linear=True)
+            return np.asarray(linear.weights @ own)[linear.cage.indices]
+        return np.asarray(self._limit(self.refinement) @ own)[fine.indices]
+
+    def _face_varying(self, values: Array, rows: Ints) -> Array:
+        """Smooth where values are one, and as ``faceVaryingLinearInterpolation`` says elsewhere."""
+        cage = self.cage
+        # One value of one point: where equal values have several indices they are the same.
+        _, same = np.unique(values, axis=0, return_inverse=True)
+        keys = np.stack([cage.indices, same.reshape(-1)[rows]], axis=1)
+        found, first, indices = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+        indices = indices.reshape(-1)
+        own = Cage(cage.counts, indices, cage.creases, cage.corners[found[:, 0]])
+        rule = self.geometry.GetFaceVaryingLinearInterpolationAttr().Get(TIME)
+        if rule == _T.all or self.scheme == _T.bilinear:
+            fine = refine(own, self.scheme, self.levels, linear=True)
+            return np.asarray(fine.weights @ values[rows[first]])[fine.cage.indices]
+        own.corners[_pinned(own, found[:, 0], cage, rule)] = np.inf
+        fine = self._refined(own)
+        return np.asarray(self._limit(fine) @ values[rows[first]])[fine.cage.indices]
+
+    def _refined(self, cage: Cage) -> Refinement:
+        rule = self.geometry.GetTriangleSubdivisionRuleAttr().Get(TIME)
+        return refine(cage, self.scheme, self.levels, smooth_triangles=rule == _T.smooth)
+
+    def _limit(self, fine: Refinement) -> Weights:
+        return csr_array(limit(fine.cage, self.scheme) @ fine.weights)
+
+
+def _pinned(values: Cage, points: Ints, cage: Cage, rule: str) -> NDArray[np.bool_]:
+    """Which values of a face-varying primvar stay where they are.
+
+    Args:
+        values: The polygons of the values, open where they differ between faces.
+        points: (V,) the point of each value.
+        cage: The polygons of the points.
+        rule: ``faceVaryingLinearInterpolation``, other than ``all``.
+    """
+    pinned = np.zeros(len(points), dtype=np.bool_)
+    if rule == _T.none:
+        return pinned
+    if rule == _T.boundaries:
+        pinned[values.ends[values.is_open]] = True
+        return pinned
+    alone = np.bincount(values.indices, minlength=len(points)) == 1
+    pinned |= alone
+    if rule == _T.cornersOnly:
+        return pinned
+    number = np.bincount(points)[points]
+    pinned |= number > 2
+    if rule == _T.cornersPlus2:
+        # Where a border between values ends inside, and around a corner of other values.
+        seam = values.is_open[values.edges] & ~cage.is_open[cage.edges]
+        darts = np.zeros(len(points), dtype=np.bool_)
+        darts[values.indices[seam]] = darts[values.indices[values.after[seam]]] = True
+        pinned |= darts & (number == 1)
+        pinned |= (number == 2) & (np.bincount(points, weights=alone)[points] > 0)
+    return pinned
