@@ -17,7 +17,7 @@ SIZE = (1180, 760)
 PANEL_PX = 340
 PART = (300, 271)
 KITCHEN = ("kitchen", 5)
-TEXEL, PATHS = 0.06, 512
+TEXEL, PATHS, PATHS_OF_A_TIME = 0.06, 512, 256
 EXAMPLE = Path("openrooms_usd/demo")
 # The example's own sky is a picture; these are of its garden.
 TIMES = {"morning": "08:30", "noon": "13:00", "evening": "20:15"}
@@ -76,7 +76,7 @@ def _draw_times(folder: Path, scratch: Path, target: Path) -> None:
             sky = f"environment: {OUTSIDE.format(time=time)}"
             (folder / "room.yaml").write_text(re.sub("environment: {from: file.*", sky, text))
             orusd("compose", folder / "room.yaml", "-o", out)
-            _bake(out, folder / name)
+            _bake(out, folder / name, PATHS_OF_A_TIME)
         # One inside the other, so that its sky may be shown.
         out = out / "later"
     lit = [folder / name for name in TIMES]
@@ -97,8 +97,8 @@ def _draw_times(folder: Path, scratch: Path, target: Path) -> None:
     strip.write(str(target))
 
 
-def _bake(out: Path, lit: Path) -> None:
-    orusd("bake", out / "scene.usda", "-o", lit, "--texel", TEXEL, "--spp", PATHS,
+def _bake(out: Path, lit: Path, paths: int = PATHS) -> None:
+    orusd("bake", out / "scene.usda", "-o", lit, "--texel", TEXEL, "--spp", paths,
           "--method", "cache")  # fmt: skip
 
 
