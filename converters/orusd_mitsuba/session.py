@@ -17,7 +17,7 @@ from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
 from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.models import MODELS, Model, with_model
+from openrooms_usd.render.scene.models import MODELS, Model, report_unlinked, with_model
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bias import measurable, with_bias
@@ -91,6 +91,7 @@ class MitsubaSession:
         self._scene = with_model(scene, model)
         if backend.variant.startswith("scalar"):
             _simplify_panes(self._scene)
+            report_unlinked(self._scene)
         self._builder = Builder(self._scene.origin)
         self._built = self._builder.scene(self._scene)
         self._sources = sources_of(self._scene)
@@ -311,7 +312,7 @@ class MitsubaSession:
         """The cache that a request looks light up in, if it asks for that."""
         if request.method != CACHE or request.bounces < LEAST_BOUNCES:
             return None
-        if self._builder.table is None:
+        if self._builder.table is None or self._index.is_linked:
             return None
         if request.bounces not in self._room_lights:
             self._room_lights[request.bounces] = RoomLight(
@@ -329,7 +330,8 @@ class MitsubaSession:
     @cached_property
     def _index(self) -> LightIndex:
         panes = Panes(self._scene) if self._scene.panes else None
-        return LightIndex(self._sources, self._built, self._scene.origin, panes)
+        origin, patches = self._scene.origin, self._scene.patches
+        return LightIndex(self._sources, self._built, origin, panes, patches)
 
     @cached_property
     def _complete(self) -> CompleteScene:

@@ -6,6 +6,6 @@
 - surfaces: `traversal`, `gprims`, `tessellation`, `subdivided`, `creases`, `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;
 - light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`, `cones`),
-  `lights`, `portals`; `cameras`, `fields_of_view`;
+  `lights`, `linking`, `portals`; `cameras`, `fields_of_view`;
 - meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.
 """

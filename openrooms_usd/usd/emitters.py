@@ -21,6 +21,7 @@ class Light:
         world_from_light: (4, 4) for columns, from its local frame to the world, Z up, metres.
         losses: One sentence for each unsupported feature.
         shaping: What its radiance is multiplied with by direction; None: it is even.
+        response: Factors of what it does on diffuse and on specular surfaces: not physical.
     """
 
     path: str
@@ -28,6 +29,7 @@ class Light:
     world_from_light: NDArray[np.float64]
     losses: tuple[str, ...]
     shaping: Shaping | None = field(default=None, kw_only=True)
+    response: tuple[float, float] = field(default=(1.0, 1.0), kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Sdf, Usd, UsdGeom, UsdLux
+from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.emitters import (
     CylinderLight,
@@ -26,6 +26,7 @@ from openrooms_usd.usd.emitters import (
     UnknownLight,
 )
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
+from openrooms_usd.usd.linking import includes_all
 from openrooms_usd.usd.materials import Texture, bound_material, read_preview_surface
 from openrooms_usd.usd.photometry import world_area, world_from_prim
 from openrooms_usd.usd.shaping import read_shaping
@@ -79,7 +80,27 @@ def read_light(prim: Usd.Prim) -> Light:
     )
     light = read(reader)
     found, lost = read_shaping(prim, light)
-    return replace(light, shaping=found, losses=(*light.losses, *lost))
+    response, told = _response(prim)
+    losses = (*light.losses, *lost, *told)
+    return replace(light, shaping=found, response=response, losses=losses)
+
+
+def _response(prim: Usd.Prim) -> tuple[tuple[float, float], tuple[str, ...]]:
+    """The multipliers of diffuse and specular reflection, and what is lost of them."""
+    light = UsdLux.LightAPI(prim)
+    values = [
+        attribute.Get(_WHEN) for attribute in (light.GetDiffuseAttr(), light.GetSpecularAttr())
+    ]
+    diffuse, specular = (
+        max(0.0, float(value)) if value is not None and math.isfinite(value) else 1.0
+        for value in values
+    )
+    if diffuse == specular == 1.0:
+        return (1.0, 1.0), ()
+    if prim.GetTypeName() in _FROM_AFAR:
+        return (1.0, 1.0), ("inputs:diffuse, inputs:specular: light from afar has no multipliers",)
+    why = "inputs:diffuse, inputs:specular: the first counts on all but metals, the second on these"
+    return (diffuse, specular), (why,)
 
 
 class _Reader:
@@ -244,9 +265,13 @@ class _Reader:
         if self.prim.GetRelationship("light:filters").HasAuthoredTargets():
             self.losses.append("light:filters: light filters are left out")
         light = UsdLux.LightAPI(self.prim)
-        for link in (light.GetLightLinkCollectionAPI(), light.GetShadowLinkCollectionAPI()):
-            if link.ComputeMembershipQuery().GetAsPathExpansionRuleMap() != _EVERYTHING:
-                self.losses.append(f"{link.GetName()}: the light lights everything")
+        if not includes_all(light.GetShadowLinkCollectionAPI().ComputeMembershipQuery()):
+            self.losses.append("shadowLink: everything casts shadows")
+        from_afar = self.prim.GetTypeName() in _FROM_AFAR
+        if from_afar and not includes_all(
+            light.GetLightLinkCollectionAPI().ComputeMembershipQuery()
+        ):
+            self.losses.append("lightLink: light from afar lights everything")
 
     def scales(self) -> NDArray[np.float64]:
         """(3,) how much longer the local axes are in the world."""
@@ -268,8 +293,6 @@ _KINDS: Final[dict[str, Callable[[_Reader], Light]]] = {
 }
 # Attribute -> the value that changes nothing, and what any other value would do.
 _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
-    "inputs:diffuse": (1.0, "the light acts on diffuse reflection as on any other"),
-    "inputs:specular": (1.0, "the light acts on specular reflection as on any other"),
     "inputs:shadow:enable": (True, "the light casts shadows all the same"),
 }
 
@@ -278,8 +301,7 @@ _THIN_METRES: Final = 1e-3
 
 # What is smaller in a rotation is rounding.
 _ROUNDING_TOLERANCE: Final = 1e-15
-
-_EVERYTHING: Final = {Sdf.Path.absoluteRootPath: Usd.Tokens.expandPrims}
+_FROM_AFAR: Final = ("DomeLight", "DomeLight_1", "DistantLight")
 
 
 def _rotation(frame: Matrix) -> Matrix:

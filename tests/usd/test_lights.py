@@ -262,19 +262,24 @@ def test_what_is_lost_is_named(stage: Usd.Stage) -> None:
     light.CreateDiffuseAttr(0.5)
     light.CreateTextureFileAttr("./none.png")
     light.CreateFiltersRel().AddTarget("/F")
-    UsdLux.LightAPI(prim).GetLightLinkCollectionAPI().ExcludePath(Sdf.Path("/X"))
+    UsdLux.LightAPI(prim).GetShadowLinkCollectionAPI().ExcludePath(Sdf.Path("/X"))
     light.CreateIntensityAttr(math.nan)
     light.CreateColorAttr(Gf.Vec3f(-1.0, 1.0, 1.0))
     [read] = read_lights(stage)
     assert read.radiance.tolist() == [0.0, 1.0, 1.0]
     text = " ".join(read.losses)
     for word in ("a.ies", "shadow:enable", "diffuse", "none.png", "filters",
-                 "lightLink", "not finite", "not physical"):  # fmt: skip
+                 "shadowLink", "not finite", "not physical"):  # fmt: skip
         assert word in text, word
     plain = UsdLux.RectLight.Define(stage, "/Plain").GetPrim()
     UsdLux.ShapingAPI.Apply(plain)
     UsdLux.ShadowAPI.Apply(plain)
     assert read_lights(stage)[1].losses == ()
+    dome = UsdLux.LightAPI(UsdLux.DomeLight.Define(stage, "/Dome"))
+    dome.GetLightLinkCollectionAPI().ExcludePath(Sdf.Path("/X"))
+    dome.CreateSpecularAttr(0.0)
+    told = " ".join(read_lights(stage)[2].losses)
+    assert "lightLink" in told and "no multipliers" in told
 
 
 def test_dome_pictures_of_other_layouts_are_named(stage: Usd.Stage) -> None:

@@ -202,6 +202,7 @@ class CompleteIntegrator(BandedIntegrator):
             active: Any,
         ) -> None:  # fmt: skip
             cosine = at.cosine(direction)
+            incident = incident * scene.index.lit(light, at.si.shape, active)
             lux = incident * cosine / (rivals + dr.square(cosine * dr.inv_pi / density))
             sent = mi.Color3f(0.0)
             if wanted.rest:

@@ -83,7 +83,7 @@ class Straight:
         self, scene: CompleteScene, at: FirstSurface, density: Any, weight: Any, once: Accumulator,
         again: Accumulator | None,
     ) -> None:  # fmt: skip
-        self._lights, self._at = scene.lights, at
+        self._lights, self._at, self._index = scene.lights, at, scene.index
         self._density, self._weight, self._once, self._again = density, weight, once, again
 
     def __call__(
@@ -92,7 +92,8 @@ class Straight:
         """Count it by its weight."""
         value, straight = self._weight * radiance, active & ~turned
         rivals = self._lights.rivals(self._at.si, met, ray, self._density, light, straight)
-        self._once.add(value / (1.0 + rivals), light, mi.UInt32(1), straight)
+        lit = self._index.lit(light, self._at.si.shape, straight)
+        self._once.add(value * lit / (1.0 + rivals), light, mi.UInt32(1), straight)
         if self._again is not None:
             self._again.add(value, light, mi.UInt32(2), active & turned)
 
@@ -190,6 +191,7 @@ def meet_unoccluded(
             si = lights.faces.alone.ray_intersect(ray, left)
             hit = left & si.is_valid()
             lamp, found = lights.from_lamp(at.si, si, direction, density, hit)
+            found *= scene.index.lit(lamp, at.si.shape, hit)
             sums.unoccluded(dr.pi * found, lamp, hit)
             ray = si.spawn_ray(direction)
             left = hit

@@ -31,6 +31,13 @@ class DirectAccumulator:
         """Add what a light sends by its closed form; ``number`` counts those that have one."""
         self._add(number + 2 * self._planes, value, active)
 
+    def dim(self, plane: int, factor: Any) -> None:
+        """Multiply what one plane has with a factor of each path."""
+        slot = dr.arange(mi.UInt32, self.paths)
+        for channel in range(3):
+            place = dr.opaque(mi.UInt32, (3 * plane + channel) * self.paths) + slot
+            dr.scatter(self.entries, factor * dr.gather(mi.Float, self.entries, place), place)
+
     def green(self, plane: int) -> Any:
         """(paths,) the green of one plane."""
         place = dr.opaque(mi.UInt32, (3 * plane + 1) * self.paths)

@@ -108,6 +108,18 @@ class DirectIntegrator(BandedIntegrator):
         if self._sky is not None:
             self._sky.gather(at, sampler, sums)
         self._by_hemisphere(at, sampler, sums)
+        if self._index.is_linked:
+            self._dim(at, sums)
+
+    def _dim(self, at: Receiver, sums: DirectAccumulator) -> None:
+        """Take away what lamps do not light."""
+        closed = {self._faces.lights[lamp]: row for row, lamp in enumerate(self._closed)}
+        for light in self._faces.lights:
+            lit = self._index.lit(mi.UInt32(light), at.si.shape, at.active)
+            planes = [light, light + self._lights]
+            planes += [2 * self._lights + closed[light]] if light in closed else []
+            for plane in planes:
+                sums.dim(plane, lit)
 
     def _by_hemisphere(self, at: Receiver, sampler: Any, sums: DirectAccumulator) -> None:
         direction, density = at.sample(sampler.next_2d())

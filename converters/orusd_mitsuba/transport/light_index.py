@@ -14,6 +14,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from openrooms_usd.render.scene.arrays import Patch
+from openrooms_usd.render.scene.linked import counted, is_linked
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.portals import Portal
@@ -28,14 +30,21 @@ class LightIndex:
         built: The Mitsuba scene, its shapes in the order of the scene's patches.
         origin: (3,) the point of the world that is Mitsuba's origin.
         panes: The clear panes that rays cross.
+        patches: Those of the scene, where some lamps do not light all of them.
 
     Attributes:
         panes: See above; None where there are none.
     """
 
     def __init__(
-        self, sources: Sequence[Source], built: Any, origin: Array, panes: Panes | None = None
+        self,
+        sources: Sequence[Source],
+        built: Any,
+        origin: Array,
+        panes: Panes | None = None,
+        patches: Sequence[Patch] = (),
     ) -> None:
+        self._patches = patches
         self.panes = panes
         self._sources = sources
         self._built = built
@@ -60,6 +69,31 @@ class LightIndex:
         for light, source in enumerate(self._sources):
             table[numbers[list(source.patches)]] = light
         return mi.UInt32(table)
+
+    @property
+    def is_linked(self) -> bool:
+        """Whether there are surfaces that a lamp does not light as much as others."""
+        return is_linked(self._patches)
+
+    def lit(self, light: Any, shape: Any, active: Any) -> Any:
+        """What of a light counts on a shape: 0 where light linking leaves it out."""
+        if not self.is_linked:
+            return mi.Float(1.0)
+        table, shapes = self._lit
+        number: Any = dr.reinterpret_array(mi.UInt32, shape)
+        return dr.gather(mi.Float, table, light * shapes + number, active)
+
+    @cached_property
+    def _lit(self) -> tuple[Any, Any]:
+        """Of each light and registered shape, and how many shapes there are."""
+        numbers = [int(registered(mi.ShapePtr(shape))[0]) for shape in self._built.shapes()]
+        table = np.ones((self.count, max(numbers, default=0) + 1), dtype=np.float32)
+        for light, source in enumerate(self._sources):
+            lamps = [self._patches[row] for row in source.patches]
+            for number, patch in zip(numbers, self._patches, strict=False):
+                if lamps:
+                    table[light, number] = max(counted(lamp, patch) for lamp in lamps)
+        return mi.Float(table.ravel()), dr.opaque(mi.UInt32, table.shape[1])
 
     @cached_property
     def _rectangles(self) -> list[tuple[Any, "Rectangle"]]:

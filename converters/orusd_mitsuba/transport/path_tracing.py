@@ -174,6 +174,8 @@ def trace(
         other = dr.select(certain, 0.0, built.pdf_emitter_direction(before, ds, emits & ~certain))
         met = throughput * emitter.eval(si, emits) * power_heuristic(density, other)
         light = dr.select(hit, index.of_shape(si.shape, emits & hit), crossed)
+        # What is seen straight is seen whatever it lights.
+        met *= dr.select(scatterings > 0, index.lit(light, before.shape, emits), 1.0)
         accumulator.add(met, light, scatterings, emits)
         # 2. Light that is looked for (next event estimation).
         further = active & (segments + 1 < depth)
@@ -203,8 +205,9 @@ def trace(
         share = dr.select(to.delta, 1.0, power_heuristic(to.pdf, pdf))
         lamp = index.of_shape(shape, smooth & ~infinite)
         sky = index.crossed(si.p, to.d, mi.Float(dr.inf), crossed)
-        found = throughput * value * incident * share
-        accumulator.add(found, dr.select(infinite, sky, lamp), scatterings + 1, smooth)
+        source = dr.select(infinite, sky, lamp)
+        found = throughput * value * incident * share * index.lit(source, si.shape, smooth)
+        accumulator.add(found, source, scatterings + 1, smooth)
         # 3. Onwards.
         ray = dr.select(turned, onto, si.spawn_ray(si.to_world(sample.wo)))
         throughput *= dr.select(turned, 1.0, weight)

@@ -10,7 +10,7 @@ In the order in which they are needed:
   says what the stage asks of pictures.
 - ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the
   ``surroundings`` that they see and a fit of those (``window_fit``,
-  ``window_lobes``).
+  ``window_lobes``). ``linked`` says which lamps count on which surfaces.
 - ``rays`` finds the triangle in the centre of each pixel, ``first_hits`` computes where it is met
   in double precision, ``ground_truth`` looks up geometry, material and labels there, and
   ``light_masks`` which pixels see each light; ``flow`` where all that is in the next frame of a

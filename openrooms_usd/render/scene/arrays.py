@@ -67,6 +67,9 @@ class Patch:
         surface: What it does to light.
         radiance: What its front side emits, nits; None where it is dark.
         shaping: What that is multiplied with by direction; None: with nothing.
+        lamp: The prim of the light that it is; empty where it is dark.
+        unlit_by: The prims of lamps that do not light it.
+        response: Of a lamp, factors of what it does on all surfaces but metals, and on metals.
     """
 
     name: str
@@ -74,6 +77,9 @@ class Patch:
     surface: Surface
     radiance: Value | None = None
     shaping: Shaping | None = field(default=None, kw_only=True)
+    lamp: str = field(default="", kw_only=True)
+    unlit_by: tuple[str, ...] = field(default=(), kw_only=True)
+    response: tuple[float, float] = field(default=(1.0, 1.0), kw_only=True)
 
     def at(self, triangles: Triangles) -> "Patch":
         """The same with its triangles elsewhere, after a rigid motion of each of its pieces."""

@@ -47,6 +47,13 @@ def without_shaping(scene: Scene) -> Scene:
     return replace(scene, patches=tuple(map(_even, scene.patches)))
 
 
+def report_unlinked(scene: Scene) -> None:
+    """Say in the report which lamps leave surfaces out, for what lets every lamp light all."""
+    lamps = {lamp for patch in scene.patches for lamp in patch.unlit_by}
+    lamps |= {patch.lamp for patch in scene.patches if patch.response != (1.0, 1.0)}
+    scene.report.lose(dict.fromkeys(sorted(lamps), "it lights everything alike"))
+
+
 def _even(patch: Patch) -> Patch:
     if patch.shaping is None or patch.radiance is None:
         return patch

@@ -39,6 +39,7 @@ from openrooms_usd.usd.lights import (
     SphereLight,
     read_lights,
 )
+from openrooms_usd.usd.linking import LightLinks
 from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
@@ -69,8 +70,8 @@ def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
     Returns:
         The scene, whose report names every prim that was not translated whole.
     """
-    work = _Translation()
     lights = read_lights(stage)
+    work = _Translation(LightLinks(stage, lights))
     # 1. Light, first: a mesh has to know whether it emits.
     for light in lights:
         work.add_light(stage, light)
@@ -95,20 +96,24 @@ class _Group:
     radiance: Value | None
     is_sheet: bool
     shaping: Shaping | None = None
+    lamp: str = ""
+    unlit_by: tuple[str, ...] = ()
     parts: list[Triangles] = field(default_factory=list)
 
 
 class _Translation:
     """Gathers what will be the scene."""
 
-    def __init__(self) -> None:
+    def __init__(self, links: LightLinks) -> None:
+        self._links = links
+        self._responses: dict[str, tuple[float, float]] = {}
         self.report = Report()
         self._labels = Labels()
         self._surfaces = SurfaceReader()
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[str, Surface] = {}
         self._owners: list[tuple[str, Surface]] = []
-        self._groups: dict[tuple[int, str, bool], _Group] = {}
+        self._groups: dict[tuple[int, str, bool, tuple[str, ...]], _Group] = {}
         self._emitting: dict[str, MeshLight] = {}
         self._environment: Environment | None = None
         self._suns: list[Sun] = []
@@ -124,6 +129,9 @@ class _Translation:
                 group.surface,
                 group.radiance if lamps.is_extended(triangles) else None,
                 shaping=group.shaping,
+                lamp=group.lamp,
+                unlit_by=group.unlit_by,
+                response=self._responses.get(group.lamp, (1.0, 1.0)),
             )
             for group, triangles in groups
             if group.surface.pane is None
@@ -155,6 +163,7 @@ class _Translation:
 
     def add_light(self, stage: Usd.Stage, light: Light) -> None:
         losses = list(light.losses)
+        self._responses[light.path] = light.response
         if isinstance(light, MeshLight):
             self._emitting[light.path] = light
             if not losses:
@@ -221,7 +230,9 @@ class _Translation:
                 triangles = lamps.flipped(triangles)
             sheet = surface.pane is not None and mesh.double_sided
             bent = None if radiance is None else shaping
-            self._group(mesh.path, surface, radiance, sheet, bent).parts.append(triangles)
+            unlit = self._links.unlit_by(mesh.path)
+            group = self._group(mesh.path, surface, radiance, sheet, bent, unlit)
+            group.parts.append(triangles)
         if losses or whole:
             self._say(mesh.path, losses)
 
@@ -232,10 +243,12 @@ class _Translation:
         radiance: Value | None,
         is_sheet: bool = False,
         shaping: Shaping | None = None,
+        unlit: tuple[str, ...] = (),
     ) -> _Group:
         # What emits is a shape of its own, so that it is sampled as one light.
-        key = id(surface), "" if radiance is None else path, is_sheet
-        return self._groups.setdefault(key, _Group(surface, radiance, is_sheet, shaping))
+        lamp = "" if radiance is None else path
+        made = _Group(surface, radiance, is_sheet, shaping, lamp, unlit)
+        return self._groups.setdefault((id(surface), lamp, is_sheet, unlit), made)
 
     def _surface(
         self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
