@@ -1,4 +1,7 @@
-"""Cameras as arrays, in the OpenCV frame: x right, y down, z forward; pinholes and panoramas."""
+"""Cameras as arrays, in the OpenCV frame: x right, y down, z forward.
+
+Pinholes, panoramas, and parallel rays.
+"""
 
 import math
 
@@ -32,6 +35,17 @@ def pixel_directions(K: Array, width: int, height: int) -> Array:
     x = (np.arange(width) + 0.5 - K[0, 2]) / K[0, 0]
     y = (np.arange(height) + 0.5 - K[1, 2]) / K[1, 1]
     return np.stack(np.broadcast_arrays(x[None, :], y[:, None], 1.0), axis=-1)
+
+
+def parallel_origins(K: Array, width: int, height: int) -> Array:
+    """(height, width, 3) where an orthographic picture's pixels are, camera frame, z = 0.
+
+    Args:
+        K: (3, 3) pixels per metre, and where the camera's axis is.
+        width: Pixels.
+        height: Pixels.
+    """
+    return pixel_directions(K, width, height) * (1.0, 1.0, 0.0)
 
 
 def panorama_intrinsics(width: int, height: int) -> Array:

@@ -43,7 +43,8 @@ CONVENTIONS: Final = {
     "K": "3x3 intrinsics in pixels; the centre of the top-left pixel is at (0.5, 0.5)",
     "projection": "of a view: pinhole where nothing is said; equirectangular: columns are angles "
     "to the right of the forward direction, rows angles below the horizon, K has pixels per "
-    "radian, depth is the distance",
+    "radian, depth is the distance; orthographic: all rays look forward, K has pixels per metre "
+    "and says where each has depth 0, which is its distance too, and is negative behind",
     "lens": "light is seen through the camera's lens where it has one (fStop "
     "and focusDistance); geometry, materials, labels and grids of hemispheres by a pinhole",
     "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
@@ -158,12 +159,12 @@ def view_entry(
         if (mask := numbered("mask_i", light.number)) in view.images
     }
     seen = view_lights(lights, view.K, view.world_from_camera, (view.width, view.height), masks)
-    is_panorama = view.projection != "pinhole"
-    if is_panorama:
-        # No box is projected into a panorama.
+    is_pinhole = view.projection == "pinhole"
+    if not is_pinhole:
+        # No box is projected into a panorama, or by parallel rays.
         seen = [{k: v for k, v in row.items() if k != "box2d_projected"} for row in seen]
     return {
-        **({"projection": view.projection} if is_panorama else {}),
+        **({"projection": view.projection} if not is_pinhole else {}),
         **({"photograph": dict(photograph)} if photograph else {}),
         "camera": view.camera,
         "resolution": [view.width, view.height],

@@ -207,7 +207,7 @@ class ViewEntry(_Part):
     K: Annotated[tuple[_Row3, _Row3, _Row3], AfterValidator(_intrinsics)]
     world_from_camera: _Pose
     camera: str | None = None
-    projection: Literal["pinhole", "equirectangular"] = "pinhole"
+    projection: Literal["pinhole", "equirectangular", "orthographic"] = "pinhole"
     exposure: _Factor | None = None
     photograph: dict[str, str] | None = None
     lights: tuple[SeenLight, ...] = ()

@@ -45,6 +45,7 @@ from openrooms_usd.render.scene.rays import CastingTracer
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.cameras import (
+    PINHOLE,
     PinholeCamera,
     framing_camera,
     list_cameras,
@@ -255,6 +256,12 @@ class OpenedStage:
         camera = self._described_camera(request)
         if request.f_stop is None:
             return camera
+        if camera.projection != PINHOLE:
+            raise RenderError(
+                f"an {camera.projection} camera has no lens",
+                place=request.camera,
+                remedy="leave --f-stop away, or choose another --camera",
+            )
         fov = 2.0 * math.degrees(math.atan(0.5 * request.width / camera.K[0, 0]))
         pose = camera.world_from_camera
         focus = camera.focus_distance or focus_distance(self.caster, pose[:3, 3], pose[:3, 2], fov)

@@ -62,13 +62,13 @@ class RenderedView:
         """(3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
 
         Raises:
-            InputError: The view is a panorama, which whoever asks here cannot work with.
+            InputError: The view is no pinhole's, which whoever asks here cannot work with.
         """
         if self.entry.projection != "pinhole":
             raise InputError(
                 f"the view is {self.entry.projection}, and this works with pinhole cameras alone",
                 place=self.folder,
-                remedy="leave panoramas out",
+                remedy="leave such views out",
             )
         return np.array(self.entry.K, dtype=np.float64)
 

@@ -1,4 +1,7 @@
-"""Cameras as USD prims, and as a pinhole with numbers that every tool understands."""
+"""Cameras as USD prims, and as a pinhole with numbers that every tool understands.
+
+Orthographic ones have the same numbers, with a ``K`` per metre.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,7 +14,12 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.framing import FOV_DEG, framing_view
-from openrooms_usd.geometry.pinhole import intrinsics, panorama_directions, pixel_directions
+from openrooms_usd.geometry.pinhole import (
+    intrinsics,
+    panorama_directions,
+    parallel_origins,
+    pixel_directions,
+)
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
@@ -20,17 +28,25 @@ from openrooms_usd.usd.transforms import author_matrix
 
 Array = NDArray[np.float64]
 
-Projection = Literal["pinhole", "equirectangular"]
-"""How a camera's picture is made; the ``K`` of an equirectangular one has pixels per radian."""
+Projection = Literal["pinhole", "equirectangular", "orthographic"]
+"""How a camera's picture is made.
+
+The ``K`` of an equirectangular one has pixels per radian, of an orthographic one per metre.
+"""
 PINHOLE: Final = "pinhole"
 EQUIRECTANGULAR: Final = "equirectangular"
+ORTHOGRAPHIC: Final = "orthographic"
 
 # OpenCV axes (right, down, forward) in USD's camera axes (right, up, backward), and back.
 FLIP: Final = np.diag([1.0, -1.0, -1.0, 1.0])
 
 # Width of a full-frame film, tenths of a metre: apertures need some absolute size.
 _FILM_WIDTH_TENTHS: Final = 0.36
+# What cameras are written with. Planes that are nearer or farther cut nothing away: they are there
+# for the depth buffers of rasterizers.
 _CLIPPING_M: Final = (0.01, 1000.0)
+# Nothing is cut away.
+UNCLIPPED: Final = (0.0, math.inf)
 
 # Apertures and focal lengths are in tenths of a scene unit.
 _TENTH: Final = 0.1
@@ -45,7 +61,7 @@ _ESTIMATED: Final = f"{names.NAMESPACE}:estimated"
 
 @dataclass(frozen=True, eq=False)
 class PinholeCamera:
-    """A camera for pictures of one size: perspective, or a panorama of all directions.
+    """A camera for pictures of one size: perspective, orthographic, or a panorama.
 
     Attributes:
         K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
@@ -55,7 +71,7 @@ class PinholeCamera:
         f_stop: Of the lens; 0 for a pinhole, everything sharp.
         focus_distance: Metres along the optical axis; 0 where none is authored.
         lens_radius: Radius of the lens's opening, metres; 0 for a pinhole.
-        clipping: Nearest and farthest depth that is seen, metres.
+        clipping: Nearest and farthest planar depth that is seen, metres.
         projection: How its picture is made.
     """
 
@@ -65,7 +81,7 @@ class PinholeCamera:
     f_stop: float = 0.0
     focus_distance: float = 0.0
     lens_radius: float = 0.0
-    clipping: tuple[float, float] = _CLIPPING_M
+    clipping: tuple[float, float] = UNCLIPPED
     projection: Projection = PINHOLE
 
     def directions(self, width: int, height: int) -> Array:
@@ -75,7 +91,21 @@ class PinholeCamera:
         """
         if self.projection == EQUIRECTANGULAR:
             return panorama_directions(self.K, width, height)
+        if self.projection == ORTHOGRAPHIC:
+            return np.tile([0.0, 0.0, 1.0], (height, width, 1))
         return pixel_directions(self.K, width, height)
+
+    def rays(self, width: int, height: int) -> tuple[Array, Array]:
+        """Rays through the pixels' centres, in the world.
+
+        Returns:
+            (height x width, 3) where depth is 0, metres, and (height x width, 3) `directions`.
+        """
+        R, eye = self.world_from_camera[:3, :3], self.world_from_camera[:3, 3]
+        directions = (self.directions(width, height) @ R.T).reshape(-1, 3)
+        if self.projection != ORTHOGRAPHIC:
+            return np.broadcast_to(eye, directions.shape), directions
+        return (parallel_origins(self.K, width, height) @ R.T).reshape(-1, 3) + eye, directions
 
 
 def define_camera(
@@ -148,10 +178,12 @@ def list_cameras(stage: Usd.Stage) -> list[Usd.Prim]:
 
 
 def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
-    """A camera prim as a pinhole for pictures of one size.
+    """A camera prim as a pinhole, or with parallel rays, for pictures of one size.
 
     The horizontal aperture gives the horizontal field of view and pixels are square: where the
     picture has another shape than the apertures, the vertical field of view follows the picture.
+    An orthographic camera sees a window as wide as its aperture, in tenths of a scene unit; it has
+    no lens.
 
     Args:
         prim: A ``UsdGeom.Camera`` of any stage.
@@ -159,28 +191,30 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
         height: Pixels.
 
     Raises:
-        StageError: It is no perspective camera, or its numbers make no picture.
+        StageError: It is no camera, or its numbers make no picture.
     """
     camera = UsdGeom.Camera(prim)
     if not camera:
         raise _unusable(prim, "this prim is no camera", "name a Camera prim")
-    if camera.GetProjectionAttr().Get(TIME) == UsdGeom.Tokens.orthographic:
-        raise _unusable(
-            prim, "orthographic cameras are not supported", "make its projection perspective"
-        )
     stage = prim.GetStage()
     metres = UsdGeom.GetStageMetersPerUnit(stage)
-    f_stop = _number(camera.GetFStopAttr())
-    focal = _number(camera.GetFocalLengthAttr()) * _TENTH * metres
-    near, far = camera.GetClippingRangeAttr().Get(TIME)
-    return PinholeCamera(
-        K=_intrinsics(camera, width, height),
+    parallel = camera.GetProjectionAttr().Get(TIME) == UsdGeom.Tokens.orthographic
+    focal = _number(camera.GetFocalLengthAttr())
+    seen = PinholeCamera(
+        # The window is seen from 1 m, or from the focal length.
+        K=_intrinsics(camera, 1.0 / (_TENTH * metres) if parallel else focal, width, height),
         world_from_camera=_pose(prim, world_from_stage(stage)),
         exposure=_exposure(camera),
+        clipping=_clipping(camera, metres, parallel=parallel),
+    )
+    if parallel:
+        return replace(seen, projection=ORTHOGRAPHIC)
+    f_stop = _number(camera.GetFStopAttr())
+    return replace(
+        seen,
         f_stop=f_stop,
         focus_distance=_number(camera.GetFocusDistanceAttr()) * metres,
-        lens_radius=focal / (2.0 * f_stop) if f_stop > 0 else 0.0,
-        clipping=(near * metres, far * metres),
+        lens_radius=focal * _TENTH * metres / (2.0 * f_stop) if f_stop > 0 else 0.0,
     )
 
 
@@ -235,8 +269,22 @@ def _number(attribute: Usd.Attribute) -> float:
     return 0.0 if value is None else float(value)
 
 
-def _intrinsics(camera: UsdGeom.Camera, width: int, height: int) -> Array:
-    focal = _number(camera.GetFocalLengthAttr())
+def _clipping(camera: UsdGeom.Camera, metres: float, *, parallel: bool) -> tuple[float, float]:
+    """Nearest and farthest depth that is seen, metres; all of it where nobody says or nonsense."""
+    attribute = camera.GetClippingRangeAttr()
+    if not attribute.HasAuthoredValue():
+        return UNCLIPPED
+    near, far = (float(depth) * metres for depth in attribute.Get(TIME))
+    if not near < far:
+        return UNCLIPPED
+    least, most = _CLIPPING_M
+    # What is behind an orthographic camera may be seen: it stands where rays do not meet.
+    nearest = near if parallel or np.float32(near) > np.float32(least) else 0.0
+    return nearest, far if np.float32(far) < np.float32(most) else math.inf
+
+
+def _intrinsics(camera: UsdGeom.Camera, focal: float, width: int, height: int) -> Array:
+    """Of a window at a distance, both in the camera's own units."""
     aperture = _number(camera.GetHorizontalApertureAttr())
     if not (0 < focal < math.inf and 0 < aperture < math.inf):
         raise _unusable(

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.frames import TIME
@@ -58,7 +58,9 @@ def hold(stage: Usd.Stage, time_code: float | None = None) -> dict[str, str]:
     for layer in (held, posed):
         session.subLayerPaths.insert(0, layer.identifier)
     _expand(stage, held, anything=time_code is not None)
-    values = [one for prim in _prims(stage) for one in _held(prim, when)]
+    # Where nobody asks, all else is still there to be read at its times: paths of cameras are.
+    concerned = [p for p in _prims(stage) if time_code is not None or _poses(p)]
+    values = [one for prim in concerned for one in _held(prim, when)]
     with Sdf.ChangeBlock():
         for attribute, value in values:
             _write(held, attribute, value)
@@ -74,6 +76,13 @@ def _everything(stage: Usd.Stage) -> Iterator[Usd.Prim]:
     yield from _prims(stage)
     for prototype in stage.GetPrototypes():
         yield from Usd.PrimRange(prototype, _PRIMS)
+
+
+def _poses(prim: Usd.Prim) -> bool:
+    """Whether a prim takes part in skinning."""
+    return any(one.IsA(UsdSkel.Root) for one in (prim, *_above(prim))) or any(
+        prim.IsA(kind) for kind in (UsdSkel.Skeleton, UsdSkel.Animation, UsdSkel.BlendShape)
+    )
 
 
 # Instances.

@@ -10,7 +10,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 from openrooms_usd import names
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.usd import physics
-from openrooms_usd.usd.cameras import list_cameras, photograph, read_camera
+from openrooms_usd.usd.cameras import PINHOLE, list_cameras, photograph, read_camera
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.semantics import read_label
@@ -195,6 +195,8 @@ def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
         try:
             camera = read_camera(prim, _WIDTH_PX, height)
         except StageError:
+            continue
+        if camera.projection != PINHOLE:
             continue
         K = camera.K / _WIDTH_PX
         taken = photograph(prim)

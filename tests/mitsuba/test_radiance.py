@@ -8,7 +8,6 @@ from pxr import Gf, UsdGeom, UsdLux
 
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.lights import define_mesh_light
-from orusd_mitsuba.export.exporter import export_scene
 from orusd_mitsuba.transport import sampling
 from orusd_mitsuba.transport.bands import Band
 
@@ -336,23 +335,6 @@ def test_an_error_that_is_not_reached_is_reported(build, open_stage, monkeypatch
     (row,) = [reason for path, _, reason in session.report.losses() if path == "/Camera"]
     said = f"estimated error {image.robust_error:.2g} after 16 samples a pixel"
     assert row == f"radiance: {said}, not 1e-09"
-
-
-@pytest.mark.parametrize(
-    ("metres", "near", "told"),
-    [(1.0, None, False), (1.0, 0.01, False), (1.0, 0.1, False), (1.0, 0.5, True),
-     (0.01, 10.0, False), (0.01, 50.0, True)],
-)  # fmt: skip
-def test_clipping_that_cuts_is_reported(build, open_stage, tmp_path, metres, near, told):
-    made = build(metres=metres)
-    made.quad("/Patch", PATCH)
-    camera = UsdGeom.Camera(made.stage.GetPrimAtPath(made.camera((0, -1.2, 1.0), (0, 0, 0))))
-    if near is not None:
-        camera.CreateClippingRangeAttr(Gf.Vec2f(near, 1000.0))
-    expected = ["clipping is left out: what is nearer than 0.5 m is seen too"] if told else []
-    for report in (open_stage(made.stage).report, export_scene(made.stage, tmp_path, {})):
-        rows = [row[2] for row in report.losses() if row[:2] == ("/Camera", "approximated")]
-        assert rows == expected
 
 
 @pytest.mark.parametrize("ior", [1.5, 2.0])

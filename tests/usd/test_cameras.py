@@ -181,12 +181,62 @@ def test_lenses_come_in_metres() -> None:
     assert found.clipping == pytest.approx((0.1, 50.0))
 
 
+@pytest.mark.parametrize(
+    ("said", "parallel", "clipping"),
+    [
+        (None, False, (0.0, math.inf)),
+        ((1, 1e6), False, (0.0, math.inf)),  # 1 cm to 10 km
+        ((1.1, 9e4), False, (0.011, 900.0)),
+        ((5, 5), False, (0.0, math.inf)),
+        (None, True, (0.0, math.inf)),
+        ((-300, 200), True, (-3.0, 2.0)),
+    ],
+)
+def test_planes_that_cut_something_away(
+    said: tuple[float, float] | None, parallel: bool, clipping: tuple[float, float]
+) -> None:
+    stage = new_stage(unit=0.01)
+    camera = UsdGeom.Camera.Define(stage, "/c")
+    if parallel:
+        camera.CreateProjectionAttr("orthographic")
+    if said:
+        camera.CreateClippingRangeAttr(Gf.Vec2f(*said))
+    assert read_camera(camera.GetPrim(), 4, 3).clipping == pytest.approx(clipping)
+
+
+@pytest.mark.parametrize("axis", ["Y", "Z"])
+@pytest.mark.parametrize("unit", [1.0, 0.01])
+@pytest.mark.parametrize("size", [(640, 480), (480, 640)])
+def test_parallel_pixels_are_those_of_usds_frustum(
+    axis: str, unit: float, size: tuple[int, int]
+) -> None:
+    stage = new_stage(axis, unit)
+    camera = foreign_camera(stage, 4 / 3, (3.0, -2.0))
+    camera.CreateProjectionAttr("orthographic")
+    rng = np.random.default_rng(7)
+    points = rng.normal((3, -4, 5), 3.0, (20, 3))
+    found = read_camera(camera.GetPrim(), *size)
+    assert found.projection == "orthographic"
+    assert found.lens_radius == 0.0
+    to_world = world_from_stage(stage)
+    world = points @ to_world[:3, :3].T + to_world[:3, 3]
+    local = (world - found.world_from_camera[:3, 3]) @ found.world_from_camera[:3, :3]
+    pixels = local[:, :2] @ found.K[:2, :2].T + found.K[:2, 2]
+    np.testing.assert_allclose(pixels, by_frustum(camera.GetPrim(), points, *size), atol=1e-6)
+    # The rays through the pixels' centres are those of the same numbers.
+    origins, directions = found.rays(*size)
+    row, column = 7, 11
+    at = origins[row * size[0] + column] + 4.0 * directions[0]
+    seen = (at - found.world_from_camera[:3, 3]) @ found.world_from_camera[:3, :3]
+    np.testing.assert_allclose(seen[:2] @ found.K[:2, :2].T + found.K[:2, 2], [11.5, 7.5])
+    assert seen[2] == pytest.approx(4.0)
+
+
 def test_cameras_that_make_no_picture_are_refused() -> None:
     stage = new_stage()
     camera = foreign_camera(stage, 4 / 3, (0, 0))
     prim = camera.GetPrim()
     for attribute, value, reason in (
-        (camera.GetProjectionAttr(), "orthographic", "orthographic"),
         (camera.GetFocalLengthAttr(), 0.0, "focalLength"),
         (camera.GetFocalLengthAttr(), math.nan, "focalLength"),
         (camera.GetHorizontalApertureAttr(), math.inf, "horizontalAperture"),

@@ -10,6 +10,7 @@ _TAGS: Final = {
     "path": "integrator",
     "perspective": "sensor",
     "thinlens": "sensor",
+    "orthographic": "sensor",
     "independent": "sampler",
     "hdrfilm": "film",
     "box": "rfilter",

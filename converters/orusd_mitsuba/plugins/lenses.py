@@ -7,6 +7,7 @@ import mitsuba as mi
 
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
+from orusd_mitsuba.plugins.sensors import FAR_CLIP_METRES
 
 
 class ThinLens:
@@ -25,9 +26,11 @@ class ThinLens:
         self._eye = mi.Point3f((pose[:3, 3] - origin).tolist())
         self._radius = mi.Float(camera.lens_radius)
         self._focus = mi.Float(camera.focus_distance)
+        near, far = camera.clipping
+        self._near, self._far = mi.Float(near), mi.Float(min(far, FAR_CLIP_METRES))
         # As variables, not as parts of the compiled code.
         dr.make_opaque(self._right, self._down, self._forward)
-        dr.make_opaque(self._eye, self._radius, self._focus)
+        dr.make_opaque(self._eye, self._radius, self._focus, self._near, self._far)
 
     def bent(self, ray: Any, sample: Any) -> Any:
         """Rays through the lens.
@@ -38,9 +41,13 @@ class ThinLens:
         """
         sharp = self._eye + ray.d * (self._focus / dr.dot(ray.d, self._forward))
         at = mi.warp.square_to_uniform_disk_concentric(sample) * self._radius
-        found = mi.Ray3f(ray)
+        found: Any = mi.Ray3f(ray)
         found.o = self._eye + self._right * at.x + self._down * at.y
         found.d = dr.normalize(sharp - found.o)
+        # What has depth 1 along each ray.
+        ahead = found.d / dr.dot(found.d, self._forward)
+        found.o = found.o + ahead * self._near
+        found.maxt = dr.norm(ahead) * (self._far - self._near)
         return found
 
 

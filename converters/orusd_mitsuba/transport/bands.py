@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
+from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.lenses import Panorama, ThinLens
 from orusd_mitsuba.plugins.sensors import describe_sensor, has_lens, pinhole
@@ -141,8 +141,8 @@ class BandedIntegrator(ABC):
         return ThinLens(self._camera, self._origin) if has_lens(self._camera) else None
 
     def panorama(self) -> Panorama | None:
-        """What turns the camera's rays; None for a pinhole or a lens."""
-        if self._camera.projection == PINHOLE:
+        """What turns the camera's rays; None for all that Mitsuba has a sensor for."""
+        if self._camera.projection != EQUIRECTANGULAR:
             return None
         return Panorama(self._camera, self._origin)
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
+from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
 from orusd_mitsuba.transport.strips import most_samples, strips
@@ -43,7 +43,7 @@ class BuiltinIntegrator:
         *,
         panes: bool = False,
     ) -> None:
-        if camera.projection != PINHOLE:
+        if camera.projection == EQUIRECTANGULAR:
             raise RenderError(
                 "scalar variants of Mitsuba render no panoramas",
                 place=request.camera,

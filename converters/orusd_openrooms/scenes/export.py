@@ -18,7 +18,7 @@ from openrooms_usd.render.scene.light_records import light_records
 from openrooms_usd.render.scene.models import without_shaping
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.cameras import PinholeCamera, list_cameras, read_camera
+from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera, list_cameras, read_camera
 from orusd_openrooms.cameras import layout_transforms, pose, write_cameras, write_intrinsics
 from orusd_openrooms.pickles import write_pickled
 from orusd_openrooms.records import ELSEWHERE, Light, light_of
@@ -141,7 +141,10 @@ class _Export:
         cameras: dict[str, PinholeCamera] = {}
         for prim in list_cameras(self.stage):
             try:
-                cameras[str(prim.GetPath())] = read_camera(prim, width, height)
+                camera = read_camera(prim, width, height)
+                if camera.projection != PINHOLE:
+                    raise StageError(f"cam.txt has no {camera.projection} cameras")
+                cameras[str(prim.GetPath())] = camera
             except StageError as error:
                 self.report.add(prim.GetPath(), "skipped", error.message)
         fovs = {

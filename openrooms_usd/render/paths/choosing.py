@@ -15,7 +15,7 @@ from openrooms_usd.render.paths.keyframes import SUFFIXES, read_keyframes
 from openrooms_usd.render.paths.timed import time_range, timed_poses
 from openrooms_usd.render.paths.walk import check_passable, walk
 from openrooms_usd.render.plan import choose_cameras
-from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, read_camera
+from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera, framing_camera, read_camera
 
 WALK: Final = "walk"
 WALK_SECONDS: Final = 10.0
@@ -60,6 +60,12 @@ def choose_path(
             remedy=f"give its transform time samples, or take --path {WALK}",
         )
     camera = read_camera(prim, *size)
+    if camera.projection != PINHOLE:
+        raise InputError(
+            f"an {camera.projection} camera films nothing",
+            place=path,
+            remedy=f"take a perspective one, or --path {WALK}",
+        )
     length = (codes[1] - codes[0]) / stage.GetTimeCodesPerSecond()
     poses = timed_poses(prim, frame_times(seconds or length, rate))
     return CameraPath(name, poses, camera.K, rate, camera.exposure)
@@ -85,7 +91,9 @@ def stage_walk(
         RenderError: There is no room for a walk.
     """
     prims = [stage.GetPrimAtPath(path) for path in opened.cameras]
-    cameras = [read_camera(prim, *size) for prim in prims] or [framing_camera(stage, *size)]
+    read = [read_camera(prim, *size) for prim in prims]
+    cameras = [camera for camera in read if camera.projection == PINHOLE]
+    cameras = cameras or [framing_camera(stage, *size)]
     widest: PinholeCamera = min(cameras, key=lambda camera: float(camera.K[0, 0]))
     poses = walk(opened.caster, [camera.world_from_camera for camera in cameras], times)
     K = widest.K.copy()

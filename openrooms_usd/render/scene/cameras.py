@@ -2,15 +2,12 @@
 
 from typing import Final
 
-import numpy as np
 from pxr import Usd, UsdGeom, UsdRender
 
 from openrooms_usd import names
 from openrooms_usd.usd.frames import TIME
 
 DEFAULT_RESOLUTION: Final = (640, 480)
-# Where a camera's own near plane begins to matter, metres: nearer things are hardly ever there.
-_NEAR_PLANE_MATTERS: Final = np.float32(0.1)
 
 
 def stage_resolution(stage: Usd.Stage) -> tuple[int, int]:
@@ -25,15 +22,10 @@ def stage_resolution(stage: Usd.Stage) -> tuple[int, int]:
 
 
 def clipping_loss(prim: Usd.Prim) -> str:
-    """What is lost because a camera's clipping range is left out; empty where that is nothing.
+    """What is lost because a camera's own clipping planes are left out; empty without any.
 
     Args:
         prim: A ``UsdGeom.Camera``.
     """
-    clipping = UsdGeom.Camera(prim).GetClippingRangeAttr()
-    if not clipping.HasAuthoredValue():
-        return ""
-    near = clipping.Get(TIME)[0] * UsdGeom.GetStageMetersPerUnit(prim.GetStage())
-    if np.float32(near) <= _NEAR_PLANE_MATTERS:
-        return ""
-    return f"clipping is left out: what is nearer than {near:.3g} m is seen too"
+    planes = UsdGeom.Camera(prim).GetClippingPlanesAttr().Get(TIME)
+    return "clippingPlanes are left out: what they cut away is seen too" if planes else ""

@@ -1,6 +1,7 @@
 """What the pixels' centres see, in double precision, from the triangles that were found."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
@@ -53,6 +54,11 @@ class Hits:
         """(R,) whether the front side is seen."""
         return np.asarray(np.einsum("ij,ij->i", self.geometric, self.directions) < 0)
 
+    def chosen(self, which: NDArray[np.bool_]) -> "Hits":
+        """Those of them for which (R,) ``which`` is true."""
+        rows = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "shape"}
+        return Hits(self.shape, **{name: values[which] for name, values in rows.items()})
+
     def image(self, values: Array) -> NDArray[np.float32]:
         """(height, width, C) the (R,) or (R, C) values in their pixels, 0 elsewhere."""
         columns = values if values.ndim == 2 else values[:, None]
@@ -64,14 +70,18 @@ class Hits:
 def first_hits(
     scene: Scene, tracer: RayTracer, camera: PinholeCamera, width: int, height: int
 ) -> Hits:
-    """What the centre of each pixel sees.
+    """What the centre of each pixel sees between the camera's clipping planes.
 
     Surfaces that are less than half opaque at the point are seen through.
     """
-    found = tracer.pixels(camera, width, height).ravel()
-    R, eye = camera.world_from_camera[:3, :3], camera.world_from_camera[:3, 3]
-    directions = (camera.directions(width, height) @ R.T).reshape(-1, 3)
-    return _through(scene, tracer, eye, directions, found, (height, width))
+    origins, directions = camera.rays(width, height)
+    near, far = camera.clipping
+    if near == 0.0:
+        found = tracer.pixels(camera, width, height).ravel()
+    else:
+        found = tracer.rays(origins + near * directions, directions)
+    hits = _through(scene, tracer, origins, directions, found, (height, width))
+    return hits if math.isinf(far) else hits.chosen(hits.depth <= far)
 
 
 def hits_along(
@@ -90,20 +100,20 @@ def hits_along(
     rows = np.full(len(directions), -1, dtype=np.int64)
     cast = np.flatnonzero(directions.any(axis=1))
     rows[cast] = tracer.rays(np.broadcast_to(eye, (len(cast), 3)), directions[cast])
-    return _through(scene, tracer, eye, directions, rows, shape)
+    return _through(scene, tracer, np.broadcast_to(eye, directions.shape), directions, rows, shape)
 
 
 def _through(
     scene: Scene,
     tracer: RayTracer,
-    eye: Array,
+    origins: Array,
     directions: Array,
     found: Rows,
     shape: tuple[int, int],
 ) -> Hits:
     """The hits on triangles that were found, or behind them where these are seen through."""
     for _ in range(_MOST_CLEAR_LAYERS):
-        hits = _hits(scene, eye, shape, found, directions)
+        hits = _hits(scene, origins, shape, found, directions)
         clear = _clear(scene, hits)
         if not clear.any():
             break
@@ -112,9 +122,11 @@ def _through(
     return hits
 
 
-def _hits(scene: Scene, eye: Array, shape: tuple[int, int], found: Rows, directions: Array) -> Hits:
+def _hits(
+    scene: Scene, origins: Array, shape: tuple[int, int], found: Rows, directions: Array
+) -> Hits:
     pixels = np.flatnonzero(found >= 0)
-    rows, ahead = found[pixels], directions[pixels]
+    rows, ahead, eye = found[pixels], directions[pixels], origins[pixels]
     depth, weights, normals = _meet(scene.triangles.corners[rows], eye, ahead)
     return Hits(
         shape,
@@ -132,7 +144,7 @@ def _hits(scene: Scene, eye: Array, shape: tuple[int, int], found: Rows, directi
 
 def _meet(corners: Array, eye: Array, directions: Array) -> tuple[Array, Array, Array]:
     """Depth, barycentric coordinates and unit normals where rays meet the planes of triangles."""
-    a, b, c = np.moveaxis(corners - eye, 1, 0)
+    a, b, c = np.moveaxis(corners - eye[:, None], 1, 0)
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = normals / np.where(areas > 0, areas, 1.0)

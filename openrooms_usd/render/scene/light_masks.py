@@ -36,14 +36,13 @@ def light_masks(
         are seen past all openings.
     """
     height, width = hits.shape
-    eye, R = camera.world_from_camera[:3, 3], camera.world_from_camera[:3, :3]
-    directions = (camera.directions(width, height) @ R.T).reshape(-1, 3)
+    origins, directions = camera.rays(width, height)
     end = np.full(len(directions), np.inf)
     end[hits.pixels] = hits.depth
     instance = np.zeros(len(directions), dtype=np.int64)
     numbers = np.array([piece.instance for piece in scene.pieces] or [0])
     instance[hits.pixels] = numbers[scene.triangles.pieces[hits.rows]]
-    left = _left_through(sources, eye, directions, end)
+    left = _left_through(sources, origins, directions, end)
     masks = [
         instance == scene.pieces[int(scene.patches[source.patches[0]].triangles.pieces[0])].instance
         if source.kind == "lamp"
@@ -53,25 +52,25 @@ def light_masks(
     return np.stack(masks).reshape(len(sources), height, width, 1).astype(np.float32)
 
 
-def _left_through(sources: Sequence[Source], eye: Array, directions: Array, end: Array) -> Any:
+def _left_through(sources: Sequence[Source], origins: Array, directions: Array, end: Array) -> Any:
     """(R,) the light that is the outside in each pixel; -1 where the room is seen."""
     found = np.where(np.isinf(end), len(sources) - 1, -1)
     farthest = np.full(len(directions), -1.0)
     for number, source in enumerate(sources):
         if source.portal is not None:
-            t, through = _meet(source.portal, eye, directions, end)
+            t, through = _meet(source.portal, origins, directions, end)
             last = through & (t > farthest)
             found, farthest = np.where(last, number, found), np.where(last, t, farthest)
     return found
 
 
-def _meet(portal: Portal, eye: Array, directions: Array, end: Array) -> tuple[Array, Any]:
+def _meet(portal: Portal, origins: Array, directions: Array, end: Array) -> tuple[Array, Any]:
     """Where rays meet a portal's plane, and whether they leave the room through it."""
     world = portal.world_from_portal
     slope = directions @ world[:3, 2]
     outwards = slope > GRAZING_COS
-    t = (world[:3, 3] - eye) @ world[:3, 2] / np.where(outwards, slope, 1.0)
-    at = (eye + t[:, None] * directions - world[:3, 3]) @ world[:3, :2]
+    t = (world[:3, 3] - origins) @ world[:3, 2] / np.where(outwards, slope, 1.0)
+    at = (origins + t[:, None] * directions - world[:3, 3]) @ world[:3, :2]
     within = (np.abs(at) <= 0.5 * np.array([portal.width, portal.height])).all(axis=1)
     outside = end > t + _REVEAL_DEPTH / np.where(outwards, slope, 1.0)
     return t, outwards & within & (t >= 0.0) & outside

@@ -34,15 +34,12 @@ class RayTracer(ABC):
         """
 
     def pixels(self, camera: PinholeCamera, width: int, height: int) -> Rows:
-        """The triangle in the centre of each pixel.
+        """The triangle in the centre of each pixel, in front of depth 0.
 
         Returns:
             (height, width) rows of ``scene.triangles``; -1 where there is nothing.
         """
-        R, eye = camera.world_from_camera[:3, :3], camera.world_from_camera[:3, 3]
-        directions = (camera.directions(width, height) @ R.T).reshape(-1, 3)
-        origins = np.broadcast_to(eye, directions.shape)
-        return self.rays(origins, directions).reshape(height, width)
+        return self.rays(*camera.rays(width, height)).reshape(height, width)
 
 
 class CastingTracer(RayTracer):
