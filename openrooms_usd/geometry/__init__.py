@@ -3,6 +3,7 @@
 - `vectors`, `rows`, `rotations`, `quaternions`: the basics; `mesh`, `topology`, `normals`,
   `triangulation`, `cages`, `subdivision`, `smooth_normals`, `raycast`: meshes; `uv`,
   `uvquality`, `unwrap`, `shelves`, `grain`: texture coordinates;
+- `splines`, `strands`: curves of any kind as polygons;
 - `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `looks`, `views`,
   `viewpoints`, `composition`, `focus`, `framing`: the plan, and cameras in it;
 - `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,

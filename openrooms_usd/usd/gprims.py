@@ -12,8 +12,11 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
+from openrooms_usd.usd.curves import read_curves
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.patches import read_patch, read_points, read_tetrahedra
 from openrooms_usd.usd.subdivided import Subdivided
 from openrooms_usd.usd.tessellation import tessellate
 
@@ -29,6 +32,17 @@ _UV_TYPES: Final = frozenset(
         Sdf.ValueTypeNames.Half2Array,
     }
 )
+
+
+# Prims that are no polygons: what gives these, and what was approximated, or why there are none.
+_READERS: Final[dict[str, Callable[[Usd.Prim], tuple[Mesh | None, list[str]]]]] = {
+    "BasisCurves": read_curves,
+    "HermiteCurves": read_curves,
+    "NurbsCurves": read_curves,
+    "NurbsPatch": read_patch,
+    "Points": read_points,
+    "TetMesh": read_tetrahedra,
+}
 
 
 @dataclass(frozen=True)
@@ -56,16 +70,25 @@ def read_surface(prim: Usd.Prim, *, bare: bool = False) -> Surface:
     double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(TIME))
     if prim.IsA(UsdGeom.Mesh):
         return _Polygons(prim, double_sided).surface(bare)
-    polygons = tessellate(prim)
+    kind = prim.GetTypeName()
+    polygons, losses = _READERS[kind](prim) if kind in _READERS else (tessellate(prim), [])
     if polygons is None:
-        kind = prim.GetTypeName()
-        return Surface(None, losses=(("skipped", f"{kind} without a surface that is known here"),))
+        reason = "; ".join(losses) or f"{kind} without a surface that is known here"
+        return Surface(None, losses=(("skipped", reason),))
     corners, faces = triangulate(polygons.points, polygons.counts, polygons.indices)
-    if _left_handed(prim):
+    if not len(faces):
+        return Surface(None, losses=(("skipped", "no face has an area"),))
+    turned = _left_handed(prim)
+    if turned:
         corners = corners[:, ::-1]
-    normals = None if polygons.normals is None else polygons.normals[corners]
-    mesh = TriangleMesh(polygons.points, polygons.indices[corners], faces, normals)
-    return Surface(mesh, double_sided)
+    normals = None if bare or polygons.normals is None else polygons.normals[corners]
+    if turned and normals is not None and kind in _READERS:
+        normals = -normals
+    uvs = {} if bare or polygons.st is None else {names.ST: polygons.st[corners]}
+    mesh = TriangleMesh(polygons.points, polygons.indices[corners], faces, normals, uvs)
+    # Ribbons of curves are seen from both sides, tubes have no other.
+    both = double_sided or prim.IsA(UsdGeom.Curves)
+    return Surface(mesh, both, tuple(("approximated", one) for one in losses))
 
 
 def _left_handed(prim: Usd.Prim) -> bool:

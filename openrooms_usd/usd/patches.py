@@ -1,0 +1,159 @@
+"""NURBS patches, points and tetrahedra as polygons."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd, UsdGeom
+from scipy.sparse import csr_array, kron
+
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.splines import rational, spans
+from openrooms_usd.usd.curves import numbers
+from openrooms_usd.usd.frames import TIME
+
+Array = NDArray[np.float64]
+
+_GOLDEN: Final = (1.0 + np.sqrt(5.0)) / 2.0
+# The corners of a twentyfold, and of an eightfold for many points.
+_ICOSAHEDRON: Final = np.array(
+    [[-1, _GOLDEN, 0], [1, _GOLDEN, 0], [-1, -_GOLDEN, 0], [1, -_GOLDEN, 0],
+     [0, -1, _GOLDEN], [0, 1, _GOLDEN], [0, -1, -_GOLDEN], [0, 1, -_GOLDEN],
+     [_GOLDEN, 0, -1], [_GOLDEN, 0, 1], [-_GOLDEN, 0, -1], [-_GOLDEN, 0, 1]]
+)  # fmt: skip
+_ICOSAHEDRON_FACES: Final = np.array(
+    [[0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4],
+     [11, 10, 2], [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8],
+     [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1]]
+)  # fmt: skip
+# Of more points each is a twentyfold, of fewer that is refined once.
+_MANY_POINTS: Final = 5_000
+
+
+def read_patch(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
+    """The surface of a ``NurbsPatch``, and what was approximated; without one the reason."""
+    patch = UsdGeom.NurbsPatch(prim)
+    points = numbers(patch.GetPointsAttr(), 3)
+    try:
+        along = [
+            _side(count, order, knots, reach)
+            for count, order, knots, reach in (
+                (patch.GetUVertexCountAttr(), patch.GetUOrderAttr(), patch.GetUKnotsAttr(),
+                 patch.GetURangeAttr()),
+                (patch.GetVVertexCountAttr(), patch.GetVOrderAttr(), patch.GetVKnotsAttr(),
+                 patch.GetVRangeAttr()),
+            )
+        ]  # fmt: skip
+        u, v = along
+        # Points run along u first.
+        weights = csr_array(kron(v, u))
+        if weights.shape[1] != len(points):
+            raise ValueError("uVertexCount and vVertexCount do not fit the number of points")
+        own = numbers(patch.GetPointWeightsAttr())
+        if len(own):
+            if len(own) != len(points):
+                raise ValueError("there are not as many pointWeights as points")
+            weights = rational(weights, own)
+    except ValueError as reason:
+        return None, [str(reason)]
+    if not np.isfinite(points).all():
+        return None, ["points hold NaN or infinity"]
+    losses = ["it is drawn as flat pieces"]
+    if len(patch.GetTrimCurveCountsAttr().Get(TIME) or []):
+        losses.append("its trimming curves are not applied")
+    return _sheet(weights @ points, u.shape[0], v.shape[0]), losses
+
+
+def _side(
+    count: Usd.Attribute, order: Usd.Attribute, knots: Usd.Attribute, reach: Usd.Attribute
+) -> csr_array:
+    size, degree = int(count.Get(TIME) or 0), int(order.Get(TIME) or 0)
+    values = numbers(knots)
+    if size < 2 or len(values) != size + degree:
+        raise ValueError("knots do not fit the count and the order of points")
+    said = reach.Get(TIME)
+    return spans(values, degree, size, None if said is None else np.array(said, float))
+
+
+def _sheet(points: Array, columns: int, rows: int) -> Mesh:
+    """A grid of quadrilaterals, smooth, with coordinates from 0 to 1."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    quads = np.stack(
+        [number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1
+    ).reshape(-1, 4)
+    at = points.reshape(rows, columns, 3)
+    slopes = np.gradient(at, axis=1), np.gradient(at, axis=0)
+    normals = np.cross(*slopes).reshape(-1, 3)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    whole = np.array([0.0, 0.0, 1.0])
+    normals = np.where(lengths > 0.0, normals / np.maximum(lengths, 1e-300), whole)
+    v, u = np.meshgrid(np.linspace(0, 1, rows), np.linspace(0, 1, columns), indexing="ij")
+    st = np.stack([u, v], axis=-1).reshape(-1, 2)
+    indices = quads.reshape(-1)
+    return Mesh(
+        points, np.full(len(quads), 4, np.int32), indices.astype(np.int32),
+        normals[indices].astype(np.float32), st[indices].astype(np.float32),
+    )  # fmt: skip
+
+
+def read_points(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
+    """A ball for each point of a ``Points``, and what was approximated; without one the reason."""
+    cloud = UsdGeom.Points(prim)
+    points, widths = numbers(cloud.GetPointsAttr(), 3), numbers(cloud.GetWidthsAttr())
+    losses = []
+    if not len(widths):
+        widths, losses = np.ones(1), ["it has no widths: taken as 1"]
+    if len(widths) not in (1, len(points)):
+        return None, ["there are not as many widths as points"]
+    kept = np.isfinite(points).all(axis=1) & (np.broadcast_to(widths, len(points)) > 0.0)
+    if not kept.any():
+        return None, ["it has no points with a width"]
+    radii = 0.5 * np.broadcast_to(widths, len(points))[kept]
+    ball, faces = _ball(refined=len(points) <= _MANY_POINTS)
+    places = points[kept][:, None] + radii[:, None, None] * ball
+    first = np.arange(len(radii)) * len(ball)
+    indices = (first[:, None, None] + faces).reshape(-1)
+    normals = np.tile(ball / np.linalg.norm(ball, axis=1, keepdims=True), (len(radii), 1))
+    counts = np.full(len(radii) * len(faces), 3, np.int32)
+    losses.append(f"each point is drawn as a ball of {len(faces)} triangles")
+    return Mesh(
+        places.reshape(-1, 3), counts, indices.astype(np.int32),
+        normals[indices].astype(np.float32),
+    ), losses  # fmt: skip
+
+
+def _ball(*, refined: bool) -> tuple[Array, NDArray[np.int64]]:
+    """Corners and faces of a body of triangles that holds as much as the ball of radius 1."""
+    corners = _ICOSAHEDRON / np.linalg.norm(_ICOSAHEDRON[0])
+    faces = _ICOSAHEDRON_FACES
+    if refined:
+        edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
+        pairs, which = np.unique(edges, axis=0, return_inverse=True)
+        middles = corners[pairs].sum(axis=1)
+        middles /= np.linalg.norm(middles, axis=1, keepdims=True)
+        ab, bc, ca = (which.reshape(-1, 3) + len(corners)).T
+        a, b, c = faces.T
+        rows = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        corners = np.concatenate([corners, middles])
+        faces = np.concatenate([np.stack(row, axis=1) for row in rows])
+    p, q, r = np.moveaxis(corners[faces], 1, 0)
+    volume = np.einsum("ij,ij->", p, np.cross(q, r)) / 6.0
+    return corners * (4.0 * np.pi / 3.0 / volume) ** (1.0 / 3.0), faces
+
+
+def read_tetrahedra(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
+    """The surface of a ``TetMesh``; without one the reason."""
+    body = UsdGeom.TetMesh(prim)
+    points = numbers(body.GetPointsAttr(), 3)
+    cells = np.asarray(body.GetTetVertexIndicesAttr().Get(TIME) or [], np.int64).reshape(-1, 4)
+    said = body.GetSurfaceFaceVertexIndicesAttr().Get(TIME)
+    faces = np.asarray(said or [], np.int64).reshape(-1, 3)
+    every = np.concatenate([cells.reshape(-1), faces.reshape(-1)])
+    if not len(every) or every.min() < 0 or every.max() >= len(points):
+        return None, ["its indices refer to points that do not exist, or there are none"]
+    if not np.isfinite(points).all():
+        return None, ["points hold NaN or infinity"]
+    if not len(faces):
+        faces = np.asarray(UsdGeom.TetMesh.ComputeSurfaceFaces(body, TIME), np.int64)
+    indices = faces.reshape(-1).astype(np.int32)
+    return Mesh(points, np.full(len(faces), 3, np.int32), indices), []

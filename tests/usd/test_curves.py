@@ -1,0 +1,254 @@
+"""Curves, patches, points and tetrahedra against closed forms and other people's splines."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from pxr import Gf, Usd
+from scipy.interpolate import BSpline, CubicHermiteSpline
+
+from openrooms_usd.usd.gprims import Surface, read_surface
+
+Array = NDArray[np.float64]
+BENT = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 2, 1), (1, 3, 0), (2, 3, 0)]
+
+
+def surface(kind: str, interpolations: Mapping[str, str] | None = None, **said: Any) -> Surface:
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/prim", kind)
+    for name, value in said.items():
+        prim.GetAttribute(name).Set(value)
+    for name, interpolation in (interpolations or {}).items():
+        prim.GetAttribute(name).SetMetadata("interpolation", interpolation)
+    return read_surface(prim)
+
+
+def curves(points: Any, kind: str = "BasisCurves", width: float = 0.1, **said: Any) -> Surface:
+    counts = said.pop("counts", [len(points)])
+    return surface(
+        kind, {"widths": "constant"}, points=[Gf.Vec3f(*map(float, p)) for p in points],
+        curveVertexCounts=counts, widths=[width], **said,
+    )  # fmt: skip
+
+
+def axis(found: Surface, sides: int = 12) -> Array:
+    """(S, 3) the middles of a tube's sections."""
+    assert found.mesh is not None, found.losses
+    return np.asarray(found.mesh.points.reshape(-1, sides, 3).mean(axis=1))
+
+
+def volume(found: Surface) -> float:
+    assert found.mesh is not None, found.losses
+    a, b, c = np.moveaxis(found.mesh.points[found.mesh.triangles], 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+def test_a_straight_line_is_a_cylinder() -> None:
+    found = curves([(0, 0, 0), (0, 0, 2)], type="linear", width=0.2)
+    assert volume(found) == pytest.approx(np.pi * 0.1**2 * 2.0)
+    assert found.mesh is not None and found.mesh.normals is not None
+    at, normals = found.mesh.points[found.mesh.triangles], found.mesh.normals
+    sides = np.abs(normals[..., 2]) < 0.5
+    out = at[sides] * [1.0, 1.0, 0.0]
+    out /= np.linalg.norm(out, axis=1, keepdims=True)
+    assert np.abs(normals[sides] - out).max() < 1e-6
+    assert set(normals[~sides][:, 2].round(6)) == {-1.0, 1.0}
+
+
+def test_bezier_curves_are_those_of_de_casteljau() -> None:
+    found = axis(curves(BENT, type="cubic", basis="bezier"))
+    expected = []
+    for first in (0, 3):
+        for t in np.arange(6) / 6.0:
+            row = np.array(BENT[first : first + 4], float)
+            while len(row) > 1:
+                row = (1.0 - t) * row[:-1] + t * row[1:]
+            expected.append(row[0])
+    assert np.abs(found - [*expected, BENT[-1]]).max() < 1e-6
+
+
+def test_b_splines_are_scipys() -> None:
+    found = axis(curves(BENT, type="cubic", basis="bspline"))
+    curve = BSpline(np.arange(-3.0, 8.0), np.array(BENT, float), 3)
+    assert np.abs(found - curve(np.arange(25) / 6.0)).max() < 1e-6
+
+
+@pytest.mark.parametrize("basis", ["bspline", "catmullRom"])
+def test_pinned_curves_begin_and_end_at_their_points(basis: str) -> None:
+    found = axis(curves(BENT, type="cubic", basis=basis, wrap="pinned"))
+    assert len(found) == 6 * 6 + 1
+    assert np.abs(found[[0, -1]] - np.array(BENT, float)[[0, -1]]).max() < 1e-6
+    if basis == "catmullRom":
+        assert np.abs(found[::6] - BENT).max() < 1e-6
+
+
+@pytest.mark.parametrize(("basis", "pieces"), [("bezier", 2), ("bspline", 6), ("catmullRom", 6)])
+def test_periodic_curves_are_rings(basis: str, pieces: int) -> None:
+    ring = [(np.cos(t), np.sin(t), 0.4 * np.cos(2 * t + 1)) for t in np.arange(6) * np.pi / 3.0]
+    found = curves(ring, type="cubic", basis=basis, wrap="periodic")
+    middle = axis(found)
+    assert len(middle) == 6 * pieces
+    # Pappus: a ring holds its section times the way of its middle, but for the corners.
+    way = np.linalg.norm(middle - np.roll(middle, 1, axis=0), axis=1).sum()
+    rough = 0.06 if basis == "bezier" else 0.02
+    assert volume(found) == pytest.approx(np.pi * 0.05**2 * way, rel=rough)
+    # No section is turned against the next, where the ring closes neither.
+    assert found.mesh is not None
+    at = found.mesh.points.reshape(-1, 12, 3) - middle[:, None]
+    against = (at * np.roll(at, 1, axis=0)).sum(axis=2) / 0.05**2
+    assert against.mean(axis=1).min() > (0.7 if basis == "bezier" else 0.9)
+
+
+def test_hermite_curves_are_scipys() -> None:
+    tangents = [Gf.Vec3f(*map(float, p)) for p in np.roll(BENT, 2, axis=0)]
+    found = axis(curves(BENT, "HermiteCurves", tangents=tangents))
+    curve = CubicHermiteSpline(np.arange(7), np.array(BENT, float), np.roll(BENT, 2, axis=0))
+    assert np.abs(found - curve(np.arange(37) / 6.0)).max() < 1e-6
+
+
+def test_a_nurbs_curve_with_weights_is_a_circle() -> None:
+    found = axis(curves(
+        [(1, 0, 0), (1, 1, 0), (0, 1, 0)], "NurbsCurves", order=[3],
+        knots=[0.0, 0, 0, 1, 1, 1], pointWeights=[1.0, np.sqrt(0.5), 1.0],
+    ))  # fmt: skip
+    assert np.abs(np.linalg.norm(found, axis=1) - 1.0).max() < 1e-6
+    assert len(found) == 7
+
+
+def test_two_nurbs_curves_have_their_own_knots_and_ranges() -> None:
+    found = axis(curves(
+        [(0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 1, 0), (7, 0, 0)], "NurbsCurves", counts=[2, 3],
+        order=[2, 3], knots=[0.0, 0, 1, 1, 0, 0, 0, 2, 2, 2],
+        ranges=[Gf.Vec2d(0, 0.5), Gf.Vec2d(0, 2)],
+    ))  # fmt: skip
+    assert np.abs(found[:2] - [[0, 0, 0], [0.5, 0, 0]]).max() < 1e-6
+    assert np.abs(found[[2, 5, 8]] - [[5, 0, 0], [6, 0.5, 0], [7, 0, 0]]).max() < 1e-6
+
+
+def test_widths_follow_their_interpolation() -> None:
+    def wide(interpolation: str, widths: list[float]) -> Array:
+        found = surface(
+            "BasisCurves", {"widths": interpolation}, type="cubic", basis="bspline",
+            points=[Gf.Vec3f(float(k % 5), float(k // 5), 0) for k in range(10)],
+            curveVertexCounts=[5, 5], widths=widths,
+        )  # fmt: skip
+        assert found.mesh is not None, found.losses
+        at = found.mesh.points.reshape(2, 13, 12, 3)
+        reach = np.linalg.norm(at - at.mean(axis=2, keepdims=True), axis=3).mean(axis=2)
+        return np.asarray(2.0 * reach / reach[0, 0])
+
+    assert np.abs(wide("uniform", [2.0, 4.0]) - [[2.0], [4.0]]).max() < 1e-6
+    # Two pieces have three ends.
+    expected = np.interp(np.arange(13) / 6.0, [0, 1, 2], [2.0, 3.0, 1.0])
+    assert np.abs(wide("varying", [2.0, 3.0, 1.0] * 2) - expected).max() < 1e-6
+    curve = BSpline(np.arange(-3.0, 6.0), np.array([1.0, 2.0, 3.0, 9.0, 1.0]), 3)
+    vertex = curve(np.arange(13) / 6.0)
+    found = wide("vertex", [1.0, 2.0, 3.0, 9.0, 1.0] * 2)
+    assert np.abs(found[0] / 2.0 - vertex / vertex[0]).max() < 1e-6
+
+
+def test_curves_with_normals_are_ribbons() -> None:
+    found = surface(
+        "BasisCurves", {"widths": "constant", "normals": "vertex"}, type="linear",
+        points=[Gf.Vec3f(0, 0, 0), Gf.Vec3f(2, 0, 0)], curveVertexCounts=[2], widths=[0.5],
+        normals=[Gf.Vec3f(0, 0, 1)] * 2,
+    )  # fmt: skip
+    assert found.mesh is not None and found.double_sided
+    a, b, c = np.moveaxis(found.mesh.points[found.mesh.triangles], 1, 0)
+    assert 0.5 * np.cross(b - a, c - a).sum(axis=0) == pytest.approx([0.0, 0.0, 1.0])
+    assert found.mesh.normals is not None
+    assert np.abs(found.mesh.normals - [0, 0, 1]).max() < 1e-6
+
+
+def test_a_helix_does_not_twist() -> None:
+    """Along a helix the section turns about its own axis by no more than it has to."""
+    turn = np.linspace(0.0, 6.0 * np.pi, 200)
+    found = curves(np.stack([np.cos(turn), np.sin(turn), 0.1 * turn], axis=1), type="linear")
+    assert found.mesh is not None
+    at = found.mesh.points.reshape(-1, 12, 3)
+    rays = at[:, 0] - at.mean(axis=1)
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    tangents = np.gradient(at.mean(axis=1), axis=0)
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    assert np.abs((rays * tangents).sum(axis=1)).max() < 1e-6
+    spin = (np.cross(rays[:-1], rays[1:]) * tangents[:-1]).sum(axis=1)
+    assert np.abs(spin[1:-1]).max() < 3e-3
+
+
+def test_many_curves_have_few_sides_and_no_widths_are_told() -> None:
+    points = [Gf.Vec3f(float(k), 0, float(z)) for k in range(600) for z in range(2)]
+    found = surface("BasisCurves", points=points, curveVertexCounts=[2] * 600, type="linear")
+    assert found.mesh is not None and len(found.mesh.points) == 600 * 2 * 4
+    assert ("approximated", "it has no widths: taken as 1") in found.losses
+
+
+def test_a_patch_with_weights_is_a_cylinder_that_faces_outwards() -> None:
+    arc = [(1, 0), (1, 1), (0, 1)]
+    found = surface(
+        "NurbsPatch", uVertexCount=3, vVertexCount=2, uOrder=3, vOrder=2,
+        uKnots=[0.0, 0, 0, 1, 1, 1], vKnots=[0.0, 0, 1, 1],
+        points=[Gf.Vec3f(float(x), float(y), float(z)) for z in (0, 2) for x, y in arc],
+        pointWeights=[1.0, np.sqrt(0.5), 1.0] * 2,
+    )  # fmt: skip
+    mesh = found.mesh
+    assert mesh is not None and mesh.normals is not None
+    assert np.abs(np.linalg.norm(mesh.points[:, :2], axis=1) - 1.0).max() < 1e-6
+    a, b, c = np.moveaxis(mesh.points[mesh.triangles], 1, 0)
+    flat = np.cross(b - a, c - a)
+    assert (np.einsum("ij,ij->i", flat, a * [1, 1, 0]) > 0.0).all()
+    assert np.linalg.norm(flat, axis=1).sum() / 2.0 == pytest.approx(np.pi, rel=0.01)
+    assert np.einsum("ijk,ik->ij", mesh.normals, flat).min() > 0.0
+    assert mesh.uvs["st"].min() == 0.0 and mesh.uvs["st"].max() == 1.0
+
+
+@pytest.mark.parametrize("count", [3, 6000])
+def test_points_are_balls_of_their_widths(count: int) -> None:
+    widths = np.linspace(0.1, 0.3, count)
+    points = [Gf.Vec3f(float(k), 0, 0) for k in range(count)]
+    found = surface("Points", {"widths": "vertex"}, points=points, widths=widths.tolist())
+    expected = np.pi / 6.0 * (widths**3).sum()
+    assert volume(found) == pytest.approx(expected, rel=1e-4)
+    assert found.mesh is not None
+    assert len(found.mesh.faces) == count * (80 if count < 5000 else 20)
+
+
+@pytest.mark.parametrize("said", [True, False])
+def test_tetrahedra_show_their_outside(said: bool) -> None:
+    more = {"surfaceFaceVertexIndices": [Gf.Vec3i(*row) for row in (
+        (0, 2, 1), (0, 1, 3), (0, 3, 4), (0, 4, 2), (1, 2, 3), (2, 4, 3),
+    )]} if said else {}  # fmt: skip
+    found = surface(
+        "TetMesh", points=[Gf.Vec3f(*p) for p in (
+            (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0))],
+        tetVertexIndices=[Gf.Vec4i(0, 1, 2, 3), Gf.Vec4i(0, 2, 4, 3)], **more,
+    )  # fmt: skip
+    assert volume(found) == pytest.approx(2.0 / 6.0)
+    assert found.mesh is not None and len(found.mesh.faces) == 6
+
+
+def test_left_handed_shapes_are_turned() -> None:
+    found = curves([(0, 0, 0), (0, 0, 2)], type="linear", width=0.2, orientation="leftHanded")
+    assert volume(found) == pytest.approx(-np.pi * 0.1**2 * 2.0)
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        ({"points": [], "counts": []}, "do not add up"),
+        ({"counts": [3, 3]}, "do not add up"),
+        ({"basis": "bezier", "counts": [5, 2]}, "do not fit nonperiodic bezier"),
+        ({"basis": "hermite"}, "the basis hermite is not known"),
+        ({"kind": "NurbsCurves", "order": [4], "knots": [0.0] * 5}, "do not fit"),
+        ({"kind": "NurbsCurves", "order": [4], "knots": [0.0] * 11}, "range of its knots is empty"),
+        ({"kind": "HermiteCurves", "tangents": []}, "tangents"),
+        ({"points": [*BENT[:-1], (np.nan, 0, 0)]}, "NaN"),
+    ],
+)
+def test_what_does_not_fit_is_skipped_with_a_reason(said: dict[str, Any], reason: str) -> None:
+    if "kind" not in said:
+        said = {"type": "cubic", "basis": "bspline"} | said
+    found = curves(said.pop("points", BENT), said.pop("kind", "BasisCurves"), **said)
+    assert found.mesh is None
+    assert found.losses[0][0] == "skipped" and reason in found.losses[0][1]
