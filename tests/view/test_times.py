@@ -65,8 +65,8 @@ def page(
 
 
 def off(found: Array, expected: Array) -> float:
-    """The largest difference of pixels, as a part of the brightest."""
-    return float(np.abs(found - expected).max() / expected.max())
+    """The largest difference of a pixel, as a part of it; below a nit as a part of that."""
+    return float((np.abs(found - expected) / np.maximum(np.abs(expected), 1.0)).max())
 
 
 def test_a_slider_goes_from_the_light_of_one_time_to_that_of_another(
@@ -74,15 +74,18 @@ def test_a_slider_goes_from_the_light_of_one_time_to_that_of_another(
 ) -> None:
     (noon, _), (evening, _) = alone["noon"], alone["evening"]
     assert noon.mean() > 1.5 * evening.mean()
-    slide(page, "time", 0)
-    assert off(lit_picture(page), noon) < 1e-5
-    slide(page, "time", 1)
-    assert off(lit_picture(page), evening) < 1e-5
+    ends = []
+    for time, expected in enumerate((noon, evening)):
+        slide(page, "time", time)
+        ends.append(off(lit_picture(page), expected))
     slide(page, "time", 0.5)
     between = lit_picture(page)
-    assert off(between, 0.5 * (noon + evening)) < 1e-4
+    middle = off(between, 0.5 * (noon + evening))
+    print(f"off by {ends} at the ends, {middle} in the middle")
+    assert max(ends) < 1e-5
+    assert middle < 1e-4
     # Other shares are another picture: the measure sees it.
-    assert off(between, 0.51 * noon + 0.49 * evening) > 1e-3
+    assert off(between, 0.51 * noon + 0.49 * evening) > 5e-3
     assert page.evaluate("document.querySelector('#times output').textContent") == "noon to evening"
 
 
@@ -94,7 +97,8 @@ def test_a_window_has_one_switch_for_all_times(
     turn(page, WINDOW, on=False)
     taken = whole - lit_picture(page)
     turn(page, WINDOW, on=True)
-    (noon, at_noon), (_, at_evening) = alone["noon"], alone["evening"]
+    (_, at_noon), (_, at_evening) = alone["noon"], alone["evening"]
     expected = 0.75 * at_noon + 0.25 * at_evening
-    assert expected.mean() > 0.01 * noon.mean()
-    assert np.abs(taken - expected).max() < 1e-4 * noon.max()
+    assert expected.mean() > 10.0
+    # Differences of pictures: parts of the whole.
+    assert (np.abs(taken - expected) / np.maximum(whole, 1.0)).max() < 1e-3
