@@ -174,8 +174,8 @@ class RenderJob:
 
         Args:
             path: The USD file.
-            cameras: Names or prim paths; all cameras where empty, and a framing camera where the
-                stage has none.
+            cameras: Names or prim paths; where empty those that the stage's render products name,
+                else all cameras, and a framing camera where the stage has none.
             views: For how many views a method is chosen; by default as many as are rendered.
 
         Raises:
@@ -199,7 +199,7 @@ class RenderJob:
             add_missing(opened.report, stage)
         took = time.perf_counter() - began
         request = sized(self.rendered, self.resolution or opened.resolution)
-        chosen = choose_cameras(cameras, opened.cameras)
+        chosen = choose_cameras(cameras or opened.requested, opened.cameras)
         paths = paths_of(request, views or len(chosen))
         request = replace(request, method=choose_method(self.method, opened.session, paths))
         return OpenedJob(self, path, stage, opened, request, chosen, took)

@@ -52,6 +52,7 @@ from openrooms_usd.usd.cameras import (
     read_camera,
     with_lens,
 )
+from openrooms_usd.usd.rendersettings import asked_cameras, settings_losses
 
 # The part of the progress that exact channels take beside many samples.
 _EXACT_SHARE: Final = 0.02
@@ -88,6 +89,7 @@ class OpenedStage:
     Attributes:
         session: What a renderer made of the scene.
         cameras: Prim paths of the stage's cameras, sorted.
+        requested: Those of them that its render products name; none where nobody makes a choice.
         resolution: Width and height that the stage's render settings ask for.
         legend: What the label numbers mean.
         report: What became of every prim; rendering may add what became of a camera's picture.
@@ -103,8 +105,11 @@ class OpenedStage:
         self._sources = sources_of(scene)
         cameras = list_cameras(stage)
         self.cameras = tuple(str(prim.GetPath()) for prim in cameras)
+        self.requested = asked_cameras(stage)
         self.resolution = stage_resolution(stage)
         self.legend, self.report = scene.legend, scene.report
+        for path, loss in settings_losses(stage):
+            self.report.add(path, "approximated", loss)
         for prim in cameras:
             if loss := clipping_loss(prim):
                 self.report.add(prim.GetPath(), "approximated", loss)

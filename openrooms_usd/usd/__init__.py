@@ -7,6 +7,6 @@
   `curves`, `patches`, `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;
 - light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`, `cones`),
-  `lights`, `linking`, `portals`; `cameras`, `fields_of_view`;
+  `lights`, `linking`, `portals`; `cameras`, `fields_of_view`, `rendersettings`;
 - meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.
 """

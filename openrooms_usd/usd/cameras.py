@@ -24,6 +24,7 @@ from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.meshes import MeshReading, read_meshes, world_triangles
+from openrooms_usd.usd.rendersettings import conformed_aperture, is_set
 from openrooms_usd.usd.transforms import author_matrix
 
 Array = NDArray[np.float64]
@@ -181,7 +182,8 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
     """A camera prim as a pinhole, or with parallel rays, for pictures of one size.
 
     The horizontal aperture gives the horizontal field of view and pixels are square: where the
-    picture has another shape than the apertures, the vertical field of view follows the picture.
+    picture has another shape than the apertures, the vertical field of view follows the picture,
+    unless the stage's render settings say otherwise.
     An orthographic camera sees a window as wide as its aperture, in tenths of a scene unit; it has
     no lens.
 
@@ -209,7 +211,8 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
     )
     if parallel:
         return replace(seen, projection=ORTHOGRAPHIC)
-    f_stop = _number(camera.GetFStopAttr())
+    sharp = is_set(stage, str(prim.GetPath()), "disableDepthOfField")
+    f_stop = 0.0 if sharp else _number(camera.GetFStopAttr())
     return replace(
         seen,
         f_stop=f_stop,
@@ -285,7 +288,7 @@ def _clipping(camera: UsdGeom.Camera, metres: float, *, parallel: bool) -> tuple
 
 def _intrinsics(camera: UsdGeom.Camera, focal: float, width: int, height: int) -> Array:
     """Of a window at a distance, both in the camera's own units."""
-    aperture = _number(camera.GetHorizontalApertureAttr())
+    aperture = conformed_aperture(camera, width, height)
     if not (0 < focal < math.inf and 0 < aperture < math.inf):
         raise _unusable(
             camera.GetPrim(),

@@ -3,11 +3,12 @@
 import math
 from typing import Final
 
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, UsdRender
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.rendersettings import render_settings
 
 _LEAST_FIELD_DEG: Final = 1.0
 _MOST_FIELD_DEG: Final = 170.0
@@ -29,6 +30,10 @@ def set_field_of_view(stage: Usd.Stage, degrees: float) -> None:
             remedy=f"give {_LEAST_FIELD_DEG:g} to {_MOST_FIELD_DEG:g}",
         )
     with Usd.EditContext(stage, stage.GetSessionLayer()):
+        if (settings := render_settings(stage)) is not None:
+            # Else the horizontal field of view may follow from the vertical one.
+            policy = settings.GetAspectRatioConformPolicyAttr()
+            policy.Set(UsdRender.Tokens.adjustApertureHeight)
         for prim in list_cameras(stage):
             camera = UsdGeom.Camera(prim)
             aperture = float(camera.GetHorizontalApertureAttr().Get(TIME))

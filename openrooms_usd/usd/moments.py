@@ -13,6 +13,7 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.rendersettings import is_set
 from openrooms_usd.usd.skinning import has_skin, skin
 
 # Prototypes of point instancers may be mere overs or classes.
@@ -218,7 +219,9 @@ def _blurred(stage: Usd.Stage, time_code: float | None) -> dict[str, str]:
     opened = {
         str(prim.GetPath()): span
         for prim in _everything(stage)
-        if prim.IsA(UsdGeom.Camera) and (span := _shutter(UsdGeom.Camera(prim), time_code))
+        if prim.IsA(UsdGeom.Camera)
+        and (span := _shutter(UsdGeom.Camera(prim), time_code))
+        and not is_set(stage, str(prim.GetPath()), "disableMotionBlur", "instantaneousShutter")
     }
     if not opened:
         return {}

@@ -51,6 +51,7 @@ class FakeRenderer:
     conventions: Mapping[str, str] = {"bsdf": "auto: as each material says"}
     tracer = None
     cameras: tuple[str, ...] = ("/World/Cameras/left", "/World/Cameras/right")
+    requested: tuple[str, ...] = ()
     resolution = (40, 30)
     legend = Legend(
         semantic={44: "floor", 5: "desk"},

@@ -2,23 +2,17 @@
 
 from typing import Final
 
-from pxr import Usd, UsdGeom, UsdRender
+from pxr import Usd, UsdGeom
 
-from openrooms_usd import names
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.rendersettings import asked_resolution
 
 DEFAULT_RESOLUTION: Final = (640, 480)
 
 
 def stage_resolution(stage: Usd.Stage) -> tuple[int, int]:
     """Width and height of the stage's render settings, or `DEFAULT_RESOLUTION`."""
-    settings = UsdRender.Settings.GetStageRenderSettings(stage)
-    if not settings:
-        settings = UsdRender.Settings(stage.GetPrimAtPath(names.RENDER_SETTINGS))
-    if not settings:
-        return DEFAULT_RESOLUTION
-    width, height = settings.GetResolutionAttr().Get() or DEFAULT_RESOLUTION
-    return (int(width), int(height)) if width > 0 and height > 0 else DEFAULT_RESOLUTION
+    return asked_resolution(stage) or DEFAULT_RESOLUTION
 
 
 def clipping_loss(prim: Usd.Prim) -> str:

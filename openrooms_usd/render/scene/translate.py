@@ -44,6 +44,7 @@ from openrooms_usd.usd.materials import bound_material, bound_subsets, read_prev
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
 from openrooms_usd.usd.profiles import Shaping
+from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.surfaces import PreviewSurface
 
 # Rows of triangles, and the material that they show.
@@ -77,7 +78,7 @@ def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
         work.add_light(stage, light)
     work.add_portals(stage)
     # 2. Surfaces, instances expanded.
-    reading = read_meshes(stage, outside=outside)
+    reading = read_meshes(stage, purposes=asked_purposes(stage), outside=outside)
     for path, outcome, reason in reading.losses:
         work.report.add(path, outcome, reason)
     lossy = {path for path, _, _ in reading.losses}

@@ -7,6 +7,7 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.convert import Report
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.rendersettings import asked_purposes
 
 # Prims that shape others, or belong to other uses of a stage; nothing is lost without them.
 _SILENT: Final = frozenset(
@@ -57,6 +58,6 @@ def _why(prim: Usd.Prim) -> str:
     if shown and shown.ComputeVisibility(TIME) == UsdGeom.Tokens.invisible:
         return "invisible"
     purpose = shown.ComputePurpose() if shown else UsdGeom.Tokens.default_
-    if purpose in (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy):
+    if purpose not in asked_purposes(prim.GetStage()):
         return f"{_PURPOSE} {purpose}"
     return f"{prim.GetTypeName() or 'it'} has nothing to draw"
