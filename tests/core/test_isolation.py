@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -99,6 +100,35 @@ def test_what_ends_or_holds_the_process(
     monkeypatch.undo()
     # The next one has a process again.
     check_crate_reads(str(path), 1)
+
+
+def test_who_waits_for_others_on_a_busy_machine_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = crate(tmp_path / "a.usdc")
+    check_crate_reads(str(path), 1)
+    process = READER._process
+    assert process is not None
+    monkeypatch.setattr(isolation, "_LEAST_SECONDS", 0.2)
+    os.kill(process.pid, signal.SIGSTOP)
+    threading.Timer(0.7, os.kill, (process.pid, signal.SIGCONT)).start()
+    check_crate_reads(str(path), 1)
+    assert READER._process is process
+
+
+def test_who_works_without_end_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "endless.py").write_text(
+        "from openrooms_usd.isolation import serve\n"
+        "def read(name):\n    while True:\n        pass\n"
+        "serve(read)\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    reader = isolation._Reader("endless")
+    start = time.monotonic()
+    assert reader.ask("anything", 0.3) == "reading it takes too long"
+    # Nor is it waited for ten times as long, as who does nothing is.
+    assert reader._process is None
+    print(f"{time.monotonic() - start:.1f} s")
 
 
 def test_where_no_process_can_be_had_nothing_is_tried(
