@@ -103,6 +103,20 @@ def test_a_mesh_glows_as_its_light_does(export: Export) -> None:
     assert strengths == {"Dark": 0.0, "Bulb": 5000.0}
 
 
+def test_parallel_cameras_see_as_much(export: Export) -> None:
+    made = Build()
+    made.camera((0, -4, 1), (0, 0, 1), aspect=4 / 3)
+    camera = UsdGeom.Camera(made.stage.GetPrimAtPath("/Camera"))
+    camera.CreateProjectionAttr("orthographic")
+    camera.GetHorizontalApertureAttr().Set(60.0)
+    camera.CreateClippingRangeAttr((-2.0, 9.0))
+    glb, _ = export(made.stage)
+    (said,) = glb.json["cameras"]
+    assert said["type"] == "orthographic"
+    expected = {"xmag": 3.0, "ymag": 2.25, "znear": 0.0, "zfar": 9.0}
+    assert said["orthographic"] == pytest.approx(expected)
+
+
 def test_cameras_see_as_much(export: Export) -> None:
     made = Build()
     made.camera((0, -4, 1), (0, 0, 1), fov=70.0, aspect=4 / 3)

@@ -124,3 +124,19 @@ def test_planes_of_its_own_are_reported(tiles: Usd.Stage, open_stage: Any) -> No
     assert [row[2] for row in rows] == [
         "clippingPlanes are left out: what they cut away is seen too"
     ]
+
+
+def test_no_ray_slips_between_the_triangles_of_a_ball(build: Any, shoot: Any, variant: str) -> None:
+    """Its edges lie where the pixels' centres are: along the diagonals, through the middle."""
+    made = build()
+    UsdGeom.Sphere.Define(made.stage, "/Ball").CreateRadiusAttr(1.0)
+    path = made.camera((0, 0, EYE_M), (0, 0, 0), up=(0, 1, 0), aspect=1.0)
+    camera = UsdGeom.Camera(made.stage.GetPrimAtPath(path))
+    camera.CreateProjectionAttr("orthographic")
+    camera.GetHorizontalApertureAttr().Set(20.0)
+    camera.GetVerticalApertureAttr().Set(20.0)
+    depth = shoot(made.stage, "depth", width=64, height=64).images["depth"].pixels[..., 0]
+    x, y = np.meshgrid(*2 * [(np.arange(64) + 0.5) / 32 - 1])
+    inside = np.hypot(x, y) < 0.95
+    expected = EYE_M - np.sqrt(1.0 - np.minimum(x**2 + y**2, 1.0))
+    np.testing.assert_allclose(depth[inside], expected[inside], atol=0.02)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.pictures import Array, evaluate
 from openrooms_usd.render.scene.rays import RayTracer, Rows
-from openrooms_usd.usd.cameras import PinholeCamera
+from openrooms_usd.usd.cameras import ORTHOGRAPHIC, PinholeCamera
 
 # |cos| between ray and plane below which the plane cannot tell where the ray meets it.
 _GRAZING_COSINE: Final = 1e-6
@@ -19,6 +19,8 @@ _MOST_CLEAR_LAYERS: Final = 64
 _STEP_BEHIND: Final = 1e-5
 # What is less opaque than this is seen through by geometry and labels.
 _LEAST_OPACITY: Final = 0.5
+# For the choice of the triangle alone, not for where it is met.
+_ASIDE_PX: Final = np.array([1.0e-3, 0.7e-3])
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +78,23 @@ def first_hits(
     """
     origins, directions = camera.rays(width, height)
     near, far = camera.clipping
-    if near == 0.0:
+    is_parallel = camera.projection == ORTHOGRAPHIC
+    if near == 0.0 and not is_parallel:
         found = tracer.pixels(camera, width, height).ravel()
     else:
-        found = tracer.rays(origins + near * directions, directions)
+        starts = origins + near * directions
+        found = tracer.rays(starts + _aside(camera) if is_parallel else starts, directions)
     hits = _through(scene, tracer, origins, directions, found, (height, width))
     return hits if math.isinf(far) else hits.chosen(hits.depth <= far)
+
+
+def _aside(camera: PinholeCamera) -> Array:
+    """(3,) metres beside the centres of an orthographic camera's pixels.
+
+    Where models are symmetric, many parallel rays meet edges exactly, and tracers in single
+    precision slip through between the two triangles.
+    """
+    return np.asarray(camera.world_from_camera[:3, :2] @ (_ASIDE_PX / camera.K[[0, 1], [0, 1]]))
 
 
 def hits_along(
