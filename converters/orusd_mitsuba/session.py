@@ -17,7 +17,7 @@ from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
 from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.models import MODELS, Model, report_unlinked, with_model
+from openrooms_usd.render.scene.models import MODELS, Model, report_simplified, with_model
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bias import measurable, with_bias
@@ -91,7 +91,7 @@ class MitsubaSession:
         self._scene = with_model(scene, model)
         if backend.variant.startswith("scalar"):
             _simplify_panes(self._scene)
-            report_unlinked(self._scene)
+            report_simplified(self._scene)
         self._builder = Builder(self._scene.origin)
         self._built = self._builder.scene(self._scene)
         self._sources = sources_of(self._scene)

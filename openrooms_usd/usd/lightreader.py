@@ -211,7 +211,8 @@ class _Reader:
 
     def radiance(self, size: float) -> NDArray[np.float64]:
         """(3,) nits of each primary."""
-        scale = self.number("inputs:intensity", 1.0) * 2.0 ** self.number("inputs:exposure", 0.0)
+        stops = min(self.number("inputs:exposure", 0.0), _MOST_STOPS)
+        scale = self.number("inputs:intensity", 1.0) * 2.0**stops
         if (self.normalize or self.value("inputs:normalize", False)) and size > 0:
             scale /= size
         color = np.array(self.value("inputs:color", (1.0, 1.0, 1.0)), dtype=np.float64)
@@ -219,9 +220,10 @@ class _Reader:
             kelvin = self.number("inputs:colorTemperature", 6500.0)
             color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
         radiance = np.asarray(scale * color, dtype=np.float64)
-        if not np.isfinite(radiance).all() or (radiance < 0).any():
+        if not ((radiance >= 0) & (radiance <= _MOST_NITS)).all():
             self.losses.append(f"its radiance {radiance.tolist()} is not physical; cut off at 0")
-            radiance = np.clip(np.nan_to_num(radiance, posinf=0.0, neginf=0.0), 0.0, None)
+            kept = (radiance >= 0) & (radiance <= _MOST_NITS)
+            radiance = np.where(kept, radiance, 0.0)
         return radiance
 
     def texture(self) -> str | None:
@@ -262,7 +264,7 @@ class _Reader:
             attribute = self.prim.GetAttribute(name)
             if attribute and attribute.HasAuthoredValue() and attribute.Get(_WHEN) != neutral:
                 self.losses.append(f"{name}: {what}")
-        if self.prim.GetRelationship("light:filters").HasAuthoredTargets():
+        if self.prim.GetRelationship("light:filters").GetTargets():
             self.losses.append("light:filters: light filters are left out")
         light = UsdLux.LightAPI(self.prim)
         if not includes_all(light.GetShadowLinkCollectionAPI().ComputeMembershipQuery()):
@@ -295,6 +297,10 @@ _KINDS: Final[dict[str, Callable[[_Reader], Light]]] = {
 _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
     "inputs:shadow:enable": (True, "the light casts shadows all the same"),
 }
+
+# What renderers, who count in single precision, can still add up.
+_MOST_NITS: Final = 1e30
+_MOST_STOPS: Final = 1000.0
 
 # The radius that points and lines have, metres.
 _THIN_METRES: Final = 1e-3

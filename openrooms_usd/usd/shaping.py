@@ -55,7 +55,7 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
 
 def _read_cone(api: UsdLux.ShapingAPI, light: Light) -> tuple[Cone, list[str]]:
     """The cone and the focus; an angle that nobody wrote cuts nothing, unless it is soft."""
-    losses = []
+    losses: list[str] = []
     angle, softness, focus = (
         _finite(attribute, losses)
         for attribute in (

@@ -181,3 +181,32 @@ def test_the_picture_of_a_glow_is_tinted_by_the_light(
     seen = session.render(RenderRequest("/Camera", ("radiance",), 2, 2, samples=4))
     pixels = seen.images["radiance"].pixels
     np.testing.assert_allclose(pixels.reshape(-1, 3), [[20.0, 5.0, 1.25]] * 4, rtol=1e-3)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 8), (2, 4), (4, 8), (32, 64)])
+def test_a_bright_pixel_of_a_small_dome_brings_what_lies_between_pixels(
+    build: type[Build], save_picture: Any, tmp_path: Path, size: tuple[int, int]
+) -> None:
+    """By the integral of the rows' means, linear between their centres."""
+    pixels = np.ones((*size, 3), dtype=np.float32)
+    pixels[size[0] // 4, size[1] // 2] = 1e4
+    polar = (np.arange(4000) + 0.5) / 4000 * np.pi / 2.0
+    rows = np.pi * (np.arange(size[0]) + 0.5) / size[0]
+    even = np.interp(polar, rows, pixels[..., 1].mean(axis=1, dtype=np.float64))
+    expected = 2.0 * np.pi * (even * np.sin(polar) * np.cos(polar)).sum() * np.pi / 8000
+    made = below(build)
+    dome = UsdLux.DomeLight.Define(made.stage, "/Dome")
+    dome.CreateTextureFileAttr(save_picture(tmp_path / "sky.exr", pixels))
+    dome.OrientToStageUpAxis()
+    assert lux(made, 1024)[1] == pytest.approx(expected, rel=0.015)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("intensity", math.inf), ("intensity", 1e38), ("exposure", 1e4), ("radius", -1.0),
+     ("radius", math.nan), ("colorTemperature", -5.0), ("color", Gf.Vec3f(math.nan))],
+)  # fmt: skip
+def test_broken_values_give_a_picture(build: type[Build], name: str, value: Any) -> None:
+    made = below(build)
+    light(made, "Sphere", enableColorTemperature=True, **{name: value})
+    assert np.isfinite(lux(made, 4)).all()

@@ -16,6 +16,7 @@ from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.sources import Source
 from orusd_mitsuba.direct.lamp_faces import LampFaces
 from orusd_mitsuba.direct.rectangles import Rectangles
+from orusd_mitsuba.plugins.sun_disk import towards
 from orusd_mitsuba.transport.lattice import PixelLattice
 from orusd_mitsuba.transport.light_index import LightIndex, registered
 
@@ -24,6 +25,7 @@ from orusd_mitsuba.transport.light_index import LightIndex, registered
 _IN_PLANE_HEIGHT_PER_SIZE: Final = 2.0**-22
 # Keep the random numbers of techniques apart; lamps and openings add their number.
 _SKY_SALT: Final = 100
+_SUN_SALT: Final = 200
 _LAMP_SALT: Final = 1000
 _OPENING_SALT: Final = 1_000_000
 
@@ -96,10 +98,10 @@ class LightSamples:
             active: Where they are wanted.
             found: Receives them.
         """
-        for sun in self._suns:
-            ray = si.spawn_ray(mi.Vector3f((-sun.direction).tolist()))
+        for number, sun in enumerate(self._suns):
+            way, lux = towards(sun, numbers.pair(number + _SUN_SALT))
+            ray = si.spawn_ray(way)
             light = self._index.crossed(ray.o, ray.d, mi.Float(dr.inf), crossed)
-            lux = mi.Color3f(sun.irradiance.tolist())
             found(light, ray, ray.d, lux, mi.Float(dr.inf), mi.Float(1.0), active)
         if len(self.faces):
             self._draw_lamps(si, numbers, active, found)

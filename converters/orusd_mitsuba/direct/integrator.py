@@ -16,8 +16,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.arrays import Scene, Sun
 from openrooms_usd.render.scene.sources import Source
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.direct.accumulator import DirectAccumulator
@@ -27,6 +26,7 @@ from orusd_mitsuba.direct.lamp_faces import LampFaces
 from orusd_mitsuba.direct.receiver import Between, Receiver, receive
 from orusd_mitsuba.direct.rectangles import Rectangles
 from orusd_mitsuba.direct.sky_light import Sky
+from orusd_mitsuba.plugins.sun_disk import towards
 from orusd_mitsuba.transport.bands import Band, BandedIntegrator
 from orusd_mitsuba.transport.light_index import LightIndex
 
@@ -104,7 +104,7 @@ class DirectIntegrator(BandedIntegrator):
             lamps = mi.UInt32(np.array(self._closed, dtype=np.uint32))
             _in_closed_form(self._faces, lamps, len(self._closed), at, sums)
         for sun in self._scene.suns:
-            self._from_sun(sun.direction, sun.irradiance, at, sums)
+            self._from_sun(sun, at, sampler, sums)
         if self._sky is not None:
             self._sky.gather(at, sampler, sums)
         self._by_hemisphere(at, sampler, sums)
@@ -128,12 +128,12 @@ class DirectIntegrator(BandedIntegrator):
         if self._sky is not None:
             self._sky.add(at, direction, density, at.active & (density > 0.0), sums)
 
-    def _from_sun(self, along: Array, lux: Array, at: Receiver, sums: DirectAccumulator) -> None:
-        direction = mi.Vector3f((-along).tolist())
+    def _from_sun(self, sun: Sun, at: Receiver, sampler: Any, sums: DirectAccumulator) -> None:
+        direction, lux = towards(sun, sampler.next_2d() if sun.angle > 0.0 else None)
         light = self._index.crossed(at.si.p, direction, mi.Float(dr.inf), at.crossed)
         active = at.active & (at.cosine(direction) > 0.0)
         seen = self._between.unblocked(at.si.spawn_ray(direction), active)
-        sums.add(light, mi.Color3f(lux.tolist()) * at.cosine(direction), seen, active)
+        sums.add(light, lux * at.cosine(direction), seen, active)
 
 
 @dr.syntax

@@ -16,7 +16,7 @@ from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
-from openrooms_usd.render.scene.models import report_unlinked, with_model, without_shaping
+from openrooms_usd.render.scene.models import report_simplified, with_model, without_shaping
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
@@ -57,7 +57,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
     file = destination if destination.suffix == ".xml" else destination / "scene.xml"
     # What loads the file knows Mitsuba's own plugins alone.
     scene = without_shaping(with_model(translate(stage), "preview"))
-    report_unlinked(scene)
+    report_simplified(scene)
     with atomic.filling(file.parent) as folder:
         _write_scene(stage, scene, folder / file.name)
     return scene.report

@@ -21,6 +21,7 @@ from orusd_mitsuba.plugins.descriptions import (
 from orusd_mitsuba.plugins.light_weights import LightWeights, brightest_beam, light_weights
 from orusd_mitsuba.plugins.material_table import MaterialTable, shape_number
 from orusd_mitsuba.plugins.shaped_area import shaped_area
+from orusd_mitsuba.plugins.sun_disk import sun_disk
 
 
 class Builder:
@@ -61,7 +62,10 @@ class Builder:
         for patch in (*scene.patches, *(pane.sheet() for pane in scene.panes if panes)):
             objects[patch.name] = self._mesh(patch, weights)
         for number, (sun, weight) in enumerate(zip(scene.suns, weights.suns, strict=True)):
-            objects[f"sun_{number}"] = describe_sun(sun, weight)
+            soft = sun.angle > 0.0 and not str(mi.variant()).startswith("scalar")
+            objects[f"sun_{number}"] = (
+                sun_disk(sun, weight, scene.radius) if soft else describe_sun(sun, weight)
+            )
         sky = None
         if scene.environment is not None:
             sky = self._environment(scene.environment, weights.sky)

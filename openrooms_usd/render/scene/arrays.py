@@ -146,10 +146,14 @@ class Sun:
     Attributes:
         direction: (3,) unit vector along which it travels.
         irradiance: (3,) lux of each primary on a surface that faces it.
+        angle: Its angular diameter, degrees.
+        path: Its prim.
     """
 
     direction: Array
     irradiance: Array
+    angle: float = 0.0
+    path: str = ""
 
 
 @dataclass(frozen=True)

@@ -40,11 +40,10 @@ _NO_AREA: Final = 1e-25
 _ROWS_FINE_ENOUGH: Final = 1024
 
 
-def sun(light: DistantLight) -> tuple[Sun, tuple[str, ...]]:
-    """Parallel light, and what was lost."""
-    axis = -light.world_from_light[:3, 2]
-    losses = ("its angle is left out: shadows are sharp",) if light.angle > 0 else ()
-    return Sun(axis / np.linalg.norm(axis), light.irradiance), losses
+def sun(light: DistantLight) -> Sun:
+    """Parallel light."""
+    axis, angle = -light.world_from_light[:3, 2], min(max(light.angle, 0.0), 360.0)
+    return Sun(axis / np.linalg.norm(axis), light.irradiance, angle, light.path)
 
 
 def environment(light: DomeLight) -> tuple[Environment, tuple[str, ...]]:
@@ -112,7 +111,8 @@ def nothing(light: Shaped) -> str:
 def is_extended(triangles: Triangles) -> bool:
     """Whether triangles have any area, in the precision of renderers, which cannot emit without."""
     a, b, c = np.moveaxis(triangles.corners.astype(np.float32), 1, 0)
-    return bool((np.linalg.norm(np.cross(b - a, c - a), axis=1) > _NO_AREA).any())
+    with np.errstate(over="ignore", invalid="ignore"):
+        return bool((np.linalg.norm(np.cross(b - a, c - a), axis=1) > _NO_AREA).any())
 
 
 def shape(light: Shaped, piece: int) -> Triangles:

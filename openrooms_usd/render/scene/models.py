@@ -47,11 +47,13 @@ def without_shaping(scene: Scene) -> Scene:
     return replace(scene, patches=tuple(map(_even, scene.patches)))
 
 
-def report_unlinked(scene: Scene) -> None:
-    """Say in the report which lamps leave surfaces out, for what lets every lamp light all."""
+def report_simplified(scene: Scene) -> None:
+    """Say in the report what lights lose where all light everything and suns are points."""
     lamps = {lamp for patch in scene.patches for lamp in patch.unlit_by}
     lamps |= {patch.lamp for patch in scene.patches if patch.response != (1.0, 1.0)}
     scene.report.lose(dict.fromkeys(sorted(lamps), "it lights everything alike"))
+    suns = [sun.path for sun in scene.suns if sun.angle > 0.0]
+    scene.report.lose(dict.fromkeys(suns, "its angle is left out: shadows are sharp"))
 
 
 def _even(patch: Patch) -> Patch:

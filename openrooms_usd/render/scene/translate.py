@@ -175,9 +175,7 @@ class _Translation:
             self._environment = found if before is None else summed(before, found)
             losses += lost
         elif isinstance(light, DistantLight):
-            sun, lost = lamps.sun(light)
-            self._suns.append(sun)
-            losses += lost
+            self._suns.append(lamps.sun(light))
         elif isinstance(light, RectLight | DiskLight | SphereLight | CylinderLight):
             reason = lamps.nothing(light)
             if reason:
