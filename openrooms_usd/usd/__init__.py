@@ -3,7 +3,7 @@
 - opening: `crates`, `crate_reader`, `preflight`, `diagnostics`; `layers`, `activation`, `outside`;
 - time: `moments`, `skinning`;
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;
-- surfaces: `traversal`, `gprims`, `tessellation`, `subdivided`, `creases`,
+- surfaces: `traversal`, `gprims`, `arrays`, `tessellation`, `subdivided`, `creases`,
   `curves`, `patches`, `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`;
 - light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`, `cones`),

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from pxr import UsdGeom
 
 from openrooms_usd.geometry.cages import Cage
+from openrooms_usd.usd.arrays import array_of, integers
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
@@ -16,14 +17,9 @@ Ints = NDArray[np.int64]
 _ENDLESS: Final = UsdGeom.Mesh.SHARPNESS_INFINITE
 
 
-def integers(attribute: Any) -> Ints:
-    """The whole numbers of an attribute; none where it has no value."""
-    return np.asarray(attribute.Get(TIME) or [], np.int64)
-
-
 def _sharp(values: Any, count: int) -> Array | None:
     """One sharpness for each of so many; what is beyond USD's greatest is endless."""
-    found = np.asarray(values if values is not None else [], np.float64)
+    found = array_of(values, np.float64)
     if len(found) != count or not np.isfinite(found).all():
         return None
     return np.where(found >= _ENDLESS, np.inf, np.maximum(found, 0.0))

@@ -20,6 +20,7 @@ from openrooms_usd.geometry.splines import (
     weighted,
 )
 from openrooms_usd.geometry.strands import Strands, ribbons, tubes
+from openrooms_usd.usd.arrays import integers, numbers
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
@@ -75,7 +76,7 @@ def read_curves(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
     """
     curves = UsdGeom.Curves(prim)
     points = numbers(curves.GetPointsAttr(), 3)
-    counts = np.asarray(curves.GetCurveVertexCountsAttr().Get(TIME) or [], np.int64)
+    counts = integers(curves.GetCurveVertexCountsAttr())
     try:
         if not len(counts) or counts.min() < 2 or counts.sum() != len(points):
             raise ValueError("curveVertexCounts do not add up to the number of points")
@@ -106,13 +107,6 @@ def read_curves(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
         return ribbons(strands, facing), losses
     sides = _FEW_SIDES if len(counts) > _MANY_CURVES else _SIDES
     return tubes(strands, sides), [*losses, f"curves are drawn as tubes with {sides} sides"]
-
-
-def numbers(attribute: Usd.Attribute, width: int | None = None) -> Array:
-    """(N, width) the numbers of an attribute, or (N,); none where it has no value."""
-    value = attribute.Get(TIME)
-    found = np.asarray([] if value is None else value, np.float64)
-    return found if width is None else found.reshape(-1, width)
 
 
 def _widths(curves: UsdGeom.Curves, sampling: Sampling) -> tuple[Array, list[str]]:
@@ -157,7 +151,7 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints) -> tuple[Sampling, bool]:
 
 
 def _nurbs(curves: UsdGeom.NurbsCurves, counts: Ints) -> Sampling:
-    orders = np.asarray(curves.GetOrderAttr().Get(TIME) or [], np.int64)
+    orders = integers(curves.GetOrderAttr())
     knots, ranges = numbers(curves.GetKnotsAttr()), numbers(curves.GetRangesAttr(), 2)
     weights = numbers(curves.GetPointWeightsAttr())
     if len(orders) != len(counts) or (counts + orders).sum() != len(knots):

@@ -14,6 +14,7 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
+from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.curves import read_curves
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.patches import read_patch, read_points, read_tetrahedra
@@ -95,12 +96,6 @@ def _left_handed(prim: Usd.Prim) -> bool:
     return bool(UsdGeom.Gprim(prim).GetOrientationAttr().Get(TIME) == UsdGeom.Tokens.leftHanded)
 
 
-def _array(value: Any, dtype: type[np.generic], width: int | None = None) -> NDArray[Any]:
-    """A Vt array as numpy; empty where there is no value."""
-    found = np.asarray([] if value is None else value).astype(dtype)
-    return found if width is None else found.reshape(-1, width)
-
-
 def _usual_first(sets: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Texture coordinates by name, those that consumers of a single set take first."""
     return dict(sorted(sets.items(), key=lambda item: (item[0] != names.ST, item[0])))
@@ -113,9 +108,9 @@ class _Polygons:
         self._geometry = UsdGeom.Mesh(prim)
         self._double_sided = double_sided
         self._losses: list[Loss] = []
-        self._points = _array(self._geometry.GetPointsAttr().Get(TIME), np.float64, 3)
-        self._counts = _array(self._geometry.GetFaceVertexCountsAttr().Get(TIME), np.int32)
-        self._indices = _array(self._geometry.GetFaceVertexIndicesAttr().Get(TIME), np.int32)
+        self._points = array_of(self._geometry.GetPointsAttr().Get(TIME), np.float64, 3)
+        self._counts = array_of(self._geometry.GetFaceVertexCountsAttr().Get(TIME), np.int32)
+        self._indices = array_of(self._geometry.GetFaceVertexIndicesAttr().Get(TIME), np.int32)
 
     def surface(self, bare: bool) -> Surface:
         reason = self._invalid()
@@ -150,7 +145,7 @@ class _Polygons:
         return None
 
     def _holes(self) -> Ints:
-        return _array(self._geometry.GetHoleIndicesAttr().Get(TIME), np.int32)
+        return array_of(self._geometry.GetHoleIndicesAttr().Get(TIME), np.int32)
 
     def _refined(self, bare: bool) -> Surface | None:
         """It as a subdivision surface; None, with a reason, where that cannot be."""
@@ -160,8 +155,8 @@ class _Polygons:
             return None
         sets = {}
         for primvar in () if bare else self._uv_primvars():
-            values = _array(primvar.Get(TIME), np.float64, 2)
-            indices = _array(primvar.GetIndices(TIME), np.int64)
+            values = array_of(primvar.Get(TIME), np.float64, 2)
+            indices = array_of(primvar.GetIndices(TIME), np.int64)
             carried = fine.carried(values, indices, primvar.GetInterpolation())
             name = primvar.GetPrimvarName()
             if carried is None or not np.isfinite(carried).all():
@@ -187,11 +182,11 @@ class _Polygons:
         else:
             values, indices = self._geometry.GetNormalsAttr().Get(TIME), None
             interpolation = self._geometry.GetNormalsInterpolation()
-        vectors = _array(values, np.float64, 3)
+        vectors = array_of(values, np.float64, 3)
         if not len(vectors):
             return None
         rows = self._rows(interpolation, corners, faces)
-        unrolled = self._unrolled(vectors, _array(indices, np.int32), rows, "normals")
+        unrolled = self._unrolled(vectors, array_of(indices, np.int32), rows, "normals")
         return None if unrolled is None else self._unit(unrolled, corners)
 
     def _unit(self, normals: NDArray[Any], corners: Ints) -> NDArray[np.float32]:
@@ -210,8 +205,8 @@ class _Polygons:
     def _uvs(self, corners: Ints, faces: Ints) -> dict[str, NDArray[np.float32]]:
         sets: dict[str, NDArray[np.float32]] = {}
         for primvar in self._uv_primvars():
-            values = _array(primvar.Get(TIME), np.float32, 2)
-            indices = _array(primvar.GetIndices(TIME), np.int32)
+            values = array_of(primvar.Get(TIME), np.float32, 2)
+            indices = array_of(primvar.GetIndices(TIME), np.int32)
             rows = self._rows(primvar.GetInterpolation(), corners, faces)
             name = primvar.GetPrimvarName()
             unrolled = self._unrolled(values, indices, rows, f"primvars:{name}")

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array, kron
 
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.splines import rational, spans
-from openrooms_usd.usd.curves import numbers
+from openrooms_usd.usd.arrays import integers, numbers
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
@@ -145,9 +145,8 @@ def read_tetrahedra(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
     """The surface of a ``TetMesh``; without one the reason."""
     body = UsdGeom.TetMesh(prim)
     points = numbers(body.GetPointsAttr(), 3)
-    cells = np.asarray(body.GetTetVertexIndicesAttr().Get(TIME) or [], np.int64).reshape(-1, 4)
-    said = body.GetSurfaceFaceVertexIndicesAttr().Get(TIME)
-    faces = np.asarray(said or [], np.int64).reshape(-1, 3)
+    cells = integers(body.GetTetVertexIndicesAttr(), 4)
+    faces = integers(body.GetSurfaceFaceVertexIndicesAttr(), 3)
     every = np.concatenate([cells.reshape(-1), faces.reshape(-1)])
     if not len(every) or every.min() < 0 or every.max() >= len(points):
         return None, ["its indices refer to points that do not exist, or there are none"]

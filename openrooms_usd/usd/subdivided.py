@@ -14,7 +14,8 @@ from openrooms_usd.geometry.cages import Cage, Weights
 from openrooms_usd.geometry.smooth_normals import smooth_normals
 from openrooms_usd.geometry.subdivision import Refinement, limit, refine
 from openrooms_usd.geometry.triangulation import TriangleMesh, has_area
-from openrooms_usd.usd.creases import integers, read_corners, read_creases
+from openrooms_usd.usd.arrays import integers
+from openrooms_usd.usd.creases import read_corners, read_creases
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -364,6 +365,27 @@ def test_impossible_meshes_are_skipped_with_a_reason(
     assert reason in said
 
 
+@pytest.mark.parametrize("name", ["points", "faceVertexCounts", "faceVertexIndices", "normals"])
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [("Point3f", (1.0, 2.0, 3.0)), ("Int", 7), ("String", "x"), ("StringArray", ["x"]),
+     ("Float2Array", [(0.0, 1.0)] * 8), ("Matrix4dArray", [Gf.Matrix4d()] * 8)],
+)  # fmt: skip
+def test_values_of_other_types_are_none(name: str, kind: str, value: Any) -> None:
+    """The asset working group's own test has such points."""
+    stage = new_stage()
+    define_mesh(stage, "/World/mesh", cuboid())
+    stage.GetPrimAtPath("/World/mesh").RemoveProperty(name)
+    layer = stage.GetRootLayer()
+    said = Sdf.AttributeSpec(
+        layer.GetPrimAtPath("/World/mesh"), name, getattr(Sdf.ValueTypeNames, kind)
+    )
+    said.default = value
+    reading = read_meshes(stage)
+    assert len(reading) == (name == "normals")
+    assert name == "normals" or reading.losses[0][1] == "skipped"
+
+
 def test_holes_are_left_open() -> None:
     reading = broken(lambda mesh: mesh.CreateHoleIndicesAttr([0, 3]))
     assert sorted(set(only(reading).mesh.faces.tolist())) == [1, 2, 4, 5]
@@ -382,7 +404,7 @@ def test_other_geometry_is_reported_once_however_often_it_is_used() -> None:
     stage = new_stage()
     stage.CreateClassPrim("/Assets")
     UsdGeom.Xform.Define(stage, "/Assets/asset")
-    UsdGeom.BasisCurves.Define(stage, "/Assets/asset/curves")
+    stage.DefinePrim("/Assets/asset/smoke", "Volume")
     UsdGeom.Points.Define(stage, "/Assets/asset/points")
     for k in range(3):
         prim = UsdGeom.Xform.Define(stage, f"/World/o{k}").GetPrim()
@@ -390,10 +412,10 @@ def test_other_geometry_is_reported_once_however_often_it_is_used() -> None:
         prim.SetInstanceable(True)
     losses = read_meshes(stage).losses
     assert [(path, outcome) for path, outcome, _ in losses] == [
-        ("/World/o0/curves", "skipped"),
+        ("/World/o0/smoke", "skipped"),
         ("/World/o0/points", "skipped"),
     ]
-    assert "BasisCurves" in losses[0][2]
+    assert "Volume" in losses[0][2]
 
 
 # --- primvars ---

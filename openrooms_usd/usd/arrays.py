@@ -1,0 +1,37 @@
+"""Values of attributes as arrays; a value of another type than the schema's is none."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd
+
+from openrooms_usd.usd.frames import TIME
+
+
+def array_of(value: Any, dtype: type[np.generic], width: int | None = None) -> NDArray[Any]:
+    """(N,) or (N, width); without rows where there is no value, or one that is not so wide.
+
+    Args:
+        value: What USD gives.
+        dtype: Of the array.
+        width: Numbers in each row; None for rows that are single numbers.
+    """
+    empty = np.zeros((0,) if width is None else (0, width), dtype)
+    if value is None:
+        return empty
+    try:
+        found = np.asarray(value).astype(dtype)
+    except (TypeError, ValueError):
+        return empty
+    return found if found.ndim == empty.ndim and found.shape[1:] == empty.shape[1:] else empty
+
+
+def numbers(attribute: Usd.Attribute, width: int | None = None) -> NDArray[np.float64]:
+    """(N, width) the numbers of an attribute, or (N,)."""
+    return array_of(attribute.Get(TIME), np.float64, width)
+
+
+def integers(attribute: Usd.Attribute, width: int | None = None) -> NDArray[np.int64]:
+    """(N, width) the whole numbers of an attribute, or (N,)."""
+    return array_of(attribute.Get(TIME), np.int64, width)
