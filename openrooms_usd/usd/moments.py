@@ -50,7 +50,7 @@ def hold(stage: Usd.Stage, time_code: float | None = None) -> dict[str, str]:
     if time_code is not None and not math.isfinite(time_code):
         raise InputError(f"{time_code} is no time code", remedy="give a number, such as 12")
     blurred = _blurred(stage, time_code)
-    if time_code is None and not any(has_skin(prim) for prim in _everything(stage)):
+    if time_code is None and not any(prim.IsA(UsdSkel.Root) for prim in _everything(stage)):
         return blurred
     when = TIME if time_code is None else Usd.TimeCode(time_code)
     posed, held = (Sdf.Layer.CreateAnonymous(f"{name}.usda") for name in ("posed", "held"))
