@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from pxr import Gf, UsdGeom, UsdLux
+from pxr import Gf, UsdGeom, UsdLux, UsdRender
 
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
@@ -43,7 +43,8 @@ def room(build, save_picture, folder):
     sun.AddRotateXOp().Set(40.0)
     made.dome("/environment", radiance=2.0).CreateTextureFileAttr(sky)
     made.camera((0.5, -4, 2), (0, 0, 0.4))
-    made.stage.DefinePrim("/Render/Settings", "RenderSettings")
+    settings = UsdRender.Settings.Define(made.stage, "/Render/Settings")
+    settings.CreateResolutionAttr(Gf.Vec2i(640, 480))
     UsdGeom.Scope.Define(made.stage, "/World")
     return made.stage
 
