@@ -32,6 +32,7 @@ class TriangleMesh:
         uvs: (M, 3, 2) texture coordinates at each corner, by their name.
         corners: (M, 3) the corner of the polygons that each corner is, in the order of their
             ``faceVertexIndices``; None where they come of no polygons.
+        colors: (M, 3, 3) colours at each corner, by their name.
     """
 
     points: Array
@@ -40,6 +41,7 @@ class TriangleMesh:
     normals: NDArray[np.float32] | None = None
     uvs: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
     corners: Ints | None = None
+    colors: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
 
     @property
     def st(self) -> NDArray[np.float32] | None:

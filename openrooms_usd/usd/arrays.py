@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
+from openrooms_usd.usd.diagnostics import NO_TYPE
 from openrooms_usd.usd.frames import TIME
 
 
@@ -16,13 +17,19 @@ def array_of(value: Any, dtype: type[np.generic], width: int | None = None) -> N
         value: What USD gives.
         dtype: Of the array.
         width: Numbers in each row; None for rows that are single numbers.
+
+    Raises:
+        TypeError: It is of a type that USD does not know: the file is damaged
+            (`openrooms_usd.usd.diagnostics.reading`).
     """
     empty = np.zeros((0,) if width is None else (0, width), dtype)
     if value is None:
         return empty
     try:
         found = np.asarray(value).astype(dtype)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError) as error:
+        if NO_TYPE in str(error):
+            raise
         return empty
     return found if found.ndim == empty.ndim and found.shape[1:] == empty.shape[1:] else empty
 

@@ -14,7 +14,7 @@ from openrooms_usd.errors import InputError, printable
 # What Python gets where USD cannot read something: the second for names that are no text.
 UNREADABLE: Final = (Tf.ErrorException, UnicodeDecodeError)
 # What values are whose type USD does not know: whoever takes them for numbers fails.
-_NO_TYPE: Final = "UnregisteredValue"
+NO_TYPE: Final = "UnregisteredValue"
 # How the exception of a prim that USD does not have begins.
 _NO_PRIM: Final = "Accessed "
 
@@ -67,7 +67,7 @@ def reading(path: object) -> Iterator[None]:
         yield
     except (*UNREADABLE, RuntimeError, TypeError) as error:
         is_usd = isinstance(error, (*UNREADABLE, RecursionError))
-        if not is_usd and not str(error).startswith(_NO_PRIM) and _NO_TYPE not in str(error):
+        if not is_usd and not str(error).startswith(_NO_PRIM) and NO_TYPE not in str(error):
             raise
         raise InputError(
             f"not a readable USD file: {reason(error)}",

@@ -35,6 +35,15 @@ _UV_TYPES: Final = frozenset(
 )
 
 
+_COLOR_TYPES: Final = frozenset(
+    {
+        Sdf.ValueTypeNames.Color3fArray,
+        Sdf.ValueTypeNames.Color3dArray,
+        Sdf.ValueTypeNames.Color3hArray,
+        Sdf.ValueTypeNames.Float3Array,
+    }
+)
+
 # Prims that are no polygons: what gives these, and what was approximated, or why there are none.
 _READERS: Final[dict[str, Callable[[Usd.Prim], tuple[Mesh | None, list[str]]]]] = {
     "BasisCurves": read_curves,
@@ -128,8 +137,10 @@ class _Polygons:
         if _left_handed(self._geometry.GetPrim()):
             corners = np.ascontiguousarray(corners[:, ::-1])
         normals = None if bare else self._normals(corners, faces)
-        uvs = {} if bare else self._uvs(corners, faces)
-        mesh = TriangleMesh(self._points, self._indices[corners], faces, normals, uvs, corners)
+        uvs = {} if bare else _usual_first(self._sets(_UV_TYPES, 2, corners, faces))
+        colors = {} if bare else self._sets(_COLOR_TYPES, 3, corners, faces)
+        triangles = self._indices[corners]
+        mesh = TriangleMesh(self._points, triangles, faces, normals, uvs, corners, colors)
         return Surface(mesh, self._double_sided, tuple(self._losses))
 
     def _invalid(self) -> str | None:
@@ -153,9 +164,23 @@ class _Polygons:
         if unfit := fine.unfit():
             self._lose(f"a {fine.scheme} subdivision surface is drawn as its control cage: {unfit}")
             return None
+        uvs = {} if bare else _usual_first(self._carried(fine, _UV_TYPES, 2))
+        colors = {} if bare else self._carried(fine, _COLOR_TYPES, 3)
+        left_handed = _left_handed(self._geometry.GetPrim())
+        mesh = fine.mesh(uvs, colors, left_handed=left_handed, bare=bare)
+        if not len(mesh.faces):
+            return Surface(None, losses=(("skipped", "no face has an area"),))
+        how = f"a {fine.scheme} subdivision surface is refined {fine.levels} times"
+        self._lose(f"{how}, its points on the limit surface")
+        return Surface(mesh, self._double_sided, tuple(self._losses))
+
+    def _carried(
+        self, fine: Subdivided, types: frozenset[Sdf.ValueTypeName], width: int
+    ) -> dict[str, NDArray[np.float64]]:
+        """(K', width) primvars of some types at the corners of fine faces, by their names."""
         sets = {}
-        for primvar in () if bare else self._uv_primvars():
-            values = array_of(primvar.Get(TIME), np.float64, 2)
+        for primvar in self._primvars(types):
+            values = array_of(primvar.Get(TIME), np.float64, width)
             indices = array_of(primvar.GetIndices(TIME), np.int64)
             carried = fine.carried(values, indices, primvar.GetInterpolation())
             name = primvar.GetPrimvarName()
@@ -163,13 +188,7 @@ class _Polygons:
                 self._lose(f"primvars:{name} do not fit the faces and are left out")
             else:
                 sets[name] = carried
-        left_handed = _left_handed(self._geometry.GetPrim())
-        mesh = fine.mesh(_usual_first(sets), left_handed=left_handed, bare=bare)
-        if not len(mesh.faces):
-            return Surface(None, losses=(("skipped", "no face has an area"),))
-        how = f"a {fine.scheme} subdivision surface is refined {fine.levels} times"
-        self._lose(f"{how}, its points on the limit surface")
-        return Surface(mesh, self._double_sided, tuple(self._losses))
+        return sets
 
     def _lose(self, reason: str) -> None:
         self._losses.append(("approximated", reason))
@@ -202,21 +221,31 @@ class _Polygons:
             units = np.where(usable, units, flat[:, None])
         return units.astype(np.float32)
 
-    def _uvs(self, corners: Ints, faces: Ints) -> dict[str, NDArray[np.float32]]:
+    def _sets(
+        self, types: frozenset[Sdf.ValueTypeName], width: int, corners: Ints, faces: Ints
+    ) -> dict[str, NDArray[np.float32]]:
+        """(M, 3, width) primvars of some types at each corner, by their names."""
         sets: dict[str, NDArray[np.float32]] = {}
-        for primvar in self._uv_primvars():
-            values = array_of(primvar.Get(TIME), np.float32, 2)
+        for primvar in self._primvars(types):
+            values = array_of(primvar.Get(TIME), np.float32, width)
             indices = array_of(primvar.GetIndices(TIME), np.int32)
             rows = self._rows(primvar.GetInterpolation(), corners, faces)
             name = primvar.GetPrimvarName()
             unrolled = self._unrolled(values, indices, rows, f"primvars:{name}")
             if unrolled is not None:
                 sets[name] = unrolled
-        return _usual_first(sets)
+        return sets
 
-    def _uv_primvars(self) -> list[UsdGeom.Primvar]:
+    def _primvars(self, types: frozenset[Sdf.ValueTypeName]) -> list[UsdGeom.Primvar]:
+        """Those of some types; of colours not what is one for all of a mesh."""
         found = UsdGeom.PrimvarsAPI(self._geometry).GetPrimvarsWithValues()
-        return [primvar for primvar in found if primvar.GetTypeName() in _UV_TYPES]
+        constant = UsdGeom.Tokens.constant
+        return [
+            one
+            for one in found
+            if one.GetTypeName() in types
+            and (types is _UV_TYPES or one.GetInterpolation() != constant)
+        ]
 
     def _rows(self, interpolation: str, corners: Ints, faces: Ints) -> NDArray[Any] | None:
         """(M, 3) the element of a primvar that each corner takes; None for an unknown word."""

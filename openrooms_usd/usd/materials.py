@@ -23,6 +23,9 @@ __all__ = [
 ]
 
 _Types = Sdf.ValueTypeNames
+# What a primvar of colours may drive, and by which node.
+_BASE: Final = "diffuseColor"
+_COLOR_READER: Final = "UsdPrimvarReader_float3"
 # Field of PreviewSurface -> input of UsdPreviewSurface and its type.
 _INPUTS: Final = {
     "base_color": ("diffuseColor", _Types.Color3f),
@@ -182,8 +185,9 @@ def read_preview_surface(
     f0 = _part_of_light(network, material, names.MATERIAL_F0)
     pane = _tint(network, material)
     completed = replace(
-        _completed(network, shader, values), transmission=transmission, f0=f0, pane=pane
-    )
+        _completed(network, shader, values), transmission=transmission, f0=f0, pane=pane,
+        painted_by=_painted_by(network, shader),
+    )  # fmt: skip
     return completed, tuple(network.losses)
 
 
@@ -202,6 +206,14 @@ def _part_of_light(network: Network, material: UsdShade.Material, name: str) -> 
         network.losses.append(f"{attribute.GetPath()}: {value} is no part of the light; left out")
         return None
     return value
+
+
+def _painted_by(network: Network, shader: UsdShade.Shader) -> str | None:
+    """The primvar that drives the base colour, if one does."""
+    source = network.source(shader, _BASE)
+    if source.shader is None or source.kind != _COLOR_READER:
+        return None
+    return str(network.constant(source.shader, "varname", "")) or None
 
 
 def _tint(network: Network, material: UsdShade.Material) -> Color | None:
@@ -238,6 +250,9 @@ def _read_input(network: Network, shader: UsdShade.Shader, name: str, default: A
     source = network.source(shader, name)
     if source.shader is None:
         return network.finite(shader, name, source.constant, default)
+    if name == _BASE and source.kind == _COLOR_READER:
+        fallback = network.constant(source.shader, "fallback", None)
+        return network.finite(source.shader, "fallback", fallback, default)
     if source.kind != "UsdUVTexture":
         network.lost(shader, name, f"{source.kind or 'a shader'} cannot drive it")
         return network.finite(shader, name, network.own_value(shader, name), default)

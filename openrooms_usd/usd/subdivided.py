@@ -89,12 +89,18 @@ class Subdivided:
         return self._refined(self.cage)
 
     def mesh(
-        self, sets: Mapping[str, Array], *, left_handed: bool = False, bare: bool = False
+        self,
+        uvs: Mapping[str, Array],
+        colors: Mapping[str, Array],
+        *,
+        left_handed: bool = False,
+        bare: bool = False,
     ) -> TriangleMesh:
         """Its triangles, with smooth normals that break at sharp edges.
 
         Args:
-            sets: (K', 2) texture coordinates at the corners of the fine faces, by their name.
+            uvs: (K', 2) texture coordinates at the corners of the fine faces, by their name.
+            colors: (K', 3) colours at these, likewise.
             left_handed: Whether faces are seen from where they turn clockwise.
             bare: Whether normals are left out.
         """
@@ -115,7 +121,9 @@ class Subdivided:
             cage.indices[corners].astype(np.int32),
             faces.astype(np.int32),
             None if normals is None else normals[corners].astype(np.float32),
-            {name: values[corners].astype(np.float32) for name, values in sets.items()},
+            {name: values[corners].astype(np.float32) for name, values in uvs.items()},
+            None,
+            {name: values[corners].astype(np.float32) for name, values in colors.items()},
         )
 
     # What is carried along.

@@ -369,6 +369,7 @@ def test_impossible_meshes_are_skipped_with_a_reason(
 @pytest.mark.parametrize(
     ("kind", "value"),
     [("Point3f", (1.0, 2.0, 3.0)), ("Int", 7), ("String", "x"), ("StringArray", ["x"]),
+     ("Asset", "x.png"),
      ("Float2Array", [(0.0, 1.0)] * 8), ("Matrix4dArray", [Gf.Matrix4d()] * 8)],
 )  # fmt: skip
 def test_values_of_other_types_are_none(name: str, kind: str, value: Any) -> None:

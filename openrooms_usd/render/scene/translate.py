@@ -1,7 +1,7 @@
 """From a composed USD stage to a `Scene`: arrays, surfaces, lights, labels and a report."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import count
 from pathlib import Path
 from typing import Final
@@ -23,10 +23,12 @@ from openrooms_usd.render.scene.arrays import (
     Triangles,
 )
 from openrooms_usd.render.scene.labels import Labels, material_path
-from openrooms_usd.render.scene.pictures import Array, Value
+from openrooms_usd.render.scene.painted import Paint, paint
+from openrooms_usd.render.scene.pictures import Array, Picture, Value
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.unseen import report_unseen
+from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lights import (
     CylinderLight,
@@ -45,7 +47,7 @@ from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
 from openrooms_usd.usd.profiles import Shaping
 from openrooms_usd.usd.rendersettings import asked_purposes
-from openrooms_usd.usd.surfaces import PreviewSurface
+from openrooms_usd.usd.surfaces import Color, PreviewSurface
 
 # Rows of triangles, and the material that they show.
 _Part = tuple[np.ndarray, UsdShade.Material | None]
@@ -113,6 +115,10 @@ class _Translation:
         self._surfaces = SurfaceReader()
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[str, Surface] = {}
+        # Of meshes without a material by their opacity, of those with colours by these too.
+        self._plain: dict[float, Surface] = {}
+        self._paints: dict[tuple[int, str], Paint | None] = {}
+        self._dyed: dict[tuple[int, Picture | Color], Surface] = {}
         self._owners: list[tuple[str, Surface]] = []
         self._groups: dict[tuple[int, str, bool, tuple[str, ...]], _Group] = {}
         self._emitting: dict[str, MeshLight] = {}
@@ -210,14 +216,14 @@ class _Translation:
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
         shaping = None if emitted is None else emitted.shaping
         for rows, material in parts:
-            surface = self._surface(mesh, material, losses)
+            surface, painted = self._surface(mesh, material, losses)
             radiance = lamps.emission(surface, emitted)
             if surface.pane is not None and radiance is not None:
                 radiance = None
                 losses.append("a clear pane emits nothing")
             if radiance is not None and mesh.double_sided:
                 losses.append("it emits from its front side only")
-            st = _texture_coordinates(mesh, surface, losses)
+            st = _texture_coordinates(mesh, surface, losses) if painted is None else painted
             triangles = Triangles(
                 corners[rows],
                 normals[rows],
@@ -251,20 +257,57 @@ class _Translation:
 
     def _surface(
         self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
-    ) -> Surface:
+    ) -> tuple[Surface, Floats | None]:
+        """What a mesh is made of, and where it lies in the picture of its own colours, if any."""
         if material is None:
-            color, reason = _display_color(mesh.prim)
-            surface = self._surfaces.read(PreviewSurface(base_color=color))
-            losses += [reason, *surface.losses]
-            self._owners.append((mesh.path, surface))
-            return surface
+            return self._bare(mesh, losses)
         key = _key(material)
         if key not in self._materials:
             preview, lost = self._previews[key]
             surface = self._materials[key] = self._surfaces.read(preview)
             self._say(str(material.GetPath()), [*lost, *surface.losses])
             self._owners.append((str(material.GetPath()), surface))
-        return self._materials[key]
+        surface, name = self._materials[key], self._previews[key][0].painted_by
+        found = self._paint(mesh, name) if name else None
+        if found is None:
+            return surface, None
+        # Pictures of the material want other texture coordinates than the colours.
+        if found.picture is not None and surface.is_textured:
+            losses.append(f"its primvars:{name} are taken as their mean beside textures")
+            found = Paint(found.color)
+        losses += found.losses
+        return self._painted(mesh, surface, found)
+
+    def _bare(self, mesh: PlacedMesh, losses: list[str]) -> tuple[Surface, Floats | None]:
+        """A mesh without a material shows its own colours."""
+        found, opacity = self._paint(mesh, "displayColor"), _display_opacity(mesh.prim)
+        if opacity not in self._plain:
+            self._plain[opacity] = self._surfaces.read(PreviewSurface(opacity=opacity))
+        made = self._plain[opacity]
+        if found is None:
+            losses += ["it has no material: taken as grey", *made.losses]
+            self._owners.append((mesh.path, made))
+            return made, None
+        losses += ["it has no material: taken as its displayColor", *found.losses, *made.losses]
+        return self._painted(mesh, made, found)
+
+    def _paint(self, mesh: PlacedMesh, name: str) -> Paint | None:
+        """What a mesh says in a primvar of colours; instances of one share it."""
+        if name not in mesh.mesh.colors:
+            return paint(mesh, name)
+        key = id(mesh.mesh), name
+        if key not in self._paints:
+            self._paints[key] = paint(mesh, name)
+        return self._paints[key]
+
+    def _painted(
+        self, mesh: PlacedMesh, surface: Surface, found: Paint
+    ) -> tuple[Surface, Floats | None]:
+        key = id(surface), found.picture or found.color
+        if key not in self._dyed:
+            self._dyed[key] = replace(surface, base_color=found.picture or found.color)
+        self._owners.append((mesh.path, self._dyed[key]))
+        return self._dyed[key], found.st
 
     def _say(self, path: str, losses: list[str]) -> None:
         if losses:
@@ -326,10 +369,10 @@ def _materials(mesh: PlacedMesh) -> Iterator[_Part]:
         yield np.flatnonzero(rest), bound_material(mesh.prim)
 
 
-def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
-    primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
-    values = np.asarray(primvar.ComputeFlattened(TIME) or [], dtype=np.float64).reshape(-1, 3)
+def _display_opacity(prim: Usd.Prim) -> float:
+    """The mean of a mesh's displayOpacity; 1 without one."""
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayOpacity")
+    values = array_of(primvar.ComputeFlattened(TIME) if primvar else None, np.float64)
     if not len(values) or not np.isfinite(values).all():
-        return PreviewSurface.base_color, "it has no material: taken as grey"  # type: ignore[return-value]
-    red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()
-    return (red, green, blue), "it has no material: taken as its displayColor"
+        return 1.0
+    return float(np.clip(values, 0.0, 1.0).mean())
