@@ -5,7 +5,7 @@ What is drawn less well than it was meant, or not at all, comes with a reason.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +15,11 @@ from openrooms_usd import names
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
 from openrooms_usd.usd.arrays import array_of
-from openrooms_usd.usd.curves import read_curves
 from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.patches import read_patch, read_points, read_tetrahedra
-from openrooms_usd.usd.subdivided import Subdivided
 from openrooms_usd.usd.tessellation import tessellate
+
+if TYPE_CHECKING:
+    from openrooms_usd.usd.subdivided import Subdivided
 
 Loss = tuple[Literal["approximated", "skipped"], str]
 
@@ -43,16 +43,6 @@ _COLOR_TYPES: Final = frozenset(
         Sdf.ValueTypeNames.Float3Array,
     }
 )
-
-# Prims that are no polygons: what gives these, and what was approximated, or why there are none.
-_READERS: Final[dict[str, Callable[[Usd.Prim], tuple[Mesh | None, list[str]]]]] = {
-    "BasisCurves": read_curves,
-    "HermiteCurves": read_curves,
-    "NurbsCurves": read_curves,
-    "NurbsPatch": read_patch,
-    "Points": read_points,
-    "TetMesh": read_tetrahedra,
-}
 
 
 @dataclass(frozen=True)
@@ -81,7 +71,8 @@ def read_surface(prim: Usd.Prim, *, bare: bool = False) -> Surface:
     if prim.IsA(UsdGeom.Mesh):
         return _Polygons(prim, double_sided).surface(bare)
     kind = prim.GetTypeName()
-    polygons, losses = _READERS[kind](prim) if kind in _READERS else (tessellate(prim), [])
+    reader = _reader(kind)
+    polygons, losses = (tessellate(prim), []) if reader is None else reader(prim)
     if polygons is None:
         reason = "; ".join(losses) or f"{kind} without a surface that is known here"
         return Surface(None, losses=(("skipped", reason),))
@@ -92,13 +83,33 @@ def read_surface(prim: Usd.Prim, *, bare: bool = False) -> Surface:
     if turned:
         corners = corners[:, ::-1]
     normals = None if bare or polygons.normals is None else polygons.normals[corners]
-    if turned and normals is not None and kind in _READERS:
+    if turned and normals is not None and reader is not None:
         normals = -normals
     uvs = {} if bare or polygons.st is None else {names.ST: polygons.st[corners]}
     mesh = TriangleMesh(polygons.points, polygons.indices[corners], faces, normals, uvs)
     # Ribbons of curves are seen from both sides, tubes have no other.
     both = double_sided or prim.IsA(UsdGeom.Curves)
     return Surface(mesh, both, tuple(("approximated", one) for one in losses))
+
+
+def _reader(kind: str) -> Callable[[Usd.Prim], tuple[Mesh | None, list[str]]] | None:
+    """For prims that are no polygons: what gives these, and what was approximated.
+
+    It is imported here, since most stages have none and scipy is slow to import.
+    """
+    if kind in ("BasisCurves", "HermiteCurves", "NurbsCurves"):
+        from openrooms_usd.usd.curves import read_curves
+
+        return read_curves
+    if kind in ("NurbsPatch", "Points", "TetMesh"):
+        from openrooms_usd.usd import patches
+
+        return {
+            "NurbsPatch": patches.read_patch,
+            "Points": patches.read_points,
+            "TetMesh": patches.read_tetrahedra,
+        }[kind]
+    return None
 
 
 def _left_handed(prim: Usd.Prim) -> bool:
@@ -160,6 +171,8 @@ class _Polygons:
 
     def _refined(self, bare: bool) -> Surface | None:
         """It as a subdivision surface; None, with a reason, where that cannot be."""
+        from openrooms_usd.usd.subdivided import Subdivided
+
         fine = Subdivided.read(self._geometry, self._points, self._counts, self._indices)
         if unfit := fine.unfit():
             self._lose(f"a {fine.scheme} subdivision surface is drawn as its control cage: {unfit}")
@@ -175,7 +188,7 @@ class _Polygons:
         return Surface(mesh, self._double_sided, tuple(self._losses))
 
     def _carried(
-        self, fine: Subdivided, types: frozenset[Sdf.ValueTypeName], width: int
+        self, fine: "Subdivided", types: frozenset[Sdf.ValueTypeName], width: int
     ) -> dict[str, NDArray[np.float64]]:
         """(K', width) primvars of some types at the corners of fine faces, by their names."""
         sets = {}
