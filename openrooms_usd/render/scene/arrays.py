@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -48,13 +49,18 @@ class Triangles:
 
     @staticmethod
     def joined(parts: Sequence["Triangles"]) -> "Triangles":
-        """All triangles of several, in their order."""
+        """All triangles of several, in their order; those that `split` gave are not copied."""
         return Triangles(
-            np.concatenate([np.zeros((0, 3, 3)), *(part.corners for part in parts)]),
-            np.concatenate([np.zeros((0, 3, 3), np.float32), *(part.normals for part in parts)]),
-            np.concatenate([np.zeros((0, 3, 2), np.float32), *(part.st for part in parts)]),
-            np.concatenate([np.zeros(0, np.int32), *(part.pieces for part in parts)]),
+            _joined(np.zeros((0, 3, 3)), [part.corners for part in parts]),
+            _joined(np.zeros((0, 3, 3), np.float32), [part.normals for part in parts]),
+            _joined(np.zeros((0, 3, 2), np.float32), [part.st for part in parts]),
+            _joined(np.zeros(0, np.int32), [part.pieces for part in parts]),
         )
+
+    def split(self, sizes: Sequence[int]) -> list["Triangles"]:
+        """Views of as many triangles each, one after the other."""
+        ends = np.cumsum([0, *sizes]).tolist()
+        return [self.rows(slice(*some)) for some in pairwise(ends)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +245,11 @@ class Scene:
     @cached_property
     def room_radius(self) -> float:
         """Metres; of a sphere about `origin` that holds all surfaces but those outside."""
-        return self._reach(self.triangles.corners[self.indoors])
+        return self._reach(self._indoor_corners())
+
+    def _indoor_corners(self) -> Array:
+        corners = self.triangles.corners
+        return corners if self.indoors.all() else corners[self.indoors]
 
     def _reach(self, corners: Array) -> float:
         if not len(corners):
@@ -252,10 +262,25 @@ class Scene:
 
         Renderers work in single precision: what they get is relative to this.
         """
-        corners = self.triangles.corners[self.indoors]
+        corners = self._indoor_corners()
         if not len(corners):
             return np.zeros(3)
         return np.round(np.median(corners[:, 0], axis=0))
+
+
+def _joined(none: NDArray[Any], arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Arrays one after the other; where they lie so in one array already, a view of that."""
+    filled = [one for one in arrays if len(one)]
+    whole = filled[0].base if filled else None
+    if whole is None or not whole.flags.c_contiguous or whole.shape[1:] != none.shape[1:]:
+        return np.concatenate([none, *arrays])
+    row = whole.strides[0]
+    places = [one.ctypes.data - whole.ctypes.data for one in filled]
+    follow = [place + row * len(one) for place, one in zip(places, filled, strict=True)]
+    alike = all(one.base is whole and one.flags.c_contiguous for one in filled)
+    if not alike or whole.dtype != none.dtype or places[1:] != follow[:-1]:
+        return np.concatenate([none, *arrays])
+    return np.asarray(whole[places[0] // row : follow[-1] // row])
 
 
 def _rotation(before: Array, after: Array) -> Array:

@@ -1,5 +1,7 @@
 """Numbers for objects, parts, materials and classes, and what they mean."""
 
+from dataclasses import dataclass
+
 from pxr import Usd, UsdShade
 
 from openrooms_usd import names
@@ -21,6 +23,7 @@ class Labels:
         self._materials: dict[str, int] = {}
         self._categories: dict[int, str] = {}
         self._objects: dict[str, tuple[int, tuple[int, ...]]] = {}
+        self._owners: dict[str, _Owner] = {}
 
     def row(self, path: str, prim: Usd.Prim, material: str | None) -> int:
         """The row in `pieces` of a surface.
@@ -55,18 +58,35 @@ class Labels:
 
     def _object(self, path: str, prim: Usd.Prim) -> tuple[int, tuple[int, ...]]:
         """Instance number and classes of the object that a surface is part of."""
-        owner, levels = _owner(prim)
-        stands = path if levels == 0 else path.rsplit("/", levels)[0]
+        at = str(prim.GetPath())
+        if at not in self._owners:
+            self._owners[at] = _Owner.of(prim)
+        owner = self._owners[at]
+        stands = path if owner.levels == 0 else path.rsplit("/", owner.levels)[0]
         if stands not in self._objects:
             instance = _number(self._instances, stands)
-            category = read_label(owner, names.CATEGORY)
-            if category:
-                self._categories[instance] = category
-            self._objects[stands] = (
-                instance,
-                tuple(read_number(owner, name) for name in CLASS_CHANNELS),
-            )
+            if owner.category:
+                self._categories[instance] = owner.category
+            self._objects[stands] = instance, owner.classes
         return self._objects[stands]
+
+
+@dataclass(frozen=True)
+class _Owner:
+    """The object that a surface is part of: levels above it, its category, numbers of classes."""
+
+    levels: int
+    category: str | None
+    classes: tuple[int, ...]
+
+    @staticmethod
+    def of(prim: Usd.Prim) -> "_Owner":
+        owner, levels = _owner(prim)
+        if not _is_labelled(owner):
+            # Then nothing above it is labelled either.
+            return _Owner(levels, None, (0,) * len(CLASS_CHANNELS))
+        classes = tuple(read_number(owner, name) for name in CLASS_CHANNELS)
+        return _Owner(levels, read_label(owner, names.CATEGORY), classes)
 
 
 def _owner(prim: Usd.Prim) -> tuple[Usd.Prim, int]:

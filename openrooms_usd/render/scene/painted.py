@@ -49,7 +49,7 @@ def paint(mesh: PlacedMesh, name: str) -> Paint | None:
     values = np.clip(values, 0.0, 1.0)
     red, green, blue = values.mean(axis=0).tolist()
     mean = red, green, blue
-    if len(np.unique(values, axis=0)) == 1:
+    if (values == values[0]).all():
         return Paint(mean)
     corners = mesh.mesh.colors.get(name)
     if corners is None or len(corners) > _MOST_TRIANGLES:

@@ -11,7 +11,6 @@ from pxr import Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.convert import Report
-from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.render.scene import lamps
 from openrooms_usd.render.scene.arrays import (
     Environment,
@@ -24,7 +23,8 @@ from openrooms_usd.render.scene.arrays import (
 )
 from openrooms_usd.render.scene.labels import Labels, material_path
 from openrooms_usd.render.scene.painted import Paint, paint
-from openrooms_usd.render.scene.pictures import Array, Picture, Value
+from openrooms_usd.render.scene.pictures import Picture, Value
+from openrooms_usd.render.scene.placing import Placed, placed
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.unseen import report_unseen
@@ -84,8 +84,10 @@ def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
     for path, outcome, reason in reading.losses:
         work.report.add(path, outcome, reason)
     lossy = {path for path, _, _ in reading.losses}
-    for mesh, parts in work.with_materials(reading):
-        work.add_mesh(mesh, parts, whole=mesh.path not in lossy)
+    found = work.with_materials(reading)
+    places = placed([mesh for mesh, _ in found])
+    for number, (mesh, parts) in enumerate(found):
+        work.add_mesh(mesh, places.pop(number), parts, whole=mesh.path not in lossy)
     # 3. Everything else is named too.
     report_unseen(stage, work.report)
     return work.scene(_folder(stage))
@@ -117,7 +119,7 @@ class _Translation:
         self._materials: dict[str, Surface] = {}
         # Of meshes without a material by their opacity, of those with colours by these too.
         self._plain: dict[float, Surface] = {}
-        self._paints: dict[tuple[int, str], Paint | None] = {}
+        self._paints: dict[tuple[int, str, str], Paint | None] = {}
         self._dyed: dict[tuple[int, Picture | Color], Surface] = {}
         self._owners: list[tuple[str, Surface]] = []
         self._groups: dict[tuple[int, str, bool, tuple[str, ...]], _Group] = {}
@@ -128,7 +130,7 @@ class _Translation:
 
     def scene(self, folder: Path | None) -> Scene:
         numbers = count(1)
-        groups = [(group, Triangles.joined(group.parts)) for group in self._groups.values()]
+        groups = self._gathered()
         patches = tuple(
             Patch(
                 f"patch_{next(numbers)}",
@@ -160,6 +162,15 @@ class _Translation:
             folder,
             panes,
         )
+
+    def _gathered(self) -> list[tuple[_Group, Triangles]]:
+        """Groups with their triangles, of which there is one copy: the patches' are views."""
+        groups = sorted(self._groups.values(), key=lambda group: group.surface.pane is not None)
+        every = Triangles.joined([part for group in groups for part in group.parts])
+        sizes = [sum(map(len, group.parts)) for group in groups]
+        for group in groups:
+            group.parts.clear()
+        return list(zip(groups, every.split(sizes), strict=True))
 
     # Light.
 
@@ -210,9 +221,9 @@ class _Translation:
         self._surfaces.prefetch(preview for preview, _ in self._previews.values())
         return found
 
-    def add_mesh(self, mesh: PlacedMesh, parts: _Parts, *, whole: bool) -> None:
+    def add_mesh(self, mesh: PlacedMesh, place: Placed, parts: _Parts, *, whole: bool) -> None:
         losses: list[str] = []
-        corners, normals = _placed(mesh)
+        corners, normals = place
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
         shaping = None if emitted is None else emitted.shaping
         for rows, material in parts:
@@ -224,13 +235,11 @@ class _Translation:
             if radiance is not None and mesh.double_sided:
                 losses.append("it emits from its front side only")
             st = _texture_coordinates(mesh, surface, losses) if painted is None else painted
-            triangles = Triangles(
-                corners[rows],
-                normals[rows],
-                st[rows],
-                np.full(len(rows), self._labels.row(mesh.path, mesh.prim, material_path(material)),
-                        dtype=np.int32),
-            )  # fmt: skip
+            piece = self._labels.row(mesh.path, mesh.prim, material_path(material))
+            pieces = np.full(len(corners), piece, dtype=np.int32)
+            triangles = Triangles(corners, normals, st, pieces)
+            if len(rows) < len(corners):
+                triangles = triangles.rows(rows)
             if mesh.mirrored:
                 triangles = lamps.flipped(triangles)
             sheet = surface.pane is not None and mesh.double_sided
@@ -293,9 +302,9 @@ class _Translation:
 
     def _paint(self, mesh: PlacedMesh, name: str) -> Paint | None:
         """What a mesh says in a primvar of colours; instances of one share it."""
-        if name not in mesh.mesh.colors:
-            return paint(mesh, name)
-        key = id(mesh.mesh), name
+        # What is one colour may be inherited, and differ between instances.
+        inherited = "" if name in mesh.mesh.colors else str(mesh.prim.GetPath())
+        key = id(mesh.mesh), name, inherited
         if key not in self._paints:
             self._paints[key] = paint(mesh, name)
         return self._paints[key]
@@ -320,18 +329,6 @@ def _folder(stage: Usd.Stage) -> Path | None:
     """Where the file of a stage lies; None of one in memory."""
     file = stage.GetRootLayer().realPath
     return Path(file).parent if file else None
-
-
-def _placed(mesh: PlacedMesh) -> tuple[Array, Floats]:
-    """(M, 3, 3) corners and unit normals in the world."""
-    corners = mesh.world_points()[mesh.mesh.triangles]
-    if mesh.mesh.normals is None:
-        a, b, c = np.moveaxis(corners, 1, 0)
-        flat = np.cross(b - a, c - a) * (-1.0 if mesh.mirrored else 1.0)
-        normals = np.repeat(flat[:, None], 3, axis=1)
-    else:
-        normals = mesh.mesh.normals @ np.linalg.inv(mesh.world_from_local[:3, :3])
-    return corners, unit(normals).astype(np.float32)
 
 
 def _texture_coordinates(mesh: PlacedMesh, surface: Surface, losses: list[str]) -> Floats:
