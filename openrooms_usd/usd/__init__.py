@@ -1,5 +1,7 @@
 """Authoring and reading USD by concept; knows no stage of the pipeline and no renderer.
 
+`mapping` says what becomes of each concept in a picture.
+
 - opening: `crates`, `crate_reader`, `preflight`, `diagnostics`; `layers`, `activation`, `outside`;
 - time: `moments`, `skinning`;
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;

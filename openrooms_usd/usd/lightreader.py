@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd, UsdGeom, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.emitters import (
     CylinderLight,
@@ -296,6 +296,10 @@ _KINDS: Final[dict[str, Callable[[_Reader], Light]]] = {
 # Attribute -> the value that changes nothing, and what any other value would do.
 _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
     "inputs:shadow:enable": (True, "the light casts shadows all the same"),
+    "inputs:shadow:color": (Gf.Vec3f(0.0), "shadows are black"),
+    "inputs:shadow:distance": (-1.0, "shadows have no end"),
+    "inputs:shadow:falloff": (-1.0, "shadows have no end"),
+    "inputs:shadow:falloffGamma": (1.0, "shadows have no end"),
 }
 
 # What renderers, who count in single precision, can still add up.

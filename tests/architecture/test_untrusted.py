@@ -60,6 +60,7 @@ ALLOWED = {
     ("openrooms_usd/package.py", "zipfile.ZipFile"): "writes",
     ("openrooms_usd/package.py", "path.read_bytes"): "a copy of its own",
     ("openrooms_usd/render/manifest.py", "Path('/proc/cpuinfo').read_text"): "of the system",
+    ("openrooms_usd/usd/mapping.py", "TABLE.read_text"): "of the package",
     ("openrooms_usd/usd/layers.py", "zipfile.is_zipfile"): "a regular file",
     ("openrooms_usd/usd/layers.py", "beside.read_bytes"): "what was just written",
     ("converters/orusd_openrooms/readers.py", "OpenImageIO.ImageInput.open"): "checked before",

@@ -20,6 +20,7 @@ DATA = {
     "openrooms_usd/demo/room.yaml",
     "openrooms_usd/library/hosek_wilkie.npy",
     "openrooms_usd/library/hosek_wilkie.LICENSE.txt",
+    "openrooms_usd/usd/mapping.toml",
     "orusd_gltf/py.typed",
     "orusd_hypersim/py.typed",
     "orusd_webdataset/py.typed",

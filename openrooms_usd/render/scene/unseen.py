@@ -1,27 +1,20 @@
-"""Names the prims of a stage that are not in the picture, and why."""
+"""Names what of a stage is not in the picture, and why: prims, and what somebody wrote of them."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
-from pxr import Usd, UsdGeom, UsdLux
+from pxr import Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.convert import Report
+from openrooms_usd.usd import mapping
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
 
-# Prims that shape others, or belong to other uses of a stage; nothing is lost without them.
-_SILENT: Final = frozenset(
-    {
-        "", "Xform", "Scope", "Camera", "Material", "Shader", "NodeGraph", "GeomSubset",
-        "PointInstancer", "Backdrop", "SkelRoot", "Skeleton", "SkelAnimation", "BlendShape",
-    }
-)  # fmt: skip
-_SILENT_FAMILIES: Final = ("Render", "Physics")
 _PURPOSE: Final = "its purpose is"
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:
-    """Add a row for each prim that might be expected in a picture and is not in the report.
+    """Say of each prim what might be expected in a picture, and neither is there nor told of yet.
 
     Args:
         stage: The composed stage.
@@ -31,6 +24,7 @@ def report_unseen(stage: Usd.Stage, report: Report) -> None:
     for prim, reason in _hidden(stage):
         if str(prim.GetPath()) not in known:
             report.add(prim.GetPath(), "skipped", reason)
+    report.lose(dict(_unheeded(stage)))
 
 
 def is_aside(reason: str) -> bool:
@@ -38,10 +32,12 @@ def is_aside(reason: str) -> bool:
     return reason.startswith(_PURPOSE)
 
 
+# Prims.
+
+
 def _hidden(stage: Usd.Stage) -> Iterator[tuple[Usd.Prim, str]]:
     instancers: list[str] = []
     for prim in stage.Traverse():
-        kind = str(prim.GetTypeName())
         if prim.IsA(UsdGeom.PointInstancer):
             targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetTargets()
             instancers += map(str, targets)
@@ -49,8 +45,16 @@ def _hidden(stage: Usd.Stage) -> Iterator[tuple[Usd.Prim, str]]:
             inside = any(str(prim.GetPath()).startswith(target) for target in instancers)
             if not inside:
                 yield prim, _why(prim)
-        elif kind not in _SILENT and not kind.startswith(_SILENT_FAMILIES):
-            yield prim, f"{kind} has no place in a picture"
+        elif reason := _foreign(str(prim.GetTypeName())):
+            yield prim, reason
+
+
+def _foreign(kind: str) -> str:
+    """Why a type is in no picture; empty for what shapes others, or belongs to other uses."""
+    row = mapping.row_of_type(kind)
+    if row is None:
+        return f"{kind} has no place in a picture" if kind else ""
+    return f"{kind}: {row.becomes}" if row.outcome == "reported" else ""
 
 
 def _why(prim: Usd.Prim) -> str:
@@ -61,3 +65,63 @@ def _why(prim: Usd.Prim) -> str:
     if purpose not in asked_purposes(prim.GetStage()):
         return f"{_PURPOSE} {purpose}"
     return f"{prim.GetTypeName() or 'it'} has nothing to draw"
+
+
+# What somebody wrote of them.
+
+
+def _unheeded(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
+    """(prim path, reason) of what the table alone tells of; inside instances of the first."""
+    for prim in stage.Traverse():
+        if lost := list(_losses(prim)):
+            yield str(prim.GetPath()), "; ".join(lost)
+    for prototype in stage.GetPrototypes():
+        for prim in Usd.PrimRange(prototype):
+            if lost := list(_losses(prim)):
+                yield _place(prim), "; ".join(lost)
+
+
+def _losses(prim: Usd.Prim) -> Iterator[str]:
+    applied = prim.GetAppliedSchemas()
+    for api in applied:
+        row = mapping.row_of_type(api.partition(":")[0])
+        if row is not None and row.is_told_here:
+            yield f"{api}: {row.becomes}"
+    for name in sorted(mapping.told_of().intersection(prim.GetAuthoredPropertyNames())):
+        schemas = mapping.lineage(str(prim.GetTypeName()), tuple(applied))
+        row = mapping.row_of_property(schemas, name)
+        if row is not None and row.is_told_here and _says_something(prim.GetAttribute(name)):
+            yield f"{name}: {row.becomes}"
+    if prim.IsA(UsdGeom.Subset) and (lost := _colourless(UsdGeom.Subset(prim))):
+        yield lost
+
+
+def _says_something(attribute: Usd.Attribute) -> bool:
+    """Whether an attribute has another value than one that nobody wrote."""
+    if attribute.HasAuthoredConnections():
+        return True
+    name, value = attribute.GetName(), attribute.Get(TIME)
+    usual = attribute.GetPrim().GetPrimDefinition().GetAttributeFallbackValue(name)
+    empty = hasattr(value, "__len__") and not len(value)
+    return not (value is None or empty or value == usual or value in mapping.neutral(name))
+
+
+def _colourless(subset: UsdGeom.Subset) -> str:
+    """Why the material of a subset is not shown; empty where it is, or where there is none."""
+    prim: Any = subset.GetPrim()
+    if subset.GetFamilyNameAttr().Get() != UsdShade.Tokens.materialBind:
+        return ""
+    element = subset.GetElementTypeAttr().Get()
+    if prim.GetParent().IsA(UsdGeom.Mesh) and element == UsdGeom.Tokens.face:
+        return ""
+    return f"its material is left out: it has {element}s of a {prim.GetParent().GetTypeName()}"
+
+
+def _place(prim: Usd.Prim) -> str:
+    """Where something of a prototype stands in the first of its instances."""
+    path, stage = prim.GetPath(), prim.GetStage()
+    while Usd.Prim.IsPathInPrototype(path):
+        prototype = stage.GetPrimAtPath(path.GetPrefixes()[0])
+        first = min(str(one.GetPath()) for one in prototype.GetInstances())
+        path = path.ReplacePrefix(prototype.GetPath(), first)
+    return str(path)
