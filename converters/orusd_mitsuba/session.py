@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.errors import InputError, RenderError
+from openrooms_usd.errors import RenderError
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
 from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.models import MODELS, Model, report_simplified, with_model
+from openrooms_usd.render.scene.models import report_simplified, with_model
 from openrooms_usd.render.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bias import measurable, with_bias
@@ -30,6 +30,12 @@ from orusd_mitsuba.complete.integrator import CompleteIntegrator, Wanted
 from orusd_mitsuba.complete.meeting import CompleteScene
 from orusd_mitsuba.complete.smoothed import SMOOTHED
 from orusd_mitsuba.direct.integrator import DirectIntegrator
+from orusd_mitsuba.limits import (
+    affordable_model,
+    check_channels,
+    instances_advice,
+    report_panes,
+)
 from orusd_mitsuba.pictures import Changes
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.render_passes import (
@@ -87,18 +93,19 @@ class MitsubaSession:
     def __init__(self, scene: Scene, backend: Backend, bsdf: str = "auto") -> None:
         self._variant = backend.variant
         self._activate()
-        model = _affordable(_model(bsdf), backend)
+        model = affordable_model(bsdf, backend)
         self._scene = with_model(scene, model)
         if backend.variant.startswith("scalar"):
-            _simplify_panes(self._scene)
+            report_panes(self._scene)
             report_simplified(self._scene)
         self._builder = Builder(self._scene.origin)
         self._built = self._builder.scene(self._scene)
         self._sources = sources_of(self._scene)
-        self.tracer = MitsubaTracer(self._scene, self._built)
+        starts = self._builder.first_rows(self._scene)
+        self.tracer = MitsubaTracer(self._scene, self._built, starts)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
-        self.advice = backend.advice
         vectorized = not backend.variant.startswith("scalar")
+        self.advice = backend.advice or (instances_advice(self._scene) if vectorized else "")
         self.methods: tuple[Method, ...] = (REFERENCE, CACHE) if vectorized else (REFERENCE,)
         self._room_lights: dict[int, RoomLight] = {}
         self.settings: Mapping[str, str] = {"bsdf": model}
@@ -121,7 +128,7 @@ class MitsubaSession:
             RenderError: The backend cannot give a channel.
         """
         self._activate()
-        _check(request, self._variant)
+        check_channels(request, self._variant)
         needed = passes_for(request.channels)
         if request.method == CACHE or any(one is DIRECT for one, _ in needed):
             # Before the first pass: a new kind of surface changes the code of all kernels.
@@ -356,15 +363,6 @@ class MitsubaSession:
             self._scene.report.add(where, "approximated", reason)
 
 
-def _simplify_panes(scene: Scene) -> None:
-    """Say how a backend sees clear panes."""
-    lost = (
-        "the scalar backend tints what passes alike at every angle, and half of a solid is its pane"
-    )
-    panes = {id(pane.surface) for pane in scene.panes}
-    scene.report.lose({path: lost for path, found in scene.owners if id(found) in panes})
-
-
 def _give_back() -> None:
     """Give memory back that Dr.Jit keeps for reuse: each step takes pieces of other sizes."""
     dr.flush_malloc_cache()
@@ -373,28 +371,3 @@ def _give_back() -> None:
 def _share(progress: ViewProgress, number: int, count: int, done: float) -> None:
     """The progress of one render pass as that of all."""
     progress((number + done) / count)
-
-
-def _model(name: str) -> Model:
-    for model in MODELS:
-        if model == name:
-            return model
-    raise InputError(
-        f"surfaces reflect by no model named {name!r}",
-        place="bsdf",
-        remedy=f"one of: {', '.join(MODELS)}",
-    )
-
-
-def _affordable(model: Model, backend: Backend) -> Model:
-    """``auto`` as a backend can have it: a scalar one would call Python for every scattering."""
-    return "preview" if model == "auto" and backend.variant.startswith("scalar") else model
-
-
-def _check(request: RenderRequest, variant: str) -> None:
-    simple = variant.startswith("scalar")
-    if many := [name for name in request.channels if simple and CHANNELS[name].extra]:
-        raise RenderError(
-            f"the backend {variant} cannot give {', '.join(many)}",
-            remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
-        )

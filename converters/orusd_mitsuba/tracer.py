@@ -1,5 +1,6 @@
 """Which triangle a ray meets first, by Mitsuba's own ray tracer."""
 
+from functools import cached_property
 from typing import Any, Final
 
 import drjit as dr
@@ -14,6 +15,8 @@ from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
 
+# Films that tell shapes compare each pixel's with all that there are.
+_FEW_SHAPES: Final = 1000
 # Rays in flight at once: some 100 bytes each.
 _RAYS_IN_FLIGHT: Final = 1 << 22
 
@@ -24,19 +27,23 @@ class MitsubaTracer(RayTracer):
     Args:
         scene: The arrays.
         built: The same as a Mitsuba scene, its shapes in the order of the patches.
+        starts: (shapes,) the first row of ``scene.triangles`` of each of its shapes; None where
+            there is one for each patch.
     """
 
-    def __init__(self, scene: Scene, built: Any) -> None:
+    def __init__(self, scene: Scene, built: Any, starts: Rows | None = None) -> None:
         self._scene = scene
         self._built = built
+        self._starts = scene.offsets[:-1] if starts is None else starts
         self._variant = str(mi.variant())
 
     def pixels(self, camera: PinholeCamera, width: int, height: int) -> Rows:
         """See `openrooms_usd.render.scene.rays.RayTracer.pixels`."""
         mi.set_variant(self._variant)
-        if not len(self._scene.triangles):
+        if not self._scene.offsets[-1]:
             return np.full((height, width), -1)
-        if not _is_vectorized() and camera.projection == PINHOLE:
+        few = len(self._starts) <= _FEW_SHAPES
+        if not _is_vectorized() and camera.projection == PINHOLE and few:
             return self._by_film(camera, width, height)
         return super().pixels(camera, width, height)
 
@@ -57,11 +64,11 @@ class MitsubaTracer(RayTracer):
 
     def _batch(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Rows:
         registered = [_number(mi.ShapePtr(shape)) for shape in self._built.shapes()]
-        patch_of = np.zeros(np.max(registered) + 1, dtype=np.int64)
-        patch_of[np.concatenate(registered)] = np.arange(len(registered))
+        shape_of = np.zeros(np.max(registered) + 1, dtype=np.int64)
+        shape_of[np.concatenate(registered)] = np.arange(len(registered))
         ray = mi.Ray3f(mi.Point3f(origins.T), mi.Vector3f(directions.T))
         hit = self._built.ray_intersect_preliminary(ray, coherent=True)
-        rows = self._scene.offsets[patch_of[_number(hit.shape)]] + hit.prim_index.numpy()
+        rows = self._starts[shape_of[_number(hit.shape)]] + hit.prim_index.numpy()
         return np.where(hit.is_valid().numpy(), rows, -1)
 
     def _one(self, origin: NDArray[np.float32], direction: NDArray[np.float32]) -> int:
@@ -69,8 +76,13 @@ class MitsubaTracer(RayTracer):
         hit = self._built.ray_intersect_preliminary(ray)
         if not hit.is_valid():
             return -1
-        patch = self._built.shapes().index(hit.shape)
-        return int(self._scene.offsets[patch] + hit.prim_index)
+        return self._start_of[(hit.shape or hit.instance).id()] + int(hit.prim_index)
+
+    @cached_property
+    def _start_of(self) -> dict[str, int]:
+        """The first row of each shape by its identifier; what is an instance has no other shape."""
+        shapes = [shape.id() for shape in self._built.shapes()]
+        return dict(zip(shapes, self._starts.tolist(), strict=True))
 
     def _by_film(self, camera: PinholeCamera, width: int, height: int) -> Rows:
         """By a film of one sample in each pixel's centre: compiled code, where Python is slow."""
@@ -83,7 +95,7 @@ class MitsubaTracer(RayTracer):
         )
         # Shapes are numbered from 1 here; 0 is nothing.
         shapes, prims = np.moveaxis(np.asarray(film).astype(np.int64), 2, 0)
-        return np.where(shapes > 0, self._scene.offsets[shapes - 1] + prims, -1)
+        return np.where(shapes > 0, self._starts[shapes - 1] + prims, -1)
 
 
 def _number(shapes: Any) -> NDArray[np.uint32]:

@@ -10,8 +10,11 @@ import pytest
 from pxr import Gf, UsdGeom, UsdLux, UsdRender
 
 from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.scene import gathering
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from orusd_mitsuba import MitsubaExporter
+from tests.crowd import crowd
 
 
 def room(build, save_picture, folder):
@@ -114,3 +117,30 @@ def test_a_stage_far_away_is_moved_near_and_says_so(build, tmp_path):
     made.box("/Box", 1.0).AddTranslateOp().Set(Gf.Vec3d(5e6, 0, 0))
     report = MitsubaExporter().convert(made.stage, tmp_path, {})
     assert any(path == "/" and "moved" in reason for path, _, reason in report.losses())
+
+
+def test_instances_share_a_file_and_stand_where_they_do(
+    open_stage, save_picture, tmp_path, monkeypatch
+):
+    pixels = np.random.default_rng(5).integers(40, 220, (8, 8, 3)).astype(np.uint8)
+    stage = crowd(save_picture(tmp_path / "paper.png", pixels)).stage
+    monkeypatch.setattr(gathering, "LEAST_SAVED_TRIANGLES", 1)
+    monkeypatch.setattr(gathering, "_LEAST_SAVED_BY_ONE", 1)
+    MitsubaExporter().convert(stage, tmp_path / "out", {})
+    root = ElementTree.parse(tmp_path / "out" / "scene.xml").getroot()
+    kinds = [element.get("type") for element in root if element.tag == "shape"]
+    assert [kinds.count(kind) for kind in ("ply", "shapegroup", "instance")] == [1, 6, 24]
+    assert len(list((tmp_path / "out" / "meshes").iterdir())) == 7
+    request = RenderRequest("/Camera", ("radiance",), width=32, height=24, samples=32)
+    ours = open_stage(stage).render(request).images["radiance"].pixels
+    import mitsuba as mi
+
+    loaded = mi.load_file(str(tmp_path / "out" / "scene.xml"))
+    film = mi.traverse(loaded)
+    film["Camera.film.size"] = mi.ScalarVector2u(32, 24)
+    film.update()
+    theirs = np.asarray(mi.render(loaded, spp=32, seed=5))
+    assert theirs.mean() == pytest.approx(float(ours.mean()), rel=5e-3)
+    # Each pixel by itself: nothing stands elsewhere.
+    assert np.median(np.abs(theirs - ours)) < 0.03
+    assert np.isclose(theirs, ours, atol=0.25).mean() > 0.98

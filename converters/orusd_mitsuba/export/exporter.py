@@ -16,9 +16,11 @@ from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
+from openrooms_usd.render.scene.instances import Instances
 from openrooms_usd.render.scene.models import report_simplified, with_model, without_shaping
-from openrooms_usd.render.scene.pictures import Picture
+from openrooms_usd.render.scene.pictures import Array, Picture
 from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.render.scene.triangles import Triangles
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
 from orusd_mitsuba.export.ply import ply_bytes
 from orusd_mitsuba.export.xml_text import scene_text
@@ -136,17 +138,46 @@ class _Export:
         self.add("environment", sky)
 
     def add_patch(self, patch: Patch) -> None:
-        for row in np.unique(patch.triangles.pieces):
+        for part in patch.triangles.parts:
+            if isinstance(part, Instances):
+                self._add_instances(patch, part)
+            else:
+                self._add_pieces(patch, part)
+
+    def _add_pieces(self, patch: Patch, triangles: Triangles) -> None:
+        """A shape of each piece of surface."""
+        order = np.argsort(triangles.pieces, kind="stable")
+        pieces, starts = np.unique(triangles.pieces[order], return_index=True)
+        for piece, rows in zip(pieces.tolist(), np.split(order, starts[1:]), strict=True):
             bsdf = self._bsdf(patch)
-            identifier = self._identifier(self.scene.legend.part[self.scene.pieces[row].part])
-            here = patch.triangles.rows(np.flatnonzero(patch.triangles.pieces == row))
-            file = PurePosixPath("meshes", f"{identifier}.ply")
-            atomic.write_bytes(self.folder / file, ply_bytes(here, self._origin))
+            identifier = self._identifier(self._prim(piece))
+            file = self._mesh(identifier, triangles.rows(rows), self._origin)
             shape: Description = {"type": "ply", "filename": file, "bsdf": bsdf}
             if patch.radiance is not None:
                 weight = self.weights.patches[patch.name]
                 shape["emitter"] = self._resolved(describe_area(patch.radiance, weight))
             self.objects[identifier] = shape
+
+    def _add_instances(self, patch: Patch, instances: Instances) -> None:
+        """What they share as one mesh, and where each stands."""
+        bsdf = self._bsdf(patch)
+        group = self._identifier(f"{self._prim(int(instances.owners[0]))}/shared")
+        centred = instances.centred()
+        file = self._mesh(group, centred.prototype, np.zeros(3))
+        shared: Description = {"type": "ply", "filename": file, "bsdf": bsdf}
+        self.objects[group] = {"type": "shapegroup", "mesh": shared}
+        matrices = centred.seen_from(self._origin)
+        for piece, matrix in zip(centred.owners.tolist(), matrices, strict=True):
+            instance = {"type": "instance", "group": {"ref": group}, "to_world": matrix}
+            self.add(self._prim(piece), instance)
+
+    def _prim(self, piece: int) -> str:
+        return self.scene.legend.part[self.scene.pieces[piece].part]
+
+    def _mesh(self, name: str, triangles: Triangles, origin: Array) -> PurePosixPath:
+        file = PurePosixPath("meshes", f"{name}.ply")
+        atomic.write_bytes(self.folder / file, ply_bytes(triangles, origin))
+        return file
 
     def _bsdf(self, patch: Patch) -> Description:
         key = id(patch.surface)

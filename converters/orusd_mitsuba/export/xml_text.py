@@ -15,6 +15,8 @@ _TAGS: Final = {
     "hdrfilm": "film",
     "box": "rfilter",
     "ply": "shape",
+    "shapegroup": "shape",
+    "instance": "shape",
     "area": "emitter",
     "constant": "emitter",
     "envmap": "emitter",

@@ -1,6 +1,7 @@
 """A scene as objects of Mitsuba, and the plugins of our own among them.
 
-- ``build`` makes all of it for the active variant: meshes, textures, BSDFs, emitters.
+- ``build`` makes all of it for the active variant: textures, BSDFs, emitters, and shapes of
+  ``meshes``, where instances are kept or expanded.
 - ``descriptions`` says what becomes of surfaces and lights, ``sensors`` what becomes of cameras, in
   plugins that XML can name too; ``lenses`` bends the rays of a camera with a lens.
 - ``openrooms_bsdf`` is OpenRooms' reflectance model (its formulas in ``microfacet``), and

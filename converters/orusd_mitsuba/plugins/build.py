@@ -7,9 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.render.scene.instances import Instances, joined
 from openrooms_usd.render.scene.pictures import Array, Picture
 from openrooms_usd.render.scene.surfaces import Surface
-from orusd_mitsuba.plugins import material_table, openrooms_bsdf
+from openrooms_usd.render.scene.triangles import Triangles
+from orusd_mitsuba.plugins import material_table, meshes, openrooms_bsdf
 from orusd_mitsuba.plugins import portal_environment as portals
 from orusd_mitsuba.plugins.descriptions import (
     Description,
@@ -60,7 +62,7 @@ class Builder:
         self._tabulate(scene)
         objects: Description = {"type": "scene"}
         for patch in (*scene.patches, *(pane.sheet() for pane in scene.panes if panes)):
-            objects[patch.name] = self._mesh(patch, weights)
+            objects |= self._shapes(patch, weights)
         for number, (sun, weight) in enumerate(zip(scene.suns, weights.suns, strict=True)):
             soft = sun.angle > 0.0 and not str(mi.variant()).startswith("scalar")
             objects[f"sun_{number}"] = (
@@ -98,11 +100,7 @@ class Builder:
         arrays = mi.traverse(built)
         for old, new in zip(before.patches, after.patches, strict=True):
             if old is not new:
-                corners = new.triangles.corners - self._origin
-                arrays[f"{new.name}.vertex_positions"] = _flat(corners)
-                arrays[f"{new.name}.vertex_normals"] = _flat(new.triangles.normals)
-                if new.shaping is not None:
-                    self._shaped[new.name].turn(new.shaping)
+                self._move(arrays, new)
         arrays.update()
 
     def _tabulate(self, scene: Scene) -> None:
@@ -124,31 +122,58 @@ class Builder:
                  if id(patch.surface) in self._rows]  # fmt: skip
         self._table.bind(*zip(*found, strict=True))
 
-    def _mesh(self, patch: Patch, weights: LightWeights) -> Any:
+    def _move(self, arrays: Any, patch: Patch) -> None:
+        whole, shared = self._apart(patch.triangles)
+        for number, instances in enumerate(shared):
+            for row, matrix in enumerate(instances.centred().seen_from(self._origin)):
+                arrays[f"{patch.name}_{number}_{row}.to_world"] = _matrix(matrix)
+        if len(whole):
+            found = meshes.vertices(whole, self._origin)
+            arrays[f"{patch.name}.vertex_positions"] = found.positions.ravel()
+            arrays[f"{patch.name}.vertex_normals"] = found.normals.ravel()
+        if patch.shaping is not None:
+            self._shaped[patch.name].turn(patch.shaping)
+
+    def _shapes(self, patch: Patch, weights: LightWeights) -> dict[str, Any]:
+        """The shapes of a patch by their identifiers, in the order of its triangles."""
         properties = mi.Properties()
         properties["bsdf"] = self.bsdf(patch.surface)
         if patch.radiance is not None:
             area = describe_area(patch.radiance, weights.patches[patch.name])
             properties["emitter"] = self._emitter(patch, mi.load_dict(self._resolved(area)))
-        triangles = patch.triangles
-        count = len(triangles)
-        mesh = mi.Mesh(
-            patch.name,
-            vertex_count=3 * count,
-            face_count=count,
-            has_vertex_normals=True,
-            has_vertex_texcoords=True,
-            props=properties,
-        )
-        arrays = mi.traverse(mesh)
-        arrays["vertex_positions"] = _flat(triangles.corners - self._origin)
-        arrays["vertex_normals"] = _flat(triangles.normals)
-        arrays["vertex_texcoords"] = _flat(triangles.st)
-        arrays["faces"] = np.arange(3 * count, dtype=np.uint32)
-        arrays.update()
+        whole, shared = self._apart(patch.triangles)
+        found: dict[str, Any] = {}
+        if len(whole) or not shared:
+            vertices = meshes.vertices(whole, self._origin)
+            found[patch.name] = meshes.mesh(patch.name, vertices, properties)
+        for number, instances in enumerate(shared):
+            name = f"{patch.name}_{number}"
+            found |= meshes.shape_group(name, instances, self._origin, properties)
         if patch.name in self._shaped:
-            self._shaped[patch.name].inner.set_shape(mesh)
-        return mesh
+            self._shaped[patch.name].inner.set_shape(found[patch.name])
+        return found
+
+    def first_rows(self, scene: Scene) -> NDArray[np.int64]:
+        """(shapes,) the row of `Scene.triangles` that the first triangle of each shape is."""
+        sizes: list[int] = []
+        for patch in scene.patches:
+            whole, shared = self._apart(patch.triangles)
+            sizes += [len(whole)] if len(whole) or not shared else []
+            for instances in shared:
+                sizes += [len(instances.prototype)] * len(instances.owners)
+        return np.cumsum([0, *sizes[:-1]])
+
+    def _apart(self, triangles: Triangles) -> tuple[Triangles, list[Instances]]:
+        """What is one mesh, and what are instances after it.
+
+        Vectorized variants compile code for each instance (half a minute for a thousand), so that
+        they are expanded there.
+        """
+        if not str(mi.variant()).startswith("scalar"):
+            return triangles, []
+        plain = [part for part in triangles.parts if not isinstance(part, Instances)]
+        shared = [part for part in triangles.parts if isinstance(part, Instances)]
+        return joined(plain), shared
 
     def _emitter(self, patch: Patch, inner: Any) -> Any:
         if patch.shaping is None:
@@ -224,10 +249,6 @@ class Builder:
 
 def _matrix(values: Array) -> Any:
     return mi.ScalarTransform4f(values.tolist())
-
-
-def _flat(values: Any) -> Any:
-    return np.ascontiguousarray(values, dtype=np.float32).ravel()
 
 
 def load_sensor(description: Description, sampler: Description) -> Any:

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from openrooms_usd import atomic
 from openrooms_usd.categories.record import given
 from openrooms_usd.categories.registry import record
-from openrooms_usd.render.scene.arrays import Triangles
+from openrooms_usd.render.scene.triangles import Triangles
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
 from orusd_openrooms.scenes.microfacet import Materials, mapping
 from orusd_openrooms.scenes.objects import Object

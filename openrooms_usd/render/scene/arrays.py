@@ -3,64 +3,20 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.convert import Report
+from openrooms_usd.render.scene.instances import joined
 from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.render.scene.pictures import Array, Value
 from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.render.scene.triangles import Floats, Triangles
 from openrooms_usd.usd.meshes import is_outside
 from openrooms_usd.usd.portals import Portal
 from openrooms_usd.usd.profiles import Shaping
-
-Floats = NDArray[np.float32]
-Ints = NDArray[np.int32]
-
-
-@dataclass(frozen=True, eq=False)
-class Triangles:
-    """Triangles with what is known at their corners.
-
-    Attributes:
-        corners: (M, 3, 3) world, metres; counter-clockwise seen from the front.
-        normals: (M, 3, 3) unit shading normal at each corner.
-        st: (M, 3, 2) texture coordinates at each corner.
-        pieces: (M,) row of `Scene.pieces` that the triangle belongs to.
-    """
-
-    corners: Array
-    normals: Floats
-    st: Floats
-    pieces: Ints
-
-    def __len__(self) -> int:
-        return len(self.corners)
-
-    def rows(self, which: Any) -> "Triangles":
-        """Some of the triangles, by an index array or a slice."""
-        return Triangles(
-            self.corners[which], self.normals[which], self.st[which], self.pieces[which]
-        )
-
-    @staticmethod
-    def joined(parts: Sequence["Triangles"]) -> "Triangles":
-        """All triangles of several, in their order; those that `split` gave are not copied."""
-        return Triangles(
-            _joined(np.zeros((0, 3, 3)), [part.corners for part in parts]),
-            _joined(np.zeros((0, 3, 3), np.float32), [part.normals for part in parts]),
-            _joined(np.zeros((0, 3, 2), np.float32), [part.st for part in parts]),
-            _joined(np.zeros(0, np.int32), [part.pieces for part in parts]),
-        )
-
-    def split(self, sizes: Sequence[int]) -> list["Triangles"]:
-        """Views of as many triangles each, one after the other."""
-        ends = np.cumsum([0, *sizes]).tolist()
-        return [self.rows(slice(*some)) for some in pairwise(ends)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,14 +179,22 @@ class Scene:
     @cached_property
     def triangles(self) -> Triangles:
         """The triangles of all patches, patch by patch."""
-        return Triangles.joined([patch.triangles for patch in self.patches])
+        return joined([patch.triangles for patch in self.patches])
 
     @cached_property
     def indoors(self) -> NDArray[np.bool_]:
         """(M,) which of `triangles` are no part of what stands outside before the windows."""
+        return self._indoor_pieces[self.triangles.pieces]
+
+    @cached_property
+    def _indoor_pieces(self) -> NDArray[np.bool_]:
         paths = self.legend.part
         outside = [is_outside(paths.get(piece.part, "")) for piece in self.pieces]
-        return ~np.array([*outside, False])[self.triangles.pieces]
+        return ~np.array([*outside, False])
+
+    @cached_property
+    def _indoor_triangles(self) -> Triangles:
+        return self.triangles.of_pieces(self._indoor_pieces)
 
     @cached_property
     def offsets(self) -> NDArray[np.int64]:
@@ -240,21 +204,17 @@ class Scene:
     @cached_property
     def radius(self) -> float:
         """Metres; of a sphere about `origin` that holds all surfaces."""
-        return self._reach(self.triangles.corners)
+        return self._reach(self.triangles)
 
     @cached_property
     def room_radius(self) -> float:
         """Metres; of a sphere about `origin` that holds all surfaces but those outside."""
-        return self._reach(self._indoor_corners())
+        return self._reach(self._indoor_triangles)
 
-    def _indoor_corners(self) -> Array:
-        corners = self.triangles.corners
-        return corners if self.indoors.all() else corners[self.indoors]
-
-    def _reach(self, corners: Array) -> float:
-        if not len(corners):
+    def _reach(self, triangles: Triangles) -> float:
+        if not len(triangles):
             return 1.0
-        return float(np.sqrt(((corners - self.origin) ** 2).sum(axis=-1).max()))
+        return float(np.sqrt(((triangles.hull - self.origin) ** 2).sum(axis=-1).max()))
 
     @cached_property
     def origin(self) -> Array:
@@ -262,25 +222,9 @@ class Scene:
 
         Renderers work in single precision: what they get is relative to this.
         """
-        corners = self._indoor_corners()
-        if not len(corners):
+        if not len(self._indoor_triangles):
             return np.zeros(3)
-        return np.round(np.median(corners[:, 0], axis=0))
-
-
-def _joined(none: NDArray[Any], arrays: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Arrays one after the other; where they lie so in one array already, a view of that."""
-    filled = [one for one in arrays if len(one)]
-    whole = filled[0].base if filled else None
-    if whole is None or not whole.flags.c_contiguous or whole.shape[1:] != none.shape[1:]:
-        return np.concatenate([none, *arrays])
-    row = whole.strides[0]
-    places = [one.ctypes.data - whole.ctypes.data for one in filled]
-    follow = [place + row * len(one) for place, one in zip(places, filled, strict=True)]
-    alike = all(one.base is whole and one.flags.c_contiguous for one in filled)
-    if not alike or whole.dtype != none.dtype or places[1:] != follow[:-1]:
-        return np.concatenate([none, *arrays])
-    return np.asarray(whole[places[0] // row : follow[-1] // row])
+        return np.round(np.median(self._indoor_triangles.landmarks, axis=0))
 
 
 def _rotation(before: Array, after: Array) -> Array:

@@ -140,7 +140,8 @@ def _hits(
 ) -> Hits:
     pixels = np.flatnonzero(found >= 0)
     rows, ahead, eye = found[pixels], directions[pixels], origins[pixels]
-    depth, weights, normals = _meet(scene.triangles.corners[rows], eye, ahead)
+    met = scene.triangles.rows(rows)
+    depth, weights, normals = _meet(met.corners, eye, ahead)
     return Hits(
         shape,
         pixels,
@@ -150,7 +151,7 @@ def _hits(
         depth,
         eye + depth[:, None] * ahead,
         weights,
-        np.einsum("ri,rij->rj", weights, scene.triangles.st[rows].astype(np.float64)),
+        np.einsum("ri,rij->rj", weights, met.st.astype(np.float64)),
         normals,
     )
 

@@ -13,6 +13,7 @@ from openrooms_usd.render.scene.arrays import Patch, Piece, Scene
 from openrooms_usd.render.scene.first_hits import Hits
 from openrooms_usd.render.scene.pictures import Array, Value, evaluate
 from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.render.scene.triangles import Triangles
 from openrooms_usd.usd.cameras import PinholeCamera
 
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
@@ -76,16 +77,21 @@ class GroundTruth:
         return np.where(self._hits.front & (radiance.max(axis=1) > 0), 1.0, 0.0)
 
     @cached_property
+    def _met(self) -> Triangles:
+        """The triangle of each hit."""
+        return self._scene.triangles.rows(self._hits.rows)
+
+    @cached_property
     def _labels(self) -> Array:
         pieces = [astuple(piece) for piece in self._scene.pieces]
         table = np.array(pieces, dtype=np.float64).reshape(-1, len(_LABELS))
-        return table[self._scene.triangles.pieces[self._hits.rows]]
+        return table[self._met.pieces]
 
     @cached_property
     def _shading(self) -> Array:
         """(R, 3) unit normals with the normal map, on the camera's side."""
         hits = self._hits
-        corners = self._scene.triangles.normals[hits.rows].astype(np.float64)
+        corners = self._met.normals.astype(np.float64)
         smooth = unit(np.einsum("ri,rij->rj", hits.weights, corners))
         outward = np.where(hits.front, 1.0, -1.0)[:, None]
         normals = outward * smooth
@@ -101,9 +107,9 @@ class GroundTruth:
 
     def _tangents(self, here: NDArray[np.bool_], normals: Array) -> Array:
         """(R, 3, 3) rows: along u, across it, the normal; what normal maps are in."""
-        rows = self._hits.rows[here]
-        a, b, c = np.moveaxis(self._scene.triangles.corners[rows], 1, 0)
-        at, bt, ct = np.moveaxis(self._scene.triangles.st[rows].astype(np.float64), 1, 0)
+        met = self._met.rows(here)
+        a, b, c = np.moveaxis(met.corners, 1, 0)
+        at, bt, ct = np.moveaxis(met.st.astype(np.float64), 1, 0)
         (u1, v1), (u2, v2) = (bt - at).T, (ct - at).T
         along = v2[:, None] * (b - a) - v1[:, None] * (c - a)
         along *= np.sign(u1 * v2 - v1 * u2)[:, None]

@@ -9,7 +9,7 @@ import numpy as np
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.render.scene.arrays import Environment, Floats, Sun, Triangles
+from openrooms_usd.render.scene.arrays import Environment, Sun
 from openrooms_usd.render.scene.pictures import (
     Array,
     Picture,
@@ -18,6 +18,7 @@ from openrooms_usd.render.scene.pictures import (
     within,
 )
 from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.render.scene.triangles import Floats, Triangles
 from openrooms_usd.usd.lights import (
     CylinderLight,
     DiskLight,

@@ -41,7 +41,7 @@ def light_masks(
     end[hits.pixels] = hits.depth
     instance = np.zeros(len(directions), dtype=np.int64)
     numbers = np.array([piece.instance for piece in scene.pieces] or [0])
-    instance[hits.pixels] = numbers[scene.triangles.pieces[hits.rows]]
+    instance[hits.pixels] = numbers[scene.triangles.rows(hits.rows).pieces]
     left = _left_through(sources, origins, directions, end)
     masks = [
         instance == scene.pieces[int(scene.patches[source.patches[0]].triangles.pieces[0])].instance

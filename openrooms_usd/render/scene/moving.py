@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene, Triangles
+from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.render.scene.triangles import Triangles
 
 # Entries of a motion that differ by less, metres or ratios, are the same: an engine's noise at
 # rest moves nothing.
@@ -72,17 +72,7 @@ class MovingScene:
 
     def _placed(self, triangles: Triangles, moved_by: list[str]) -> Triangles:
         """Triangles of the scene at rest with the motions of their pieces."""
-        corners, normals = triangles.corners.copy(), triangles.normals.copy()
-        for piece in np.unique(triangles.pieces):
-            motion = self._motions.get(moved_by[piece])
-            if motion is not None:
-                _move(corners, normals, triangles.pieces == piece, motion)
-        return Triangles(corners, normals, triangles.st, triangles.pieces)
-
-
-def _move(
-    corners: Array, normals: NDArray[np.float32], which: NDArray[np.bool_], motion: Array
-) -> None:
-    R = motion[:3, :3]
-    corners[which] = corners[which] @ R.T + motion[:3, 3]
-    normals[which] = (normals[which] @ R.T).astype(np.float32)
+        pieces = np.unique(triangles.pieces).tolist()
+        return triangles.moved(
+            {piece: self._motions[moved_by[piece]] for piece in pieces if moved_by[piece]}
+        )

@@ -1,8 +1,7 @@
 """From a composed USD stage to a `Scene`: arrays, surfaces, lights, labels and a report."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
-from itertools import count
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -12,21 +11,14 @@ from pxr import Usd, UsdGeom, UsdShade
 from openrooms_usd import names
 from openrooms_usd.convert import Report
 from openrooms_usd.render.scene import lamps
-from openrooms_usd.render.scene.arrays import (
-    Environment,
-    Floats,
-    Pane,
-    Patch,
-    Scene,
-    Sun,
-    Triangles,
-)
+from openrooms_usd.render.scene.arrays import Environment, Scene, Sun
+from openrooms_usd.render.scene.gathering import Gathered, shapes
 from openrooms_usd.render.scene.labels import Labels, material_path
 from openrooms_usd.render.scene.painted import Paint, paint
 from openrooms_usd.render.scene.pictures import Picture, Value
-from openrooms_usd.render.scene.placing import Placed, placed
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.surroundings import summed
+from openrooms_usd.render.scene.triangles import Floats, Ints
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.frames import TIME
@@ -43,14 +35,14 @@ from openrooms_usd.usd.lights import (
 )
 from openrooms_usd.usd.linking import LightLinks
 from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.usd.meshes import PlacedMesh, TriangleMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
 from openrooms_usd.usd.profiles import Shaping
 from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.surfaces import Color, PreviewSurface
 
 # Rows of triangles, and the material that they show.
-_Part = tuple[np.ndarray, UsdShade.Material | None]
+_Part = tuple[Ints, UsdShade.Material | None]
 _Parts = list[_Part]
 _BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
 
@@ -84,26 +76,11 @@ def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
     for path, outcome, reason in reading.losses:
         work.report.add(path, outcome, reason)
     lossy = {path for path, _, _ in reading.losses}
-    found = work.with_materials(reading)
-    places = placed([mesh for mesh, _ in found])
-    for number, (mesh, parts) in enumerate(found):
-        work.add_mesh(mesh, places.pop(number), parts, whole=mesh.path not in lossy)
+    for mesh, parts in work.with_materials(reading):
+        work.add_mesh(mesh, parts, whole=mesh.path not in lossy)
     # 3. Everything else is named too.
     report_unseen(stage, work.report)
     return work.scene(_folder(stage))
-
-
-@dataclass
-class _Group:
-    """Triangles that are gathered for one shape of the renderer."""
-
-    surface: Surface
-    radiance: Value | None
-    is_sheet: bool
-    shaping: Shaping | None = None
-    lamp: str = ""
-    unlit_by: tuple[str, ...] = ()
-    parts: list[Triangles] = field(default_factory=list)
 
 
 class _Translation:
@@ -122,34 +99,15 @@ class _Translation:
         self._paints: dict[tuple[int, str, str], Paint | None] = {}
         self._dyed: dict[tuple[int, Picture | Color], Surface] = {}
         self._owners: list[tuple[str, Surface]] = []
-        self._groups: dict[tuple[int, str, bool, tuple[str, ...]], _Group] = {}
+        self._st: dict[tuple[int, int], tuple[Floats, list[str]]] = {}
+        self._groups: dict[tuple[int, str, bool, tuple[str, ...]], Gathered] = {}
         self._emitting: dict[str, MeshLight] = {}
         self._environment: Environment | None = None
         self._suns: list[Sun] = []
         self._portals: tuple[Portal, ...] = ()
 
     def scene(self, folder: Path | None) -> Scene:
-        numbers = count(1)
-        groups = self._gathered()
-        patches = tuple(
-            Patch(
-                f"patch_{next(numbers)}",
-                triangles,
-                group.surface,
-                group.radiance if lamps.is_extended(triangles) else None,
-                shaping=group.shaping,
-                lamp=group.lamp,
-                unlit_by=group.unlit_by,
-                response=self._responses.get(group.lamp, (1.0, 1.0)),
-            )
-            for group, triangles in groups
-            if group.surface.pane is None
-        )
-        panes = tuple(
-            Pane(f"pane_{number}", triangles, group.surface, is_sheet=group.is_sheet)
-            for number, (group, triangles) in enumerate(groups)
-            if group.surface.pane is not None
-        )
+        patches, panes = shapes(list(self._groups.values()), self._responses)
         return Scene(
             patches,
             tuple(self._labels.pieces),
@@ -162,15 +120,6 @@ class _Translation:
             folder,
             panes,
         )
-
-    def _gathered(self) -> list[tuple[_Group, Triangles]]:
-        """Groups with their triangles, of which there is one copy: the patches' are views."""
-        groups = sorted(self._groups.values(), key=lambda group: group.surface.pane is not None)
-        every = Triangles.joined([part for group in groups for part in group.parts])
-        sizes = [sum(map(len, group.parts)) for group in groups]
-        for group in groups:
-            group.parts.clear()
-        return list(zip(groups, every.split(sizes), strict=True))
 
     # Light.
 
@@ -202,7 +151,7 @@ class _Translation:
             surface = _surface_of(stage.GetPrimAtPath(light.path))
             row = self._labels.row(str(surface.GetPath()), surface, None)
             group = self._group(light.path, _BLACK, radiance, shaping=light.shaping)
-            group.parts.append(lamps.shape(light, row))
+            group.add(lamps.shape(light, row))
             losses += lost
         else:
             self.report.add(light.path, "skipped", "; ".join(losses))
@@ -221,9 +170,8 @@ class _Translation:
         self._surfaces.prefetch(preview for preview, _ in self._previews.values())
         return found
 
-    def add_mesh(self, mesh: PlacedMesh, place: Placed, parts: _Parts, *, whole: bool) -> None:
+    def add_mesh(self, mesh: PlacedMesh, parts: _Parts, *, whole: bool) -> None:
         losses: list[str] = []
-        corners, normals = place
         emitted = self._emitting.get(str(mesh.prim.GetPath()))
         shaping = None if emitted is None else emitted.shaping
         for rows, material in parts:
@@ -234,19 +182,13 @@ class _Translation:
                 losses.append("a clear pane emits nothing")
             if radiance is not None and mesh.double_sided:
                 losses.append("it emits from its front side only")
-            st = _texture_coordinates(mesh, surface, losses) if painted is None else painted
+            st = self._texture_coordinates(mesh, surface, losses) if painted is None else painted
             piece = self._labels.row(mesh.path, mesh.prim, material_path(material))
-            pieces = np.full(len(corners), piece, dtype=np.int32)
-            triangles = Triangles(corners, normals, st, pieces)
-            if len(rows) < len(corners):
-                triangles = triangles.rows(rows)
-            if mesh.mirrored:
-                triangles = lamps.flipped(triangles)
             sheet = surface.pane is not None and mesh.double_sided
             bent = None if radiance is None else shaping
             unlit = self._links.unlit_by(mesh.path)
             group = self._group(mesh.path, surface, radiance, sheet, bent, unlit)
-            group.parts.append(triangles)
+            group.place(mesh, rows, st, piece)
         if losses or whole:
             self._say(mesh.path, losses)
 
@@ -258,11 +200,20 @@ class _Translation:
         is_sheet: bool = False,
         shaping: Shaping | None = None,
         unlit: tuple[str, ...] = (),
-    ) -> _Group:
+    ) -> Gathered:
         # What emits is a shape of its own, so that it is sampled as one light.
         lamp = "" if radiance is None else path
-        made = _Group(surface, radiance, is_sheet, shaping, lamp, unlit)
+        made = Gathered(surface, radiance, is_sheet, shaping, lamp, unlit)
         return self._groups.setdefault((id(surface), lamp, is_sheet, unlit), made)
+
+    def _texture_coordinates(self, mesh: PlacedMesh, surface: Surface, losses: list[str]) -> Floats:
+        """(M, 3, 2) for a surface; instances of one mesh share them."""
+        key = id(mesh.mesh), id(surface)
+        if key not in self._st:
+            self._st[key] = _texture_coordinates(mesh.mesh, surface)
+        st, lost = self._st[key]
+        losses += lost
+        return st
 
     def _surface(
         self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
@@ -331,19 +282,20 @@ def _folder(stage: Usd.Stage) -> Path | None:
     return Path(file).parent if file else None
 
 
-def _texture_coordinates(mesh: PlacedMesh, surface: Surface, losses: list[str]) -> Floats:
-    """(M, 3, 2) with the surface's common transform worked in."""
-    st = mesh.mesh.uvs.get(surface.primvar)
+def _texture_coordinates(mesh: TriangleMesh, surface: Surface) -> tuple[Floats, list[str]]:
+    """(M, 3, 2) with the surface's common transform worked in, and what was lost."""
+    losses: list[str] = []
+    st = mesh.uvs.get(surface.primvar)
     if st is None:
-        st = mesh.mesh.st
+        st = mesh.st
         if surface.is_textured:
             instead = "others are" if st is not None else "none are there; 0 is"
             losses.append(f"texture coordinates {surface.primvar} are missing, {instead} used")
     if st is None:
-        st = np.zeros((len(mesh.mesh.triangles), 3, 2), dtype=np.float32)
+        st = np.zeros((len(mesh.triangles), 3, 2), dtype=np.float32)
     if np.array_equal(surface.uv, np.eye(3)):
-        return st
-    return (st @ surface.uv[:2, :2].T + surface.uv[:2, 2]).astype(np.float32)
+        return st, losses
+    return (st @ surface.uv[:2, :2].T + surface.uv[:2, 2]).astype(np.float32), losses
 
 
 def _key(material: UsdShade.Material) -> str:
@@ -361,9 +313,9 @@ def _materials(mesh: PlacedMesh) -> Iterator[_Part]:
         rows = np.flatnonzero(rest & np.isin(faces, indices))
         if len(rows):
             rest[rows] = False
-            yield rows, material
+            yield rows.astype(np.int32), material
     if rest.any():
-        yield np.flatnonzero(rest), bound_material(mesh.prim)
+        yield np.flatnonzero(rest).astype(np.int32), bound_material(mesh.prim)
 
 
 def _display_opacity(prim: Usd.Prim) -> float:

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, Vt
 
-from openrooms_usd.render.scene import placing
-from openrooms_usd.render.scene.arrays import Triangles
+from openrooms_usd.render.scene import instances as module
+from openrooms_usd.render.scene.instances import joined
 from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.render.scene.triangles import Triangles
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
@@ -46,7 +47,7 @@ def instances(normals: str, count: int = 40) -> Usd.Stage:
 def test_instances_stand_where_usd_says(
     normals: str, at_once: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(placing, "_MOST_TRIANGLES", at_once)
+    monkeypatch.setattr(module, "_MOST_TRIANGLES", at_once)
     stage = instances(normals)
     found = translate(stage).triangles
     rows = iter(range(len(found)))
@@ -89,13 +90,13 @@ def test_what_was_split_is_joined_without_a_copy() -> None:
     )
     parts = whole.split([2, 0, 4, 3])
     assert [len(part) for part in parts] == [2, 0, 4, 3]
-    again = Triangles.joined(parts)
+    again = joined(parts)
     assert np.shares_memory(again.corners, whole.corners)
     assert np.array_equal(again.pieces, np.arange(9))
     # Any others, and another order of these, are copied.
-    turned = Triangles.joined([parts[2], parts[0], parts[3]])
+    turned = joined([parts[2], parts[0], parts[3]])
     assert turned.pieces.tolist() == [2, 3, 4, 5, 0, 1, 6, 7, 8]
     assert np.array_equal(turned.corners, whole.corners[turned.pieces])
-    gap = Triangles.joined([parts[0], parts[3]])
+    gap = joined([parts[0], parts[3]])
     assert gap.pieces.tolist() == [0, 1, 6, 7, 8]
-    assert len(Triangles.joined([])) == 0
+    assert len(joined([])) == 0

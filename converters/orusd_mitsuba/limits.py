@@ -1,0 +1,70 @@
+"""What a backend cannot have of a scene or give of it, in words."""
+
+from typing import Final
+
+from openrooms_usd.channels import CHANNELS
+from openrooms_usd.errors import InputError, RenderError
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.render.scene.instances import Instances
+from openrooms_usd.render.scene.models import MODELS, Model
+from orusd_mitsuba.variants import Backend
+
+# From here on it takes longer to expand instances than to render a picture of them.
+_MANY_EXPANDED_TRIANGLES: Final = 4_000_000
+
+
+def affordable_model(name: str, backend: Backend) -> Model:
+    """A reflectance model as a backend can have it.
+
+    Args:
+        name: One of `openrooms_usd.render.scene.models.MODELS`.
+        backend: A scalar one would call Python for every scattering of ``auto``.
+
+    Raises:
+        InputError: No reflectance model has that name.
+    """
+    for model in MODELS:
+        if model == name:
+            scalar = backend.variant.startswith("scalar")
+            return "preview" if model == "auto" and scalar else model
+    raise InputError(
+        f"surfaces reflect by no model named {name!r}",
+        place="bsdf",
+        remedy=f"one of: {', '.join(MODELS)}",
+    )
+
+
+def report_panes(scene: Scene) -> None:
+    """Say in the report how scalar backends see clear panes."""
+    lost = (
+        "the scalar backend tints what passes alike at every angle, and half of a solid is its pane"
+    )
+    panes = {id(pane.surface) for pane in scene.panes}
+    scene.report.lose({path: lost for path, found in scene.owners if id(found) in panes})
+
+
+def instances_advice(scene: Scene) -> str:
+    """What to do where a vectorized backend expands very many instances; empty with few."""
+    parts = [part for patch in scene.patches for part in patch.triangles.parts]
+    expanded = sum(len(part) for part in parts if isinstance(part, Instances))
+    if expanded < _MANY_EXPANDED_TRIANGLES:
+        return ""
+    return (
+        f"instances are expanded to {expanded / 1e6:.0f} million triangles; --variant scalar keeps "
+        "them as they are: it starts sooner, in less memory, and has fewer channels"
+    )
+
+
+def check_channels(request: RenderRequest, variant: str) -> None:
+    """Refuse what scalar backends have not.
+
+    Raises:
+        RenderError: With the channels, and what has them.
+    """
+    simple = variant.startswith("scalar")
+    if many := [name for name in request.channels if simple and CHANNELS[name].extra]:
+        raise RenderError(
+            f"the backend {variant} cannot give {', '.join(many)}",
+            remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
+        )
