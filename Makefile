@@ -21,7 +21,7 @@ help:
 	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
 	@echo "make check       ruff and mypy"
 	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
-	@echo "make fuzz        give broken and hostile input of every kind to every command"
+	@echo "make fuzz        give broken and hostile input of every kind to every command, and 2,000 stages"
 	@echo "make pictures    draw the pictures of the documentation"
 	@echo "make venv        set up .venv with the tools for development"
 	@echo "make clean       remove .venv and those of the tests, out and caches"
@@ -63,6 +63,7 @@ benchmarks: .venv/installed-dev
 
 fuzz: .venv/installed-dev
 	@mkdir -p out/fuzz
+	ORUSD_STAGES=2000 $(PYTEST) tests/anystage
 	$(BIN)/python -m benchmarks.fuzz --cases 20000 --keep out/fuzz/bad --json out/fuzz/tally.json
 
 pictures: .venv/installed-dev

@@ -48,6 +48,13 @@ class Report:
                 self.rows[number] = prim, found, "; ".join(filter(None, (reason, later)))
         self.rows += [(prim, "approximated", reason) for prim, reason in left.items() if reason]
 
+    def gather(self) -> None:
+        """Make one row of all that say the same of a prim, with all their reasons."""
+        said: dict[tuple[str, Outcome], dict[str, None]] = {}
+        for prim, outcome, reason in self.rows:
+            said.setdefault((prim, outcome), {}).update(dict.fromkeys(filter(None, [reason])))
+        self.rows = [(*key, "; ".join(reasons)) for key, reasons in said.items()]
+
     def count(self, outcome: Outcome) -> int:
         """How many rows have this outcome."""
         return sum(1 for _, found, _ in self.rows if found == outcome)

@@ -34,6 +34,17 @@ def array_of(value: Any, dtype: type[np.generic], width: int | None = None) -> N
     return found if found.ndim == empty.ndim and found.shape[1:] == empty.shape[1:] else empty
 
 
+def number_of(value: Any) -> float | None:
+    """A number, which may be infinite or none; None where there is no value, or another type."""
+    return float(value) if isinstance(value, int | float) else None
+
+
+def vector_of(value: Any, width: int) -> NDArray[np.float64] | None:
+    """(width,) the numbers of one vector; None where there is no value, or another type."""
+    found = array_of(None if value is None else [value], np.float64, width)
+    return found[0] if len(found) else None
+
+
 def numbers(attribute: Usd.Attribute, width: int | None = None) -> NDArray[np.float64]:
     """(N, width) the numbers of an attribute, or (N,)."""
     return array_of(attribute.Get(TIME), np.float64, width)

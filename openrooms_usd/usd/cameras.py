@@ -22,7 +22,8 @@ from openrooms_usd.geometry.pinhole import (
 )
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
-from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
+from openrooms_usd.usd.arrays import number_of, vector_of
+from openrooms_usd.usd.frames import TIME, local_to_world, meters_per_unit, world_from_stage
 from openrooms_usd.usd.meshes import MeshReading, read_meshes, world_triangles
 from openrooms_usd.usd.rendersettings import conformed_aperture, is_set
 from openrooms_usd.usd.transforms import author_matrix
@@ -199,7 +200,7 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
     if not camera:
         raise _unusable(prim, "this prim is no camera", "name a Camera prim")
     stage = prim.GetStage()
-    metres = UsdGeom.GetStageMetersPerUnit(stage)
+    metres = meters_per_unit(stage)
     parallel = camera.GetProjectionAttr().Get(TIME) == UsdGeom.Tokens.orthographic
     focal = _number(camera.GetFocalLengthAttr())
     seen = PinholeCamera(
@@ -268,8 +269,8 @@ def _unusable(prim: Usd.Prim, message: str, remedy: str) -> StageError:
 
 
 def _number(attribute: Usd.Attribute) -> float:
-    value = attribute.Get(TIME)
-    return 0.0 if value is None else float(value)
+    value = number_of(attribute.Get(TIME))
+    return value if value is not None and math.isfinite(value) else 0.0
 
 
 def _clipping(camera: UsdGeom.Camera, metres: float, *, parallel: bool) -> tuple[float, float]:
@@ -277,9 +278,10 @@ def _clipping(camera: UsdGeom.Camera, metres: float, *, parallel: bool) -> tuple
     attribute = camera.GetClippingRangeAttr()
     if not attribute.HasAuthoredValue():
         return UNCLIPPED
-    near, far = (float(depth) * metres for depth in attribute.Get(TIME))
-    if not near < far:
+    depths = vector_of(attribute.Get(TIME), 2)
+    if depths is None or not depths[0] < depths[1]:
         return UNCLIPPED
+    near, far = (depths * metres).tolist()
     least, most = _CLIPPING_M
     # What is behind an orthographic camera may be seen: it stands where rays do not meet.
     nearest = near if parallel or np.float32(near) > np.float32(least) else 0.0
@@ -310,8 +312,9 @@ def _intrinsics(camera: UsdGeom.Camera, focal: float, width: int, height: int) -
 
 def _pose(prim: Usd.Prim, world: Array) -> Array:
     placed = world @ local_to_world(prim, UsdGeom.XformCache(TIME)) @ FLIP
-    determinant = np.linalg.det(placed[:3, :3])
-    if not (math.isfinite(determinant) and determinant > 0):
+    with np.errstate(all="ignore"):
+        determinant = np.linalg.det(placed[:3, :3])
+    if not (np.isfinite(placed).all() and math.isfinite(determinant) and determinant > 0):
         raise _unusable(
             prim, "its transform is mirrored or singular", "use rotations and positive scales"
         )

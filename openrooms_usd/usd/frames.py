@@ -7,10 +7,12 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Tf, Usd, UsdGeom
 
 # Still scenes: everything is read at the first time sample, or at the default without any.
 TIME: Final = Usd.TimeCode.EarliestTime()
+
+_FALLBACK_METRES: Final = 0.01
 
 # Turns Y up to Z up by +90 degrees about X: (x, y, z) -> (x, -z, y).
 Z_UP_FROM_Y_UP: Final = np.array(
@@ -28,13 +30,60 @@ def gf_matrix(M: NDArray[np.float64]) -> Gf.Matrix4d:
     return Gf.Matrix4d(np.asarray(M, dtype=np.float64).T)
 
 
+def meters_per_unit(stage: Usd.Stage) -> float:
+    """Metres for one unit of a stage; USD's fallback, 0.01, where what it says is no length."""
+    said = float(UsdGeom.GetStageMetersPerUnit(stage))
+    return said if 0.0 < said < np.inf else _FALLBACK_METRES
+
+
 def world_from_stage(stage: Usd.Stage) -> NDArray[np.float64]:
     """(4, 4) from the stage's own root frame and units to Z up and metres."""
-    scale = UsdGeom.GetStageMetersPerUnit(stage)
-    turn = Z_UP_FROM_Y_UP if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y else np.eye(4)
+    scale = meters_per_unit(stage)
+    turn = np.eye(4) if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z else Z_UP_FROM_Y_UP
     return np.diag([scale, scale, scale, 1.0]) @ turn
 
 
+def odd_frame(stage: Usd.Stage) -> list[str]:
+    """What a stage says of its units and up axis that cannot be; USD's fallbacks are taken."""
+    said, up = float(UsdGeom.GetStageMetersPerUnit(stage)), UsdGeom.GetStageUpAxis(stage)
+    odd = [f"metersPerUnit: {said:g} is no length; {_FALLBACK_METRES:g} is taken"]
+    found = odd if said != meters_per_unit(stage) else []
+    known = (UsdGeom.Tokens.y, UsdGeom.Tokens.z)
+    return found if up in known else [*found, f"upAxis: {str(up)!r} is none; Y is taken"]
+
+
 def local_to_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> NDArray[np.float64]:
-    """(4, 4) from a prim's frame to the stage's root frame, in stage units."""
-    return matrix(cache.GetLocalToWorldTransform(prim))
+    """(4, 4) from a prim's frame to the stage's root frame, in stage units.
+
+    Operations that cannot be read, such as a scale that is a text, do nothing.
+    """
+    try:
+        return matrix(cache.GetLocalToWorldTransform(prim))
+    except Tf.ErrorException:
+        # USD has now told of such operations; the cache holds what it makes of the others.
+        return matrix(cache.GetLocalToWorldTransform(prim))
+
+
+def local_to_parent(
+    prim: Usd.Prim, cache: UsdGeom.XformCache
+) -> tuple[NDArray[np.float64], bool, str]:
+    """(4, 4) of a prim's own operations, whether they start from the root, and what is wrong."""
+    try:
+        local, resets = cache.GetLocalTransformation(prim)
+        return matrix(local), resets, ""
+    except Tf.ErrorException:
+        shape = UsdGeom.Xformable(prim)
+    try:
+        M = np.eye(4)
+        for op in shape.GetOrderedXformOps():
+            M = M @ _operation(op)
+        return M, shape.GetResetXformStack(), "operations of its transform cannot be read"
+    except Tf.ErrorException:
+        return np.eye(4), False, "its transform cannot be read"
+
+
+def _operation(op: UsdGeom.XformOp) -> NDArray[np.float64]:
+    try:
+        return matrix(op.GetOpTransform(TIME))
+    except Tf.ErrorException:
+        return np.eye(4)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
+from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.emitters import (
     CylinderLight,
     DiskLight,
@@ -74,6 +75,8 @@ def read_light(prim: Usd.Prim) -> Light:
         prim: A prim with ``UsdLux.LightAPI``.
     """
     reader = _Reader(prim)
+    if reason := _misplaced(prim, reader.world):
+        return UnknownLight(str(prim.GetPath()), np.zeros(3), reader.world, (reason,))
     # LightAPI makes a light of any shape; MeshLightAPI is for meshes.
     read = (
         _Reader.mesh if prim.IsA(UsdGeom.Gprim) else _KINDS.get(prim.GetTypeName(), _Reader.unknown)
@@ -85,15 +88,23 @@ def read_light(prim: Usd.Prim) -> Light:
     return replace(light, shaping=found, response=response, losses=losses)
 
 
+def _misplaced(prim: Usd.Prim, world: Matrix) -> str:
+    """Why a light is nowhere, or light from afar comes from nowhere; empty where it is not so."""
+    if not np.isfinite(world).all():
+        return "its transform holds NaN or infinity"
+    turned = np.linalg.norm(world[:3, :3], axis=0)
+    return "" if turned.all() or prim.GetTypeName() not in _FROM_AFAR else _SINGULAR
+
+
 def _response(prim: Usd.Prim) -> tuple[tuple[float, float], tuple[str, ...]]:
     """The multipliers of diffuse and specular reflection, and what is lost of them."""
     light = UsdLux.LightAPI(prim)
     values = [
-        attribute.Get(_WHEN) for attribute in (light.GetDiffuseAttr(), light.GetSpecularAttr())
+        number_of(attribute.Get(_WHEN))
+        for attribute in (light.GetDiffuseAttr(), light.GetSpecularAttr())
     ]
     diffuse, specular = (
-        max(0.0, float(value)) if value is not None and math.isfinite(value) else 1.0
-        for value in values
+        max(0.0, value) if value is not None and math.isfinite(value) else 1.0 for value in values
     )
     if diffuse == specular == 1.0:
         return (1.0, 1.0), ()
@@ -183,11 +194,20 @@ class _Reader:
         return default if value is None else value
 
     def number(self, name: str, default: float) -> float:
-        value = float(self.value(name, default))
-        if math.isfinite(value):
+        found = self.value(name, default)
+        value = number_of(found)
+        if value is not None and math.isfinite(value):
             return value
-        self.losses.append(f"{name}: {value} is not finite; {default} is taken")
+        what = "no number" if value is None else "not finite"
+        self.losses.append(f"{name}: {found} is {what}; {default} is taken")
         return default
+
+    def color(self) -> NDArray[np.float64]:
+        """(3,) the factor of each primary."""
+        found = vector_of(self.value("inputs:color", (1.0, 1.0, 1.0)), 3)
+        if found is None:
+            self.losses.append("inputs:color: it is no colour; white is taken")
+        return np.ones(3) if found is None else found
 
     def size(self, name: str, default: float) -> float:
         """A length, in the light's own units."""
@@ -215,7 +235,7 @@ class _Reader:
         scale = self.number("inputs:intensity", 1.0) * 2.0**stops
         if (self.normalize or self.value("inputs:normalize", False)) and size > 0:
             scale /= size
-        color = np.array(self.value("inputs:color", (1.0, 1.0, 1.0)), dtype=np.float64)
+        color = self.color()
         if self.value("inputs:enableColorTemperature", False):
             kelvin = self.number("inputs:colorTemperature", 6500.0)
             color = color * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
@@ -311,6 +331,7 @@ _THIN_METRES: Final = 1e-3
 
 # What is smaller in a rotation is rounding.
 _ROUNDING_TOLERANCE: Final = 1e-15
+_SINGULAR: Final = "its transform is singular"
 _FROM_AFAR: Final = ("DomeLight", "DomeLight_1", "DistantLight")
 
 

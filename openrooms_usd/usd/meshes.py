@@ -16,6 +16,7 @@ from openrooms_usd.usd.frames import world_from_stage
 from openrooms_usd.usd.traversal import Walk
 
 __all__ = [
+    "FARTHEST_M",
     "MeshReading",
     "PlacedMesh",
     "TriangleMesh",
@@ -148,7 +149,9 @@ def read_meshes(
     matrices = world_from_stage(stage) @ matrices
     with np.errstate(all="ignore"):
         volumes = np.linalg.det(matrices[:, :3, :3])
-    for part, matrix, volume in zip(parts, matrices, volumes.tolist(), strict=True):
+    sizes = np.abs(matrices[:, :3]).sum(axis=(1, 2)).tolist()
+    reaches: dict[int, float] = {}
+    for part, matrix, volume, size in zip(parts, matrices, volumes.tolist(), sizes, strict=True):
         path, surface = part.path, part.surface
         for outcome, reason in surface.losses:
             losses.setdefault((id(surface), reason), (path, outcome, reason))
@@ -157,12 +160,20 @@ def read_meshes(
         if not isfinite(volume) or volume == 0.0:
             losses[0, path] = (path, "skipped", "its transform is singular")
             continue
+        if id(surface) not in reaches:
+            reaches[id(surface)] = max(1.0, float(np.abs(surface.mesh.points).max()))
+        if not reaches[id(surface)] * size < FARTHEST_M:
+            losses[0, path] = (path, "skipped", "it reaches farther than renderers can count")
+            continue
         prim = stage.GetPrimAtPath(part.prim)
         meshes.append(
             PlacedMesh(path, prim, surface.mesh, matrix, surface.double_sided, volume < 0.0)
         )
     return MeshReading(meshes, list(losses.values()))
 
+
+FARTHEST_M: Final = 1e15
+"""How far a scene may reach, metres: what renderers square must fit single precision."""
 
 LEFT_OUTSIDE: Final = "it stands outside, and is no part of the room"
 """Why what hands on the room alone leaves something out."""

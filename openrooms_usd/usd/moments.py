@@ -12,9 +12,11 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.rendersettings import is_set
 from openrooms_usd.usd.skinning import has_skin, skin
+from openrooms_usd.usd.traversal import has_whole_rows
 
 # Prototypes of point instancers may be mere overs or classes.
 _PRIMS: Final = Usd.PrimIsActive & Usd.PrimIsLoaded
@@ -163,6 +165,9 @@ def _instances(
     instancer: UsdGeom.PointInstancer, driven: set[str], when: Usd.TimeCode
 ) -> Iterator[tuple[Usd.Attribute, Any]]:
     """Where instances are by their velocities."""
+    count = len(array_of(instancer.GetProtoIndicesAttr().Get(when), np.int64))
+    if not has_whole_rows(instancer, count, when):
+        return  # whoever reads the instancer says what is wrong
     try:
         placed = instancer.ComputeInstanceTransformsAtTime(
             when,
@@ -171,7 +176,7 @@ def _instances(
             UsdGeom.PointInstancer.IgnoreMask,
         )
     except Tf.ErrorException:
-        return  # whoever reads the instancer says what is wrong
+        return
     matrices = np.asarray(placed or [], dtype=np.float64).reshape(-1, 4, 4)
     if "positions" in driven:
         positions = matrices[:, 3, :3].astype(np.float32)

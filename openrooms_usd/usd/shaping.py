@@ -8,6 +8,7 @@ from pxr import Sdf, Usd, UsdLux
 
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.cones import EVEN, Cone
 from openrooms_usd.usd.emitters import (
     CylinderLight,
@@ -47,7 +48,7 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
     if profile is None and not cone.changes:
         return None, (*losses, *lost)
     normalize = profile is not None and bool(_value(api.GetShapingIesNormalizeAttr(), False))
-    scale = float(_value(api.GetShapingIesAngleScaleAttr(), 0.0))
+    scale = number_of(_value(api.GetShapingIesAngleScaleAttr(), 0.0)) or 0.0
     found = shaping(profile or EVEN, light.world_from_light, normalize=normalize,
                     scale=scale if profile else 0.0, cut=cone.of)  # fmt: skip
     return found, (*losses, *lost)
@@ -67,7 +68,8 @@ def _read_cone(api: UsdLux.ShapingAPI, light: Light) -> tuple[Cone, list[str]]:
     softness = min(max(softness or 0.0, 0.0), 1.0)
     if angle is None:
         angle = 90.0 if softness else 180.0
-    tint = np.clip(np.array(_value(api.GetShapingFocusTintAttr(), (0, 0, 0)), dtype=float), 0, 1)
+    hue = vector_of(_value(api.GetShapingFocusTintAttr(), None), 3)
+    tint = np.zeros(3) if hue is None else np.clip(np.nan_to_num(hue), 0.0, 1.0)
     focus = max(focus or 0.0, 0.0)
     if focus and np.ptp(tint) > 0.0:
         losses.append("inputs:shaping:focusTint: its hue is left out")
@@ -82,14 +84,16 @@ def _finite(attribute: Usd.Attribute, losses: list[str]) -> float | None:
     if not attribute or not attribute.HasAuthoredValue():
         return None
     value = attribute.Get(_WHEN)
-    if value is None or np.isfinite(value):
-        return None if value is None else float(value)
-    losses.append(f"{attribute.GetName()}: {value} is not finite; it is left out")
+    found = number_of(value)
+    if value is None or (found is not None and np.isfinite(found)):
+        return found
+    what = "no number" if found is None else "not finite"
+    losses.append(f"{attribute.GetName()}: {value} is {what}; it is left out")
     return None
 
 
 def _read_profile(file: Any) -> tuple[Profile | None, tuple[str, ...]]:
-    if file is None or not file.path:
+    if not isinstance(file, Sdf.AssetPath) or not file.path:
         return None, ()
     if not file.resolvedPath:
         return None, (f"its IES profile {file.path} is missing",)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.usd.arrays import number_of
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
@@ -37,8 +38,8 @@ def tessellate(prim: Usd.Prim) -> Mesh | None:
 
 
 def _number(prim: Usd.Prim, name: str) -> float:
-    value = prim.GetAttribute(name).Get(TIME)
-    return 0.0 if value is None or not np.isfinite(value) else float(value)
+    value = number_of(prim.GetAttribute(name).Get(TIME))
+    return 0.0 if value is None or not np.isfinite(value) else value
 
 
 def _cube(prim: Usd.Prim) -> Mesh | None:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Tf, Usd, UsdGeom
 
-from openrooms_usd.usd.frames import TIME, matrix
+from openrooms_usd.usd.arrays import array_of, integers
+from openrooms_usd.usd.frames import TIME, local_to_parent
 from openrooms_usd.usd.gprims import Surface, read_surface
 
 Array = NDArray[np.float64]
@@ -30,6 +31,7 @@ class Part:
         matrix: (4, 4) to the root's frame.
         surface: What there is to draw.
         anchored: Whether ``matrix`` leads to the stage's frame, whatever is above the root.
+        foreign: Whether ``prim`` is a path of the stage, whatever is above the root.
     """
 
     path: str
@@ -37,6 +39,7 @@ class Part:
     matrix: Array
     surface: Surface
     anchored: bool = False
+    foreign: bool = False
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -46,6 +49,12 @@ class _Scope:
     origin: str  # stripped from the paths of prims
     home: str  # stripped from the paths where they stand
     predicate: object
+    foreign: bool = False  # whether the prims are none of the root's
+
+    def at(self, target: str) -> "_Scope":
+        """Of a prototype of a point instancer; instances may take one from outside their root."""
+        foreign = self.foreign or not target.startswith(f"{self.origin}/")
+        return _Scope("" if foreign else self.origin, target, _PROTOTYPES, foreign)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -90,9 +99,15 @@ class Walk:
         parts: list[Part] = []
         todo = [_Node(prim, np.eye(4), purpose, False) for prim in reversed(list(prims))]
         while todo:
-            node = self._placed(todo.pop())
+            node, wrong = self._placed(todo.pop())
             if node is None:
                 continue
+            if wrong:
+                path = str(node.prim.GetPath())
+                lost = Surface(None, losses=(("approximated", wrong),))
+                parts.append(
+                    Part(path[len(scope.home) :], path[len(scope.origin) :], node.matrix, lost)
+                )
             if node.prim.IsInstance():
                 parts += self._instance(node, scope)
             elif node.prim.IsA(UsdGeom.PointInstancer):
@@ -106,20 +121,22 @@ class Walk:
                 ]
         return parts
 
-    def _placed(self, node: _Node) -> _Node | None:
-        """The node with its own transform and purpose; None where nothing below it is seen."""
+    def _placed(self, node: _Node) -> tuple[_Node | None, str]:
+        """The node with its own transform and purpose, and what is wrong with the transform.
+
+        None where nothing below it is seen.
+        """
         prim, purpose = node.prim, node.purpose
         if prim.GetTypeName() in _BARREN or prim.GetPath() == self._without:
-            return None
+            return None, ""
         imageable = UsdGeom.Imageable(prim)
         if imageable:
             if imageable.GetVisibilityAttr().Get(TIME) == UsdGeom.Tokens.invisible:
-                return None
+                return None, ""
             purpose = imageable.ComputePurposeInfo(purpose)
-        local, resets = self._cache.GetLocalTransformation(prim)
-        own = matrix(local)
+        own, resets, wrong = local_to_parent(prim, self._cache)
         placed = own if resets else node.matrix @ own
-        return _Node(prim, placed, purpose, node.anchored or resets)
+        return _Node(prim, placed, purpose, node.anchored or resets), wrong
 
     def _own(self, node: _Node, scope: _Scope) -> list[Part]:
         if not node.prim.IsA(UsdGeom.Gprim) or node.purpose.purpose not in self._purposes:
@@ -128,7 +145,8 @@ class Walk:
         if path not in self._surfaces:
             self._surfaces[path] = read_surface(node.prim, bare=self._bare)
         stands, prim = path[len(scope.home) :], path[len(scope.origin) :]
-        return [Part(stands, prim, node.matrix, self._surfaces[path], node.anchored)]
+        surface = self._surfaces[path]
+        return [Part(stands, prim, node.matrix, surface, node.anchored, scope.foreign)]
 
     def _instance(self, node: _Node, scope: _Scope) -> list[Part]:
         path = str(node.prim.GetPath())
@@ -138,6 +156,7 @@ class Walk:
             path[len(scope.origin) :],
             node,
             node.matrix,
+            foreign=scope.foreign,
         )
 
     def _prototype(self, prototype: Usd.Prim, purpose: UsdGeom.Imageable.PurposeInfo) -> list[Part]:
@@ -159,12 +178,12 @@ class Walk:
         if isinstance(found, str) or path in self._open:
             reason = found if isinstance(found, str) else "a prototype contains its own instancer"
             lost = Surface(None, losses=(("skipped", reason),))
-            return [Part(stands, prim, node.matrix, lost)]
+            return [Part(stands, prim, node.matrix, lost, foreign=scope.foreign)]
         self._open.add(path)
         groups = [
             self._parts(
                 filter(None, [node.prim.GetStage().GetPrimAtPath(target)]),
-                _Scope(scope.origin, str(target), _PROTOTYPES),
+                scope.at(str(target)),
                 node.purpose,
             )
             for target in targets
@@ -176,7 +195,9 @@ class Walk:
         return parts
 
 
-def _repeated(parts: list[Part], path: str, prim: str, node: _Node, placed: Array) -> list[Part]:
+def _repeated(
+    parts: list[Part], path: str, prim: str, node: _Node, placed: Array, *, foreign: bool = False
+) -> list[Part]:
     """The parts of a prototype where one instance of it stands."""
     if not parts:
         return []
@@ -184,24 +205,44 @@ def _repeated(parts: list[Part], path: str, prim: str, node: _Node, placed: Arra
     return [
         Part(
             path + part.path,
-            prim + part.prim,
+            part.prim if part.foreign else prim + part.prim,
             part.matrix if part.anchored else own,
             part.surface,
             part.anchored or node.anchored,
+            part.foreign or foreign,
         )
         for part, own in zip(parts, matrices, strict=True)
     ]
+
+
+_UNFIT: Final = "positions, orientations or scales do not fit protoIndices"
+
+
+def has_whole_rows(
+    instancer: UsdGeom.PointInstancer, count: int, when: Usd.TimeCode = TIME
+) -> bool:
+    """Whether there are turns and factors for all of so many instances, or none.
+
+    USD itself reads on behind the end of arrays that are shorter.
+    """
+    turns = instancer.GetOrientationsfAttr(), instancer.GetOrientationsAttr()
+    return all(
+        len(array_of(attribute.Get(when), np.float64, width)) in (0, count)
+        for attribute, width in (*((one, 4) for one in turns), (instancer.GetScalesAttr(), 3))
+    )
 
 
 def _places(
     instancer: UsdGeom.PointInstancer, prototypes: int
 ) -> list[tuple[int, int, Array]] | str:
     """(number, prototype, (4, 4) to the instancer's frame) of what is seen, or what is wrong."""
-    indices = np.asarray(instancer.GetProtoIndicesAttr().Get(TIME) or [], dtype=np.int64)
+    indices = integers(instancer.GetProtoIndicesAttr())
     if not len(indices):
         return "the point instancer has no instances"
     if indices.min() < 0 or indices.max() >= prototypes:
         return "protoIndices refer to prototypes that do not exist"
+    if not has_whole_rows(instancer, len(indices)):
+        return _UNFIT
     try:
         placed = instancer.ComputeInstanceTransformsAtTime(
             TIME,
@@ -212,7 +253,7 @@ def _places(
     except Tf.ErrorException:
         placed = None
     if placed is None or len(placed) != len(indices):
-        return "positions, orientations or scales do not fit protoIndices"
+        return _UNFIT
     matrices = np.asarray(placed, dtype=np.float64).swapaxes(1, 2)
     mask = instancer.ComputeMaskAtTime(TIME) or [True] * len(indices)
     rows = zip(indices.tolist(), matrices, mask, strict=True)

@@ -28,6 +28,7 @@ from openrooms_usd.usd.lights import (
     RectLight,
     SphereLight,
 )
+from openrooms_usd.usd.meshes import FARTHEST_M
 from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import color_space, read_texture
 
@@ -106,7 +107,10 @@ def nothing(light: Shaped) -> str:
         np.linalg.norm(M, axis=0)
     ):
         return "its transform is singular"
-    return "" if is_extended(shape(light, 0)) else "it has no size"
+    found = shape(light, 0)
+    if not (np.abs(found.corners) < FARTHEST_M).all():
+        return "it reaches farther than renderers can count"
+    return "" if is_extended(found) else "it has no size"
 
 
 def is_extended(triangles: Triangles) -> bool:

@@ -21,7 +21,7 @@ from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.triangles import Floats, Ints
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.arrays import array_of
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.frames import TIME, odd_frame
 from openrooms_usd.usd.lights import (
     CylinderLight,
     DiskLight,
@@ -65,6 +65,12 @@ def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
     Returns:
         The scene, whose report names every prim that was not translated whole.
     """
+    # Absurd numbers overflow; what comes of them is looked at where it matters.
+    with np.errstate(all="ignore"):
+        return _translated(stage, outside)
+
+
+def _translated(stage: Usd.Stage, outside: bool) -> Scene:
     lights = read_lights(stage)
     work = _Translation(LightLinks(stage, lights))
     # 1. Light, first: a mesh has to know whether it emits.
@@ -79,7 +85,10 @@ def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
     for mesh, parts in work.with_materials(reading):
         work.add_mesh(mesh, parts, whole=mesh.path not in lossy)
     # 3. Everything else is named too.
+    for reason in odd_frame(stage):
+        work.report.add("/", "approximated", reason)
     report_unseen(stage, work.report)
+    work.report.gather()
     return work.scene(_folder(stage))
 
 

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd.physics.world import STANDARD_GRAVITY
 from openrooms_usd.usd.bodies import frame_and_scale
-from openrooms_usd.usd.frames import TIME, matrix, world_from_stage
+from openrooms_usd.usd.frames import TIME, matrix, meters_per_unit, world_from_stage
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ class Frames:
     @cached_property
     def metres(self) -> float:
         """Metres for one unit of the stage."""
-        return float(UsdGeom.GetStageMetersPerUnit(self.stage))
+        return meters_per_unit(self.stage)
 
     @cached_property
     def kilograms(self) -> float:
