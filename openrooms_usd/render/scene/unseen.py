@@ -75,10 +75,11 @@ def _unheeded(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
     for prim in stage.Traverse():
         if lost := list(_losses(prim)):
             yield str(prim.GetPath()), "; ".join(lost)
+    homes: dict[str, str] = {}
     for prototype in stage.GetPrototypes():
         for prim in Usd.PrimRange(prototype):
             if lost := list(_losses(prim)):
-                yield _place(prim), "; ".join(lost)
+                yield _standing(prim, homes), "; ".join(lost)
 
 
 def _losses(prim: Usd.Prim) -> Iterator[str]:
@@ -117,11 +118,24 @@ def _colourless(subset: UsdGeom.Subset) -> str:
     return f"its material is left out: it has {element}s of a {prim.GetParent().GetTypeName()}"
 
 
-def _place(prim: Usd.Prim) -> str:
-    """Where something of a prototype stands in the first of its instances."""
-    path, stage = prim.GetPath(), prim.GetStage()
-    while Usd.Prim.IsPathInPrototype(path):
-        prototype = stage.GetPrimAtPath(path.GetPrefixes()[0])
-        first = min(str(one.GetPath()) for one in prototype.GetInstances())
-        path = path.ReplacePrefix(prototype.GetPath(), first)
-    return str(path)
+def _home(prototype: Usd.Prim, known: dict[str, str]) -> str:
+    """Where a prototype stands in the stage: the first of its instances by the alphabet.
+
+    Args:
+        prototype: It.
+        known: The homes that have been found; more are added.
+    """
+    path = str(prototype.GetPath())
+    if path not in known:
+        every = prototype.GetInstances()
+        seen = [one for one in every if not one.IsAbstract()] or every
+        known[path] = min(_standing(one, known) for one in seen)
+    return known[path]
+
+
+def _standing(prim: Usd.Prim, known: dict[str, str]) -> str:
+    path = prim.GetPath()
+    if not prim.IsInPrototype():
+        return str(path)
+    prototype = prim.GetStage().GetPrimAtPath(path.GetPrefixes()[0])
+    return _home(prototype, known) + str(path)[len(str(prototype.GetPath())) :]
