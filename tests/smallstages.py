@@ -77,6 +77,10 @@ def _material(stage: Usd.Stage, path: str, color: tuple[float, float, float]) ->
     made.CreateSurfaceOutput().ConnectToSource(output)
 
 
+def _parent(prim: Usd.Prim) -> None:
+    bind(prim.GetStage().DefinePrim(prim.GetPath().AppendChild("Child"), "Cube"))
+
+
 def _product(prim: Usd.Prim) -> None:
     settings = prim.GetStage().DefinePrim(SETTINGS, "RenderSettings")
     prim.GetStage().SetMetadata("renderSettingsPrimPath", SETTINGS)
@@ -117,6 +121,7 @@ BASES: dict[str, Change] = {
                               to("positions", [(0, 0, 1), (4, 0, 1)])),
     "GeomSubset": several(to("indices", [0]), to("familyName", "materialBind"),
                           lambda prim: bind(prim, SECOND)),
+    **dict.fromkeys(("Xform", "Scope"), _parent),
     "RenderSettings": _settings,
     "RenderProduct": _product,
     "RenderVar": several(
