@@ -235,3 +235,14 @@ def test_loading(tmp_path, torch_packages):
     for row in data["rows"]:
         assert row["errors"]["depth"] < 1e-6 and row["errors"]["radiance"] < 0.03
         assert all(speed > 0 for speed in row["views_a_second"])
+
+
+@pytest.mark.slow
+def test_usd(tmp_path):
+    pytest.importorskip("mitsuba")
+    _, data = run("usd", tmp_path / "u.json")
+    assert len(data["rows"]) == 5
+    for row in data["rows"]:
+        for ours in (row["vectorized"], row["scalar"]):
+            assert 0 < ours["translated"] < ours["opened"] < ours["first"]
+            assert ours["error"] < 1e-5

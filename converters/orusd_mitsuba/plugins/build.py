@@ -236,7 +236,7 @@ class Builder:
         if key not in self._textures:
             plugin = {
                 "type": "bitmap",
-                "bitmap": mi.Bitmap(picture.pixels),
+                "bitmap": mi.Bitmap(picture.halves()),
                 "raw": True,
                 "wrap_mode": picture.wrap,
             }

@@ -49,6 +49,12 @@ class Picture:
         """(H, W, C) values in half or float32."""
         return self._values(self.texels)
 
+    def halves(self) -> NDArray[np.floating]:
+        """The same, in half precision where that holds them; not kept."""
+        if self.coding is None or np.abs(self.coding.levels).max() >= _HALF_MAX:
+            return self._values(self.texels)
+        return self._values(self.texels).astype(np.float16)
+
     @property
     def channels(self) -> int:
         """1 or 3."""

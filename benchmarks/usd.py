@@ -1,0 +1,154 @@
+"""From a USD file to the first pixel: seconds and memory, by what a stage has many of.
+
+Each figure is of a process of its own, which has loaded its libraries before it begins. Beside ours
+stand what it takes to read the same arrays by USD alone, and what Blender's importer takes, in its
+own environment (ORUSD_BLENDER_PYTHON), which draws nothing. The error is that of bounds and numbers
+of triangles against USD's own.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from benchmarks.report import publish, table
+from benchmarks.usd_stages import KINDS
+
+_BLENDER: Final = "ORUSD_BLENDER_PYTHON"
+_LONGEST_S: Final = 600
+
+_BEGIN: Final = """
+import json, resource, sys, time
+import numpy as np
+def memory():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+def told(**found):
+    print("\\n" + json.dumps({"megabytes": memory() - before, **found}))
+"""
+_OURS: Final = """
+from pxr import Usd, UsdGeom
+import openrooms_usd.render.opened, openrooms_usd.usd.subdivided
+from openrooms_usd.render import RenderRequest
+from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.usd.cameras import framing_camera
+from orusd_mitsuba import MitsubaRenderer
+from orusd_mitsuba.variants import choose
+choose(sys.argv[2])
+import mitsuba
+mitsuba.set_variant(choose(sys.argv[2]).variant)
+import orusd_mitsuba.session
+before, began = memory(), time.perf_counter()
+stage = Usd.Stage.Open(sys.argv[1])
+scene = translate(stage)
+translated = time.perf_counter() - began
+session = MitsubaRenderer().open(scene, {"variant": sys.argv[2]})
+opened = time.perf_counter() - began
+camera = framing_camera(stage, 64, 48)
+found = session.render(camera, RenderRequest(None, ("radiance",), 64, 48, samples=1))
+first = time.perf_counter() - began
+assert found["radiance"].pixels.max() > 0.0
+box = UsdGeom.BBoxCache(Usd.TimeCode.Default(), ["default"]).ComputeWorldBound(
+    stage.GetPseudoRoot()).ComputeAlignedRange()
+hull = scene.triangles.hull
+error = max(np.abs(hull.min(axis=0) - box.GetMin()).max(),
+            np.abs(hull.max(axis=0) - box.GetMax()).max())
+told(translated=translated, opened=opened, first=first, triangles=len(scene.triangles),
+     error=float(error))
+"""
+_ARRAYS: Final = """
+from pxr import Usd, UsdGeom
+before, began = memory(), time.perf_counter()
+stage = Usd.Stage.Open(sys.argv[1])
+triangles, kept = 0, []
+for prim in stage.Traverse():
+    if prim.IsA(UsdGeom.Mesh):
+        mesh = UsdGeom.Mesh(prim)
+        kept.append([np.array(mesh.GetPointsAttr().Get()),
+                     np.array(mesh.GetFaceVertexIndicesAttr().Get()),
+                     np.array(mesh.GetFaceVertexCountsAttr().Get()),
+                     np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").Get())])
+told(first=time.perf_counter() - began)
+"""
+_IMPORTER: Final = """
+import bpy
+bpy.ops.wm.read_factory_settings(use_empty=True)
+before, began = memory(), time.perf_counter()
+bpy.ops.wm.usd_import(filepath=sys.argv[1])
+told(first=time.perf_counter() - began)
+"""
+
+
+@click.command()
+@click.option("--only", multiple=True, type=click.Choice(list(KINDS)), help="Kinds; all.")
+@click.option("--most", type=int, default=None, help="Leave larger numbers out.")
+@click.option("--quick", is_flag=True, help="Ten of everything, to see that it runs.")
+@click.option("--json", "target", type=click.Path(path_type=Path), default=None)
+def main(only: tuple[str, ...], most: int | None, quick: bool, target: Path | None) -> None:
+    """Measure what a number of things in a stage costs."""
+    blender = os.environ.get(_BLENDER)
+    if blender is None:
+        click.echo(f"without Blender: {_BLENDER} names no Python with bpy", err=True)
+    rows: list[dict[str, Any]] = []
+    for kind in only or KINDS:
+        make, counts = KINDS[kind]
+        for count in (10,) if quick else (n for n in counts if most is None or n <= most):
+            with tempfile.TemporaryDirectory() as folder:
+                file = Path(folder) / "stage.usdc"
+                make(file, count)
+                row = {
+                    "kind": kind,
+                    "count": count,
+                    "vectorized": measured(sys.executable, _OURS, file, "auto"),
+                    "scalar": measured(sys.executable, _OURS, file, "scalar"),
+                    "arrays": measured(sys.executable, _ARRAYS, file),
+                    "blender": measured(blender, _IMPORTER, file) if blender else None,
+                }
+            rows.append(row)
+            click.echo(f"{kind} {count}: {json.dumps(row)}", err=True)
+    publish("usd", {"rows": rows}, _table(rows), target)
+
+
+def measured(python: str, code: str, *words: object) -> dict[str, float]:
+    """What a process of its own tells of itself.
+
+    Args:
+        python: The interpreter.
+        code: What it runs, which calls ``told`` once.
+        words: Its arguments.
+
+    Returns:
+        Seconds by what was done, and ``megabytes`` beyond what its libraries take.
+    """
+    command = [python, "-c", _BEGIN + code, *map(str, words)]
+    found = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST_S, check=False)
+    if found.returncode:
+        raise click.ClickException(f"{python} failed:\n{found.stderr[-2000:]}")
+    lines = [line for line in found.stdout.splitlines() if line.startswith("{")]
+    said: dict[str, float] = json.loads(lines[-1])
+    return said
+
+
+def _table(rows: list[dict[str, Any]]) -> str:
+    titles = (
+        "of", "number", "triangles", "error, m", "translated, s", "first pixel, s", "MB",
+        "scalar: first pixel, s", "MB", "arrays alone, s", "Blender's importer, s", "MB",
+    )  # fmt: skip
+    lines = []
+    for row in rows:
+        ours, scalar, arrays = row["vectorized"], row["scalar"], row["arrays"]
+        other = row["blender"] or {}
+        lines.append(
+            [row["kind"], row["count"], int(ours["triangles"]), ours["error"], ours["translated"],
+             ours["first"], ours["megabytes"], scalar["first"], scalar["megabytes"],
+             arrays["first"], other.get("first"), other.get("megabytes")]
+        )  # fmt: skip
+    return table(titles, lines)
+
+
+if __name__ == "__main__":
+    main()
