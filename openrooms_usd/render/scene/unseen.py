@@ -95,6 +95,14 @@ def _losses(prim: Usd.Prim) -> Iterator[str]:
             yield f"{name}: {row.becomes}"
     if prim.IsA(UsdGeom.Subset) and (lost := _colourless(UsdGeom.Subset(prim))):
         yield lost
+    if prim.IsA(UsdShade.Material) and _moves(UsdShade.Material(prim)):
+        yield f"{UsdShade.Tokens.outputsDisplacement}: nothing is moved"
+
+
+def _moves(material: UsdShade.Material) -> bool:
+    """Whether it has a displacement of its own, which UsdPreviewSurface tells of itself."""
+    shader = UsdShade.Shader(material.ComputeDisplacementSource()[0])
+    return bool(shader) and shader.GetShaderId() != "UsdPreviewSurface"
 
 
 def _says_something(attribute: Usd.Attribute) -> bool:

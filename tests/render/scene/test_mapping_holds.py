@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.render.opened import open_with
@@ -240,6 +240,13 @@ def settings(stage: Usd.Stage) -> Usd.Prim:
     return stage.DefinePrim("/World/Settings", "RenderSettings")
 
 
+def _displaced(prim: Usd.Prim) -> None:
+    shader = UsdShade.Shader.Define(prim.GetStage(), prim.GetPath().AppendChild("Moves"))
+    shader.CreateIdAttr("ND_displacement_float")
+    output = shader.CreateOutput("out", Kind.Token)
+    UsdShade.Material(prim).CreateDisplacementOutput().ConnectToSource(output)
+
+
 def _lifted(prim: Usd.Prim) -> None:
     shape = UsdGeom.Xformable(prim)
     shape.AddTranslateOp(opSuffix="lifted").Set((1, 2, 3))
@@ -369,6 +376,7 @@ CHANGES: dict[str, Change] = {
     "Material.outputs:surface": lambda prim: prim.GetAttribute("outputs:surface").SetConnections(
         [f"{SECOND}/Surface.outputs:surface"]
     ),
+    "Material.outputs:displacement": _displaced,
     "*.collection:lightLink:includes": refer("collection:lightLink:includes", OTHER),
     "*.collection:lightLink:excludes": refer("collection:lightLink:excludes", GROUND),
     "MeshLightAPI.light:materialSyncMode": to("light:materialSyncMode", "noMaterialResponse"),

@@ -95,3 +95,14 @@ def test_a_volume_of_a_material_is_named_where_something_makes_it() -> None:
     fog.CreateVolumeOutput().ConnectToSource(output)
     plain.CreateVolumeOutput()
     assert told(stage) == {"/Fog": "outputs:volume: what is inside of it is empty"}
+
+
+def test_a_displacement_is_named_where_its_shader_does_not_tell_of_it() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    for name, kind in (("Preview", "UsdPreviewSurface"), ("Other", "ND_displacement_float")):
+        material = UsdShade.Material.Define(stage, f"/{name}")
+        shader = UsdShade.Shader.Define(stage, f"/{name}/Shader")
+        shader.CreateIdAttr(kind)
+        output = shader.CreateOutput("displacement", Sdf.ValueTypeNames.Token)
+        material.CreateDisplacementOutput().ConnectToSource(output)
+    assert told(stage) == {"/Other": "outputs:displacement: nothing is moved"}
