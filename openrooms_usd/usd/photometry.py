@@ -9,6 +9,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd import frames
 from openrooms_usd.usd.profiles import Shaping
+from openrooms_usd.usd.tessellation import tessellate
 
 
 def nits_from_lumen(lumen: float, area: float) -> float:
@@ -28,7 +29,10 @@ def world_from_prim(prim: Usd.Prim) -> NDArray[np.float64]:
 
 
 def world_area(prim: Usd.Prim) -> float:
-    """The area of a mesh's surface in the world, square metres; 0 where it has no sound faces."""
+    """The area of a mesh or an intrinsic shape in the world, square metres.
+
+    0 where it has no sound faces, and of curves and points.
+    """
     mesh = _world_mesh(prim)
     return 0.0 if mesh is None else float(mesh.areas().sum())
 
@@ -46,6 +50,9 @@ def flux_share(prim: Usd.Prim, shaping: Shaping | None) -> float:
 
 
 def _world_mesh(prim: Usd.Prim) -> Mesh | None:
+    if not prim.IsA(UsdGeom.Mesh):
+        shape = tessellate(prim)
+        return None if shape is None else shape.transformed(world_from_prim(prim))
     mesh = UsdGeom.Mesh(prim)
     attributes = (
         mesh.GetPointsAttr(),

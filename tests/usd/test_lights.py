@@ -252,6 +252,23 @@ def test_what_is_not_seen_does_not_shine(stage: Usd.Stage) -> None:
     assert [x.path for x in read_lights(stage)] == ["/Lamp/Light", "/A/Light", "/B/Light"]
 
 
+@pytest.mark.parametrize(
+    ("kind", "area"),
+    [("Cube", 6 * 4.0), ("Sphere", 4 * math.pi), ("Cylinder", 6 * math.pi), ("Plane", 4.0)],
+)
+def test_normalize_divides_by_the_area_of_shapes(stage: Usd.Stage, kind: str, area: float) -> None:
+    """In their default sizes, ten times as large; facets have a little less than what is round."""
+    prim = stage.DefinePrim("/L", kind)
+    UsdGeom.Xformable(prim).AddScaleOp().Set(Gf.Vec3f(10.0))
+    UsdLux.LightAPI.Apply(prim)
+    UsdLux.LightAPI(prim).CreateIntensityAttr(100.0)
+    UsdLux.LightAPI(prim).CreateNormalizeAttr(True)
+    (light,) = read_lights(stage)
+    assert light.losses == ()
+    round_shape = kind in ("Sphere", "Cylinder")
+    np.testing.assert_allclose(light.radiance, 1.0 / area, rtol=0.005 if round_shape else 1e-6)
+
+
 @pytest.mark.filterwarnings("ignore")
 def test_what_is_lost_is_named(stage: Usd.Stage) -> None:
     light = UsdLux.RectLight.Define(stage, "/L")

@@ -404,7 +404,6 @@ CHANGES: dict[str, Change] = {
 }
 # What has no value of its own, or is shown in other tests.
 APART = {
-    "LightAPI.inputs:normalize": "of shapes that are no meshes the area is not known",
     "*.doubleSided": "of panes of glass: tests/mitsuba/test_panes.py",
     "*.collection:*Link": "a collection as a whole has no value",
     "*.collection:*Link:mode": "it says which of the others count",
