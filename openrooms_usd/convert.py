@@ -13,6 +13,10 @@ if TYPE_CHECKING:
 
 Outcome = Literal["translated", "approximated", "skipped"]
 
+# A matrix as plain data.
+Rows = tuple[tuple[float, ...], ...]
+_SAME: Final[Rows] = tuple(tuple(float(row == column) for column in range(4)) for row in range(4))
+
 # What a file is by its ending, where nobody says; all else is written as Mitsuba's.
 _BY_ENDING: Final = {".glb": "gltf", ".usdz": "usdz"}
 _USUAL: Final = "mitsuba"
@@ -24,9 +28,11 @@ class Report:
 
     Attributes:
         rows: (prim path, outcome, reason); the reason is empty for what was translated whole.
+        world_from_stage: (4, 4) by rows, from the stage's coordinates to the scene's: metres, Z up.
     """
 
     rows: list[tuple[str, Outcome, str]] = field(default_factory=list)
+    world_from_stage: Rows = _SAME
 
     def add(self, prim: object, outcome: Outcome, reason: str = "") -> None:
         """Say what became of a prim."""
@@ -66,6 +72,14 @@ class Report:
     def __repr__(self) -> str:
         kinds: tuple[Outcome, ...] = ("translated", "approximated", "skipped")
         return f"Report({', '.join(f'{self.count(kind)} {kind}' for kind in kinds)})"
+
+    def whole(self) -> dict[str, object]:
+        """Every row and the frame as plain data."""
+        entries = [
+            {"prim": prim, "outcome": outcome, "reason": reason}
+            for prim, outcome, reason in self.rows
+        ]
+        return {"entries": entries, "world_from_stage": self.world_from_stage}
 
     def as_dict(self) -> dict[str, object]:
         """The counts and the losses as plain data."""
@@ -176,7 +190,7 @@ def write_stage(
     lost = {} if getattr(exporter, "keeps_layers", False) else hold(stage, time_code)
     report = exporter.convert(stage, destination, options or {})
     report.lose(lost)
-    add_missing(report, stage)
+    conclude(report, stage)
     return report
 
 
@@ -185,9 +199,12 @@ def exporter_of(destination: Path) -> str:
     return _BY_ENDING.get(destination.suffix.lower(), _USUAL)
 
 
-def add_missing(report: Report, stage: "Usd.Stage") -> None:
-    """Report what a stage refers to and USD cannot find: no prim tells of it."""
+def conclude(report: Report, stage: "Usd.Stage") -> None:
+    """Report what no prim tells of: what USD cannot find, and the frame that all is moved to."""
     from openrooms_usd.usd.diagnostics import composition_errors
+    from openrooms_usd.usd.frames import world_from_stage
 
     for prim, reason in composition_errors(stage):
         report.add(prim, "skipped", reason)
+    # A negative zero is none that people want to read.
+    report.world_from_stage = tuple(map(tuple, (world_from_stage(stage) + 0.0).tolist()))

@@ -7,6 +7,7 @@ from typing import Final
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.reports import check_report, report_option, write_report
 
 _FLAGS: Final = {"true": True, "false": False}
 
@@ -28,6 +29,7 @@ _FLAGS: Final = {"true": True, "false": False}
     help="The moment to write of a stage that moves; by default the first sample of everything.",
 )  # fmt: skip
 @click.option("--include-outside", is_flag=True, help="Copy pictures outside STAGE's folder too.")
+@report_option
 @json_option
 def convert(
     stage: Path,
@@ -37,6 +39,7 @@ def convert(
     profile: str | None,
     include_outside: bool,
     time_code: float | None,
+    report_file: Path | None,
     as_json: bool,
 ) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
@@ -49,12 +52,14 @@ def convert(
     from openrooms_usd.convert import convert_stage, exporter_of
     from openrooms_usd.usd.diagnostics import quiet
 
+    check_report(report_file, stage, out)
     to = to or exporter_of(out)
     asked = _given(options) | ({"profile": profile} if profile else {})
     with quiet():
         report = convert_stage(
             stage, out, to=to, options=asked, include_outside=include_outside, time_code=time_code
         )
+    write_report(report_file, report)
     if as_json:
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return

@@ -10,6 +10,7 @@ import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.renderer import renderer_options
+from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.render.contract import (
     COMPLETE,
     DEFAULT_BOUNCES,
@@ -123,6 +124,7 @@ def _resolution(
     help="With --dataset: a tree for each channel as released, or one folder, which is what the "
     "published loaders read.",
 )  # fmt: skip
+@report_option
 @json_option
 def render(
     stage: Path,
@@ -153,6 +155,7 @@ def render(
     frames: str | None,
     root: Path | None,
     layout: Literal["split", "merged"],
+    report_file: Path | None,
     as_json: bool,
 ) -> None:
     """Render the cameras of a USD stage with their ground truth, or a camera path as a video.
@@ -173,7 +176,7 @@ def render(
     if spec is not None:
         _check_stills(
             cameras, channels, fov, grid, error_maps, error, seconds, f_stop, root,
-            storage != COMPLETE, time_code, frames if frames != _EVERY else None,
+            storage != COMPLETE, time_code, frames if frames != _EVERY else None, report_file,
         )  # fmt: skip
         film(
             stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
@@ -184,6 +187,9 @@ def render(
         return
     if duration is not None or fps is not None or frames == _EVERY:
         raise click.UsageError("--duration, --fps and --frames without a range belong to --path")
+    if frames is not None and report_file is not None:
+        raise click.UsageError("with --frames there is no --report: frames have manifests")
+    check_report(report_file, stage, out)
     renders = _renders(out, time_code, frames, root)
     for folder in renders:
         _tell_what_goes(folder)
@@ -216,6 +222,7 @@ def render(
         if not as_json:
             _print_summary(summary)
         summaries.append(summary)
+    write_report(report_file, summaries[0].report)
     written = None
     if writer and root:
         written = writer.write([read_render(out)], root, DatasetOptions(layout=layout))
@@ -232,8 +239,8 @@ def _check_stills(*given: Any) -> None:
     if any(value not in ((), "usual", None, False) for value in given):
         raise click.UsageError(
             "with --path there is no --camera, --channels, --fov, --grid, --error-maps, --error, "
-            "--time, --f-stop, --storage, --dataset, --time-code or range of --frames: frames have "
-            "--spp, and --frames alone keeps them with their ground truth"
+            "--time, --f-stop, --storage, --dataset, --time-code, --report or range of --frames: "
+            "frames have --spp, and --frames alone keeps them with their ground truth"
         )
 
 

@@ -2,12 +2,13 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from openrooms_usd import claims, ledger
+from openrooms_usd.convert import Report
 from openrooms_usd.progress import Progress, part, silent
 from openrooms_usd.render import folder, manifest
 from openrooms_usd.render.contract import (
@@ -33,6 +34,7 @@ class RenderSummary:
         timing: What stands in ``timing.json``.
         advice: What would make it faster on this machine; empty when nothing would.
         stay: Views of an earlier run that are not described any more, and not ours to remove.
+        report: What became of every prim.
     """
 
     out: Path
@@ -40,6 +42,7 @@ class RenderSummary:
     timing: Mapping[str, Any]
     advice: str = ""
     stay: tuple[Path, ...] = ()
+    report: Report = field(default_factory=Report)
 
     def as_dict(self) -> dict[str, Any]:
         """The summary as plain data."""
@@ -163,7 +166,8 @@ def render_stage(
                 # What is told of the next view is no part of this one's manifest.
                 told = opened.report.as_dict()
                 writer.put(view, partial(run.add, name, view, opened.listed, took, shown, told))
-    return RenderSummary(out, run.manifest, run.timing, session.advice, tuple(run.stay))
+    made = run.manifest, run.timing
+    return RenderSummary(out, *made, session.advice, tuple(run.stay), opened.report)
 
 
 def _checked(writer: ViewWriter, progress: Progress, what: str, fraction: float) -> None:

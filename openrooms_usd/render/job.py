@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from openrooms_usd import adapters
 from openrooms_usd.channels import FLOWS, each
-from openrooms_usd.convert import Report, add_missing
+from openrooms_usd.convert import Report, conclude
 from openrooms_usd.render import manifest
 from openrooms_usd.render.contract import (
     COMPLETE,
@@ -196,7 +196,7 @@ class RenderJob:
                 set_field_of_view(stage, self.field_of_view)
             opened = open_with(self.adapter, stage, self.options)
             opened.report.lose(lost)
-            add_missing(opened.report, stage)
+            conclude(opened.report, stage)
         took = time.perf_counter() - began
         request = sized(self.rendered, self.resolution or opened.resolution)
         chosen = choose_cameras(cameras or opened.requested, opened.cameras)

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd import adapters, atomic, claims, ledger
-from openrooms_usd.convert import add_missing
+from openrooms_usd.convert import conclude
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.names import CREATOR
@@ -162,7 +162,7 @@ def render_path(
     stage = open_stage(path)
     with reading(path):
         opened = open_with(adapter, stage, options)
-        add_missing(opened.report, stage)
+        conclude(opened.report, stage)
     request = replace(sized(request, size), method=_method(named, opened.session))
     camera_path = choose_path(spec, stage, opened, size, seconds, rate)
     files = _Files(out, camera_path.name, keep_frames)
