@@ -1,5 +1,7 @@
 """What a backend cannot have of a scene or give of it, in words."""
 
+import math
+import os
 from typing import Final
 
 from openrooms_usd.channels import CHANNELS
@@ -12,6 +14,8 @@ from orusd_mitsuba.variants import Backend
 
 # From here on it takes longer to expand instances than to render a picture of them.
 _MANY_EXPANDED_TRIANGLES: Final = 4_000_000
+# What an expanded triangle takes at most, with Embree's share, measured.
+_BYTES_EXPANDED: Final = 250
 
 
 def affordable_model(name: str, backend: Backend) -> Model:
@@ -45,11 +49,22 @@ def report_panes(scene: Scene) -> None:
 
 
 def instances_advice(scene: Scene) -> str:
-    """What to do where a vectorized backend expands very many instances; empty with few."""
+    """What to do where a vectorized backend expands very many instances; empty with few.
+
+    Raises:
+        RenderError: They do not fit into this machine's memory.
+    """
     parts = [part for patch in scene.patches for part in patch.triangles.parts]
     expanded = sum(len(part) for part in parts if isinstance(part, Instances))
     if expanded < _MANY_EXPANDED_TRIANGLES:
         return ""
+    needed, there = expanded * _BYTES_EXPANDED, _memory()
+    if needed > there:
+        raise RenderError(
+            f"instances would be expanded to {expanded / 1e6:.0f} million triangles, which take "
+            f"some {needed / 1e9:.0f} GB of this machine's {there / 1e9:.0f}",
+            remedy="use --variant scalar, which keeps instances as they are",
+        )
     return (
         f"instances are expanded to {expanded / 1e6:.0f} million triangles; --variant scalar keeps "
         "them as they are: it starts sooner, in less memory, and has fewer channels"
@@ -68,3 +83,11 @@ def check_channels(request: RenderRequest, variant: str) -> None:
             f"the backend {variant} cannot give {', '.join(many)}",
             remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
         )
+
+
+def _memory() -> float:
+    """Bytes of this machine's memory; endless where it does not say."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):
+        return math.inf

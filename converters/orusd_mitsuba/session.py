@@ -88,6 +88,7 @@ class MitsubaSession:
 
     Raises:
         InputError: No reflectance model has that name.
+        RenderError: Its instances do not fit into memory.
     """
 
     def __init__(self, scene: Scene, backend: Backend, bsdf: str = "auto") -> None:
@@ -98,14 +99,16 @@ class MitsubaSession:
         if backend.variant.startswith("scalar"):
             report_panes(self._scene)
             report_simplified(self._scene)
+        vectorized = not backend.variant.startswith("scalar")
+        # Before they are built: they may not fit.
+        crowded = instances_advice(self._scene) if vectorized else ""
         self._builder = Builder(self._scene.origin)
         self._built = self._builder.scene(self._scene)
         self._sources = sources_of(self._scene)
         starts = self._builder.first_rows(self._scene)
         self.tracer = MitsubaTracer(self._scene, self._built, starts)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
-        vectorized = not backend.variant.startswith("scalar")
-        self.advice = backend.advice or (instances_advice(self._scene) if vectorized else "")
+        self.advice = backend.advice or crowded
         self.methods: tuple[Method, ...] = (REFERENCE, CACHE) if vectorized else (REFERENCE,)
         self._room_lights: dict[int, RoomLight] = {}
         self.settings: Mapping[str, str] = {"bsdf": model}

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.geometry.looks import Views
 from openrooms_usd.geometry.pinhole import rotations
-from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.raycast import Caster
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.geometry.views import FIRST_LOOK, clear, rate_views, sphere_directions
 
@@ -25,7 +25,7 @@ _EYE_LEVEL: Final = 1.5  # metres above the floor
 _PITCH_DEG: Final = -12.0  # degrees: people look slightly down
 
 
-def framing_view(points: ArrayLike, caster: RayCaster, aspect: float) -> Views:
+def framing_view(points: ArrayLike, caster: Caster, aspect: float) -> Views:
     """One view of the whole: from inside where the scene is a closed room, else from outside.
 
     Args:
@@ -47,7 +47,7 @@ def framing_view(points: ArrayLike, caster: RayCaster, aspect: float) -> Views:
     return _outside(low, high, aspect)
 
 
-def _room_points(low: Array, high: Array, caster: RayCaster) -> Array:
+def _room_points(low: Array, high: Array, caster: Caster) -> Array:
     """(C, 3) points at eye level from which nearly everything around is a front face."""
     steps = np.linspace(0.0, 1.0, 9)[1:-1]
     level = low[2] + min(_EYE_LEVEL, 0.6 * (high[2] - low[2]))
@@ -58,7 +58,7 @@ def _room_points(low: Array, high: Array, caster: RayCaster) -> Array:
     hits = caster.first_hit(np.repeat(eyes, len(around), axis=0), directions)
     if not hits.hit.any():
         return eyes[:0]
-    facing = np.einsum("ij,ij->i", caster.normals[hits.triangle], directions) < 0
+    facing = np.einsum("ij,ij->i", caster.normals_of(hits.triangle), directions) < 0
     enclosed = (hits.hit & facing).reshape(len(eyes), -1).mean(axis=1) >= _ENCLOSED_SHARE
     return np.asarray(eyes[enclosed & clear(caster, eyes)])
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.pinhole import intrinsics, pixel_directions, rotations
-from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.raycast import Caster
 from openrooms_usd.geometry.sights import parts_of
 
 Array = NDArray[np.float64]
@@ -74,7 +74,7 @@ Rating = Callable[[Look], Array]
 
 
 def rated(
-    caster: RayCaster, views: Views, fov: float, resolution: tuple[int, int], rating: Rating
+    caster: Caster, views: Views, fov: float, resolution: tuple[int, int], rating: Rating
 ) -> tuple[Array, NDArray[np.int64]]:
     """Scores of views, and what is in them.
 
@@ -107,7 +107,7 @@ def _rate(look: Look, rating: Rating) -> tuple[Array, NDArray[np.int64]]:
     return np.where(blocked | empty, -np.inf, rating(look)), parts
 
 
-def look_of(caster: RayCaster, views: Views, fov: float, width: int, height: int) -> Look:
+def look_of(caster: Caster, views: Views, fov: float, width: int, height: int) -> Look:
     """What views see of a scene, through lenses so many degrees wide, in so many pixels."""
     rays = pixel_directions(intrinsics(fov, width, height), width, height).reshape(-1, 3)
     lengths = np.linalg.norm(rays, axis=1)
@@ -119,7 +119,7 @@ def look_of(caster: RayCaster, views: Views, fov: float, width: int, height: int
     distance = np.where(hits.hit, hits.distance, 0.0)
     depth = (distance.reshape(len(views), -1) / lengths).reshape(shape)
     normals = np.zeros((*shape, 3))
-    normals[seen] = caster.normals[hits.triangle[hits.hit]]
+    normals[seen] = caster.normals_of(hits.triangle[hits.hit])
     # Towards the eye, whichever way the triangle is wound.
     away = np.einsum("chwi,chwi->chw", normals, directions.reshape(*shape, 3)) > 0
     normals[away] *= -1.0

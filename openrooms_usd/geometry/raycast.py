@@ -32,6 +32,18 @@ class Hits:
         return self.triangle >= 0
 
 
+class Caster(Protocol):
+    """What finds the surfaces that rays meet: a `RayCaster`, or what a renderer has of its own."""
+
+    def first_hit(self, origins: ArrayLike, directions: ArrayLike) -> Hits:
+        """See `RayCaster.first_hit`."""
+        ...
+
+    def normals_of(self, triangles: NDArray[np.int32]) -> Array:
+        """See `RayCaster.normals_of`."""
+        ...
+
+
 class _Tracer(Protocol):
     """Finds triangles in a frame centred on them; directions are unit vectors."""
 
@@ -83,6 +95,10 @@ class RayCaster:
         triangle = np.where(usable, triangle, -1).astype(np.int32)
         distance = self._distance(starts, units, triangle, coarse + skipped)
         return Hits(distance, triangle)
+
+    def normals_of(self, triangles: NDArray[np.int32]) -> Array:
+        """(R, 3) unit normals of triangles by (R,) their rows; anything where that is -1."""
+        return self.normals[triangles] if len(self.normals) else np.zeros((len(triangles), 3))
 
     def occluded(
         self, origins: ArrayLike, directions: ArrayLike, reach: ArrayLike = np.inf

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.pinhole import rotations
-from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.raycast import Caster
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -70,7 +70,7 @@ def sights_of(parts: NDArray[np.int64], places: Flags) -> Sights:
 
 
 def visible(
-    caster: RayCaster,
+    caster: Caster,
     eyes: Array,
     forwards: Array,
     places: Array,

@@ -68,10 +68,12 @@ def triangulate(points: Array, counts: Ints, indices: Ints) -> tuple[Ints, Ints]
     ears = [
         _ears(points, indices, face, firsts[face], counts[face]) for face in _where(number >= 2)
     ]
-    corners = np.concatenate([fans, *(ear for ear, _ in ears)])
-    faces = np.concatenate([fan_faces, *(face for _, face in ears)])
-    order = np.argsort(faces, kind="stable")
-    corners, faces = corners[order], faces[order]
+    corners, faces = fans, fan_faces
+    if ears:
+        corners = np.concatenate([fans, *(ear for ear, _ in ears)])
+        faces = np.concatenate([fan_faces, *(face for _, face in ears)])
+        order = np.argsort(faces, kind="stable")
+        corners, faces = corners[order], faces[order]
     solid = has_area(points[indices[corners]])
     return corners[solid].astype(np.int32), faces[solid].astype(np.int32)
 
@@ -93,11 +95,11 @@ def bounding_box(mesh: TriangleMesh) -> TriangleMesh:
 
 
 def _crossed(a: Array, b: Array) -> Array:
-    """(N, 3) cross products of rows; numpy's own takes several times as long for a few."""
-    x, y, z = a[:, 0], a[:, 1], a[:, 2]
-    u, v, w = b[:, 0], b[:, 1], b[:, 2]
+    """(..., 3) cross products of rows; numpy's own takes several times as long for a few."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    u, v, w = b[..., 0], b[..., 1], b[..., 2]
     found = np.empty(a.shape)
-    found[:, 0], found[:, 1], found[:, 2] = y * w - z * v, z * u - x * w, x * v - y * u
+    found[..., 0], found[..., 1], found[..., 2] = y * w - z * v, z * u - x * w, x * v - y * u
     return found
 
 
@@ -117,6 +119,8 @@ def _reflex(points: Array, counts: Ints, indices: Ints, firsts: Ints) -> NDArray
     """(K,) corners at which a face of four or more turns against its own normal."""
     if not (counts > 3).any():
         return np.zeros(len(indices), dtype=np.bool_)
+    if (counts == counts[0]).all():
+        return _reflex_of_alike(points[indices].reshape(len(counts), -1, 3)).ravel()
     faces = _faces(counts)
     start, size = firsts[faces], counts[faces]
     local = np.arange(len(indices)) - start
@@ -131,6 +135,19 @@ def _reflex(points: Array, counts: Ints, indices: Ints, firsts: Ints) -> NDArray
     turn = _dots(_crossed(into, out), normals)
     scale = np.prod([np.sqrt(_dots(v, v)) for v in (into, out, normals)], axis=0)
     return np.asarray((turn < -REFLEX * scale) & (size > 3))
+
+
+def _reflex_of_alike(here: Array) -> NDArray[np.bool_]:
+    """(F, N) the same of (F, N, 3) faces of as many corners each, which takes half the time."""
+    after = np.roll(here, -1, axis=1)
+    out = after - here
+    into = np.roll(out, 1, axis=1)
+    base = here[:, :1]
+    normals = np.einsum("fni->fi", _crossed(here - base, after - base))
+    turn = np.einsum("fni,fi->fn", _crossed(into, out), normals)
+    lengths = np.sqrt(np.einsum("fni,fni->fn", out, out))
+    scale = lengths * np.roll(lengths, 1, axis=1) * np.sqrt(_dots(normals, normals))[:, None]
+    return np.asarray(turn < -REFLEX * scale)
 
 
 def _apexes(counts: Ints, firsts: Ints, reflex: NDArray[np.bool_]) -> Ints:

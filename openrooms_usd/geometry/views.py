@@ -16,7 +16,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.floorplan import inside, room_centre
 from openrooms_usd.geometry.looks import Look, Rating, Views, rated
-from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.raycast import Caster
 from openrooms_usd.geometry.sights import Sights, sights_of, visible
 
 Array = NDArray[np.float64]
@@ -103,7 +103,7 @@ def sample_views(
 
 
 def select_views(
-    caster: RayCaster,
+    caster: Caster,
     views: Views,
     count: int,
     *,
@@ -137,21 +137,21 @@ def select_views(
     return short
 
 
-def clear(caster: RayCaster, eyes: Array, clearance: float = CLEARANCE) -> NDArray[np.bool_]:
+def clear(caster: Caster, eyes: Array, clearance: float = CLEARANCE) -> NDArray[np.bool_]:
     """(C,) which points have no surface within the clearance and are not inside a solid."""
     around = sphere_directions(64)
     origins = np.repeat(eyes, len(around), axis=0)
     directions = np.tile(around, (len(eyes), 1))
     hits = caster.first_hit(origins, directions)
     near = (hits.distance < clearance).reshape(-1, len(around)).any(axis=1)
-    normals = caster.normals[hits.triangle] if len(caster.normals) else np.zeros_like(directions)
+    normals = caster.normals_of(hits.triangle)
     from_behind = hits.hit & (np.einsum("ij,ij->i", normals, directions) > 0)
     inner = from_behind.reshape(-1, len(around)).mean(axis=1) > 0.5
     return np.asarray(~near & ~inner)
 
 
 def rate_views(
-    caster: RayCaster, views: Views, fov_degrees: float, resolution: tuple[int, int]
+    caster: Caster, views: Views, fov_degrees: float, resolution: tuple[int, int]
 ) -> Array:
     """(C,) score of each view by a cast of its pixels; -inf for blocked or empty ones.
 

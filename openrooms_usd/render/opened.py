@@ -35,6 +35,7 @@ from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
 from openrooms_usd.render.scene.first_hits import first_hits
 from openrooms_usd.render.scene.flow import optical_flow
+from openrooms_usd.render.scene.framing import framed, is_framed_here
 from openrooms_usd.render.scene.ground_truth import GroundTruth
 from openrooms_usd.render.scene.light_masks import light_masks
 from openrooms_usd.render.scene.light_records import light_records
@@ -274,6 +275,9 @@ class OpenedStage:
 
     def _described_camera(self, request: RenderRequest) -> PinholeCamera:
         if request.camera is None:
+            if is_framed_here(self._scene):
+                tracer = self.session.tracer or self._caster
+                return framed(self._scene, tracer, request.width, request.height)
             return framing_camera(self._stage, request.width, request.height)
         if request.camera not in self.cameras:
             known = ", ".join(self.cameras) or "none; leave the camera away to frame the scene"

@@ -9,7 +9,7 @@ In the order in which they are needed:
   what is in no picture (``unseen``). ``gathering`` makes shapes of what has the same surface:
   plain ``triangles``, and ``instances`` that share theirs.
 - ``models`` gives all surfaces one reflectance model where a renderer takes no other; ``cameras``
-  says what the stage asks of pictures.
+  says what the stage asks of pictures, and ``framing`` makes one for a large scene without any.
 - ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the
   ``surroundings`` that they see and a fit of those (``window_fit``,
   ``window_lobes``). ``linked`` says which lamps count on which surfaces.

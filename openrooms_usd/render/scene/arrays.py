@@ -186,6 +186,11 @@ class Scene:
         """(M,) which of `triangles` are no part of what stands outside before the windows."""
         return self._indoor_pieces[self.triangles.pieces]
 
+    @property
+    def has_outside(self) -> bool:
+        """Whether anything stands outside before the windows."""
+        return not self._indoor_pieces.all()
+
     @cached_property
     def _indoor_pieces(self) -> NDArray[np.bool_]:
         paths = self.legend.part

@@ -1,7 +1,7 @@
 """Surfaces of a stage as shapes of a renderer: triangles of one kind are gathered to one."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, fields
 from typing import Final
 
 import numpy as np
@@ -81,7 +81,7 @@ class Gathered:
             if share and self._may_share and prototype.saved >= _LEAST_SAVED_BY_ONE:
                 shared.append(instances)
             else:
-                plain.append(instances.expanded())
+                plain.append(instances)
         self._plain, self._placed = [], {}
         return plain, shared
 
@@ -117,6 +117,29 @@ class _Prototype:
         return Instances(own, np.array(self.matrices), np.array(self.pieces, np.int32))
 
 
+def _expanded(groups: Iterable[list[Triangles]]) -> Triangles:
+    """Triangles in one piece of memory; the groups are emptied, so that none lies there twice."""
+    lists = list(groups)
+    total = sum(len(part) for parts in lists for part in parts)
+    found = Triangles(
+        np.empty((total, 3, 3)),
+        np.empty((total, 3, 3), np.float32),
+        np.empty((total, 3, 2), np.float32),
+        np.empty(total, np.int32),
+    )
+    start = 0
+    for parts in lists:
+        for part in parts:
+            room = found.rows(slice(start, start + len(part)))
+            start += len(part)
+            for one in fields(Triangles):
+                getattr(room, one.name)[...] = getattr(part, one.name)
+            if isinstance(part, Instances):
+                part.forget()
+        parts.clear()
+    return found
+
+
 def shapes(
     gathered: Sequence[Gathered], responses: dict[str, tuple[float, float]]
 ) -> tuple[tuple[Patch, ...], tuple[Pane, ...]]:
@@ -132,9 +155,7 @@ def shapes(
     share = sum(group.saved() for group in groups) >= LEAST_SAVED_TRIANGLES
     taken = [group.take(share=share) for group in groups]
     sizes = [sum(map(len, plain)) for plain, _ in taken]
-    every = joined([part for plain, _ in taken for part in plain])
-    for plain, _ in taken:
-        plain.clear()
+    every = _expanded(plain for plain, _ in taken)
     patches: list[Patch] = []
     panes: list[Pane] = []
     for group, own, (_, shared) in zip(groups, every.split(sizes), taken, strict=True):

@@ -87,9 +87,10 @@ class Instances(Triangles):
         matrices[:, :3, 3] -= origin
         return matrices
 
-    def expanded(self) -> Triangles:
-        """The same as plain triangles."""
-        return Triangles(self.corners, self.normals, self.st, self.pieces)
+    def forget(self) -> None:
+        """Let go of what was expanded, until somebody asks again."""
+        for one in fields(Triangles):
+            vars(self).pop(one.name, None)
 
     @property
     def landmarks(self) -> Array:
