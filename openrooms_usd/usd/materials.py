@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
+from openrooms_usd.usd import uber
 from openrooms_usd.usd.networks import Network
+from openrooms_usd.usd.nodegraphs import fold
 from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture, UvTransform, ior_of
 from openrooms_usd.usd.uvtextures import mended_normal_map, read_texture_node
 
@@ -45,6 +47,9 @@ _INPUTS: Final = {
 # Of each face of a clear pane where it is taken for a surface that is mostly absent: two of them
 # hold back as much as window glass does.
 PANE_OPACITY: Final = 0.05
+# The same surface, as USD and as MaterialX call it.
+_PREVIEWS: Final = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
+_MATERIALX: Final = "mtlx"
 # What only a constant can say here.
 _UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
 
@@ -171,9 +176,11 @@ def read_preview_surface(
         The surface, and one sentence for each thing that was lost.
     """
     network = Network()
-    shader = _surface_shader(network, material)
+    shader = _any_surface(network, material)
     if shader is None:
         return PreviewSurface(), tuple(network.losses)
+    if uber.is_known(shader):
+        return uber.read_uber_surface(network, shader), tuple(network.losses)
     values = {
         item.name: _read_input(network, shader, _INPUTS[item.name][0], item.default)
         for item in fields(PreviewSurface)
@@ -193,7 +200,8 @@ def read_preview_surface(
 
 def preview_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
     """The UsdPreviewSurface node of a material; None where another shader makes its surface."""
-    return _surface_shader(Network(), material)
+    shader = UsdShade.Shader(material.ComputeSurfaceSource()[0]) if material else None
+    return shader if shader and shader.GetShaderId() == _PREVIEWS[0] else None
 
 
 def _part_of_light(network: Network, material: UsdShade.Material, name: str) -> float | None:
@@ -229,20 +237,23 @@ def _tint(network: Network, material: UsdShade.Material) -> Color | None:
     return red, green, blue
 
 
-def _surface_shader(network: Network, material: UsdShade.Material) -> UsdShade.Shader | None:
+def _any_surface(network: Network, material: UsdShade.Material) -> UsdShade.Shader | None:
+    """The UsdPreviewSurface of a material, else its surface for MaterialX."""
     if not material:
         network.losses.append("there is no material")
         return None
-    shader = UsdShade.Shader(material.ComputeSurfaceSource()[0])
-    if not shader:
+    contexts = (UsdShade.Tokens.universalRenderContext, _MATERIALX)
+    found = [UsdShade.Shader(material.ComputeSurfaceSource(name)[0]) for name in contexts]
+    shaders = [shader for shader in found if shader]
+    for shader in shaders:
+        if str(shader.GetShaderId() or "") in _PREVIEWS or uber.is_known(shader):
+            return shader
+    if not shaders:
         network.losses.append(f"{material.GetPath()}: no surface shader for every renderer")
-        return None
-    kind = shader.GetShaderId()
-    if kind != "UsdPreviewSurface":
-        what = kind or "a shader without identifier"
-        network.losses.append(f"{shader.GetPath()}: {what} is not UsdPreviewSurface")
-        return None
-    return shader
+    else:
+        what = shaders[0].GetShaderId() or "a shader without identifier"
+        network.losses.append(f"{shaders[0].GetPath()}: {what} is not UsdPreviewSurface")
+    return None
 
 
 def _read_input(network: Network, shader: UsdShade.Shader, name: str, default: Any) -> Any:
@@ -253,6 +264,8 @@ def _read_input(network: Network, shader: UsdShade.Shader, name: str, default: A
     if name == _BASE and source.kind == _COLOR_READER:
         fallback = network.constant(source.shader, "fallback", None)
         return network.finite(source.shader, "fallback", fallback, default)
+    if source.kind.startswith("ND_"):
+        return _folded_input(network, shader, name, default)
     if source.kind != "UsdUVTexture":
         network.lost(shader, name, f"{source.kind or 'a shader'} cannot drive it")
         return network.finite(shader, name, network.own_value(shader, name), default)
@@ -263,6 +276,15 @@ def _read_input(network: Network, shader: UsdShade.Shader, name: str, default: A
     if isinstance(default, float) and texture.channel == "rgb":
         return replace(texture, channel="r")
     return texture
+
+
+def _folded_input(network: Network, shader: UsdShade.Shader, name: str, default: Any) -> Any:
+    """An input that nodes of MaterialX drive."""
+    found = fold(network, shader, name)
+    if not isinstance(found, Texture):
+        return network.finite(shader, name, found, default)
+    single = isinstance(default, float) and found.channel == "rgb"
+    return replace(found, channel="r") if single else found
 
 
 def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]) -> PreviewSurface:

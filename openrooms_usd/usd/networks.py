@@ -21,11 +21,13 @@ class Source:
         constant: The constant; None where a shader drives the input or nothing does.
         shader: The shader that drives it, if one does.
         output: The shader's output, without its ``outputs:`` prefix.
+        space: The colour space that a constant is said to be of; empty where nobody says.
     """
 
     constant: Any = None
     shader: UsdShade.Shader | None = None
     output: str = ""
+    space: str = ""
 
     @property
     def kind(self) -> str:
@@ -50,13 +52,13 @@ class Network:
             return Source()
         attributes = UsdShade.Utils.GetValueProducingAttributes(socket)
         if not attributes:
-            return Source(constant=socket.Get(_WHEN))
+            return _constant(socket.GetAttr())
         if len(attributes) > 1:
             self.lost(shader, name, "only its first connection is read")
         base, kind = UsdShade.Utils.GetBaseNameAndType(attributes[0].GetName())
         if kind == UsdShade.AttributeType.Output:
             return Source(shader=UsdShade.Shader(attributes[0].GetPrim()), output=str(base))
-        return Source(constant=attributes[0].Get(_WHEN))
+        return _constant(attributes[0])
 
     def own_value(self, shader: UsdShade.Shader, name: str) -> Any:
         """The value authored on an input itself, whatever is connected to it."""
@@ -81,7 +83,7 @@ class Network:
         value = self.constant(shader, name, None)
         if value is None:
             return default
-        numbers = _numbers(value)
+        numbers = finite_numbers(value)
         if len(numbers) != len(default):
             self.lost(shader, name, f"{value} is not {len(default)} finite numbers")
             return default
@@ -93,7 +95,7 @@ class Network:
         """A constant as a number or colour, as ``default`` is; the default where it is neither."""
         if value is None:
             return default
-        numbers = _numbers(value)
+        numbers = finite_numbers(value)
         if not numbers:
             self.lost(shader, name, f"{value} is not a finite number")
             return default
@@ -102,7 +104,11 @@ class Network:
         return cast(Color, numbers[:3] if len(numbers) >= 3 else (numbers[0],) * 3)
 
 
-def _numbers(value: Any) -> tuple[float, ...]:
+def _constant(attribute: Usd.Attribute) -> Source:
+    return Source(constant=attribute.Get(_WHEN), space=str(attribute.GetColorSpace()))
+
+
+def finite_numbers(value: Any) -> tuple[float, ...]:
     """The finite numbers in a scalar or vector; none when it holds anything else."""
     try:
         numbers = np.atleast_1d(np.asarray(value, dtype=np.float64))

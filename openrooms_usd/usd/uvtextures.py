@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Final, cast
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import UsdShade
 
 from openrooms_usd import names
@@ -41,7 +42,7 @@ def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> T
     Returns:
         The texture, or None when its file is missing.
     """
-    file = _file(network, node)
+    file = picture_file(network, node)
     if file is None:
         return None
     primvar, transform = _coordinates(network, node)
@@ -72,7 +73,8 @@ def mended_normal_map(network: Network, texture: Texture) -> Texture:
     return replace(texture, color_space="raw", scale=NORMAL_SCALE, bias=NORMAL_BIAS)
 
 
-def _file(network: Network, node: UsdShade.Shader) -> str | None:
+def picture_file(network: Network, node: UsdShade.Shader) -> str | None:
+    """Where the picture of an image node lies; None where it is missing, which is told."""
     asset = network.constant(node, "file", None)
     authored = str(getattr(asset, "path", "") or "")
     resolved = str(getattr(asset, "resolvedPath", "") or "")
@@ -91,6 +93,11 @@ def _color_space(network: Network, node: UsdShade.Shader, file: str) -> ColorSpa
         return cast(ColorSpace, space)
     if space != "auto":
         network.lost(node, "sourceColorSpace", f"{space} is unknown; taken as auto")
+    return usual_color_space(network, node, file)
+
+
+def usual_color_space(network: Network, node: UsdShade.Shader, file: str) -> ColorSpace:
+    """The colour space of a picture of which nobody says any."""
     try:
         return textures.color_space(file)
     except InputError as error:
@@ -104,9 +111,12 @@ def _coordinates(network: Network, node: UsdShade.Shader) -> tuple[str, UvTransf
     primvar = ""
     for kind, shader in _chain(network, node):
         if kind == "UsdTransform2d":
-            transforms.append(_transform(network, shader))
+            transforms.append(transform_of(network, shader))
         elif kind.startswith("UsdPrimvarReader"):
             primvar = str(network.constant(shader, "varname", "") or "")
+            break
+        elif kind.startswith("geompropvalue"):
+            primvar = str(network.constant(shader, "geomprop", "") or "")
             break
         else:
             network.lost(node, "st", f"{kind or 'a shader'} cannot drive it")
@@ -122,11 +132,12 @@ def _chain(network: Network, node: UsdShade.Shader) -> Iterator[tuple[str, UsdSh
     for _ in range(_MAX_CHAIN):
         if source.shader is None:
             return
-        yield source.kind, source.shader
+        yield source.kind.removeprefix("ND_"), source.shader
         source = network.source(source.shader, "in")
 
 
-def _transform(network: Network, shader: UsdShade.Shader) -> UvTransform:
+def transform_of(network: Network, shader: UsdShade.Shader) -> UvTransform:
+    """What a UsdTransform2d says."""
     return UvTransform(
         scale=network.vector(shader, "scale", UvTransform.scale),
         rotation=network.number(shader, "rotation", UvTransform.rotation),
@@ -141,14 +152,19 @@ def _combined(
     if len(transforms) < 2:
         return transforms[0] if transforms else UvTransform()
     matrix = functools.reduce(np.matmul, (transform.matrix for transform in transforms))
+    return decomposed(network, node, matrix)
+
+
+def decomposed(network: Network, node: UsdShade.Shader, matrix: NDArray[np.float64]) -> UvTransform:
+    """The transform of a (3, 3) matrix for columns (s, t, 1); its skew is left out, and told."""
     (a, b), (c, d) = matrix[:2, :2]
     angle = math.atan2(c, a)
     cos, sin = math.cos(angle), math.sin(angle)
-    combined = UvTransform(
+    found = UvTransform(
         scale=(float(a * cos + c * sin), float(d * cos - b * sin)),
         rotation=math.degrees(angle),
         translation=(float(matrix[0, 2]), float(matrix[1, 2])),
     )
-    if not np.allclose(combined.matrix, matrix, atol=1e-6 * np.abs(matrix).max()):
+    if not np.allclose(found.matrix, matrix, atol=1e-6 * np.abs(matrix).max()):
         network.lost(node, "st", "its transforms skew the texture; the skew is left out")
-    return combined
+    return found

@@ -253,7 +253,7 @@ def test_nothing_that_a_file_holds_raises(stage: Usd.Stage, png: str) -> None:
     read, losses = read_preview_surface(material)
     assert read == PreviewSurface()
     assert len(losses) == 5
-    node.CreateIdAttr("ND_standard_surface_surfaceshader")
+    node.CreateIdAttr("ND_disney_principled")
     assert "is not UsdPreviewSurface" in read_preview_surface(material)[1][0]
 
 
