@@ -149,11 +149,11 @@ class Pictures:
             return self._kept(texture, (x / 2.0,))
         if (texture.scale, texture.bias) == _UNSCALED and self._keeps(texture, "raw", scaled=True):
             texture = replace(texture, scale=NORMAL_SCALE, bias=NORMAL_BIAS)
-        picture = load(texture, 3, _DIRECTIONS, np.eye(3))
+        picture = _loaded(texture, 3, _DIRECTIONS)
         return self._written((picture.pixels[::-1] + 1.0) / 2.0, texture, [picture])
 
     def _emission(self, texture: Texture) -> Placed:
-        picture = load(texture, 3, _POSITIVE, np.eye(3))
+        picture = _loaded(texture, 3, _POSITIVE)
         pixels = picture.pixels[::-1].astype(np.float32)
         most = float(pixels.max(initial=0.0)) or 1.0
         placed = self._written(srgb_from_linear(pixels / most), texture, [picture])
@@ -189,6 +189,7 @@ class Pictures:
         form = "png" if self.form == "jpeg" and codes.shape[2] == 4 else self.form
         data, mime = encoded(codes, form)
         losses = dict.fromkeys(loss for picture in sources for loss in picture.losses)
+        losses |= dict.fromkeys(_wrap_losses(texture))
         return Placed(self.document.texture(data, mime, _sampler(texture)), losses=tuple(losses))
 
 
@@ -243,9 +244,14 @@ def _is_alpha(opacity: Texture, color: Texture) -> bool:
 
 def _picture(source: Texture | float | tuple[float, ...], channels: int) -> Picture:
     if isinstance(source, Texture):
-        return load(source, channels, _UNIT, np.eye(3))
+        return _loaded(source, channels, _UNIT)
     values = np.clip(np.array(source, np.float32), 0.0, 1.0)
     return Picture(np.broadcast_to(values, (1, 1, channels)))
+
+
+def _loaded(texture: Texture, channels: int, limits: tuple[float, float]) -> Picture:
+    """The pixels alone: samplers say how pictures go on beyond them."""
+    return load(replace(texture, wrap_s="repeat", wrap_t="repeat"), channels, limits, np.eye(3))
 
 
 def _at_one_size(pictures: Sequence[Picture]) -> list[Floats]:

@@ -43,24 +43,31 @@ def test_the_top_row_of_the_picture_is_at_t_one(build, shoot, save_picture, tmp_
     assert np.abs(seen - linear(pixels)).max() < 1e-3
 
 
-@pytest.mark.parametrize("wrap", ["repeat", "mirror", "clamp"])
-def test_wrap_modes_beyond_the_picture(build, shoot, save_picture, tmp_path, wrap):
+ALONG = {"repeat": "wrap", "mirror": "symmetric", "clamp": "edge", "black": "constant"}
+
+
+@pytest.mark.parametrize(
+    "wraps",
+    [
+        ("repeat", "repeat"), ("mirror", "mirror"), ("clamp", "clamp"), ("black", "black"),
+        ("repeat", "mirror"), ("mirror", "repeat"), ("black", "clamp"), ("clamp", "black"),
+    ],
+)  # fmt: skip
+def test_wrap_modes_beyond_the_picture(build, shoot, save_picture, tmp_path, wraps):
     pixels = speckled()
     texture = Texture(
         save_picture(tmp_path / "paper.png", pixels),
-        wrap_s=wrap,
-        wrap_t=wrap,
+        wrap_s=wraps[0],
+        wrap_t=wraps[1],
         uv_translation=(-1.0, -1.0),
     )
     made = from_above(build, texture, st_scale=3.0)
     size = 3 * SIDE
     seen = shoot(made.stage, "base_color", width=size, height=size).images["base_color"].pixels
-    tile = pixels / 255.0
-    expected = {
-        "repeat": np.tile(tile, (3, 3, 1)),
-        "mirror": np.pad(tile, ((SIDE, SIDE), (SIDE, SIDE), (0, 0)), mode="symmetric"),
-        "clamp": np.pad(tile, ((SIDE, SIDE), (SIDE, SIDE), (0, 0)), mode="edge"),
-    }[wrap]
+    sides = ((0, 0), (SIDE, SIDE), (0, 0)), ((SIDE, SIDE), (0, 0), (0, 0))
+    expected = pixels / 255.0
+    for wrap, side in zip(wraps, sides, strict=True):
+        expected = np.pad(expected, side, mode=ALONG[wrap])
     assert np.abs(seen - expected).max() < 1e-3
 
 
@@ -94,6 +101,29 @@ def test_scale_bias_and_single_channels(build, shoot, save_picture, tmp_path):
     images = shoot(made.stage, "roughness", "base_color", width=SIDE, height=SIDE).images
     assert np.abs(images["roughness"].pixels[..., 0] - (pixels[..., 1] / 510.0 + 0.25)).max() < 1e-3
     assert np.abs(images["base_color"].pixels - pixels / 255.0).max() < 1e-3
+
+
+def test_materials_that_share_a_picture_show_it_each_in_its_way(
+    build, shoot, save_picture, tmp_path
+):
+    """One of half the radiance, one mirrored along s."""
+    pixels = speckled()
+    file = save_picture(tmp_path / "lamp.png", pixels)
+    st = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    ways = {"scale": (0.5, 0.5, 0.5, 1.0)}, {"uv_scale": (-1.0, 1.0)}
+    shown = []
+    for chosen in (ways[:1], ways[1:], ways):
+        made = build()
+        for number, way in enumerate(chosen):
+            material = made.material(f"/Glow{number}", emissive=Texture(file, **way))
+            moved = [(x, y, 1e-3 * number) for x, y, _ in QUAD]
+            made.mesh(f"/Quad{number}", moved, [[0, 1, 2, 3]], st=st, material=material)
+        fov = math.degrees(2 * math.atan(1 / 10))
+        made.camera((0, 0, 10), (0, 0, 0), up=(0, 1, 0), fov=fov, aspect=1.0)
+        seen = shoot(made.stage, "radiance", width=SIDE, height=SIDE, samples=4)
+        shown.append(seen.images["radiance"].pixels)
+    assert np.abs(shown[1] - shown[2]).max() < 0.02
+    assert np.abs(shown[0] - shown[1]).max() > 0.1
 
 
 def test_textures_of_one_material_may_be_placed_differently(build, shoot, save_picture, tmp_path):

@@ -38,7 +38,7 @@ class Builder:
         self._openrooms = openrooms_bsdf.register(str(mi.variant()))
         self._table: MaterialTable | None = None
         self._rows: dict[int, int] = {}
-        self._textures: dict[int, Any] = {}
+        self._textures: dict[tuple[Any, ...], Any] = {}
         self._bsdfs: dict[int, Any] = {}
         self._shaped: dict[str, Any] = {}
 
@@ -232,7 +232,8 @@ class Builder:
         return self._texture(value) if isinstance(value, Picture) else value
 
     def _texture(self, picture: Picture) -> Any:
-        key = id(picture.texels)
+        # Materials that differ in tint or place share their texels.
+        key = id(picture.texels), picture.wrap, picture.uv.tobytes(), picture.coding
         if key not in self._textures:
             plugin = {
                 "type": "bitmap",

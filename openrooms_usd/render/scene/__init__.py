@@ -4,10 +4,10 @@ In the order in which they are needed:
 
 - ``translate`` tells the story: lights, surfaces, labels and a report of every prim become a
   ``Scene`` (``arrays``). It reads lamps and surroundings (``lamps``), what surfaces do to light
-  (``surfaces``, with ``pictures`` and ``codes`` for their textures, ``painted`` for colours of
-  meshes), which object, part and class everything belongs to (``labels``, ``legend``), and names
-  what is in no picture (``unseen``). ``gathering`` makes shapes of what has the same surface:
-  plain ``triangles``, and ``instances`` that share theirs.
+  (``surfaces``, with ``pictures``, ``codes`` and ``wrapping`` for their textures, ``painted`` for
+  colours of meshes), which object, part and class everything belongs to (``labels``,
+  ``legend``), and names what is in no picture (``unseen``). ``gathering`` makes shapes of what has
+  the same surface: plain ``triangles``, and ``instances`` that share theirs.
 - ``models`` gives all surfaces one reflectance model where a renderer takes no other; ``cameras``
   says what the stage asks of pictures, and ``framing`` makes one for a large scene without any.
 - ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the

@@ -16,8 +16,9 @@ from openrooms_usd.render.scene.pictures import (
     Limits,
     Picture,
     load,
-    wrapping,
+    placed,
 )
+from openrooms_usd.render.scene.wrapping import framed
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from openrooms_usd.usd.textures import read_codes
 
@@ -56,8 +57,9 @@ def load_picture(
         tuple(texture.bias[index] for index in which),
         limits,
     )
-    wrap, losses = wrapping(texture)
-    return Picture(picked, wrap, uv, losses, coding)
+    black = None if limits[0] < 0.0 else np.zeros(channels, np.uint8)
+    texels, wrap, where, losses = framed(picked, texture, black)
+    return Picture(np.ascontiguousarray(texels), wrap, placed(where, uv), losses, coding)
 
 
 def _read(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
+from openrooms_usd.render.scene.wrapping import framed
 from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import read_texture
 
@@ -149,8 +150,7 @@ def load(texture: Texture, channels: int, limits: tuple[float, float], uv: Array
         limits: The least and the greatest value that make sense.
         uv: (3, 3) from the mesh's texture coordinates to the picture's.
     """
-    wrap, found = wrapping(texture)
-    losses = [*found]
+    losses: list[str] = []
     try:
         stored = read_texture(texture.file)
     except InputError as error:
@@ -175,7 +175,16 @@ def load(texture: Texture, channels: int, limits: tuple[float, float], uv: Array
         picked = np.nan_to_num(picked, nan=limits[0], posinf=limits[0], neginf=limits[0])
     pixels = np.clip(picked, *limits)[::-1]
     kind = np.float16 if pixels.max() < _HALF_MAX else np.float32
-    return Picture(np.ascontiguousarray(pixels, dtype=kind), wrap, uv, tuple(losses))
+    beyond = np.array(texture.bias, np.float32).reshape(1, 1, 4)
+    black = np.clip(_picked(beyond, texture.channel, channels)[0, 0], *limits)
+    pixels, wrap, where, found = framed(pixels, texture, None if limits[0] < 0.0 else black)
+    texels = np.ascontiguousarray(pixels, dtype=kind)
+    return Picture(texels, wrap, placed(where, uv), (*losses, *found))
+
+
+def placed(where: Array, uv: Array) -> Array:
+    """One after the other; exactly the second where the first does nothing."""
+    return uv if np.array_equal(where, np.eye(3)) else where @ uv
 
 
 def mended(stored: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
@@ -239,16 +248,6 @@ def within(stored: NDArray[np.float32]) -> NDArray[np.float32]:
         halved = rows if width == 0 else (rows[:, ::2] + rows[:, 1::2]) / 2
         stored = np.asarray(halved, dtype=np.float32)
     return stored
-
-
-def wrapping(texture: Texture) -> tuple[str, tuple[str, ...]]:
-    """How the picture goes on beyond its edges, in both directions, and what was lost."""
-    wrap = "clamp" if texture.wrap_s == "black" else texture.wrap_s
-    if texture.wrap_s != texture.wrap_t:
-        return wrap, (f"{texture.file}: wraps differ; {wrap} is used in both directions",)
-    if texture.wrap_s == "black":
-        return wrap, (f"{texture.file}: black beyond its edge is taken as clamp",)
-    return wrap, ()
 
 
 def _wrapped(index: Array, size: int, mode: str) -> NDArray[np.intp]:
