@@ -9,7 +9,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.usd import uber
-from openrooms_usd.usd.networks import Network
+from openrooms_usd.usd.networks import Network, finite_numbers
 from openrooms_usd.usd.nodegraphs import fold
 from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture, UvTransform, ior_of
 from openrooms_usd.usd.uvtextures import mended_normal_map, read_texture_node
@@ -268,11 +268,16 @@ def _read_input(network: Network, shader: UsdShade.Shader, name: str, default: A
         return _folded_input(network, shader, name, default)
     if source.kind != "UsdUVTexture":
         network.lost(shader, name, f"{source.kind or 'a shader'} cannot drive it")
-        return network.finite(shader, name, network.own_value(shader, name), default)
+        instead = network.own_value(shader, name)
+        if instead is None and source.kind.startswith("UsdPrimvarReader"):
+            instead = network.constant(source.shader, "fallback", None)
+        return network.finite(shader, name, instead, default)
     texture = read_texture_node(network, source.shader, source.output)
     if texture is None:
-        authored = network.constant(source.shader, "fallback", None)
-        return network.finite(source.shader, "fallback", authored, default)
+        authored = finite_numbers(network.constant(source.shader, "fallback", None))
+        part = "rgba".find(source.output) if len(source.output) == 1 else -1
+        picked = authored[part] if 0 <= part < len(authored) else authored or None
+        return network.finite(source.shader, "fallback", picked, default)
     if isinstance(default, float) and texture.channel == "rgb":
         return replace(texture, channel="r")
     return texture

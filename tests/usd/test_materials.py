@@ -232,6 +232,10 @@ def test_missing_pictures_leave_the_fallback(stage: Usd.Stage) -> None:
     texture = UsdShade.Shader(stage.GetPrimAtPath("/M/T"))
     texture.CreateInput("fallback", TYPES.Float4).Set(Gf.Vec4f(1, 0.5, 0.25, 1))
     assert read_preview_surface(material)[0].base_color == (1.0, 0.5, 0.25)
+    for channel, expected in zip("rgba", (1.0, 0.5, 0.25, 1.0), strict=True):
+        output = texture.CreateOutput(channel, TYPES.Float)
+        node.CreateInput("roughness", TYPES.Float).ConnectToSource(output)
+        assert read_preview_surface(material)[0].roughness == expected
     texture.GetInput("file").Set("/no/<UDIM>.png")
     assert "UDIM" in read_preview_surface(material)[1][0]
 
@@ -255,6 +259,18 @@ def test_nothing_that_a_file_holds_raises(stage: Usd.Stage, png: str) -> None:
     assert len(losses) == 5
     node.CreateIdAttr("ND_disney_principled")
     assert "is not UsdPreviewSurface" in read_preview_surface(material)[1][0]
+
+
+def test_primvars_of_numbers_leave_their_fallback(stage: Usd.Stage) -> None:
+    material, node = surface(stage)
+    reader = shader(stage, "/M/R", "UsdPrimvarReader_float")
+    reader.CreateInput("varname", TYPES.String).Set("wear")
+    reader.CreateInput("fallback", TYPES.Float).Set(0.25)
+    node.CreateInput("metallic", TYPES.Float).ConnectToSource(
+        reader.CreateOutput("result", TYPES.Float)
+    )
+    read, losses = read_preview_surface(material)
+    assert read.metallic == 0.25 and "UsdPrimvarReader_float cannot drive it" in losses[0]
 
 
 def test_transforms_in_a_circle_end(stage: Usd.Stage, png: str) -> None:
@@ -325,6 +341,40 @@ def test_bindings_of_meshes_subsets_and_instances(stage: Usd.Stage) -> None:
         assert bound is not None and bound.GetPath().name == "Whole"
         [(faces, material)] = bound_subsets(prim)
         assert faces.tolist() == [0, 2] and material.GetPath().name == "Part"
+
+
+def test_bindings_by_strength_purpose_and_collection(stage: Usd.Stage) -> None:
+    materials = {
+        name: define_preview_surface(stage, f"/Looks/{name}", PreviewSurface())
+        for name in ("Weak", "Own", "Full", "Preview", "Set", "Strong")
+    }
+    parent = UsdGeom.Xform.Define(stage, "/Parent").GetPrim()
+    child = UsdGeom.Cube.Define(stage, "/Parent/Group/Child").GetPrim()
+    above, own = (UsdShade.MaterialBindingAPI.Apply(prim) for prim in (parent, child))
+
+    def bound() -> str:
+        found = bound_material(child)
+        return found.GetPath().name if found else ""
+
+    above.Bind(materials["Weak"])
+    assert bound() == "Weak"
+    own.Bind(materials["Own"])
+    assert bound() == "Own"
+    own.Bind(materials["Preview"], materialPurpose=UsdShade.Tokens.preview)
+    assert bound() == "Own"
+    own.Bind(materials["Full"], materialPurpose=UsdShade.Tokens.full)
+    assert bound() == "Full"
+    for relationship in own.GetDirectBindingRel("full"), own.GetDirectBindingRel():
+        child.RemoveProperty(relationship.GetName())
+    collection = Usd.CollectionAPI.Apply(parent, "some")
+    collection.CreateIncludesRel().AddTarget(child.GetPath())
+    above.Bind(collection, materials["Set"])
+    assert bound() == "Set"
+    collection.CreateExcludesRel().AddTarget(child.GetPath())
+    assert bound() == "Weak"
+    own.Bind(materials["Own"])
+    above.Bind(materials["Strong"], UsdShade.Tokens.strongerThanDescendants)
+    assert bound() == "Strong"
 
 
 def test_openrooms_reflectance_is_kept_and_shown_by_an_index_of_refraction() -> None:

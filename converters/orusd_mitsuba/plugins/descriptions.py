@@ -123,7 +123,8 @@ def _lobes(surface: Surface) -> Description:
         "eta": max(surface.ior, 1.001),
     }
     if surface.clearcoat > 0.0:
-        gloss = 1.0 - surface.clearcoat_roughness
+        # Its lobe is as wide as GGX of that roughness, between 0.1 and 0.001.
+        gloss = min(max((0.1 - surface.clearcoat_roughness**2) / 0.099, 0.0), 1.0)
         lobes |= {"clearcoat": surface.clearcoat, "clearcoat_gloss": gloss}
     return lobes
 

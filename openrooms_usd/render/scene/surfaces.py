@@ -12,7 +12,7 @@ from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render.scene.codes import Known, load_picture
 from openrooms_usd.render.scene.pictures import Array, Limits, Picture, Value
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
 
 _UNIT_RANGE: Final = (0.0, 1.0)
 _POSITIVE_RANGE: Final = (0.0, math.inf)
@@ -27,8 +27,13 @@ _NEEDS: Final[dict[str, tuple[int, Limits]]] = {
     "opacity": (1, _UNIT_RANGE),
     "normal": (3, _NORMAL_RANGE),
     "emissive": (3, _POSITIVE_RANGE),
+    # Of these a mean is taken.
+    "specular": (3, _UNIT_RANGE),
+    "clearcoat": (1, _UNIT_RANGE),
+    "clearcoat_roughness": (1, _UNIT_RANGE),
 }
 _MOST_IOR: Final = 20.0
+_MOST_REFLECTANCE: Final = 0.9
 _FLAT_NORMAL: Final = (0.0, 0.0, 1.0)
 
 
@@ -114,16 +119,15 @@ class SurfaceReader:
             preview = replace(preview, opacity=1.0)
         primvar, uv = _common_mapping(preview)
         emission = self._value(preview, "emissive", uv)
-        textured_normal = isinstance(preview.normal, Texture)
         values: dict[str, Any] = {
             "base_color": self._value(preview, "base_color", uv),
             "roughness": self._value(preview, "roughness", uv),
             "metallic": self._value(preview, "metallic", uv),
             "opacity": self._opacity(preview, uv),
-            "normal": self._value(preview, "normal", uv) if textured_normal else None,
+            "normal": self._normal(preview, uv),
             "emission": None if emission == (0.0, 0.0, 0.0) else emission,
         }
-        ior, losses = _ior(preview)
+        ior, losses = _ior(preview, self._mean(preview, "specular", uv))
         if preview.specular is not None:
             values["metallic"] = 0.0
         losses += [text for found, text in _LOST if found(preview)]
@@ -135,8 +139,8 @@ class SurfaceReader:
             ior=ior,
             f0=preview.f0,
             pane=preview.pane,
-            clearcoat=_constant(preview.clearcoat, 0.0),
-            clearcoat_roughness=_constant(preview.clearcoat_roughness, 0.01),
+            clearcoat=self._mean(preview, "clearcoat", uv),
+            clearcoat_roughness=self._mean(preview, "clearcoat_roughness", uv),
             primvar=primvar,
             uv=uv,
             losses=tuple(dict.fromkeys(losses)),
@@ -154,6 +158,24 @@ class SurfaceReader:
             return float(clipped)
         red, green, blue = np.broadcast_to(clipped, 3).tolist()
         return red, green, blue
+
+    def _mean(self, preview: PreviewSurface, name: str, uv: Array) -> float:
+        """The mean of an input; 0 where nobody says any."""
+        if getattr(preview, name) is None:
+            return 0.0
+        value = self._value(preview, name, uv)
+        return float(np.mean(value.pixels if isinstance(value, Picture) else value, dtype=float))
+
+    def _normal(self, preview: PreviewSurface, uv: Array) -> Picture | None:
+        """A normal map; of a constant direction one of a single texel."""
+        if isinstance(preview.normal, Texture):
+            found = self._value(preview, "normal", uv)
+            return found if isinstance(found, Picture) else None
+        length = float(np.linalg.norm(preview.normal))
+        if length == 0.0 or preview.normal == _FLAT_NORMAL:
+            return None
+        texel = np.array(preview.normal, dtype=np.float32).reshape(1, 1, 3) / np.float32(length)
+        return Picture(texel)
 
     def _load(self, need: "_Need") -> Picture:
         texture, channels, limits, mapping = need
@@ -210,16 +232,18 @@ def _relative(texture: Texture, uv: Array) -> Array:
     return np.eye(3) if np.array_equal(matrix, uv) else matrix @ np.linalg.inv(uv)
 
 
-def _ior(preview: PreviewSurface) -> tuple[float, list[str]]:
+def _ior(preview: PreviewSurface, specular: float) -> tuple[float, list[str]]:
+    """The index of refraction, by the mean of the specular colour where that is given."""
     if preview.specular is None:
         if preview.ior >= 1.0:
             return min(preview.ior, _MOST_IOR), []
         return 1.0, [f"ior {preview.ior:g} is taken as 1"]
+    found = ior_of(min(specular, _MOST_REFLECTANCE))
     if isinstance(preview.specular, Texture):
-        return 1.5, ["a textured specular colour is taken as ior 1.5"]
-    reflectance = float(np.clip(np.mean(preview.specular), 0.0, 0.9))
-    root = math.sqrt(reflectance)
-    return (1 + root) / (1 - root), ["the specular colour is taken as a colourless ior"]
+        return found, ["a textured specular colour is taken as its mean, a colourless ior"]
+    if len(set(preview.specular)) == 1 and specular <= _MOST_REFLECTANCE:
+        return found, []
+    return found, ["the specular colour is taken as a colourless ior"]
 
 
 def _transmission(wanted: float, base_color: Value) -> tuple[float, list[str]]:
@@ -242,10 +266,6 @@ def mean_luminance(color: Value) -> float:
     return float(luminance(pixels.reshape(-1, pixels.shape[-1]).astype(np.float64).mean(axis=0)))
 
 
-def _constant(value: float | Texture, default: float) -> float:
-    return default if isinstance(value, Texture) else float(np.clip(value, 0.0, 1.0))
-
-
 def _is_textured(name: str) -> Callable[[PreviewSurface], bool]:
     return lambda preview: isinstance(getattr(preview, name), Texture)
 
@@ -260,10 +280,10 @@ def _many_primvars(preview: PreviewSurface) -> bool:
 
 
 _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
-    (_is_textured("clearcoat"), "a textured clearcoat is left out"),
-    (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as 0.01"),
+    (lambda preview: preview.clearcoat != 0.0,
+     "its clearcoat is Disney's, which is dimmer at an angle and at most as rough as 0.32"),
+    (_is_textured("clearcoat"), "a textured clearcoat is taken as its mean"),
+    (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as its mean"),
     (_is_clear, "opacity lets light straight through; clear parts reflect nothing"),
     (_many_primvars, "its textures use several sets of coordinates; one set is used for all"),
-    (lambda p: p.normal not in (_FLAT_NORMAL,) and not isinstance(p.normal, Texture),
-     "a constant normal is left out"),
 )  # fmt: skip
