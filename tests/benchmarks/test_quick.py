@@ -212,7 +212,7 @@ def test_storage(tmp_path):
     assert views["compact"] < views["complete"] and "| compact |" in said
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_dataset(tmp_path):
     pytest.importorskip("mitsuba")
     _, data = run("dataset", tmp_path / "d.json")

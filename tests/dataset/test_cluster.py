@@ -102,7 +102,7 @@ def test_a_dataset_has_the_same_bytes_whoever_works(
     assert checksums(tmp_path / "out") == checksums(local)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_node_that_dies_takes_its_views_alone(
     made: tuple[Path, Path], tmp_path: Path, checksums: Checksums, start: Start,
     monkeypatch: pytest.MonkeyPatch,

@@ -61,8 +61,8 @@ def _parents(path: str) -> list[str]:
 
 
 def marked(name: str) -> Any:
-    """A room with its worker; the largest is long."""
-    long = [pytest.mark.long] if name == "kitchen-1" else []
+    """A room with its worker; all but the example are long."""
+    long = [] if name == "demo" else [pytest.mark.long]
     return pytest.param(name, marks=[pytest.mark.xdist_group(name), *long])
 
 

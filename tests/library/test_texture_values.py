@@ -62,6 +62,7 @@ def test_metalness_is_what_the_family_says(name: str) -> None:
         assert (even > 0.0) == (KINDS[name] == "metal")
 
 
+@pytest.mark.one_in(5, rest="long")
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("picture", ["albedo", "normal", "roughness", "height"])
 def test_it_tiles_without_a_seam(name: str, picture: str) -> None:

@@ -60,7 +60,10 @@ def seen(page: Page, path: str) -> tuple[float, float]:
 
 @pytest.mark.parametrize(
     ("scope", "meant"),
-    [("part", lambda p: p == SEAT), ("category", lambda p: "/World/Furniture/chair_" in p)],
+    [
+        ("part", lambda p: p == SEAT),
+        pytest.param("category", lambda p: "/World/Furniture/chair_" in p, marks=pytest.mark.long),
+    ],
 )
 def test_a_click_and_a_picture_change_what_things_are_made_of(
     scope: str, meant: Callable[[str], bool], scene: Path, shown: Shown, tmp_path: Path

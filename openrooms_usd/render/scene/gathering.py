@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -106,14 +106,17 @@ class _Prototype:
         return (len(self.matrices) - 1) * len(self.rows)
 
     def instances(self) -> Instances:
-        corners = self.mesh.points[self.mesh.triangles[self.rows]]
+        # All in order are taken without a copy.
+        is_whole = len(self.rows) == len(self.mesh.triangles)
+        rows: Any = slice(None) if is_whole else self.rows
+        corners = self.mesh.points[self.mesh.triangles[rows]]
         if self.mesh.normals is None:
             a, b, c = np.moveaxis(corners, 1, 0)
             flat = unit(np.cross(b - a, c - a)).astype(np.float32)
             normals = np.broadcast_to(flat[:, None], corners.shape)
         else:
-            normals = self.mesh.normals[self.rows]
-        own = Triangles(corners, normals, self.st[self.rows], np.zeros(len(corners), np.int32))
+            normals = self.mesh.normals[rows]
+        own = Triangles(corners, normals, self.st[rows], np.zeros(len(corners), np.int32))
         return Instances(own, np.array(self.matrices), np.array(self.pieces, np.int32))
 
 

@@ -150,9 +150,11 @@ class Instances(Triangles):
 
     def _normals(self, values: Any, instances: Any) -> Any:
         inverse = self._inverse[instances]
-        flat = unit(values.reshape(len(values), -1, 3).astype(np.float64) @ inverse)
-        found = flat.astype(np.float32).reshape(len(inverse), *values.shape[1:])
-        return self._wound(found, instances)
+        # Those of flat triangles are one number for three corners.
+        distinct = values if values.strides[2] else values[:, :, :1]
+        turned = unit(distinct.reshape(len(values), -1, 3).astype(np.float64) @ inverse)
+        found = turned.astype(np.float32).reshape(len(inverse), *distinct.shape[1:])
+        return self._wound(np.broadcast_to(found, (len(inverse), *values.shape[1:])), instances)
 
     def _st(self, values: Any, instances: Any) -> Any:
         count = len(self.owners[instances])
