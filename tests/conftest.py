@@ -13,6 +13,9 @@ import hypothesis
 import pytest
 from _pytest.runner import runtestprotocol
 
+# Our schemas, before any test looks a definition up: USD knows no others afterwards.
+import orusd_schemas  # noqa: F401
+
 ROOT = Path(__file__).parents[1]
 
 # Machines are shared: how long an example takes says nothing.

@@ -12,7 +12,7 @@ from pxr import Plug, Sdr, Tf, Usd
 
 Outcome = Literal["supported", "approximated", "reported", "ignored"]
 
-TABLE: Final = Path(__file__).with_suffix(".toml")
+TABLE: Final = Path(__file__).with_name("mapping.toml")
 
 _ROOT: Final = "SchemaBase"
 # The nodes of the specification of UsdPreviewSurface.
