@@ -8,6 +8,7 @@ import numpy as np
 from openrooms_usd import atomic, imagefile, untrusted
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd import udim
 from openrooms_usd.usd.surfaces import Texture
 from openrooms_usd.usd.textures import local_file, read_texture
 
@@ -45,7 +46,7 @@ class Textures:
         return replace(texture, file=self._places[key], color_space=space)
 
     def _stays(self, file: str) -> bool:
-        return Path(file.rstrip("]")).suffix.lower() in self.endings
+        return Path(file.rstrip("]")).suffix.lower() in self.endings and not udim.is_udim(file)
 
     def _write(self, file: str, encode: bool) -> str:
         stem, ending = Path(file.rstrip("]")).stem, Path(file.rstrip("]")).suffix.lower()

@@ -135,6 +135,11 @@ def _surface(placed: "PlacedMesh", path: Path, notes: list[str]) -> "PreviewSurf
 
 def _inside(file: str, model: Path) -> bool:
     """Whether a picture is a file in or below the model's folder, or packed with it."""
+    from openrooms_usd.usd import udim
+
+    # Tiles are many files, and a model takes single ones along.
+    if udim.is_udim(file):
+        return False
     outer = Path(file.partition("[")[0])
     untrusted.check_path(outer)
     return outer.is_file() and outer.resolve().is_relative_to(model.parent.resolve())

@@ -7,8 +7,8 @@
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;
 - surfaces: `traversal`, `gprims`, `arrays`, `tessellation`, `subdivided`, `creases`,
   `curves`, `patches`, `meshes`;
-- materials: `surfaces`, `networks`, `uvtextures`, `textures`, `materials`, `physics`; of MaterialX
-  `uber`, `nodegraphs`, `nodecoordinates`;
+- materials: `surfaces`, `networks`, `uvtextures`, `textures`, `udim`, `materials`, `physics`;
+  of MaterialX `uber`, `nodegraphs`, `nodecoordinates`;
 - light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`, `cones`),
   `lights`, `linking`, `portals`; `cameras`, `fields_of_view`, `rendersettings`;
 - meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.

@@ -18,6 +18,7 @@ from openrooms_usd.usd.nodecoordinates import coordinates, family
 from openrooms_usd.usd.surfaces import Channel, ColorSpace, Texture, Wrap
 from openrooms_usd.usd.uvtextures import (
     decomposed,
+    over_tiles,
     picture_file,
     read_texture_node,
     usual_color_space,
@@ -256,7 +257,7 @@ def _image(node: _Node) -> Folded | None:
     primvar, matrix = coordinates(node.network, node.shader)
     where = decomposed(node.network, node.shader, _tiling(node) @ matrix)
     constant = node.network.constant
-    return Texture(
+    texture = Texture(
         file,
         "r" if node.kind.endswith("_float") else "rgb",
         _space(node, file),
@@ -268,6 +269,7 @@ def _image(node: _Node) -> Folded | None:
         uv_translation=where.translation,
         fallback=cast(Any, tuple(_widened(node.numbers("default", (0.0,)), 4, 1.0).tolist())),
     )
+    return over_tiles(node.network, node.shader, texture)
 
 
 def _tiling(node: _Node) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ from pxr import Ar
 
 from openrooms_usd import removal, untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd import udim
 from openrooms_usd.usd.diagnostics import plain, reading
 from openrooms_usd.usd.surfaces import ColorSpace
 
@@ -59,11 +60,16 @@ def picture_facts(path: str) -> PictureFacts:
         return PictureFacts(spec.width, spec.height, spec.nchannels, is_float)
 
 
+def _shape(path: str) -> tuple[int, int, int]:
+    facts = picture_facts(path)
+    return facts.height, facts.width, facts.channels
+
+
 def read_texture(path: str) -> NDArray[np.float32]:
     """Read a picture's stored values, without any colour decoding.
 
     Args:
-        path: A file, or a file inside a package (``/x/y.usdz[0/z.png]``).
+        path: A file, or a file inside a package (``/x/y.usdz[0/z.png]``), or tiles of ``udim``.
 
     Returns:
         (H, W, C) float32, the first row at the top; 8- and 16-bit pixels are in 0..1.
@@ -120,7 +126,7 @@ def color_space(path: str) -> ColorSpace:
     Raises:
         InputError: There is no such file, or it is not a picture that can be read.
     """
-    with _opened(path) as picture:
+    with _opened(udim.one_of(path)) as picture:
         spec = picture.spec()
         return "sRGB" if str(spec.format) == "uint8" and spec.nchannels >= 3 else "raw"
 
@@ -175,6 +181,10 @@ def local_file(path: str) -> Iterator[Path]:
     Raises:
         InputError: There is no such file, or it is none that a picture could be.
     """
+    if udim.is_udim(path):
+        with udim.joined(path, _shape, read_codes, read_texture) as file:
+            yield file
+        return
     if not Ar.IsPackageRelativePath(path):
         untrusted.checked(Path(path), "picture", remedy="check the texture's path")
         yield Path(path)

@@ -12,7 +12,7 @@ from pxr import UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import textures
+from openrooms_usd.usd import textures, udim
 from openrooms_usd.usd.networks import Network
 from openrooms_usd.usd.surfaces import (
     NORMAL_BIAS,
@@ -46,7 +46,7 @@ def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> T
     if file is None:
         return None
     primvar, transform = _coordinates(network, node)
-    return Texture(
+    texture = Texture(
         file=file,
         channel=_CHANNELS.get(output, "rgb"),
         color_space=_color_space(network, node, file),
@@ -60,6 +60,20 @@ def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> T
         uv_translation=transform.translation,
         fallback=network.vector(node, "fallback", Texture.fallback),
     )
+    return over_tiles(network, node, texture)
+
+
+def over_tiles(network: Network, node: UsdShade.Shader, texture: Texture) -> Texture:
+    """A texture of UDIM tiles as one of a single picture; any other as it is."""
+    if not udim.is_udim(texture.file):
+        return texture
+    columns, rows = udim.grid(texture.file)
+    squeezed = np.diag([1.0 / columns, 1.0 / rows, 1.0]) @ texture.uv_matrix
+    where = decomposed(network, node, squeezed)
+    return replace(
+        texture, wrap_s="clamp", wrap_t="clamp",
+        uv_scale=where.scale, uv_rotation=where.rotation, uv_translation=where.translation,
+    )  # fmt: skip
 
 
 def mended_normal_map(network: Network, texture: Texture) -> Texture:
@@ -78,9 +92,10 @@ def picture_file(network: Network, node: UsdShade.Shader) -> str | None:
     asset = network.constant(node, "file", None)
     authored = str(getattr(asset, "path", "") or "")
     resolved = str(getattr(asset, "resolvedPath", "") or "")
-    if "<UDIM>" in authored:
-        network.lost(node, "file", f"{authored}: UDIM tiles are not read")
-    elif not resolved:
+    if udim.is_udim(authored):
+        (attribute, *_) = UsdShade.Utils.GetValueProducingAttributes(node.GetInput("file"))
+        resolved = udim.resolved(attribute, authored)
+    if not resolved:
         network.lost(node, "file", f"{authored} is missing" if authored else "names no file")
     else:
         return resolved
