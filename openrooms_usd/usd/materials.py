@@ -312,9 +312,13 @@ def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]
 
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
-    """The material that a prim shows: the binding for ``full``, else for all purposes."""
-    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
-    return material if material else None
+    """The material that a prim shows: the binding for ``full``, for all purposes, or a preview."""
+    api = UsdShade.MaterialBindingAPI(prim)
+    for purpose in (UsdShade.Tokens.full, UsdShade.Tokens.preview):
+        material, _ = api.ComputeBoundMaterial(purpose)
+        if material:
+            return material
+    return None
 
 
 def bound_subsets(prim: Usd.Prim) -> list[tuple[NDArray[np.int32], UsdShade.Material]]:

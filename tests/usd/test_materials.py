@@ -356,6 +356,9 @@ def test_bindings_by_strength_purpose_and_collection(stage: Usd.Stage) -> None:
         found = bound_material(child)
         return found.GetPath().name if found else ""
 
+    assert bound() == ""
+    own.Bind(materials["Preview"], materialPurpose=UsdShade.Tokens.preview)
+    assert bound() == "Preview"
     above.Bind(materials["Weak"])
     assert bound() == "Weak"
     own.Bind(materials["Own"])
