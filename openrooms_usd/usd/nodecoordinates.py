@@ -17,6 +17,8 @@ _Matrix = NDArray[np.float64]
 _Pair = tuple[float, float]
 # The longest chain of nodes that is followed, so that a cycle ends.
 _MAX_CHAIN: Final = 16
+# Larger numbers leave no texel apart from others.
+_MOST: Final = 1e6
 _NONE: Final[_Pair] = (0.0, 0.0)
 _WHOLE: Final[_Pair] = (1.0, 1.0)
 
@@ -33,6 +35,15 @@ def coordinates(network: Network, node: UsdShade.Shader) -> tuple[str, _Matrix]:
         Its name, and (3, 3) for columns (s, t, 1); as MaterialX says the first set of coordinates
         where nobody says another.
     """
+    with np.errstate(all="ignore"):
+        primvar, matrix = _followed(network, node)
+    if np.abs(matrix).max() < _MOST:
+        return primvar, matrix
+    network.lost(node, "texcoord", "what is done to its coordinates is no affine map; left out")
+    return primvar, np.eye(3)
+
+
+def _followed(network: Network, node: UsdShade.Shader) -> tuple[str, _Matrix]:
     matrix, name = np.eye(3), "texcoord"
     for _ in range(_MAX_CHAIN):
         source = network.source(node, name)

@@ -41,6 +41,9 @@ _LINEAR: Final = (
 _WRAPS: Final[Mapping[str, Wrap]] = {"clamp": "clamp", "mirror": "mirror", "constant": "black"}
 _PARTS: Final[Mapping[str, int]] = dict(zip("rgbaxyzw", (0, 1, 2, 3) * 2, strict=True))
 _CHANNELS: Final[tuple[Channel, ...]] = ("r", "g", "b", "a")
+_NIL: Final[Numbers] = (0.0,)
+_WHOLE: Final[Numbers] = (1.0,)
+_MOST: Final = 1e30
 # The longest chain of nodes that is followed, so that a cycle ends.
 _DEEPEST: Final = 16
 
@@ -81,7 +84,9 @@ def fold(network: Network, shader: UsdShade.Shader, name: str) -> Folded | None:
     Returns:
         The numbers of a constant, a texture, or None where nobody says anything that is known.
     """
-    return _fold(network, shader, name, _DEEPEST)
+    # What is too large is cut to numbers that a product still holds.
+    with np.errstate(all="ignore"):
+        return _fold(network, shader, name, _DEEPEST)
 
 
 def _fold(network: Network, shader: UsdShade.Shader, name: str, depth: int) -> Folded | None:
@@ -99,7 +104,11 @@ def _linear(numbers: Numbers, space: str) -> Numbers | None:
     if space in _SRGB and len(numbers) >= 3:
         decoded = linear_from_srgb(np.array(numbers[:3], dtype=np.float64)).tolist()
         return (*decoded, *numbers[3:])
-    return numbers or None
+    return _bounded(np.array(numbers)) or None
+
+
+def _bounded(numbers: NDArray[np.float64]) -> Numbers:
+    return tuple(np.clip(np.nan_to_num(numbers), -_MOST, _MOST).tolist())
 
 
 def affine(value: Folded, factor: Numbers, offset: Numbers = (0.0,)) -> Folded:
@@ -113,14 +122,14 @@ def affine(value: Folded, factor: Numbers, offset: Numbers = (0.0,)) -> Folded:
     if not isinstance(value, Texture):
         many = max(len(value), len(factor), len(offset))
         a, b, c = (_widened(numbers, many, numbers[-1]) for numbers in (value, factor, offset))
-        return tuple((a * b + c).tolist())
+        return _bounded(a * b + c)
     by, plus = _widened(factor, 4, 1.0), _widened(offset, 4, 0.0)
     made = {
         "scale": np.array(value.scale) * by,
         "bias": np.array(value.bias) * by + plus,
         "fallback": np.array(value.fallback) * by + plus,
     }
-    return replace(value, **cast(Any, {name: tuple(part.tolist()) for name, part in made.items()}))
+    return replace(value, **cast(Any, {name: _bounded(part) for name, part in made.items()}))
 
 
 def _widened(numbers: Numbers, many: int, rest: float) -> NDArray[np.float64]:
@@ -149,7 +158,7 @@ def _divide(node: _Node) -> Folded | None:
     if 0.0 in by:
         node.lost("in2", "a division by zero is left out")
         return first
-    return affine(first, tuple(1.0 / number for number in by))
+    return affine(first, _bounded(1.0 / np.array(by)))
 
 
 def _sum(sign: float) -> "Callable[[_Node], Folded | None]":
@@ -192,13 +201,13 @@ def _invert(node: _Node) -> Folded | None:
 def _remap(node: _Node) -> Folded | None:
     value = node.fold("in")
     low, high, start, end = (
-        np.array(node.numbers(name, (default,)))
+        _widened(node.numbers(name, (default,)), 4, default)
         for name, default in (("inlow", 0.0), ("inhigh", 1.0), ("outlow", 0.0), ("outhigh", 1.0))
     )
     if value is None or not np.all(high - low):
         return value
     factor = (end - start) / (high - low)
-    return affine(value, tuple(factor.tolist()), tuple((start - low * factor).tolist()))
+    return affine(value, _bounded(factor), _bounded(start - low * factor))
 
 
 def _clamp(node: _Node) -> Folded | None:
@@ -206,8 +215,11 @@ def _clamp(node: _Node) -> Folded | None:
     if value is None or isinstance(value, Texture):
         # What an input takes has limits of its own.
         return value
-    low, high = node.numbers("low", (0.0,)), node.numbers("high", (1.0,))
-    return tuple(np.clip(value, low, high).tolist())
+    low, high = (
+        _widened(node.numbers(name, default), len(value), default[0])
+        for name, default in (("low", _NIL), ("high", _WHOLE))
+    )
+    return _bounded(np.clip(value, low, high))
 
 
 def _extract(node: _Node) -> Folded | None:

@@ -8,7 +8,7 @@ from typing import Any, Final, cast
 import numpy as np
 from pxr import UsdShade
 
-from openrooms_usd.usd.networks import Network
+from openrooms_usd.usd.networks import Network, finite_numbers
 from openrooms_usd.usd.nodegraphs import Folded, Numbers, affine, fold, product
 from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture, f0_of, ior_of
 from openrooms_usd.usd.uvtextures import mended_normal_map
@@ -311,5 +311,5 @@ def _counts(said: _Said, name: str) -> bool:
     for word, weight in said.model.parts.items():
         if name.startswith(word) and name != weight:
             source = said.network.source(said.shader, weight)
-            return source.shader is not None or bool(np.any(np.array(source.constant or 0.0)))
+            return source.shader is not None or any(finite_numbers(source.constant))
     return True
