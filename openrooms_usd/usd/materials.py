@@ -180,6 +180,9 @@ def read_preview_surface(
     if shader is None:
         return PreviewSurface(), tuple(network.losses)
     if uber.is_known(shader):
+        moved = material.GetDisplacementOutput(_MATERIALX)
+        if moved and moved.HasConnectedSource():
+            network.losses.append(f"{moved.GetAttr().GetPath()}: nothing is moved")
         return uber.read_uber_surface(network, shader), tuple(network.losses)
     values = {
         item.name: _read_input(network, shader, _INPUTS[item.name][0], item.default)

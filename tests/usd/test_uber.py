@@ -29,13 +29,16 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def read(folder: Path, kind: str, inputs: str, nodes: str = "") -> tuple[PreviewSurface, str]:
+def read(
+    folder: Path, kind: str, inputs: str, nodes: str = "", beside: str = ""
+) -> tuple[PreviewSurface, str]:
     """A surface of some kind, its inputs and the nodes beside it, written as people write them."""
     text = f"""#usda 1.0
     def Material "M"
     {{
         color3f inputs:unset
         token outputs:mtlx:surface.connect = </M/S.outputs:out>
+        {beside}
         def Shader "S"
         {{
             uniform token info:id = "{kind}"
@@ -287,6 +290,11 @@ def test_coordinates_by_the_formulas_of_materialx(folder: Path, order: int) -> N
     expected = 4 * x - 0.5, 4 * y - 0.25
     assert (texture.uv_matrix @ [0.3, 0.7, 1.0])[:2] == pytest.approx(expected)
     assert texture.wrap_s == "repeat"
+
+
+def test_displacement_is_told(folder: Path) -> None:
+    given = "token outputs:mtlx:displacement.connect = </M/S.outputs:out>"
+    assert "mtlx:displacement: nothing is moved" in read(folder, STANDARD, "", "", given)[1]
 
 
 def test_nodes_in_a_circle_end(folder: Path) -> None:
