@@ -10,12 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from pxr import Sdf, Usd, UsdGeom, UsdPhysics
+from pxr import Sdf, Usd, UsdPhysics
 
 from openrooms_usd import atomic, names
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import World
 from openrooms_usd.usd import layers
+from openrooms_usd.usd.frames import stated_metres
 from orusd_urdf.checking import check_world
 from orusd_urdf.flattening import flattened, ordered
 from orusd_urdf.looks import Loss
@@ -111,6 +112,6 @@ def _limits(world: World) -> Iterator[Loss]:
 
 
 def _units(stage: Usd.Stage) -> Iterator[Loss]:
-    found = UsdGeom.GetStageMetersPerUnit(stage), UsdPhysics.GetStageKilogramsPerUnit(stage)
+    found = stated_metres(stage), UsdPhysics.GetStageKilogramsPerUnit(stage)
     if found != (names.METERS_PER_UNIT, names.KILOGRAMS_PER_UNIT):
         yield "/", "approximated", f"its units stay {found[0]:g} m and {found[1]:g} kg"

@@ -16,7 +16,7 @@ from openrooms_usd.convert import Report
 from openrooms_usd.package import package
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.frames import TIME, up_axis
 from openrooms_usd.usd.materials import (
     PANE_OPACITY,
     define_preview_surface,
@@ -193,7 +193,7 @@ class _Adaptation:
         """Y up, by one more operation at the top."""
         layer = self.stage.GetRootLayer()
         layer.customLayerData = {"creator": names.CREATOR}
-        if self.profile.up is None or UsdGeom.GetStageUpAxis(self.stage) == self.profile.up:
+        if self.profile.up is None or up_axis(self.stage) == self.profile.up:
             return
         UsdGeom.SetStageUpAxis(self.stage, self.profile.up)
         for prim in self.stage.TraverseAll():

@@ -40,7 +40,7 @@ def read_usd(path: Path) -> Reading:
 def _read(stage: "Usd.Stage", path: Path, notes: list[str]) -> Reading:
     from pxr import UsdGeom
 
-    from openrooms_usd.usd.frames import world_from_stage
+    from openrooms_usd.usd.frames import stated_metres, up_axis, world_from_stage
     from openrooms_usd.usd.meshes import read_meshes
 
     reading = read_meshes(stage)
@@ -53,8 +53,8 @@ def _read(stage: "Usd.Stage", path: Path, notes: list[str]) -> Reading:
         pieces.append(
             Piece(placed.prim.GetName(), _mesh(placed).transformed(stage_from_local), surface)
         )
-    up: Literal["Y", "Z"] = "Y" if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y else "Z"
-    return Reading(pieces, notes, up, UsdGeom.GetStageMetersPerUnit(stage), _licence(stage))
+    up: Literal["Y", "Z"] = "Y" if up_axis(stage) == UsdGeom.Tokens.y else "Z"
+    return Reading(pieces, notes, up, stated_metres(stage), _licence(stage))
 
 
 def _layers_elsewhere(path: Path) -> list[str]:

@@ -30,22 +30,37 @@ def gf_matrix(M: NDArray[np.float64]) -> Gf.Matrix4d:
     return Gf.Matrix4d(np.asarray(M, dtype=np.float64).T)
 
 
+def stated_metres(stage: Usd.Stage) -> float:
+    """Metres for one unit as a stage says, which need be no length; not a number of no number.
+
+    USD itself raises where the number is of another type than a double, as old exporters wrote it.
+    """
+    said = stage.GetMetadata(UsdGeom.Tokens.metersPerUnit)
+    is_number = isinstance(said, int | float) and not isinstance(said, bool)
+    return float(said) if is_number else float("nan")
+
+
+def up_axis(stage: Usd.Stage) -> str:
+    """The up axis as a stage says, which need be none; USD's fallback where it says nothing."""
+    return str(stage.GetMetadata(UsdGeom.Tokens.upAxis) or UsdGeom.Tokens.y)
+
+
 def meters_per_unit(stage: Usd.Stage) -> float:
     """Metres for one unit of a stage; USD's fallback, 0.01, where what it says is no length."""
-    said = float(UsdGeom.GetStageMetersPerUnit(stage))
+    said = stated_metres(stage)
     return said if 0.0 < said < np.inf else _FALLBACK_METRES
 
 
 def world_from_stage(stage: Usd.Stage) -> NDArray[np.float64]:
     """(4, 4) from the stage's own root frame and units to Z up and metres."""
     scale = meters_per_unit(stage)
-    turn = np.eye(4) if UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z else Z_UP_FROM_Y_UP
+    turn = np.eye(4) if up_axis(stage) == UsdGeom.Tokens.z else Z_UP_FROM_Y_UP
     return np.diag([scale, scale, scale, 1.0]) @ turn
 
 
 def odd_frame(stage: Usd.Stage) -> list[str]:
     """What a stage says of its units and up axis that cannot be; USD's fallbacks are taken."""
-    said, up = float(UsdGeom.GetStageMetersPerUnit(stage)), UsdGeom.GetStageUpAxis(stage)
+    said, up = stated_metres(stage), up_axis(stage)
     odd = [f"metersPerUnit: {said:g} is no length; {_FALLBACK_METRES:g} is taken"]
     found = odd if said != meters_per_unit(stage) else []
     known = (UsdGeom.Tokens.y, UsdGeom.Tokens.z)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.frames import TIME, meters_per_unit, up_axis
 
 TURN: Final = "xformOp:rotateX:unitsResolve"
 SCALE: Final = "xformOp:scale:unitsResolve"
@@ -111,7 +111,7 @@ def _referring(layer: Sdf.Layer) -> Iterator[tuple[Sdf.PrimSpec, str, Sdf.PrimSp
 def _misfit(
     stage: Usd.Stage, layer: Sdf.Layer, spec: Sdf.PrimSpec, asset: str, root: Sdf.PrimSpec
 ) -> Misfit | None:
-    metres, up = UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)
+    metres, up = meters_per_unit(stage), up_axis(stage)
     stated = root.HasInfo(_METRES)
     # Their fallbacks are centimetres and Y up.
     scale = float(root.GetInfo(_METRES)) / metres

@@ -11,6 +11,7 @@ from typing import Final
 
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
+from openrooms_usd.usd.frames import stated_metres
 from openrooms_usd.validation.model import Complaint, Rule, Subject
 from openrooms_usd.validation.physics_rules import moves
 
@@ -99,7 +100,7 @@ def articulation_roots(subject: Subject) -> Iterator[Complaint]:
 
 def joint_frames(subject: Subject) -> Iterator[Complaint]:
     """Both frames of a hinge or rail are one, but for its own motion within limits (DJ.003)."""
-    metres = UsdGeom.GetStageMetersPerUnit(subject.stage)
+    metres = stated_metres(subject.stage)
     for prim in subject.prims:
         if (hinge := UsdPhysics.RevoluteJoint(prim)) or (rail := UsdPhysics.PrismaticJoint(prim)):
             joint = hinge or rail
