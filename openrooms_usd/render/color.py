@@ -33,6 +33,8 @@ _OUTSET: Final = np.linalg.inv(_INSET)
 _STOPS: Final = (-10.0, 6.5)  # what the curve covers, relative to middle grey
 _SLOPE, _POWER = 2.4, 1.5
 _GAMMA: Final = 2.2  # of the display that the curve was drawn for
+# Of the pixels of a block that is lit: noise leaves some of them black.
+_LEAST_LIT_SHARE: Final = 0.75
 
 _PLASTIC: Final = 1.22074408460575947536  # the root of x^4 = x + 1
 
@@ -47,7 +49,8 @@ def fitted_exposure(radiance: Array) -> float:
 
     It counts blocks of 8x8 pixels, whose noise is small, and the darkest and brightest twentieth
     of them as their borders, so that neither a lamp in view nor a black corner decides (after E.
-    Reinhard et al., Photographic Tone Reproduction for Digital Images, 2002, equation 1).
+    Reinhard et al., Photographic Tone Reproduction for Digital Images, 2002, equation 1). Where
+    there is nothing behind what is seen, blocks at its outline do not count (`lit_blocks`).
 
     Args:
         radiance: (height, width, 3) scene-linear.
@@ -55,8 +58,7 @@ def fitted_exposure(radiance: Array) -> float:
     Returns:
         The factor; 1 for a picture without light.
     """
-    luminance = block_means(radiance @ _LUMINANCE)
-    lit = luminance[np.isfinite(luminance) & (luminance > 0)]
+    lit = block_means(radiance @ _LUMINANCE)[lit_blocks(radiance)]
     if not lit.size:
         return 1.0
     logarithms = np.log(lit)
@@ -70,6 +72,21 @@ def block_means(values: Array) -> Array:
     high, wide = (min(size, _BLOCK_PIXELS) for size in values.shape)
     cut = values[: rows * high, : columns * wide].astype(np.float64)
     return np.asarray(cut.reshape(rows, high, columns, wide).mean(axis=(1, 3)))
+
+
+def lit_blocks(radiance: Array) -> NDArray[np.bool_]:
+    """Which of a picture's blocks show something that is lit: finite, and hardly black anywhere.
+
+    Where none is so, in noise for instance, those that are not black throughout.
+
+    Args:
+        radiance: (height, width, 3) scene-linear.
+    """
+    luminance = radiance @ _LUMINANCE
+    means = block_means(luminance)
+    lit = np.isfinite(means) & (means > 0)
+    whole = lit & (block_means((luminance > 0).astype(np.float32)) >= _LEAST_LIT_SHARE)
+    return whole if whole.any() else lit
 
 
 def film(linear: Array) -> Array:

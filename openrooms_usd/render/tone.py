@@ -19,7 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import LUMINANCE, srgb_from_linear
-from openrooms_usd.render.color import MIDDLE_GREY, block_means, film, fitted_exposure
+from openrooms_usd.render.color import (
+    MIDDLE_GREY,
+    block_means,
+    film,
+    fitted_exposure,
+    lit_blocks,
+)
 from openrooms_usd.render.contract import ToneName
 
 Array = NDArray[np.floating[Any]]
@@ -138,7 +144,7 @@ def _slope(bright: float) -> float:
 def _mean_level(tone: Tone, radiance: Array) -> float:
     """The mean of what is shown, encoded; 1 where nothing is lit."""
     blocks = np.stack([block_means(radiance[..., i]) for i in range(3)], axis=-1)
-    lit = blocks[np.isfinite(blocks).all(axis=-1)]
+    lit = blocks[lit_blocks(radiance)]
     if not (lit > 0.0).any():
         return 1.0
     return float(srgb_from_linear(tone.shown(lit) @ LUMINANCE).mean())
