@@ -185,9 +185,13 @@ def write_stage(
         OutputError: The destination cannot be written.
     """
     from openrooms_usd.usd.moments import hold
+    from openrooms_usd.usd.mtlxlayers import read_mtlx_layers
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
-    lost = {} if getattr(exporter, "keeps_layers", False) else hold(stage, time_code)
+    lost: dict[str, str] = {}
+    if not getattr(exporter, "keeps_layers", False):
+        read_mtlx_layers(stage)
+        lost = hold(stage, time_code)
     report = exporter.convert(stage, destination, options or {})
     report.lose(lost)
     conclude(report, stage)

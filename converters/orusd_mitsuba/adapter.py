@@ -1,6 +1,7 @@
 """What is registered as entry points: a renderer and an exporter that load Mitsuba when used."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -22,7 +23,8 @@ class MitsubaRenderer:
     channels: Final = tuple(name for name in RENDERED if CHANNELS[name].kind == "light")
 
     options: Final[Mapping[str, str]] = {
-        "variant": "what computes: auto (the fastest that works here), cuda, llvm or scalar",
+        "variant": "what computes: auto (the fastest that works here; for very many instances "
+        "scalar, which keeps them), cuda, llvm or scalar",
         "bsdf": "how surfaces reflect: auto (as each material says; in scalar, which runs "
         "OpenRooms' model some hundred times slower, preview), openrooms or preview",
     }
@@ -39,9 +41,14 @@ class MitsubaRenderer:
             RenderError: The backend is not available.
             MissingPackageError: Mitsuba is not installed.
         """
-        chosen = variants.choose(options.get("variant", "auto"))
+        name = options.get("variant", "auto")
+        chosen = variants.choose(name)
+        # Mitsuba is imported only now: which library it loads is chosen first.
+        from orusd_mitsuba.limits import expanded_triangles, kept_advice
         from orusd_mitsuba.session import MitsubaSession
 
+        if name == "auto" and chosen.is_llvm and expanded_triangles(scene):
+            chosen = replace(variants.choose("scalar"), advice=kept_advice(scene))
         return MitsubaSession(scene, chosen, options.get("bsdf", "auto"))
 
     def diagnose(self) -> dict[str, str]:

@@ -12,7 +12,6 @@ from openrooms_usd.render.scene.instances import Instances
 from openrooms_usd.render.scene.models import MODELS, Model
 from orusd_mitsuba.variants import Backend
 
-# From here on it takes longer to expand instances than to render a picture of them.
 _MANY_EXPANDED_TRIANGLES: Final = 4_000_000
 # What an expanded triangle takes at most, with Embree's share, measured.
 _BYTES_EXPANDED: Final = 250
@@ -48,15 +47,24 @@ def report_panes(scene: Scene) -> None:
     scene.report.lose({path: lost for path, found in scene.owners if id(found) in panes})
 
 
+def expanded_triangles(scene: Scene) -> int:
+    """How many triangles instances would be for a backend that expands them; 0 where they are few.
+
+    Then it takes longer to expand them than to render a picture of them.
+    """
+    parts = [part for patch in scene.patches for part in patch.triangles.parts]
+    expanded = sum(len(part) for part in parts if isinstance(part, Instances))
+    return expanded if expanded >= _MANY_EXPANDED_TRIANGLES else 0
+
+
 def instances_advice(scene: Scene) -> str:
     """What to do where a vectorized backend expands very many instances; empty with few.
 
     Raises:
         RenderError: They do not fit into this machine's memory.
     """
-    parts = [part for patch in scene.patches for part in patch.triangles.parts]
-    expanded = sum(len(part) for part in parts if isinstance(part, Instances))
-    if expanded < _MANY_EXPANDED_TRIANGLES:
+    expanded = expanded_triangles(scene)
+    if not expanded:
         return ""
     needed, there = expanded * _BYTES_EXPANDED, _memory()
     if needed > there:
@@ -68,6 +76,15 @@ def instances_advice(scene: Scene) -> str:
     return (
         f"instances are expanded to {expanded / 1e6:.0f} million triangles; --variant scalar keeps "
         "them as they are: it starts sooner, in less memory, and has fewer channels"
+    )
+
+
+def kept_advice(scene: Scene) -> str:
+    """What to do where instances are kept, since they are so many, and nobody asked for that."""
+    expanded = expanded_triangles(scene)
+    return (
+        f"instances of {expanded / 1e6:.0f} million triangles are kept as they are, by the variant "
+        "scalar; --variant llvm expands them, which takes memory, and has all channels"
     )
 
 

@@ -50,6 +50,8 @@ class MitsubaTracer(RayTracer):
     def rays(self, origins: Array, directions: Array) -> Rows:
         """See `RayTracer.rays`; best for few rays where nothing is vectorized."""
         mi.set_variant(self._variant)
+        if not self._scene.offsets[-1]:
+            return np.full(len(directions), -1)
         local = (origins - self._scene.origin).astype(np.float32)
         ahead = directions.astype(np.float32)
         if not _is_vectorized():

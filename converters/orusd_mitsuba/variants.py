@@ -85,6 +85,11 @@ class Backend:
     version: str = ""
     advice: str = ""
 
+    @property
+    def is_llvm(self) -> bool:
+        """Whether processors compute, in vectors."""
+        return self.variant.startswith("llvm")
+
 
 @dataclass(frozen=True)
 class Probe:

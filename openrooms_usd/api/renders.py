@@ -36,6 +36,7 @@ def render(
     error_maps: bool = False,
     denoise: bool | Literal["all"] = False,
     time_code: float | None = None,
+    default_light: bool = True,
     renderer: str = "mitsuba",
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
@@ -65,6 +66,7 @@ def render(
         denoise: Whether to write ``denoised`` beside ``radiance`` (extra ``denoise``); ``"all"``:
             also ``denoised_channels.exr`` and ``denoised_lights.exr`` (docs/light.md).
         time_code: When a stage that moves is seen; None for the first sample of everything.
+        default_light: Whether a stage without any light gets one (docs/usd.md); else it is dark.
         renderer: A registered renderer.
         options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with the view's name and the finished fraction of the whole.
@@ -110,6 +112,7 @@ def render(
             renderer=renderer,
             denoise=denoise,
             time_code=time_code,
+            default_light=default_light,
             options=options or {},
             progress=progress,
         )

@@ -110,6 +110,10 @@ def _resolution(
     help="When a stage that moves is seen; by default at the first sample of everything.",
 )  # fmt: skip
 @click.option(
+    "--default-light/--no-default-light", default=True,
+    help="Whether a stage without any light gets one, even and from above, or stays dark.",
+)  # fmt: skip
+@click.option(
     "--frames", is_flag=False, flag_value=_EVERY, metavar="[A:B:STEP]",
     help="Render a stage that moves at these time codes, into a folder for each; alone, with "
     "--path: write every frame of the video too.",
@@ -152,6 +156,7 @@ def render(
     duration: float | None,
     fps: int | None,
     time_code: float | None,
+    default_light: bool,
     frames: str | None,
     root: Path | None,
     layout: Literal["split", "merged"],
@@ -214,6 +219,7 @@ def render(
         "renderer": renderer,
         "options": options,
         "denoise": "all" if denoise_light else denoise,
+        "default_light": default_light,
     }
     summaries: list[RenderSummary] = []
     for folder, when in renders.items():

@@ -72,6 +72,7 @@ def render_stage(
     options: Mapping[str, str] = NO_OPTIONS,
     denoise: Denoise = False,
     time_code: float | None = None,
+    default_light: bool = True,
     progress: Progress = silent,
 ) -> RenderSummary:
     """Render cameras of a USD stage with their ground truth.
@@ -108,6 +109,7 @@ def render_stage(
         denoise: Whether to write the denoised radiance beside the raw one; ``all``: also denoised
             versions of every channel of light that can bear it, whose bias the manifest states.
         time_code: When a stage that moves is seen; None for the first sample of everything.
+        default_light: Whether a stage without any light gets one (docs/usd.md); else it is dark.
         progress: Called with the view's name and the finished fraction of the whole run.
 
     Returns:
@@ -140,6 +142,7 @@ def render_stage(
         options=options,
         denoise=denoise,
         time_code=time_code,
+        default_light=default_light,
     )
     folder.check_writable(out)
 

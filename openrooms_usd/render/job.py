@@ -66,6 +66,7 @@ class RenderJob:
         denoiser: What does it.
         flow: Whether views are frames of a path, which have the optical flow to the next one.
         time_code: When a stage that moves is seen; None for the first sample of everything.
+        default_light: Whether a stage without any light gets one.
     """
 
     renderer: str
@@ -80,6 +81,7 @@ class RenderJob:
     denoiser: Denoiser | None = None
     flow: bool = False
     time_code: float | None = None
+    default_light: bool = True
 
     @classmethod
     def of(
@@ -104,6 +106,7 @@ class RenderJob:
         denoise: Denoise = False,
         flow: bool = False,
         time_code: float | None = None,
+        default_light: bool = True,
     ) -> "RenderJob":
         """The job of these wishes, which are those of `openrooms_usd.render.driver.render_stage`.
 
@@ -136,6 +139,7 @@ class RenderJob:
         return cls(
             renderer, adapter, options, request, named, resolution, field_of_view, error_maps,
             denoise, denoiser, flow, None if time_code is None else check_time_code(time_code),
+            default_light,
         )  # fmt: skip
 
     @cached_property
@@ -187,14 +191,16 @@ class RenderJob:
         from openrooms_usd.usd.fields_of_view import set_field_of_view
         from openrooms_usd.usd.layers import open_stage
         from openrooms_usd.usd.moments import hold
+        from openrooms_usd.usd.mtlxlayers import read_mtlx_layers
 
         stage = open_stage(path)
         began = time.perf_counter()
         with reading(path):
+            read_mtlx_layers(stage)
             lost = hold(stage, self.time_code)
             if self.field_of_view is not None:
                 set_field_of_view(stage, self.field_of_view)
-            opened = open_with(self.adapter, stage, self.options)
+            opened = open_with(self.adapter, stage, self.options, default_light=self.default_light)
             opened.report.lose(lost)
             conclude(opened.report, stage)
         took = time.perf_counter() - began

@@ -62,7 +62,11 @@ _GUIDED_PLACES: Final = 2
 
 
 def open_with(
-    renderer: Renderer, stage: Usd.Stage, options: Mapping[str, str] = NO_OPTIONS
+    renderer: Renderer,
+    stage: Usd.Stage,
+    options: Mapping[str, str] = NO_OPTIONS,
+    *,
+    default_light: bool = True,
 ) -> "OpenedStage":
     """Translate a stage, and let a renderer open what comes of it.
 
@@ -70,12 +74,14 @@ def open_with(
         renderer: The renderer.
         stage: The composed stage. Any stage: ours, or one that follows none of our names.
         options: Values by the names that the renderer declares.
+        default_light: Whether a stage without any light gets one.
 
     Raises:
         InputError: The renderer has no such option, or an option no such value.
         RenderError: The renderer's backend is not available.
     """
-    return OpenedStage(stage, translate(stage), renderer, options)
+    scene = translate(stage, default_light=default_light)
+    return OpenedStage(stage, scene, renderer, options)
 
 
 class OpenedStage:
@@ -260,6 +266,8 @@ class OpenedStage:
             StageError: It cannot make a picture.
         """
         camera = self._described_camera(request)
+        if camera.exposure is None:
+            camera = replace(camera, exposure=self._scene.exposure)
         if request.f_stop is None:
             return camera
         if camera.projection != PINHOLE:

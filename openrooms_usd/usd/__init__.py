@@ -6,10 +6,10 @@
 - time: `moments`, `skinning`;
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;
 - surfaces: `traversal`, `gprims`, `arrays`, `tessellation`, `subdivided`, `creases`,
-  `curves`, `patches`, `meshes`;
+  `curves`, `patches` (both give a `drawn`), `meshes`;
 - materials: `surfaces`, `networks`, `uvtextures`, `textures`, `udim`, `materials`, `physics`;
-  of MaterialX `uber`, `nodegraphs`, `nodecoordinates`;
-- light: `photometry`, `emitters`, `lightreader`, `shaping` (with IES `profiles`, `cones`),
-  `lights`, `linking`, `portals`; `cameras`, `fields_of_view`, `rendersettings`;
+  of MaterialX `mtlxlayers`, `uber`, `nodegraphs`, `nodecoordinates`;
+- light: `photometry`, `emitters`, `lightreader`, `lightsearch`, `shaping` (with IES `profiles`,
+  `cones`), `lights`, `linking`, `portals`; `cameras`, `fields_of_view`, `rendersettings`;
 - meaning: `taxonomies`, `semantics`; bodies: `bodies`, `joints`, `rigid`.
 """

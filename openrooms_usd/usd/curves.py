@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 from scipy.sparse import block_diag, csr_array
 
-from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.splines import (
     BASES,
     HERMITE,
@@ -21,6 +20,7 @@ from openrooms_usd.geometry.splines import (
 )
 from openrooms_usd.geometry.strands import Strands, ribbons, tubes
 from openrooms_usd.usd.arrays import integers, numbers
+from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
@@ -44,32 +44,34 @@ class Sampling:
         vertex: (S, N) what each control point weighs in each point of the polylines.
         varying: (S, V) likewise, of values at the ends of pieces.
         counts: (C,) points of each polyline.
+        curves: (C,) which curve each polyline is; None where each is.
     """
 
     vertex: csr_array
     varying: csr_array
     counts: Ints
+    curves: Ints | None = None
 
     def along(self, values: Array, interpolation: str) -> Array:
-        """(S, ...) a primvar's values along the polylines.
+        """(S, ...) a primvar's values along the polylines; one alone is that of all of them.
 
         Raises:
             ValueError: There are too few or too many of them.
         """
-        curve = np.repeat(np.arange(len(self.counts)), self.counts)
-        rows = {_T.constant: 1, _T.uniform: len(self.counts), _T.vertex: self.vertex.shape[1],
-                _T.varying: self.varying.shape[1]}  # fmt: skip
-        if rows.get(interpolation) != len(values):
-            raise ValueError(f"{len(values)} values do not fit {interpolation} interpolation")
-        if interpolation == _T.constant:
+        numbers = np.arange(len(self.counts)) if self.curves is None else self.curves
+        curve = np.repeat(numbers, self.counts)
+        if len(values) == 1:
             return np.repeat(values, len(curve), axis=0)
-        if interpolation == _T.uniform:
+        if interpolation == _T.uniform and curve.max() < len(values):
             return np.asarray(values[curve])
-        return np.asarray((self.vertex if interpolation == _T.vertex else self.varying) @ values)
+        weights = {_T.vertex: self.vertex, _T.varying: self.varying}.get(interpolation)
+        if weights is None or weights.shape[1] != len(values):
+            raise ValueError(f"{len(values)} values do not fit {interpolation} interpolation")
+        return np.asarray(weights @ values)
 
 
-def read_curves(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
-    """The surface of a prim of curves, and what was approximated; without one the reason.
+def read_curves(prim: Usd.Prim) -> Drawn:
+    """The surface of a prim of curves.
 
     Args:
         prim: A ``BasisCurves``, ``NurbsCurves`` or ``HermiteCurves``.
@@ -77,15 +79,16 @@ def read_curves(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
     curves = UsdGeom.Curves(prim)
     points = numbers(curves.GetPointsAttr(), 3)
     counts = integers(curves.GetCurveVertexCountsAttr())
+    losses: list[str] = []
     try:
         if not len(counts) or counts.min() < 2 or counts.sum() != len(points):
             raise ValueError("curveVertexCounts do not add up to the number of points")
         closed = False
         if prim.IsA(UsdGeom.BasisCurves):
-            sampling, closed = _basis(UsdGeom.BasisCurves(prim), counts)
+            sampling, closed = _basis(UsdGeom.BasisCurves(prim), counts, losses)
             places = sampling.vertex @ points
         elif prim.IsA(UsdGeom.NurbsCurves):
-            sampling = _nurbs(UsdGeom.NurbsCurves(prim), counts)
+            sampling = _nurbs(UsdGeom.NurbsCurves(prim), counts, losses)
             places = sampling.vertex @ points
         else:
             tangents = numbers(UsdGeom.HermiteCurves(prim).GetTangentsAttr(), 3)
@@ -93,30 +96,44 @@ def read_curves(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
                 raise ValueError("there are not as many tangents as points")
             sampling, bent = _hermite(counts)
             places = bent @ np.concatenate([points, tangents])
-        widths, losses = _widths(curves, sampling)
-        normals = numbers(curves.GetNormalsAttr(), 3)
-        facing = None
-        if len(normals):
-            facing = sampling.along(normals, curves.GetNormalsInterpolation())
     except ValueError as reason:
-        return None, [str(reason)]
+        return Drawn(None, [str(reason)])
+    widths, facing = _widths(curves, sampling, losses), _facing(curves, sampling, losses)
     if not np.isfinite(places).all() or not np.isfinite(widths).all():
-        return None, ["points or widths hold NaN or infinity"]
+        return Drawn(None, ["points or widths hold NaN or infinity"])
     strands = Strands(places, np.maximum(widths, 0.0), sampling.counts, closed)
     if facing is not None:
-        return ribbons(strands, facing), losses
+        return Drawn(ribbons(strands, facing), losses, sampling.along)
     sides = _FEW_SIDES if len(counts) > _MANY_CURVES else _SIDES
-    return tubes(strands, sides), [*losses, f"curves are drawn as tubes with {sides} sides"]
+    losses.append(f"curves are drawn as tubes with {sides} sides")
+    return Drawn(tubes(strands, sides), losses, sampling.along)
 
 
-def _widths(curves: UsdGeom.Curves, sampling: Sampling) -> tuple[Array, list[str]]:
+def _widths(curves: UsdGeom.Curves, sampling: Sampling, losses: list[str]) -> Array:
     found = numbers(curves.GetWidthsAttr())
     if not len(found):
-        return np.full(sampling.counts.sum(), _WIDTH), [f"it has no widths: taken as {_WIDTH:g}"]
-    return sampling.along(found, curves.GetWidthsInterpolation()), []
+        losses.append(f"it has no widths: taken as {_WIDTH:g}")
+        return np.full(sampling.counts.sum(), _WIDTH)
+    try:
+        return sampling.along(found, curves.GetWidthsInterpolation())
+    except ValueError as reason:
+        losses.append(f"widths: {reason}; their mean is taken")
+        return np.full(sampling.counts.sum(), found.mean())
 
 
-def _basis(curves: UsdGeom.BasisCurves, counts: Ints) -> tuple[Sampling, bool]:
+def _facing(curves: UsdGeom.Curves, sampling: Sampling, losses: list[str]) -> Array | None:
+    """(S, 3) where ribbons face; None of tubes."""
+    normals = numbers(curves.GetNormalsAttr(), 3)
+    if not len(normals):
+        return None
+    try:
+        return sampling.along(normals, curves.GetNormalsInterpolation())
+    except ValueError as reason:
+        losses.append(f"normals: {reason}; they are left out")
+        return None
+
+
+def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tuple[Sampling, bool]:
     """Pieces of four points each; linear ones are their points."""
     basis, wrap = str(curves.GetBasisAttr().Get(TIME)), str(curves.GetWrapAttr().Get(TIME))
     closed, number = wrap == _T.periodic, int(counts.sum())
@@ -126,14 +143,23 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints) -> tuple[Sampling, bool]:
     if basis not in BASES:
         raise ValueError(f"the basis {basis} is not known")
     step = 3 if basis == "bezier" else 1
-    ends = identity(number)
+    ends, which = identity(number), None
+    if closed:
+        fitting = counts // step * step
+    else:
+        fitting = _fitting(counts, 2 if wrap == _T.pinned and step == 1 else 4, step)
+    if (fitting != counts).any():
+        losses.append(f"curveVertexCounts do not fit {wrap} {basis} curves: what is over is cut")
+        firsts = np.cumsum(counts) - counts
+        kept = [start + np.arange(many) for start, many in zip(firsts, fitting, strict=True)]
+        ends, which = ends[np.concatenate(kept)], np.flatnonzero(fitting)
+        counts = fitting[which]
+        if not len(counts):
+            raise ValueError("no curve has as many points as its basis needs")
     if wrap == _T.pinned and step == 1:
         # One more point at each end, as far beyond as the next is before: the curve begins there.
-        ends, counts = _extended(counts), counts + 2
+        ends, counts = csr_array(_extended(counts) @ ends), counts + 2
     pieces = counts // step if closed else (counts - 4) // step + 1
-    left = counts % step if closed else (counts - 4) % step
-    if (pieces < 1).any() or left.any():
-        raise ValueError(f"curveVertexCounts do not fit {wrap} {basis} curves")
     curve = np.repeat(np.arange(len(counts)), pieces)
     first = (np.cumsum(pieces) - pieces)[curve]
     local = (np.arange(len(curve)) - first)[:, None] * step + np.arange(4)
@@ -147,15 +173,22 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints) -> tuple[Sampling, bool]:
     two = (one + 1) % shown[curve]
     pair = np.stack([start + one, start + two], axis=1)
     varying = weighted(places, along, LINE, pair, int(shown.sum()))
-    return Sampling(csr_array(vertex @ ends), varying, lines), closed
+    return Sampling(csr_array(vertex @ ends), varying, lines, which), closed
 
 
-def _nurbs(curves: UsdGeom.NurbsCurves, counts: Ints) -> Sampling:
+def _fitting(counts: Ints, least: int, step: int) -> Ints:
+    """(C,) how many points of each open curve are whole pieces; none of those that are too few."""
+    whole = least + (counts - least) // step * step
+    return np.asarray(np.where(counts < least, 0, whole))
+
+
+def _nurbs(curves: UsdGeom.NurbsCurves, counts: Ints, losses: list[str]) -> Sampling:
     orders = integers(curves.GetOrderAttr())
     knots, ranges = numbers(curves.GetKnotsAttr()), numbers(curves.GetRangesAttr(), 2)
     weights = numbers(curves.GetPointWeightsAttr())
     if len(orders) != len(counts) or (counts + orders).sum() != len(knots):
-        raise ValueError("order or knots do not fit curveVertexCounts")
+        losses.append("order or knots do not fit curveVertexCounts: straight through its points")
+        return Sampling(identity(int(counts.sum())), identity(int(counts.sum())), counts)
     if len(weights) not in (0, counts.sum()) or len(ranges) not in (0, len(counts)):
         raise ValueError("pointWeights or ranges do not fit curveVertexCounts")
     found, at = [], 0

@@ -22,6 +22,7 @@ class Light:
         losses: One sentence for each unsupported feature.
         shaping: What its radiance is multiplied with by direction; None: it is even.
         response: Factors of what it does on diffuse and on specular surfaces: not physical.
+        source: The prim that says it, of what a point instancer scatters; else empty.
     """
 
     path: str
@@ -30,6 +31,12 @@ class Light:
     losses: tuple[str, ...]
     shaping: Shaping | None = field(default=None, kw_only=True)
     response: tuple[float, float] = field(default=(1.0, 1.0), kw_only=True)
+    source: str = field(default="", kw_only=True)
+
+    @property
+    def prim(self) -> str:
+        """The prim that says what it is."""
+        return self.source or self.path
 
 
 @dataclass(frozen=True, eq=False)

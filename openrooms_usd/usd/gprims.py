@@ -3,7 +3,7 @@
 What is drawn less well than it was meant, or not at all, comes with a reason.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
 from openrooms_usd.usd.arrays import array_of
+from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.tessellation import tessellate
 
 if TYPE_CHECKING:
-    from openrooms_usd.usd.subdivided import Subdivided
+    from openrooms_usd.usd.subdivided import Subdivided, Topologies
 
 Loss = tuple[Literal["approximated", "skipped"], str]
 
@@ -45,6 +45,9 @@ _COLOR_TYPES: Final = frozenset(
 )
 
 
+_OPACITY: Final = "displayOpacity"
+
+
 @dataclass(frozen=True)
 class Surface:
     """What a prim gives to draw.
@@ -60,19 +63,23 @@ class Surface:
     losses: tuple[Loss, ...] = ()
 
 
-def read_surface(prim: Usd.Prim, *, bare: bool = False) -> Surface:
+def read_surface(
+    prim: Usd.Prim, *, bare: bool = False, topologies: "Topologies | None" = None
+) -> Surface:
     """The triangles of a ``UsdGeom.Gprim`` in its local frame.
 
     Args:
         prim: It.
         bare: Whether normals and texture coordinates are left out.
+        topologies: Those of subdivision surfaces that were refined before.
     """
     double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(TIME))
     if prim.IsA(UsdGeom.Mesh):
-        return _Polygons(prim, double_sided).surface(bare)
+        return _Polygons(prim, double_sided, topologies).surface(bare)
     kind = prim.GetTypeName()
     reader = _reader(kind)
-    polygons, losses = (tessellate(prim), []) if reader is None else reader(prim)
+    drawn = Drawn(tessellate(prim)) if reader is None else reader(prim)
+    polygons, losses = drawn.mesh, drawn.losses
     if polygons is None:
         reason = "; ".join(losses) or f"{kind} without a surface that is known here"
         return Surface(None, losses=(("skipped", reason),))
@@ -86,13 +93,38 @@ def read_surface(prim: Usd.Prim, *, bare: bool = False) -> Surface:
     if turned and normals is not None and reader is not None:
         normals = -normals
     uvs = {} if bare or polygons.st is None else {names.ST: polygons.st[corners]}
-    mesh = TriangleMesh(polygons.points, polygons.indices[corners], faces, normals, uvs)
+    triangles = polygons.indices[corners]
+    colors = {} if bare else _colors_along(prim, drawn, triangles)
+    mesh = TriangleMesh(polygons.points, triangles, faces, normals, uvs, colors=colors)
     # Ribbons of curves are seen from both sides, tubes have no other.
     both = double_sided or prim.IsA(UsdGeom.Curves)
     return Surface(mesh, both, tuple(("approximated", one) for one in losses))
 
 
-def _reader(kind: str) -> Callable[[Usd.Prim], tuple[Mesh | None, list[str]]] | None:
+def _colors_along(prim: Usd.Prim, drawn: Drawn, triangles: Ints) -> dict[str, NDArray[Any]]:
+    """(M, 3, C) what primvars of colours are at the corners of what is drawn, by their names."""
+    found = {}
+    for primvar, width in _painting(prim):
+        values = array_of(primvar.ComputeFlattened(TIME), np.float64, width)
+        values = values.reshape(len(values), -1)
+        at = drawn.at_points(values, primvar.GetInterpolation())
+        if at is not None and np.isfinite(at).all():
+            found[primvar.GetPrimvarName()] = at[triangles].astype(np.float32)
+    return found
+
+
+def _painting(prim: Usd.Prim) -> Iterator[tuple[UsdGeom.Primvar, int | None]]:
+    """Primvars of colours, and displayOpacity, with more than one value; and how wide these are."""
+    for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithValues():
+        if primvar.GetInterpolation() == UsdGeom.Tokens.constant:
+            continue
+        if primvar.GetTypeName() in _COLOR_TYPES:
+            yield primvar, 3
+        elif primvar.GetPrimvarName() == _OPACITY:
+            yield primvar, None
+
+
+def _reader(kind: str) -> Callable[[Usd.Prim], Drawn] | None:
     """For prims that are no polygons: what gives these, and what was approximated.
 
     It is imported here, since most stages have none and scipy is slow to import.
@@ -124,7 +156,8 @@ def _usual_first(sets: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 class _Polygons:
     """The reading of one mesh prim; it gathers the losses on its way."""
 
-    def __init__(self, prim: Usd.Prim, double_sided: bool) -> None:
+    def __init__(self, prim: Usd.Prim, double_sided: bool, topologies: "Topologies | None") -> None:
+        self._topologies = topologies
         self._geometry = UsdGeom.Mesh(prim)
         self._double_sided = double_sided
         self._losses: list[Loss] = []
@@ -148,8 +181,8 @@ class _Polygons:
         if _left_handed(self._geometry.GetPrim()):
             corners = np.ascontiguousarray(corners[:, ::-1])
         normals = None if bare else self._normals(corners, faces)
-        uvs = {} if bare else _usual_first(self._sets(_UV_TYPES, 2, corners, faces))
-        colors = {} if bare else self._sets(_COLOR_TYPES, 3, corners, faces)
+        uvs = {} if bare else _usual_first(self._sets(self._coordinates(), corners, faces))
+        colors = {} if bare else self._sets(_painting(self._geometry.GetPrim()), corners, faces)
         triangles = self._indices[corners]
         mesh = TriangleMesh(self._points, triangles, faces, normals, uvs, corners, colors)
         return Surface(mesh, self._double_sided, tuple(self._losses))
@@ -173,12 +206,14 @@ class _Polygons:
         """It as a subdivision surface; None, with a reason, where that cannot be."""
         from openrooms_usd.usd.subdivided import Subdivided
 
-        fine = Subdivided.read(self._geometry, self._points, self._counts, self._indices)
+        fine = Subdivided.read(
+            self._geometry, self._points, self._counts, self._indices, self._topologies
+        )
         if unfit := fine.unfit():
             self._lose(f"a {fine.scheme} subdivision surface is drawn as its control cage: {unfit}")
             return None
-        uvs = {} if bare else _usual_first(self._carried(fine, _UV_TYPES, 2))
-        colors = {} if bare else self._carried(fine, _COLOR_TYPES, 3)
+        uvs = {} if bare else _usual_first(self._carried(fine, self._coordinates()))
+        colors = {} if bare else self._carried(fine, _painting(self._geometry.GetPrim()))
         left_handed = _left_handed(self._geometry.GetPrim())
         mesh = fine.mesh(uvs, colors, left_handed=left_handed, bare=bare)
         if not len(mesh.faces):
@@ -188,12 +223,13 @@ class _Polygons:
         return Surface(mesh, self._double_sided, tuple(self._losses))
 
     def _carried(
-        self, fine: "Subdivided", types: frozenset[Sdf.ValueTypeName], width: int
+        self, fine: "Subdivided", primvars: Iterable[tuple[UsdGeom.Primvar, int | None]]
     ) -> dict[str, NDArray[np.float64]]:
-        """(K', width) primvars of some types at the corners of fine faces, by their names."""
+        """(K', width) primvars at the corners of fine faces, by their names."""
         sets = {}
-        for primvar in self._primvars(types):
+        for primvar, width in primvars:
             values = array_of(primvar.Get(TIME), np.float64, width)
+            values = values.reshape(len(values), -1)
             indices = array_of(primvar.GetIndices(TIME), np.int64)
             carried = fine.carried(values, indices, primvar.GetInterpolation())
             name = primvar.GetPrimvarName()
@@ -235,12 +271,16 @@ class _Polygons:
         return units.astype(np.float32)
 
     def _sets(
-        self, types: frozenset[Sdf.ValueTypeName], width: int, corners: Ints, faces: Ints
+        self,
+        primvars: Iterable[tuple[UsdGeom.Primvar, int | None]],
+        corners: Ints,
+        faces: Ints,
     ) -> dict[str, NDArray[np.float32]]:
-        """(M, 3, width) primvars of some types at each corner, by their names."""
+        """(M, 3, width) primvars at each corner, by their names."""
         sets: dict[str, NDArray[np.float32]] = {}
-        for primvar in self._primvars(types):
+        for primvar, width in primvars:
             values = array_of(primvar.Get(TIME), np.float32, width)
+            values = values.reshape(len(values), -1)
             indices = array_of(primvar.GetIndices(TIME), np.int32)
             rows = self._rows(primvar.GetInterpolation(), corners, faces)
             name = primvar.GetPrimvarName()
@@ -249,16 +289,10 @@ class _Polygons:
                 sets[name] = unrolled
         return sets
 
-    def _primvars(self, types: frozenset[Sdf.ValueTypeName]) -> list[UsdGeom.Primvar]:
-        """Those of some types; of colours not what is one for all of a mesh."""
+    def _coordinates(self) -> list[tuple[UsdGeom.Primvar, int]]:
+        """Primvars of texture coordinates."""
         found = UsdGeom.PrimvarsAPI(self._geometry).GetPrimvarsWithValues()
-        constant = UsdGeom.Tokens.constant
-        return [
-            one
-            for one in found
-            if one.GetTypeName() in types
-            and (types is _UV_TYPES or one.GetInterpolation() != constant)
-        ]
+        return [(one, 2) for one in found if one.GetTypeName() in _UV_TYPES]
 
     def _rows(self, interpolation: str, corners: Ints, faces: Ints) -> NDArray[Any] | None:
         """(M, 3) the element of a primvar that each corner takes; None for an unknown word."""
@@ -275,6 +309,9 @@ class _Polygons:
         self, values: NDArray[Any], indices: Ints, rows: NDArray[Any] | None, what: str
     ) -> NDArray[Any] | None:
         """(M, 3, ...) values at each corner; None, with a reason, where they do not fit."""
+        if len(values) == 1 and not len(indices):
+            # One value alone is that of all, whatever its interpolation.
+            rows = None if rows is None else np.zeros_like(rows)
         if rows is not None and len(indices) and rows.max() < len(indices):
             rows = indices[rows]
         elif len(indices):

@@ -26,7 +26,7 @@ from openrooms_usd.usd.emitters import (
     SphereLight,
     UnknownLight,
 )
-from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
+from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.linking import includes_all
 from openrooms_usd.usd.materials import Texture, bound_material, read_preview_surface
 from openrooms_usd.usd.photometry import world_area, world_from_prim
@@ -38,43 +38,14 @@ Matrix = NDArray[np.float64]
 _WHEN: Final = Usd.TimeCode.EarliestTime()
 
 
-def read_lights(stage: Usd.Stage) -> list[Light]:
-    """Every light of a stage that can be seen, those inside instances too.
-
-    Args:
-        stage: Any stage, with any up axis and unit.
-
-    Returns:
-        The lights in the order of the stage; those of unknown kinds as `UnknownLight`.
-    """
-    prims = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
-    return [read_light(prim) for prim in prims if _is_light(prim) and _is_seen(prim)]
-
-
-def _is_light(prim: Usd.Prim) -> bool:
-    # A portal emits nothing of its own: it guides the sampling of a dome.
-    return bool(prim.HasAPI(UsdLux.LightAPI)) and not prim.IsA(UsdLux.PortalLight)
-
-
-def _is_seen(prim: Usd.Prim) -> bool:
-    shown = UsdGeom.Imageable(prim)
-    if not shown:
-        return True
-    return shown.ComputeVisibility(
-        _WHEN
-    ) != UsdGeom.Tokens.invisible and shown.ComputePurpose() in (
-        UsdGeom.Tokens.default_,
-        UsdGeom.Tokens.render,
-    )
-
-
-def read_light(prim: Usd.Prim) -> Light:
+def read_light(prim: Usd.Prim, world: Matrix | None = None) -> Light:
     """One light, whether it can be seen or not.
 
     Args:
         prim: A prim with ``UsdLux.LightAPI``.
+        world: (4, 4) from its frame to the world, Z up and metres; None: where it stands itself.
     """
-    reader = _Reader(prim)
+    reader = _Reader(prim, world)
     if reason := _misplaced(prim, reader.world):
         return UnknownLight(str(prim.GetPath()), np.zeros(3), reader.world, (reason,))
     # LightAPI makes a light of any shape; MeshLightAPI is for meshes.
@@ -117,11 +88,11 @@ def _response(prim: Usd.Prim) -> tuple[tuple[float, float], tuple[str, ...]]:
 class _Reader:
     """One light prim: its attributes, and the losses so far."""
 
-    def __init__(self, prim: Usd.Prim) -> None:
+    def __init__(self, prim: Usd.Prim, world: Matrix | None) -> None:
         self.prim = prim
         self.losses: list[str] = []
         self.normalize = False
-        self.world = world_from_prim(prim)
+        self.world = world_from_prim(prim) if world is None else world
 
     # Kinds: each reads what is its own, and what all have in common at the end.
 
@@ -130,7 +101,7 @@ class _Reader:
         known = self.prim.IsA(UsdLux.DomeLight_1)
         pole = self.value("poleAxis", UsdGeom.Tokens.y) if known else UsdGeom.Tokens.y
         if pole == UsdLux.Tokens.scene:
-            pole = UsdGeom.GetStageUpAxis(self.prim.GetStage())
+            pole = up_axis(self.prim.GetStage())
         frame = self.world @ Z_UP_FROM_Y_UP if pole == UsdGeom.Tokens.z else self.world
         texture = self.texture()
         path, radiance, _, losses = self.common(1.0)

@@ -15,7 +15,7 @@ from openrooms_usd.usd.emitters import (
     SphereLight,
     UnknownLight,
 )
-from openrooms_usd.usd.lightreader import read_lights
+from openrooms_usd.usd.lightsearch import read_lights
 from openrooms_usd.usd.transforms import author_upright
 
 __all__ = [

@@ -18,7 +18,7 @@ class LightLinks:
 
     def __init__(self, stage: Usd.Stage, lights: Iterable[Light]) -> None:
         self._queries = {
-            light.path: UsdLux.LightAPI(stage.GetPrimAtPath(light.path))
+            light.path: UsdLux.LightAPI(stage.GetPrimAtPath(light.prim))
             .GetLightLinkCollectionAPI()
             .ComputeMembershipQuery()
             for light in lights

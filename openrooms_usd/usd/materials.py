@@ -15,6 +15,7 @@ from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture, UvTransfo
 from openrooms_usd.usd.uvtextures import mended_normal_map, read_texture_node
 
 __all__ = [
+    "BARE",
     "PreviewSurface",
     "Texture",
     "bound_material",
@@ -25,9 +26,17 @@ __all__ = [
 ]
 
 _Types = Sdf.ValueTypeNames
-# What a primvar of colours may drive, and by which node.
-_BASE: Final = "diffuseColor"
-_COLOR_READER: Final = "UsdPrimvarReader_float3"
+# What primvars may drive.
+_PAINTED: Final = {
+    "base_color": "diffuseColor",
+    "opacity": "opacity",
+    "roughness": "roughness",
+    "metallic": "metallic",
+}
+BARE: Final = PreviewSurface(
+    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity"))
+)
+"""What meshes show whose material nobody can read, or that have none."""
 # Field of PreviewSurface -> input of UsdPreviewSurface and its type.
 _INPUTS: Final = {
     "base_color": ("diffuseColor", _Types.Color3f),
@@ -178,7 +187,7 @@ def read_preview_surface(
     network = Network()
     shader = _any_surface(network, material)
     if shader is None:
-        return PreviewSurface(), tuple(network.losses)
+        return BARE, tuple(network.losses)
     if uber.is_known(shader):
         moved = material.GetDisplacementOutput(_MATERIALX)
         if moved and moved.HasConnectedSource():
@@ -196,7 +205,7 @@ def read_preview_surface(
     pane = _tint(network, material)
     completed = replace(
         _completed(network, shader, values), transmission=transmission, f0=f0, pane=pane,
-        painted_by=_painted_by(network, shader),
+        painted=_painted(network, shader),
     )  # fmt: skip
     return completed, tuple(network.losses)
 
@@ -219,12 +228,10 @@ def _part_of_light(network: Network, material: UsdShade.Material, name: str) -> 
     return value
 
 
-def _painted_by(network: Network, shader: UsdShade.Shader) -> str | None:
-    """The primvar that drives the base colour, if one does."""
-    source = network.source(shader, _BASE)
-    if source.shader is None or source.kind != _COLOR_READER:
-        return None
-    return str(network.constant(source.shader, "varname", "")) or None
+def _painted(network: Network, shader: UsdShade.Shader) -> tuple[tuple[str, str], ...]:
+    """The inputs that primvars of meshes drive, and which ones."""
+    found = ((f, network.primvar(network.source(shader, name))[0]) for f, name in _PAINTED.items())
+    return tuple((field, primvar) for field, primvar in found if primvar)
 
 
 def _tint(network: Network, material: UsdShade.Material) -> Color | None:
@@ -264,9 +271,9 @@ def _read_input(network: Network, shader: UsdShade.Shader, name: str, default: A
     source = network.source(shader, name)
     if source.shader is None:
         return network.finite(shader, name, source.constant, default)
-    if name == _BASE and source.kind == _COLOR_READER:
-        fallback = network.constant(source.shader, "fallback", None)
-        return network.finite(source.shader, "fallback", fallback, default)
+    primvar, instead = network.primvar(source) if name in _PAINTED.values() else ("", None)
+    if primvar:
+        return network.finite(source.shader, "fallback", instead, default)
     if source.kind.startswith("ND_"):
         return _folded_input(network, shader, name, default)
     if source.kind != "UsdUVTexture":

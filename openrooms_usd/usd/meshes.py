@@ -13,7 +13,7 @@ from openrooms_usd import names
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh
 from openrooms_usd.usd.frames import world_from_stage
-from openrooms_usd.usd.traversal import Walk
+from openrooms_usd.usd.traversal import Tints, Walk
 
 __all__ = [
     "FARTHEST_M",
@@ -83,6 +83,7 @@ class PlacedMesh:
         world_from_local: (4, 4) for column vectors, to the world: Z up, metres.
         double_sided: Whether its back is seen too.
         mirrored: Whether ``world_from_local`` turns the winding round.
+        tints: What point instancers say of it, by primvar (`openrooms_usd.usd.traversal.TINTS`).
     """
 
     path: str
@@ -91,6 +92,7 @@ class PlacedMesh:
     world_from_local: Array
     double_sided: bool = False
     mirrored: bool = False
+    tints: Tints = ()
 
     def world_points(self) -> Array:
         """(N, 3) its points in the world, metres."""
@@ -167,7 +169,9 @@ def read_meshes(
             continue
         prim = stage.GetPrimAtPath(part.prim)
         meshes.append(
-            PlacedMesh(path, prim, surface.mesh, matrix, surface.double_sided, volume < 0.0)
+            PlacedMesh(
+                path, prim, surface.mesh, matrix, surface.double_sided, volume < 0.0, part.tints
+            )
         )
     return MeshReading(meshes, list(losses.values()))
 

@@ -1,8 +1,9 @@
 """Walking shading networks of any origin: what feeds an input, and what is lost on the way."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import Any, Final, cast
 
 import numpy as np
 from pxr import Usd, UsdShade
@@ -35,6 +36,15 @@ class Source:
         return str(self.shader.GetShaderId() or "") if self.shader else ""
 
 
+# Nodes that give what meshes say in a primvar, and the inputs that name it and stand in for it.
+_READERS: Final[Mapping[str, tuple[str, str]]] = {
+    "UsdPrimvarReader_": ("varname", "fallback"),
+    "ND_UsdPrimvarReader_": ("varname", "fallback"),
+    "ND_geompropvalue_": ("geomprop", "default"),
+}
+_NUMBERS: Final = ("float", "color3", "vector3", "float3")
+
+
 @dataclass
 class Network:
     """Reads the inputs of shaders and notes in ``losses`` what it could not take."""
@@ -59,6 +69,16 @@ class Network:
         if kind == UsdShade.AttributeType.Output:
             return Source(shader=UsdShade.Shader(attributes[0].GetPrim()), output=str(base))
         return _constant(attributes[0])
+
+    def primvar(self, source: Source) -> tuple[str, Any]:
+        """The primvar of numbers that a source is, if it is one, and what stands in for it."""
+        for begin, (name, instead) in _READERS.items():
+            if source.shader and source.kind.startswith(begin):
+                if source.kind.removeprefix(begin) not in _NUMBERS:
+                    return "", None
+                said = str(self.constant(source.shader, name, "") or "")
+                return said, self.constant(source.shader, instead, None)
+        return "", None
 
     def own_value(self, shader: UsdShade.Shader, name: str) -> Any:
         """The value authored on an input itself, whatever is connected to it."""

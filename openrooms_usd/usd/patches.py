@@ -10,6 +10,7 @@ from scipy.sparse import csr_array, kron
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.splines import rational, spans
 from openrooms_usd.usd.arrays import integers, numbers
+from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
@@ -30,8 +31,8 @@ _ICOSAHEDRON_FACES: Final = np.array(
 _MANY_POINTS: Final = 5_000
 
 
-def read_patch(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
-    """The surface of a ``NurbsPatch``, and what was approximated; without one the reason."""
+def read_patch(prim: Usd.Prim) -> Drawn:
+    """The surface of a ``NurbsPatch``."""
     patch = UsdGeom.NurbsPatch(prim)
     points = numbers(patch.GetPointsAttr(), 3)
     try:
@@ -55,13 +56,26 @@ def read_patch(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
                 raise ValueError("there are not as many pointWeights as points")
             weights = rational(weights, own)
     except ValueError as reason:
-        return None, [str(reason)]
+        return Drawn(None, [str(reason)])
     if not np.isfinite(points).all():
-        return None, ["points hold NaN or infinity"]
+        return Drawn(None, ["points hold NaN or infinity"])
     losses = ["it is drawn as flat pieces"]
     if len(patch.GetTrimCurveCountsAttr().Get(TIME) or []):
         losses.append("its trimming curves are not applied")
-    return _sheet(weights @ points, u.shape[0], v.shape[0]), losses
+    sheet = _sheet(weights @ points, u.shape[0], v.shape[0])
+    return Drawn(sheet, losses, lambda values, _: _each(values, len(points), weights))
+
+
+def _each(values: Array, count: int, weights: csr_array | None = None) -> Array:
+    """Values of points, or of what is made of them.
+
+    Raises:
+        ValueError: There are not as many as points.
+    """
+    if len(values) not in (1, count):
+        raise ValueError("there are not as many values as points")
+    every = np.broadcast_to(values, (count, *values.shape[1:]))
+    return np.asarray(every if weights is None else weights @ every)
 
 
 def _side(
@@ -96,18 +110,18 @@ def _sheet(points: Array, columns: int, rows: int) -> Mesh:
     )  # fmt: skip
 
 
-def read_points(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
-    """A ball for each point of a ``Points``, and what was approximated; without one the reason."""
+def read_points(prim: Usd.Prim) -> Drawn:
+    """A ball for each point of a ``Points``."""
     cloud = UsdGeom.Points(prim)
     points, widths = numbers(cloud.GetPointsAttr(), 3), numbers(cloud.GetWidthsAttr())
     losses = []
     if not len(widths):
         widths, losses = np.ones(1), ["it has no widths: taken as 1"]
     if len(widths) not in (1, len(points)):
-        return None, ["there are not as many widths as points"]
+        return Drawn(None, ["there are not as many widths as points"])
     kept = np.isfinite(points).all(axis=1) & (np.broadcast_to(widths, len(points)) > 0.0)
     if not kept.any():
-        return None, ["it has no points with a width"]
+        return Drawn(None, ["it has no points with a width"])
     radii = 0.5 * np.broadcast_to(widths, len(points))[kept]
     ball, faces = _ball(refined=len(points) <= _MANY_POINTS)
     places = points[kept][:, None] + radii[:, None, None] * ball
@@ -116,10 +130,11 @@ def read_points(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
     normals = np.tile(ball / np.linalg.norm(ball, axis=1, keepdims=True), (len(radii), 1))
     counts = np.full(len(radii) * len(faces), 3, np.int32)
     losses.append(f"each point is drawn as a ball of {len(faces)} triangles")
-    return Mesh(
+    balls = Mesh(
         places.reshape(-1, 3), counts, indices.astype(np.int32),
         normals[indices].astype(np.float32),
-    ), losses  # fmt: skip
+    )  # fmt: skip
+    return Drawn(balls, losses, lambda values, _: _each(values, len(points))[kept])
 
 
 def _ball(*, refined: bool) -> tuple[Array, NDArray[np.int64]]:
@@ -141,18 +156,19 @@ def _ball(*, refined: bool) -> tuple[Array, NDArray[np.int64]]:
     return corners * (4.0 * np.pi / 3.0 / volume) ** (1.0 / 3.0), faces
 
 
-def read_tetrahedra(prim: Usd.Prim) -> tuple[Mesh | None, list[str]]:
-    """The surface of a ``TetMesh``; without one the reason."""
+def read_tetrahedra(prim: Usd.Prim) -> Drawn:
+    """The surface of a ``TetMesh``."""
     body = UsdGeom.TetMesh(prim)
     points = numbers(body.GetPointsAttr(), 3)
     cells = integers(body.GetTetVertexIndicesAttr(), 4)
     faces = integers(body.GetSurfaceFaceVertexIndicesAttr(), 3)
     every = np.concatenate([cells.reshape(-1), faces.reshape(-1)])
     if not len(every) or every.min() < 0 or every.max() >= len(points):
-        return None, ["its indices refer to points that do not exist, or there are none"]
+        return Drawn(None, ["its indices refer to points that do not exist, or there are none"])
     if not np.isfinite(points).all():
-        return None, ["points hold NaN or infinity"]
+        return Drawn(None, ["points hold NaN or infinity"])
     if not len(faces):
         faces = np.asarray(UsdGeom.TetMesh.ComputeSurfaceFaces(body, TIME), np.int64)
     indices = faces.reshape(-1).astype(np.int32)
-    return Mesh(points, np.full(len(faces), 3, np.int32), indices), []
+    surface = Mesh(points, np.full(len(faces), 3, np.int32), indices)
+    return Drawn(surface, [], lambda values, _: _each(values, len(points)))

@@ -1,5 +1,7 @@
 """Meshes with a subdivision scheme, as USD describes them: refined, and moved onto their limit."""
 
+import hashlib
+from collections import OrderedDict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,8 +26,38 @@ Ints = NDArray[np.int64]
 # How often faces are refined, and of one mesh the most triangles before that is less often.
 LEVELS: Final = 2
 _MOST_TRIANGLES: Final = 400_000
+# How many topologies are kept; large ones take some hundred megabytes together.
+_MOST_TOPOLOGIES: Final = 16
 
 _T: Final = UsdGeom.Tokens
+
+
+class Topologies:
+    """What refining polygons gives depends on their topology alone: of equal ones it is kept.
+
+    Sets of furniture, crowds and what moves over time are many meshes of few topologies.
+    """
+
+    def __init__(self) -> None:
+        self._known: OrderedDict[bytes, tuple[Refinement, Weights]] = OrderedDict()
+
+    def refined(
+        self, cage: Cage, scheme: str, levels: int, *, linear: bool, smooth_triangles: bool
+    ) -> tuple[Refinement, Weights]:
+        """The fine polygons, and where their points lie on the limit; see `refine` and `limit`."""
+        key = hashlib.blake2b(f"{scheme} {levels} {linear} {smooth_triangles}".encode())
+        for part in (cage.counts, cage.indices, cage.creases, cage.corners):
+            key.update(f"{part.dtype.str} {len(part)}".encode())
+            key.update(np.ascontiguousarray(part).data)
+        name = key.digest()
+        if name not in self._known:
+            fine = refine(cage, scheme, levels, linear=linear, smooth_triangles=smooth_triangles)
+            onto = fine.weights if linear else csr_array(limit(fine.cage, scheme) @ fine.weights)
+            self._known[name] = fine, onto
+            if len(self._known) > _MOST_TOPOLOGIES:
+                self._known.popitem(last=False)
+        self._known.move_to_end(name)
+        return self._known[name]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +70,7 @@ class Subdivided:
         cage: The control cage.
         scheme: ``catmullClark``, ``loop`` or ``bilinear``.
         holes: Faces that are not drawn.
+        topologies: Those that were refined before.
     """
 
     geometry: UsdGeom.Mesh
@@ -45,9 +78,16 @@ class Subdivided:
     cage: Cage
     scheme: str
     holes: Ints
+    topologies: Topologies
 
     @staticmethod
-    def read(geometry: UsdGeom.Mesh, points: Array, counts: Any, indices: Any) -> "Subdivided":
+    def read(
+        geometry: UsdGeom.Mesh,
+        points: Array,
+        counts: Any,
+        indices: Any,
+        topologies: Topologies | None = None,
+    ) -> "Subdivided":
         """What a prim says of its edges, corners and boundaries; what does not fit is left out."""
         counts, indices = np.asarray(counts, np.int64), np.asarray(indices, np.int64)
         smooth = Cage(counts, indices, np.zeros(len(indices)), np.zeros(len(points)))
@@ -62,7 +102,7 @@ class Subdivided:
             corners[np.bincount(indices, minlength=len(points)) == 1] = np.inf
         cage = replace(smooth, creases=creases, corners=corners)
         scheme = str(geometry.GetSubdivisionSchemeAttr().Get(TIME))
-        return Subdivided(geometry, points, cage, scheme, holes)
+        return Subdivided(geometry, points, cage, scheme, holes, topologies or Topologies())
 
     def unfit(self) -> str | None:
         """Why it cannot be refined, if so."""
@@ -83,10 +123,10 @@ class Subdivided:
             found += 1
         return found
 
-    @cached_property
+    @property
     def refinement(self) -> Refinement:
         """The fine polygons."""
-        return self._refined(self.cage)
+        return self._refined(self.cage)[0]
 
     def mesh(
         self,
@@ -104,8 +144,9 @@ class Subdivided:
             left_handed: Whether faces are seen from where they turn clockwise.
             bare: Whether normals are left out.
         """
-        cage, faces = self.refinement.cage, self.refinement.faces
-        points = self._limit(self.refinement) @ self.points
+        refinement, onto = self._refined(self.cage)
+        cage, faces = refinement.cage, refinement.faces
+        points = onto @ self.points
         corners = np.arange(len(cage.indices)).reshape(len(cage.counts), -1)
         if corners.shape[1] == 4:
             corners = corners[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
@@ -139,6 +180,9 @@ class Subdivided:
         cage, fine = self.cage, self.refinement.cage
         sizes = {_T.constant: 1, _T.uniform: len(cage.counts), _T.faceVarying: len(cage.indices),
                  _T.vertex: len(cage.corners), _T.varying: len(cage.corners)}  # fmt: skip
+        if len(values) == 1 and not len(indices):
+            # One value alone is that of all, whatever its interpolation.
+            interpolation = _T.constant
         rows = indices if len(indices) else np.arange(len(values))
         if len(rows) != sizes.get(interpolation) or rows.min() < 0 or rows.max() >= len(values):
             return None
@@ -150,9 +194,9 @@ class Subdivided:
         if interpolation == _T.uniform:
             return own[self.refinement.faces[fine.faces]]
         if interpolation == _T.varying:
-            linear = refine(self.cage, self.scheme, self.levels, linear=True)
-            return np.asarray(linear.weights @ own)[linear.cage.indices]
-        return np.asarray(self._limit(self.refinement) @ own)[fine.indices]
+            linear, weights = self._refined(self.cage, linear=True)
+            return np.asarray(weights @ own)[linear.cage.indices]
+        return np.asarray(self._refined(self.cage)[1] @ own)[fine.indices]
 
     def _face_varying(self, values: Array, rows: Ints) -> Array:
         """Smooth where values are one, and as ``faceVaryingLinearInterpolation`` says elsewhere."""
@@ -165,18 +209,18 @@ class Subdivided:
         own = Cage(cage.counts, indices, cage.creases, cage.corners[found[:, 0]])
         rule = self.geometry.GetFaceVaryingLinearInterpolationAttr().Get(TIME)
         if rule == _T.all or self.scheme == _T.bilinear:
-            fine = refine(own, self.scheme, self.levels, linear=True)
-            return np.asarray(fine.weights @ values[rows[first]])[fine.cage.indices]
+            fine, weights = self._refined(own, linear=True)
+            return np.asarray(weights @ values[rows[first]])[fine.cage.indices]
         own.corners[_pinned(own, found[:, 0], cage, rule)] = np.inf
-        fine = self._refined(own)
-        return np.asarray(self._limit(fine) @ values[rows[first]])[fine.cage.indices]
+        fine, weights = self._refined(own)
+        return np.asarray(weights @ values[rows[first]])[fine.cage.indices]
 
-    def _refined(self, cage: Cage) -> Refinement:
+    def _refined(self, cage: Cage, *, linear: bool = False) -> tuple[Refinement, Weights]:
         rule = self.geometry.GetTriangleSubdivisionRuleAttr().Get(TIME)
-        return refine(cage, self.scheme, self.levels, smooth_triangles=rule == _T.smooth)
-
-    def _limit(self, fine: Refinement) -> Weights:
-        return csr_array(limit(fine.cage, self.scheme) @ fine.weights)
+        smooth = rule == _T.smooth
+        return self.topologies.refined(
+            cage, self.scheme, self.levels, linear=linear, smooth_triangles=smooth
+        )
 
 
 def _pinned(values: Cage, points: Ints, cage: Cage, rule: str) -> NDArray[np.bool_]:

@@ -125,8 +125,8 @@ class PreviewSurface:
         pane: What the glass of a thin clear pane lets through at normal incidence, by primary; ours
             (`names.MATERIAL_PANE`). Given, the surface is that pane, of ``ior``; its base colour
             and opacity, below 1, show it elsewhere. None: it is none.
-        painted_by: The primvar of colours that the base colour is of each mesh; ``base_color`` is
-            for those that have none of this name. None: it is of no primvar.
+        painted: (field, primvar) of those inputs that each mesh has in a primvar: ``base_color``
+            of colours, others of numbers. What stands in the field is for meshes without it.
     """
 
     base_color: Color | Texture = (0.18, 0.18, 0.18)
@@ -145,4 +145,4 @@ class PreviewSurface:
     transmission: float = 0.0
     f0: float | None = None
     pane: Color | None = None
-    painted_by: str | None = None
+    painted: tuple[tuple[str, str], ...] = ()

@@ -1,8 +1,8 @@
 """The walk over a stage's surfaces: transforms, visibility, purpose, instances."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,18 @@ from openrooms_usd.usd.arrays import array_of, integers
 from openrooms_usd.usd.frames import TIME, local_to_parent
 from openrooms_usd.usd.gprims import Surface, read_surface
 
+if TYPE_CHECKING:
+    from openrooms_usd.usd.subdivided import Topologies
+
 Array = NDArray[np.float64]
+Tints = tuple[tuple[str, tuple[float, ...]], ...]
+
+TINTS: Final[Mapping[str, int]] = {"displayColor": 3, "displayOpacity": 1}
+"""Primvars that an instancer may have for each of its instances, and how wide they are."""
+
+# Of more different ones the values are rounded to so many steps.
+_MOST_TINTS: Final = 128
+_TINT_STEPS: Final = 4
 
 # Nothing to draw is below these.
 _BARREN: Final = frozenset({"Material", "NodeGraph", "Shader", "GeomSubset"})
@@ -32,6 +43,7 @@ class Part:
         surface: What there is to draw.
         anchored: Whether ``matrix`` leads to the stage's frame, whatever is above the root.
         foreign: Whether ``prim`` is a path of the stage, whatever is above the root.
+        tints: What point instancers say of this one of their instances, by primvar (`TINTS`).
     """
 
     path: str
@@ -40,6 +52,7 @@ class Part:
     surface: Surface
     anchored: bool = False
     foreign: bool = False
+    tints: Tints = ()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -86,6 +99,7 @@ class Walk:
         self._surfaces: dict[str, Surface] = {}
         self._prototypes: dict[tuple[str, str], list[Part]] = {}
         self._open: set[str] = set()
+        self._topologies: Topologies | None = None
 
     def stage(self, stage: Usd.Stage) -> list[Part]:
         """Every surface of a stage, in its order, relative to the stage's root."""
@@ -143,10 +157,18 @@ class Walk:
             return []
         path = str(node.prim.GetPath())
         if path not in self._surfaces:
-            self._surfaces[path] = read_surface(node.prim, bare=self._bare)
+            self._surfaces[path] = self._read(node.prim)
         stands, prim = path[len(scope.home) :], path[len(scope.origin) :]
         surface = self._surfaces[path]
         return [Part(stands, prim, node.matrix, surface, node.anchored, scope.foreign)]
+
+    def _read(self, prim: Usd.Prim) -> Surface:
+        if self._topologies is None and _may_be_refined(prim):
+            # It is imported here, since most stages have none and scipy is slow to import.
+            from openrooms_usd.usd.subdivided import Topologies
+
+            self._topologies = Topologies()
+        return read_surface(prim, bare=self._bare, topologies=self._topologies)
 
     def _instance(self, node: _Node, scope: _Scope) -> list[Part]:
         path = str(node.prim.GetPath())
@@ -174,7 +196,7 @@ class Walk:
         instancer = UsdGeom.PointInstancer(node.prim)
         stands, prim = path[len(scope.home) :], path[len(scope.origin) :]
         targets = instancer.GetPrototypesRel().GetForwardedTargets()
-        found = _places(instancer, len(targets))
+        found = instances_of(instancer, len(targets))
         if isinstance(found, str) or path in self._open:
             reason = found if isinstance(found, str) else "a prototype contains its own instancer"
             lost = Surface(None, losses=(("skipped", reason),))
@@ -190,13 +212,32 @@ class Walk:
         ]
         self._open.remove(path)
         parts: list[Part] = []
+        tints, told = _tints(instancer, len(integers(instancer.GetProtoIndicesAttr())))
+        if told:
+            lost = Surface(None, losses=(("approximated", told),))
+            parts.append(Part(stands, prim, node.matrix, lost, foreign=scope.foreign))
         for number, which, place in found:
-            parts += _repeated(groups[which], f"{stands}[{number}]", "", node, node.matrix @ place)
+            parts += _repeated(
+                groups[which], f"{stands}[{number}]", "", node, node.matrix @ place,
+                tints=tints[number] if tints else (),
+            )  # fmt: skip
         return parts
 
 
+def _may_be_refined(prim: Usd.Prim) -> bool:
+    mesh = UsdGeom.Mesh(prim)
+    return bool(mesh) and mesh.GetSubdivisionSchemeAttr().Get(TIME) != UsdGeom.Tokens.none
+
+
 def _repeated(
-    parts: list[Part], path: str, prim: str, node: _Node, placed: Array, *, foreign: bool = False
+    parts: list[Part],
+    path: str,
+    prim: str,
+    node: _Node,
+    placed: Array,
+    *,
+    foreign: bool = False,
+    tints: Tints = (),
 ) -> list[Part]:
     """The parts of a prototype where one instance of it stands."""
     if not parts:
@@ -210,9 +251,28 @@ def _repeated(
             part.surface,
             part.anchored or node.anchored,
             part.foreign or foreign,
+            part.tints or tints,
         )
         for part, own in zip(parts, matrices, strict=True)
     ]
+
+
+def _tints(instancer: UsdGeom.PointInstancer, count: int) -> tuple[list[Tints], str]:
+    """What the instancer says of each of its instances, if anything, and what was approximated."""
+    found: list[list[tuple[str, tuple[float, ...]]]] = []
+    told = ""
+    for name, width in TINTS.items():
+        primvar = UsdGeom.PrimvarsAPI(instancer).GetPrimvar(name)
+        values = array_of(primvar.ComputeFlattened(TIME) if primvar else None, np.float64,
+                          width if width > 1 else None)  # fmt: skip
+        if len(values) == count > 1 and np.isfinite(values).all():
+            rows = np.clip(values.reshape(count, width), 0.0, 1.0)
+            if len(np.unique(rows, axis=0)) > _MOST_TINTS:
+                # Each is a surface of its own, and instances of one share their triangles.
+                rows = np.round(rows * _TINT_STEPS) / _TINT_STEPS
+                told = f"primvars:{name} of its instances are rounded to {_TINT_STEPS} steps"
+            found.append([(name, tuple(row)) for row in rows.tolist()])
+    return [tuple(row) for row in zip(*found, strict=True)] if found else [], told
 
 
 _UNFIT: Final = "positions, orientations or scales do not fit protoIndices"
@@ -232,10 +292,15 @@ def has_whole_rows(
     )
 
 
-def _places(
+def instances_of(
     instancer: UsdGeom.PointInstancer, prototypes: int
 ) -> list[tuple[int, int, Array]] | str:
-    """(number, prototype, (4, 4) to the instancer's frame) of what is seen, or what is wrong."""
+    """(number, prototype, (4, 4) to the instancer's frame) of what is seen, or what is wrong.
+
+    Args:
+        instancer: It.
+        prototypes: How many prototypes it has.
+    """
     indices = integers(instancer.GetProtoIndicesAttr())
     if not len(indices):
         return "the point instancer has no instances"

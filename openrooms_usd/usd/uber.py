@@ -21,6 +21,13 @@ _CLEAR: Final = 0.999
 # Glass that is rougher is told of, since panes are clear.
 _ROUGH: Final = 0.1
 _MASK, _BLEND = 1, 2
+# Which inputs meshes may have in primvars, by field of a `PreviewSurface`.
+_PAINTED: Final = {
+    "base_color": "color",
+    "opacity": "opacity",
+    "roughness": "roughness",
+    "metallic": "metallic",
+}
 
 
 @dataclass(frozen=True)
@@ -172,7 +179,10 @@ def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurfa
         normal=_normal(said),
         clearcoat=said.part("coat"),
         clearcoat_roughness=said.part("coat_roughness"),
+        painted=said.painted,
     )
+    if said.primvar("color")[0] and said.color("weight") != _ONE:
+        said.lost("weight", "it is left out beside colours of meshes")
     if "mode" in model.inputs:
         surface = _with_mode(said, surface)
     return _with_glass(said, surface)
@@ -193,8 +203,24 @@ class _Said:
         if word not in self.model.inputs:
             return _ONE if word != "thin" else _NIL
         name, default = self.model.inputs[word]
+        primvar, instead = self.primvar(word)
+        if primvar:
+            return finite_numbers(instead) or default
         found = fold(self.network, self.shader, name)
         return default if found is None else found
+
+    def primvar(self, word: str) -> tuple[str, Any]:
+        """The primvar of meshes that drives an input, if one may, and what stands in for it."""
+        if word not in _PAINTED.values() or word not in self.model.inputs:
+            return "", None
+        source = self.network.source(self.shader, self.model.inputs[word][0])
+        return self.network.primvar(source)
+
+    @property
+    def painted(self) -> tuple[tuple[str, str], ...]:
+        """The inputs that meshes have in primvars (`PreviewSurface.painted`)."""
+        found = ((field, self.primvar(word)[0]) for field, word in _PAINTED.items())
+        return tuple((field, primvar) for field, primvar in found if primvar)
 
     def part(self, word: str) -> float | Texture:
         return _number(self.color(word))

@@ -20,8 +20,9 @@ def test_the_command_writes_a_scene_and_says_what_was_lost(build, tmp_path):
     assert plain.exit_code == 0
     assert (tmp_path / "out" / "scene.xml").is_file()
     assert "approximated /Box: it has no material: taken as grey" in plain.output
+    assert "approximated /: the stage has no light" in plain.output
     result = json.loads(run(tmp_path / "scene.usda", tmp_path / "again.xml", "--json").output)
-    assert (result["translated"], result["approximated"], result["skipped"]) == (1, 1, 0)
+    assert (result["translated"], result["approximated"], result["skipped"]) == (1, 2, 0)
     assert result["losses"][0]["prim"] == "/Box"
 
 

@@ -67,7 +67,12 @@ def board(*colors: tuple[float, float, float], exposure: float | None = None) ->
 
 def drawn(stage: Usd.Stage, samples: int = 16, seed: int = 0) -> NDArray[Any]:
     request = RenderRequest("/Camera", ("radiance",), *SIZE, samples=samples, seed=seed)
-    return open_with(PreviewRenderer(), stage).render(request).images["radiance"].pixels
+    return (
+        open_with(PreviewRenderer(), stage, default_light=False)
+        .render(request)
+        .images["radiance"]
+        .pixels
+    )
 
 
 def ball(radius: float) -> RayCaster:

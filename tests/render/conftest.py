@@ -107,7 +107,9 @@ def renderer(monkeypatch: pytest.MonkeyPatch) -> FakeRenderer:
     fake = FakeRenderer()
     monkeypatch.setattr(adapters, "load", lambda group, name: fake)
     # What the scene is does not matter: cameras, legend and lights are the fake's too.
-    monkeypatch.setattr(opened, "open_with", lambda adapter, stage, options: adapter.open(stage))
+    monkeypatch.setattr(
+        opened, "open_with", lambda adapter, stage, options, **how: adapter.open(stage)
+    )
     return fake
 
 

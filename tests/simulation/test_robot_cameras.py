@@ -26,7 +26,9 @@ def test_many_pictures_of_one_translation(
     translations: list[object] = []
     translate = opened.translate
     monkeypatch.setattr(
-        opened, "translate", lambda stage: (translations.append(stage), translate(stage))[1]
+        opened,
+        "translate",
+        lambda stage, **how: (translations.append(stage), translate(stage, **how))[1],
     )
 
     def cameras() -> RobotCameras:

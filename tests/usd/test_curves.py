@@ -238,9 +238,8 @@ def test_left_handed_shapes_are_turned() -> None:
     [
         ({"points": [], "counts": []}, "do not add up"),
         ({"counts": [3, 3]}, "do not add up"),
-        ({"basis": "bezier", "counts": [5, 2]}, "do not fit nonperiodic bezier"),
+        ({"basis": "bezier", "counts": [3, 2, 2]}, "no curve has as many points"),
         ({"basis": "hermite"}, "the basis hermite is not known"),
-        ({"kind": "NurbsCurves", "order": [4], "knots": [0.0] * 5}, "do not fit"),
         ({"kind": "NurbsCurves", "order": [4], "knots": [0.0] * 11}, "range of its knots is empty"),
         ({"kind": "HermiteCurves", "tangents": []}, "tangents"),
         ({"points": [*BENT[:-1], (np.nan, 0, 0)]}, "NaN"),
@@ -252,3 +251,30 @@ def test_what_does_not_fit_is_skipped_with_a_reason(said: dict[str, Any], reason
     found = curves(said.pop("points", BENT), said.pop("kind", "BasisCurves"), **said)
     assert found.mesh is None
     assert found.losses[0][0] == "skipped" and reason in found.losses[0][1]
+
+
+def test_what_of_a_curve_is_no_whole_piece_is_cut() -> None:
+    """Of five points of a Bezier curve four make a piece; two points make none."""
+    found = curves(BENT, basis="bezier", counts=[5, 2])
+    whole = curves(BENT[:4], basis="bezier")
+    assert found.mesh is not None and whole.mesh is not None
+    assert np.abs(found.mesh.points - whole.mesh.points).max() < 1e-12
+    assert "what is over is cut" in found.losses[0][1]
+
+
+def test_nurbs_without_knots_go_straight_through_their_points() -> None:
+    found = curves(BENT, "NurbsCurves", order=[4], knots=[0.0] * 5)
+    straight = curves(BENT, type="linear")
+    assert found.mesh is not None and straight.mesh is not None
+    assert np.abs(found.mesh.points - straight.mesh.points).max() < 1e-12
+    assert "straight through its points" in found.losses[0][1]
+
+
+def test_one_width_is_that_of_all_and_others_that_do_not_fit_their_mean() -> None:
+    line: dict[str, Any] = {"points": [Gf.Vec3f(0, 0, 0), Gf.Vec3f(0, 0, 2)], "type": "linear",
+                            "curveVertexCounts": [2]}  # fmt: skip
+    one = surface("BasisCurves", {"widths": "vertex"}, widths=[0.2], **line)
+    assert volume(one) == pytest.approx(np.pi * 0.1**2 * 2.0)
+    three = surface("BasisCurves", {"widths": "vertex"}, widths=[0.1, 0.2, 0.3], **line)
+    assert volume(three) == pytest.approx(np.pi * 0.1**2 * 2.0)
+    assert "their mean is taken" in three.losses[0][1]

@@ -261,7 +261,7 @@ def test_nothing_that_a_file_holds_raises(stage: Usd.Stage, png: str) -> None:
     assert "is not UsdPreviewSurface" in read_preview_surface(material)[1][0]
 
 
-def test_primvars_of_numbers_leave_their_fallback(stage: Usd.Stage) -> None:
+def test_primvars_of_numbers_have_a_fallback(stage: Usd.Stage) -> None:
     material, node = surface(stage)
     reader = shader(stage, "/M/R", "UsdPrimvarReader_float")
     reader.CreateInput("varname", TYPES.String).Set("wear")
@@ -270,7 +270,12 @@ def test_primvars_of_numbers_leave_their_fallback(stage: Usd.Stage) -> None:
         reader.CreateOutput("result", TYPES.Float)
     )
     read, losses = read_preview_surface(material)
-    assert read.metallic == 0.25 and "UsdPrimvarReader_float cannot drive it" in losses[0]
+    assert read.metallic == 0.25 and read.painted == (("metallic", "wear"),) and not losses
+    node.CreateInput("clearcoat", TYPES.Float).ConnectToSource(
+        reader.CreateOutput("result", TYPES.Float)
+    )
+    _, losses = read_preview_surface(material)
+    assert "UsdPrimvarReader_float cannot drive it" in losses[0]
 
 
 def test_transforms_in_a_circle_end(stage: Usd.Stage, png: str) -> None:

@@ -49,7 +49,7 @@ class CompleteScene:
         self.built, self.index, self.origin = built, index, scene.origin
         self.matter = SceneMatter(scene, built, builder)
         self.lights = LightSamples(scene, built, sources, index)
-        self.clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
+        self.clear = any(patch.surface.lets_through for patch in scene.patches)
         self.between = Between(built, self.clear, index)
 
 

@@ -76,7 +76,7 @@ class DirectIntegrator(BandedIntegrator):
         ]
         self._lights = index.count
         super().__init__(camera, width, height, scene.origin, PLANES_PER_LIGHT * self._lights)
-        self._clear = any(patch.surface.opacity != 1.0 for patch in scene.patches)
+        self._clear = any(patch.surface.lets_through for patch in scene.patches)
         self._between = Between(built, self._clear, index)
         self._sky = None
         if built.environment() is not None:

@@ -58,7 +58,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
         raise InputError(f"the Mitsuba exporter has no option {known}", remedy="leave it away")
     file = destination if destination.suffix == ".xml" else destination / "scene.xml"
     # What loads the file knows Mitsuba's own plugins alone.
-    scene = without_shaping(with_model(translate(stage), "preview"))
+    scene = without_shaping(with_model(translate(stage, default_light=True), "preview"))
     report_simplified(scene)
     with atomic.filling(file.parent) as folder:
         _write_scene(stage, scene, folder / file.name)

@@ -22,6 +22,7 @@ from orusd_mitsuba.plugins.descriptions import (
 )
 from orusd_mitsuba.plugins.light_weights import LightWeights, brightest_beam, light_weights
 from orusd_mitsuba.plugins.material_table import MaterialTable, shape_number
+from orusd_mitsuba.plugins.one_sided import one_sided
 from orusd_mitsuba.plugins.shaped_area import shaped_area
 from orusd_mitsuba.plugins.sun_disk import sun_disk
 
@@ -206,7 +207,8 @@ class Builder:
         """The BSDF of a surface; equal ones share one."""
         key = id(surface)
         if key not in self._bsdfs:
-            self._bsdfs[key] = mi.load_dict(self._resolved(describe_bsdf(surface)))
+            made = mi.load_dict(self._resolved(describe_bsdf(surface)))
+            self._bsdfs[key] = one_sided(made) if surface.one_sided else made
         return self._bsdfs[key]
 
     def _environment(self, environment: Environment, weight: float) -> Any:

@@ -33,7 +33,7 @@ def fits(surface: Surface) -> bool:
     """
     return (
         (surface.f0 is not None or (surface.is_diffuse and surface.normal is None))
-        and surface.opacity == 1.0
+        and not surface.lets_through
         and all(picture.coding is not None for picture in _pictures(surface))
     )
 

@@ -22,6 +22,7 @@ def whitened(surface: Surface) -> Surface:
     return Surface(
         base_color=(1.0, 1.0, 1.0), roughness=1.0, ior=1.0, opacity=surface.opacity,
         normal=surface.normal, primvar=surface.primvar, uv=surface.uv,
+        one_sided=surface.one_sided,
     )  # fmt: skip
 
 
@@ -33,15 +34,16 @@ def white_first(scene: Scene, built: Any, builder: Builder) -> Callable[[Any], A
         built: The Mitsuba scene, its shapes in the order of the scene's patches.
         builder: What made it: textures are shared.
     """
-    known: dict[tuple[int, int], Any] = {}
+    known: dict[tuple[int, int, bool], Any] = {}
     # The builder knows surfaces by their identity, which must not be given to another.
     kept: list[Surface] = []
     shapes = [int(registered(mi.ShapePtr(shape))[0]) for shape in built.shapes()]
     table = np.zeros(max(shapes, default=0) + 1, dtype=np.uint32)
     for shape, patch in zip(shapes, scene.patches, strict=True):
-        key = id(patch.surface.normal), id(patch.surface.opacity)
+        surface = patch.surface
+        key = id(surface.normal), id(surface.opacity), surface.one_sided
         if key not in known:
-            kept.append(whitened(patch.surface))
+            kept.append(whitened(surface))
             known[key] = builder.bsdf(kept[-1])
         table[shape] = registered(mi.BSDFPtr(known[key]))[0]
     numbers = mi.UInt32(table)

@@ -153,7 +153,8 @@ def _define_atlases(
         called = Sdf.AttributeSpec(prim, LIGHT_NAMES, _Types.StringArray)
         called.default = Vt.StringArray([light.name for light in lights])
         targets = Sdf.RelationshipSpec(prim, LIGHTS, custom=False).targetPathList
-        targets.explicitItems = [Sdf.Path(light.path) for light in lights if light.path]
+        paths = [light.path.partition("[")[0] for light in lights if light.path]
+        targets.explicitItems = list(dict.fromkeys(map(Sdf.Path, paths)))
 
 
 def _define_scope(layer: Sdf.Layer, path: Sdf.Path) -> Sdf.PrimSpec:

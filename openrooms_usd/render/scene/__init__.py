@@ -7,7 +7,8 @@ In the order in which they are needed:
   (``surfaces``, with ``pictures``, ``codes`` and ``wrapping`` for their textures, ``painted`` for
   colours of meshes), which object, part and class everything belongs to (``labels``,
   ``legend``), and names what is in no picture (``unseen``). ``gathering`` makes shapes of what has
-  the same surface: plain ``triangles``, and ``instances`` that share theirs.
+  the same surface: plain ``triangles``, and ``instances`` that share theirs. A stage without any
+  light stands in ``default_light``.
 - ``models`` gives all surfaces one reflectance model where a renderer takes no other; ``cameras``
   says what the stage asks of pictures, and ``framing`` makes one for a large scene without any.
 - ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the

@@ -147,6 +147,8 @@ class Scene:
         folder: Where the stage's file lies, for what is kept beside it; None where it has none.
         panes: Clear panes, which are no patches: geometry and labels look through them, and light
             goes straight on, less what they mirror and hold back.
+        exposure: What pictures of it are multiplied by where its cameras do not say; None: what
+            fits each.
     """
 
     patches: tuple[Patch, ...]
@@ -159,6 +161,7 @@ class Scene:
     report: Report = field(default_factory=Report)
     folder: Path | None = None
     panes: tuple[Pane, ...] = ()
+    exposure: float | None = None
 
     def placed(self, triangles: Sequence[Triangles]) -> "Scene":
         """The same with the triangles of its patches and panes elsewhere; the origin stays.

@@ -181,8 +181,10 @@ def _meet(corners: Array, eye: Array, directions: Array) -> tuple[Array, Array, 
 def _clear(scene: Scene, hits: Hits) -> NDArray[np.bool_]:
     clear = np.zeros(len(hits.rows), dtype=bool)
     for number in np.unique(hits.patches):
-        opacity = scene.patches[number].surface.opacity
-        if opacity != 1.0:
-            here = hits.patches == number
+        surface = scene.patches[number].surface
+        opacity, here = surface.opacity, hits.patches == number
+        if surface.one_sided:
+            clear[here] = ~hits.front[here]
+        elif opacity != 1.0:
             clear[here] = evaluate(opacity, hits.st[here], 1)[:, 0] < _LEAST_OPACITY
     return clear

@@ -35,6 +35,8 @@ _NEEDS: Final[dict[str, tuple[int, Limits]]] = {
 _MOST_IOR: Final = 20.0
 _MOST_REFLECTANCE: Final = 0.9
 _FLAT_NORMAL: Final = (0.0, 0.0, 1.0)
+CLEAR: Final = "opacity lets light straight through; clear parts reflect nothing"
+"""What is lost of a surface that is partly clear."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +61,7 @@ class Surface:
             is a UsdPreviewSurface.
         pane: What the glass of a thin clear pane lets through at normal incidence, by primary; it
             then has no matter but that and ``ior``. None where it is none.
+        one_sided: Whether it is there for who sees its front alone.
         losses: What could not be kept, in words.
     """
 
@@ -76,12 +79,18 @@ class Surface:
     transmission: float = 0.0
     f0: float | None = None
     pane: tuple[float, float, float] | None = None
+    one_sided: bool = False
     losses: tuple[str, ...] = ()
 
     @property
     def is_diffuse(self) -> bool:
         """Whether nothing but the Lambertian part is there."""
         return self.ior == 1.0 and self.metallic == 0.0 and self.clearcoat == 0.0
+
+    @property
+    def lets_through(self) -> bool:
+        """Whether anything goes straight through, panes aside."""
+        return self.opacity != 1.0 or self.one_sided
 
     @property
     def is_textured(self) -> bool:
@@ -284,6 +293,6 @@ _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
      "its clearcoat is Disney's, which is dimmer at an angle and at most as rough as 0.32"),
     (_is_textured("clearcoat"), "a textured clearcoat is taken as its mean"),
     (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as its mean"),
-    (_is_clear, "opacity lets light straight through; clear parts reflect nothing"),
+    (_is_clear, CLEAR),
     (_many_primvars, "its textures use several sets of coordinates; one set is used for all"),
 )  # fmt: skip

@@ -3,25 +3,25 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, cast
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Usd, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.convert import Report
+from openrooms_usd.render.scene import default_light as unlit
 from openrooms_usd.render.scene import lamps
 from openrooms_usd.render.scene.arrays import Environment, Scene, Sun
 from openrooms_usd.render.scene.gathering import Gathered, shapes
 from openrooms_usd.render.scene.labels import Labels, material_path
-from openrooms_usd.render.scene.painted import Paint, paint
+from openrooms_usd.render.scene.painted import Paint, is_clear, paint, painted_value
 from openrooms_usd.render.scene.pictures import Picture, Value
-from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
+from openrooms_usd.render.scene.surfaces import CLEAR, Surface, SurfaceReader
 from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.triangles import Floats, Ints
 from openrooms_usd.render.scene.unseen import report_unseen
-from openrooms_usd.usd.arrays import array_of
-from openrooms_usd.usd.frames import TIME, odd_frame
+from openrooms_usd.usd.frames import odd_frame
 from openrooms_usd.usd.lights import (
     CylinderLight,
     DiskLight,
@@ -34,17 +34,19 @@ from openrooms_usd.usd.lights import (
     read_lights,
 )
 from openrooms_usd.usd.linking import LightLinks
-from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
+from openrooms_usd.usd.materials import BARE, bound_material, bound_subsets, read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh, TriangleMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
 from openrooms_usd.usd.profiles import Shaping
 from openrooms_usd.usd.rendersettings import asked_purposes
-from openrooms_usd.usd.surfaces import Color, PreviewSurface
+from openrooms_usd.usd.surfaces import PreviewSurface
 
 # Rows of triangles, and the material that they show.
 _Part = tuple[Ints, UsdShade.Material | None]
 _Parts = list[_Part]
 _BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
+# A lamp by itself; one that stands for the pixels of a screen has a body behind it.
+_LAMP: Final = replace(_BLACK, one_sided=True)
 
 
 def _surface_of(light: Usd.Prim) -> Usd.Prim:
@@ -55,22 +57,23 @@ def _surface_of(light: Usd.Prim) -> Usd.Prim:
     return surface or light
 
 
-def translate(stage: Usd.Stage, *, outside: bool = True) -> Scene:
+def translate(stage: Usd.Stage, *, outside: bool = True, default_light: bool = False) -> Scene:
     """Translate a stage; nothing that it holds raises.
 
     Args:
         stage: The composed stage, with any up axis and unit.
         outside: Whether what stands outside before the windows is part of it.
+        default_light: Whether a stage without any light gets one, which the report tells.
 
     Returns:
         The scene, whose report names every prim that was not translated whole.
     """
     # Absurd numbers overflow; what comes of them is looked at where it matters.
     with np.errstate(all="ignore"):
-        return _translated(stage, outside)
+        return _translated(stage, outside, default_light)
 
 
-def _translated(stage: Usd.Stage, outside: bool) -> Scene:
+def _translated(stage: Usd.Stage, outside: bool, default_light: bool) -> Scene:
     lights = read_lights(stage)
     work = _Translation(LightLinks(stage, lights))
     # 1. Light, first: a mesh has to know whether it emits.
@@ -84,6 +87,8 @@ def _translated(stage: Usd.Stage, outside: bool) -> Scene:
     lossy = {path for path, _, _ in reading.losses}
     for mesh, parts in work.with_materials(reading):
         work.add_mesh(mesh, parts, whole=mesh.path not in lossy)
+    if default_light and work.is_dim and unlit.is_unlit(stage):
+        work.add_default_light()
     # 3. Everything else is named too.
     for reason in odd_frame(stage):
         work.report.add("/", "approximated", reason)
@@ -103,15 +108,14 @@ class _Translation:
         self._surfaces = SurfaceReader()
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[str, Surface] = {}
-        # Of meshes without a material by their opacity, of those with colours by these too.
-        self._plain: dict[float, Surface] = {}
-        self._paints: dict[tuple[int, str, str], Paint | None] = {}
-        self._dyed: dict[tuple[int, Picture | Color], Surface] = {}
+        self._paints: dict[tuple[object, ...], Paint | None] = {}
+        self._dyed: dict[tuple[object, ...], Surface] = {}
         self._owners: list[tuple[str, Surface]] = []
         self._st: dict[tuple[int, int], tuple[Floats, list[str]]] = {}
         self._groups: dict[tuple[int, str, bool, tuple[str, ...]], Gathered] = {}
         self._emitting: dict[str, MeshLight] = {}
         self._environment: Environment | None = None
+        self._exposure: float | None = None
         self._suns: list[Sun] = []
         self._portals: tuple[Portal, ...] = ()
 
@@ -128,6 +132,7 @@ class _Translation:
             self.report,
             folder,
             panes,
+            self._exposure,
         )
 
     # Light.
@@ -136,6 +141,19 @@ class _Translation:
         self._portals = read_portals(stage)
         for portal in self._portals:
             self.report.add(portal.path, "translated")
+
+    @property
+    def is_dim(self) -> bool:
+        """Whether there is matter, none of which sends more light than what merely glows."""
+        return bool(self._groups) and all(
+            group.radiance is None or unlit.merely_glows(group.radiance)
+            for group in self._groups.values()
+        )
+
+    def add_default_light(self) -> None:
+        self._environment = unlit.default_light()
+        self._exposure = unlit.EXPOSURE
+        self.report.add("/", "approximated", unlit.TOLD)
 
     def add_light(self, stage: Usd.Stage, light: Light) -> None:
         losses = list(light.losses)
@@ -157,9 +175,13 @@ class _Translation:
                 self.report.add(light.path, "skipped", reason)
                 return
             radiance, lost = lamps.radiance(light)
-            surface = _surface_of(stage.GetPrimAtPath(light.path))
-            row = self._labels.row(str(surface.GetPath()), surface, None)
-            group = self._group(light.path, _BLACK, radiance, shaping=light.shaping)
+            source = stage.GetPrimAtPath(light.prim)
+            surface = _surface_of(source)
+            is_body = surface != source
+            stands = str(surface.GetPath()) if is_body else light.path
+            row = self._labels.row(stands, surface, None)
+            dark = _BLACK if is_body else _LAMP
+            group = self._group(light.path, dark, radiance, shaping=light.shaping)
             group.add(lamps.shape(light, row))
             losses += lost
         else:
@@ -228,55 +250,72 @@ class _Translation:
         self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
     ) -> tuple[Surface, Floats | None]:
         """What a mesh is made of, and where it lies in the picture of its own colours, if any."""
-        if material is None:
-            return self._bare(mesh, losses)
-        key = _key(material)
+        key = "" if material is None else _key(material)
         if key not in self._materials:
-            preview, lost = self._previews[key]
-            surface = self._materials[key] = self._surfaces.read(preview)
-            self._say(str(material.GetPath()), [*lost, *surface.losses])
-            self._owners.append((str(material.GetPath()), surface))
-        surface, name = self._materials[key], self._previews[key][0].painted_by
-        found = self._paint(mesh, name) if name else None
-        if found is None:
+            preview, lost = self._previews.setdefault(key, (BARE, ()))
+            made = self._materials[key] = self._surfaces.read(preview)
+            if material is not None:
+                self._say(str(material.GetPath()), [*lost, *made.losses])
+                self._owners.append((str(material.GetPath()), made))
+        surface, (preview, _) = self._materials[key], self._previews[key]
+        found = {
+            field: paint for field, name in preview.painted if (paint := self._paint(mesh, name))
+        }
+        if material is None:
+            shown = "its displayColor" if "base_color" in found else "grey"
+            losses.append(f"it has no material: taken as {shown}")
+        if not found:
+            if material is None:
+                self._owners.append((mesh.path, surface))
             return surface, None
-        # Pictures of the material want other texture coordinates than the colours.
-        if found.picture is not None and surface.is_textured:
-            losses.append(f"its primvars:{name} are taken as their mean beside textures")
-            found = Paint(found.color)
-        losses += found.losses
-        return self._painted(mesh, surface, found)
-
-    def _bare(self, mesh: PlacedMesh, losses: list[str]) -> tuple[Surface, Floats | None]:
-        """A mesh without a material shows its own colours."""
-        found, opacity = self._paint(mesh, "displayColor"), _display_opacity(mesh.prim)
-        if opacity not in self._plain:
-            self._plain[opacity] = self._surfaces.read(PreviewSurface(opacity=opacity))
-        made = self._plain[opacity]
-        if found is None:
-            losses += ["it has no material: taken as grey", *made.losses]
-            self._owners.append((mesh.path, made))
-            return made, None
-        losses += ["it has no material: taken as its displayColor", *found.losses, *made.losses]
-        return self._painted(mesh, made, found)
+        return self._painted(mesh, surface, preview, found, losses)
 
     def _paint(self, mesh: PlacedMesh, name: str) -> Paint | None:
         """What a mesh says in a primvar of colours; instances of one share it."""
         # What is one colour may be inherited, and differ between instances.
-        inherited = "" if name in mesh.mesh.colors else str(mesh.prim.GetPath())
+        own = name in mesh.mesh.colors
+        inherited = "" if own else (str(mesh.prim.GetPath()), dict(mesh.tints).get(name))
         key = id(mesh.mesh), name, inherited
         if key not in self._paints:
             self._paints[key] = paint(mesh, name)
         return self._paints[key]
 
     def _painted(
-        self, mesh: PlacedMesh, surface: Surface, found: Paint
+        self,
+        mesh: PlacedMesh,
+        surface: Surface,
+        preview: PreviewSurface,
+        found: dict[str, Paint],
+        losses: list[str],
     ) -> tuple[Surface, Floats | None]:
-        key = id(surface), found.picture or found.color
+        """A surface with what a mesh has painted, and where the mesh lies in the pictures of it."""
+        names_of, st = dict(preview.painted), None
+        values: dict[str, Value] = {}
+        for field, one in found.items():
+            picture = one.picture
+            # Pictures of the material want other texture coordinates than what is painted.
+            if picture is not None and surface.is_textured:
+                losses.append(
+                    f"its primvars:{names_of[field]} are taken as their mean beside textures"
+                )
+                picture = None
+            else:
+                losses += one.losses
+            values[field] = painted_value(field, one.mean, picture, preview.opacity_threshold)
+            st = st if picture is None else one.st
+            if field == "opacity" and is_clear(values[field]) and not preview.opacity_threshold:
+                losses.append(CLEAR)
+        key = (
+            id(surface),
+            *(
+                (field, id(value) if isinstance(value, Picture) else value)
+                for field, value in values.items()
+            ),
+        )
         if key not in self._dyed:
-            self._dyed[key] = replace(surface, base_color=found.picture or found.color)
+            self._dyed[key] = replace(surface, **cast(Any, values))
         self._owners.append((mesh.path, self._dyed[key]))
-        return self._dyed[key], found.st
+        return self._dyed[key], st
 
     def _say(self, path: str, losses: list[str]) -> None:
         if losses:
@@ -325,12 +364,3 @@ def _materials(mesh: PlacedMesh) -> Iterator[_Part]:
             yield rows.astype(np.int32), material
     if rest.any():
         yield np.flatnonzero(rest).astype(np.int32), bound_material(mesh.prim)
-
-
-def _display_opacity(prim: Usd.Prim) -> float:
-    """The mean of a mesh's displayOpacity; 1 without one."""
-    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayOpacity")
-    values = array_of(primvar.ComputeFlattened(TIME) if primvar else None, np.float64)
-    if not len(values) or not np.isfinite(values).all():
-        return 1.0
-    return float(np.clip(values, 0.0, 1.0).mean())

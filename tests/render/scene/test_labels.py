@@ -109,10 +109,15 @@ def test_emission_is_masked_on_the_side_that_emits(build, shoot):
     assert np.array_equal(view.images["emission_mask"].pixels == 1, lit)
     light = UsdLux.RectLight.Define(made.stage, "/Panel")
     light.AddTranslateOp().Set(Gf.Vec3d(0, -1, 0))
-    light.AddRotateXOp().Set(90.0)  # from -Z to +Y: its back is seen
-    assert shoot(made.stage, "emission_mask").images["emission_mask"].pixels[12, 16, 0] == 0
+    light.AddRotateXOp().Set(90.0)  # from -Z to +Y: its back is seen, which is not there
+    channels = ("emission_mask", "depth")
+    behind = shoot(made.stage, *channels).images
+    assert behind["emission_mask"].pixels[12, 16, 0] == 1
+    assert behind["depth"].pixels[12, 16, 0] == pytest.approx(3.5, abs=1e-4)
     light.GetPrim().GetAttribute("xformOp:rotateX").Set(-90.0)
-    assert shoot(made.stage, "emission_mask").images["emission_mask"].pixels[12, 16, 0] == 1
+    front = shoot(made.stage, *channels).images
+    assert front["emission_mask"].pixels[12, 16, 0] == 1
+    assert front["depth"].pixels[12, 16, 0] == pytest.approx(3.0, abs=1e-4)
 
 
 def test_what_is_hidden_is_not_seen_and_is_named(build, open_stage, shoot):
