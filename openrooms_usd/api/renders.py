@@ -37,6 +37,7 @@ def render(
     denoise: bool | Literal["all"] = False,
     time_code: float | None = None,
     default_light: bool = True,
+    texture_side: int | None = None,
     renderer: str = "mitsuba",
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
@@ -67,6 +68,8 @@ def render(
             also ``denoised_channels.exr`` and ``denoised_lights.exr`` (docs/light.md).
         time_code: When a stage that moves is seen; None for the first sample of everything.
         default_light: Whether a stage without any light gets one (docs/usd.md); else it is dark.
+        texture_side: The longest side of textures, pixels: longer ones are halved until they fit.
+            None: 4096, or less where all together would take more than 2 GB.
         renderer: A registered renderer.
         options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
         progress: Called with the view's name and the finished fraction of the whole.
@@ -113,6 +116,7 @@ def render(
             denoise=denoise,
             time_code=time_code,
             default_light=default_light,
+            texture_side=texture_side,
             options=options or {},
             progress=progress,
         )

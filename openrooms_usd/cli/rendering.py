@@ -24,6 +24,8 @@ from openrooms_usd.render.contract import (
 )
 
 if TYPE_CHECKING:
+    from pxr import Usd
+
     from openrooms_usd.render import RenderSummary
 
 # Of a channel's sum, and beyond so many standard errors: a render has some sixty channels, and
@@ -114,6 +116,11 @@ def _resolution(
     help="Whether a stage without any light gets one, even and from above, or stays dark.",
 )  # fmt: skip
 @click.option(
+    "--texture-side", type=int, metavar="PIXELS",
+    help="The longest side of textures: longer ones are halved until they fit. By default 4096, or "
+    "less where all together would take more than 2 GB.",
+)  # fmt: skip
+@click.option(
     "--frames", is_flag=False, flag_value=_EVERY, metavar="[A:B:STEP]",
     help="Render a stage that moves at these time codes, into a folder for each; alone, with "
     "--path: write every frame of the video too.",
@@ -157,6 +164,7 @@ def render(
     fps: int | None,
     time_code: float | None,
     default_light: bool,
+    texture_side: int | None,
     frames: str | None,
     root: Path | None,
     layout: Literal["split", "merged"],
@@ -177,7 +185,8 @@ def render(
     from openrooms_usd.render.reading import read_render
     from openrooms_usd.usd.diagnostics import quiet
 
-    _warn_of_units(stage)
+    # Held until the end, so that its files are read once.
+    _held = _warn_of_units(stage)
     if spec is not None:
         _check_stills(
             cameras, channels, fov, grid, error_maps, error, seconds, f_stop, root,
@@ -220,6 +229,7 @@ def render(
         "options": options,
         "denoise": "all" if denoise_light else denoise,
         "default_light": default_light,
+        "texture_side": texture_side,
     }
     summaries: list[RenderSummary] = []
     for folder, when in renders.items():
@@ -266,16 +276,18 @@ def _renders(
     return {**frame_folders(out, frames_of(frames))}
 
 
-def _warn_of_units(stage: Path) -> None:
-    """Say before the picture what in it is a hundred times too large."""
+def _warn_of_units(stage: Path) -> "Usd.Stage":
+    """Say before the picture what in it is a hundred times too large, and give the stage."""
     from openrooms_usd.usd.diagnostics import quiet
     from openrooms_usd.usd.layers import open_stage
     from openrooms_usd.usd.metrics import find_misfits
 
     with quiet():
-        found = find_misfits(open_stage(stage))
+        opened = open_stage(stage)
+        found = find_misfits(opened)
     for misfit in found:
         echo(f"warning: {misfit}: see orusd edits fit", err=True)
+    return opened
 
 
 def _tell_what_goes(out: Path) -> None:

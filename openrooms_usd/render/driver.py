@@ -73,6 +73,7 @@ def render_stage(
     denoise: Denoise = False,
     time_code: float | None = None,
     default_light: bool = True,
+    texture_side: int | None = None,
     progress: Progress = silent,
 ) -> RenderSummary:
     """Render cameras of a USD stage with their ground truth.
@@ -110,6 +111,8 @@ def render_stage(
             versions of every channel of light that can bear it, whose bias the manifest states.
         time_code: When a stage that moves is seen; None for the first sample of everything.
         default_light: Whether a stage without any light gets one (docs/usd.md); else it is dark.
+        texture_side: The longest side of textures, pixels: longer ones are halved until they fit.
+            None: 4096, or less where all together would take more than 2 GB.
         progress: Called with the view's name and the finished fraction of the whole run.
 
     Returns:
@@ -143,6 +146,7 @@ def render_stage(
         denoise=denoise,
         time_code=time_code,
         default_light=default_light,
+        texture_side=texture_side,
     )
     folder.check_writable(out)
 

@@ -32,6 +32,7 @@ from openrooms_usd.render.denoised_light import Denoise, with_denoised_light
 from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
 from openrooms_usd.render.given import available, check_method, choose_method
 from openrooms_usd.render.plan import (
+    check_texture_side,
     check_time_code,
     choose_cameras,
     choose_channels,
@@ -67,6 +68,7 @@ class RenderJob:
         flow: Whether views are frames of a path, which have the optical flow to the next one.
         time_code: When a stage that moves is seen; None for the first sample of everything.
         default_light: Whether a stage without any light gets one.
+        texture_side: The longest side of textures, pixels; None for what is affordable.
     """
 
     renderer: str
@@ -82,6 +84,7 @@ class RenderJob:
     flow: bool = False
     time_code: float | None = None
     default_light: bool = True
+    texture_side: int | None = None
 
     @classmethod
     def of(
@@ -107,6 +110,7 @@ class RenderJob:
         flow: bool = False,
         time_code: float | None = None,
         default_light: bool = True,
+        texture_side: int | None = None,
     ) -> "RenderJob":
         """The job of these wishes, which are those of `openrooms_usd.render.driver.render_stage`.
 
@@ -139,7 +143,7 @@ class RenderJob:
         return cls(
             renderer, adapter, options, request, named, resolution, field_of_view, error_maps,
             denoise, denoiser, flow, None if time_code is None else check_time_code(time_code),
-            default_light,
+            default_light, None if texture_side is None else check_texture_side(texture_side),
         )  # fmt: skip
 
     @cached_property
@@ -200,7 +204,13 @@ class RenderJob:
             lost = hold(stage, self.time_code)
             if self.field_of_view is not None:
                 set_field_of_view(stage, self.field_of_view)
-            opened = open_with(self.adapter, stage, self.options, default_light=self.default_light)
+            opened = open_with(
+                self.adapter,
+                stage,
+                self.options,
+                default_light=self.default_light,
+                texture_side=self.texture_side,
+            )
             opened.report.lose(lost)
             conclude(opened.report, stage)
         took = time.perf_counter() - began

@@ -67,6 +67,7 @@ def open_with(
     options: Mapping[str, str] = NO_OPTIONS,
     *,
     default_light: bool = True,
+    texture_side: int | None = None,
 ) -> "OpenedStage":
     """Translate a stage, and let a renderer open what comes of it.
 
@@ -75,12 +76,13 @@ def open_with(
         stage: The composed stage. Any stage: ours, or one that follows none of our names.
         options: Values by the names that the renderer declares.
         default_light: Whether a stage without any light gets one.
+        texture_side: The longest side of textures, pixels; None for what is affordable.
 
     Raises:
         InputError: The renderer has no such option, or an option no such value.
         RenderError: The renderer's backend is not available.
     """
-    scene = translate(stage, default_light=default_light)
+    scene = translate(stage, default_light=default_light, texture_side=texture_side)
     return OpenedStage(stage, scene, renderer, options)
 
 

@@ -37,6 +37,7 @@ _MOST_PIXELS: Final = 2**27
 # One of a hemisphere's cell is taken for so many of a pixel.
 _SAMPLES_PER_CELL_SAMPLE: Final = 16
 _LIMITS: Final[dict[str, tuple[float, float]]] = {
+    "texture side (--texture-side)": (1, 65_536),
     "width": (1, 2**15),
     "height": (1, 2**15),
     "grid's width": (1, 2**11),
@@ -148,6 +149,15 @@ def check_time_code(time_code: float) -> float:
         InputError: It is no number, or an absurd one.
     """
     return _number("time code (--time-code)", time_code)
+
+
+def check_texture_side(side: int) -> int:
+    """A longest side that textures may have.
+
+    Raises:
+        InputError: It is less than a pixel, or more than anybody's.
+    """
+    return _whole("texture side (--texture-side)", side)
 
 
 def _one_of(what: str, known: tuple[_Name, ...], name: str) -> _Name:

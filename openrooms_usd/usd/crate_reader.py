@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pxr import Sdf
 
 # Values of more specs than this are not all looked at: a scene that large is no small accident.
-_MOST_SPECS: Final = 200_000
+_MOST_SPECS: Final = 50_000
 _MAX_DEPTH: Final = 1_000
 
 
@@ -78,6 +78,7 @@ def _read_prims(layer: "Sdf.Layer") -> None:
     level = list(layer.rootPrims)
     seen = 0
     for _ in range(_MAX_DEPTH):
+        level = level[: _MOST_SPECS - seen]
         seen += len(level)
         below = []
         for spec in level:
@@ -89,7 +90,7 @@ def _read_prims(layer: "Sdf.Layer") -> None:
                 for variants in spec.variantSets.values():
                     below += [variant.primSpec for variant in variants.variants.values()]
         level = below
-        if not level or seen > _MOST_SPECS:
+        if not level:
             return
 
 

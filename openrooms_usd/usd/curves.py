@@ -81,7 +81,8 @@ def read_curves(prim: Usd.Prim) -> Drawn:
     counts = integers(curves.GetCurveVertexCountsAttr())
     losses: list[str] = []
     try:
-        if not len(counts) or counts.min() < 2 or counts.sum() != len(points):
+        least = 0 if prim.IsA(UsdGeom.BasisCurves) else 2
+        if not len(counts) or counts.min() < least or counts.sum() != len(points):
             raise ValueError("curveVertexCounts do not add up to the number of points")
         closed = False
         if prim.IsA(UsdGeom.BasisCurves):
@@ -137,25 +138,24 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tupl
     """Pieces of four points each; linear ones are their points."""
     basis, wrap = str(curves.GetBasisAttr().Get(TIME)), str(curves.GetWrapAttr().Get(TIME))
     closed, number = wrap == _T.periodic, int(counts.sum())
-    if curves.GetTypeAttr().Get(TIME) == _T.linear:
-        same = identity(number)
-        return Sampling(same, same, counts), closed
-    if basis not in BASES:
+    linear = curves.GetTypeAttr().Get(TIME) == _T.linear
+    if not linear and basis not in BASES:
         raise ValueError(f"the basis {basis} is not known")
-    step = 3 if basis == "bezier" else 1
+    step = 3 if basis == "bezier" and not linear else 1
+    short = linear or (wrap == _T.pinned and step == 1)
+    fitting = _fitting(counts, 2 if short else max(step, 2) if closed else 4, step)
     ends, which = identity(number), None
-    if closed:
-        fitting = counts // step * step
-    else:
-        fitting = _fitting(counts, 2 if wrap == _T.pinned and step == 1 else 4, step)
     if (fitting != counts).any():
-        losses.append(f"curveVertexCounts do not fit {wrap} {basis} curves: what is over is cut")
+        kind = "linear" if linear else f"{wrap} {basis}"
+        losses.append(f"curveVertexCounts do not fit {kind} curves: what is over is cut")
         firsts = np.cumsum(counts) - counts
         kept = [start + np.arange(many) for start, many in zip(firsts, fitting, strict=True)]
-        ends, which = ends[np.concatenate(kept)], np.flatnonzero(fitting)
+        ends, which = csr_array(ends[np.concatenate(kept)]), np.flatnonzero(fitting)
         counts = fitting[which]
         if not len(counts):
             raise ValueError("no curve has as many points as its basis needs")
+    if linear:
+        return Sampling(ends, ends, counts, which), closed
     if wrap == _T.pinned and step == 1:
         # One more point at each end, as far beyond as the next is before: the curve begins there.
         ends, counts = csr_array(_extended(counts) @ ends), counts + 2
@@ -177,7 +177,7 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tupl
 
 
 def _fitting(counts: Ints, least: int, step: int) -> Ints:
-    """(C,) how many points of each open curve are whole pieces; none of those that are too few."""
+    """(C,) how many points of each curve are whole pieces; none of those that are too few."""
     whole = least + (counts - least) // step * step
     return np.asarray(np.where(counts < least, 0, whole))
 

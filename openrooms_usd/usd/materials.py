@@ -1,5 +1,6 @@
 """Materials: UsdPreviewSurface authored and read, and which material a prim shows."""
 
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from typing import Any, Final
 
@@ -19,6 +20,7 @@ __all__ = [
     "PreviewSurface",
     "Texture",
     "bound_material",
+    "bound_materials",
     "bound_subsets",
     "define_preview_surface",
     "preview_shader",
@@ -329,6 +331,19 @@ def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
         if material:
             return material
     return None
+
+
+def bound_materials(prims: Sequence[Usd.Prim]) -> list[UsdShade.Material | None]:
+    """`bound_material` of many prims at once, on all cores."""
+    api = UsdShade.MaterialBindingAPI
+    found: list[UsdShade.Material | None] = [None] * len(prims)
+    left = list(range(len(prims)))
+    for purpose in (UsdShade.Tokens.full, UsdShade.Tokens.preview):
+        materials, _ = api.ComputeBoundMaterials([prims[row] for row in left], purpose)
+        for row, material in zip(left, materials, strict=True):
+            found[row] = material or None
+        left = [row for row in left if found[row] is None]
+    return found
 
 
 def bound_subsets(prim: Usd.Prim) -> list[tuple[NDArray[np.int32], UsdShade.Material]]:

@@ -136,7 +136,7 @@ class Subdivided:
         left_handed: bool = False,
         bare: bool = False,
     ) -> TriangleMesh:
-        """Its triangles, with smooth normals that break at sharp edges.
+        """Its triangles, with smooth normals that break at sharp edges, or flat ones.
 
         Args:
             uvs: (K', 2) texture coordinates at the corners of the fine faces, by their name.
@@ -153,7 +153,9 @@ class Subdivided:
             faces = np.repeat(faces, 2)
         seen = ~np.isin(faces, self.holes) & has_area(points[cage.indices[corners]])
         corners, faces = corners[seen], faces[seen]
-        normals = None if bare else smooth_normals(cage, points)
+        # Bilinear surfaces are flat between the edges of the cage.
+        flat = bare or self.scheme == _T.bilinear
+        normals = None if flat else smooth_normals(cage, points)
         if left_handed:
             corners = corners[:, ::-1]
             normals = None if normals is None else -normals

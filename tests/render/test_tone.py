@@ -119,3 +119,18 @@ def test_nothing_lit_is_black() -> None:
     assert white_balance(dark) == (1.0, 1.0, 1.0)
     for name in TONES:
         assert not preview("radiance", dark, tone=name).pixels.any()
+
+
+def test_things_before_nothing_have_the_exposure_of_things_before_a_wall() -> None:
+    """An outline is half black, and noise leaves single pixels without light."""
+    random = np.random.default_rng(3)
+    thing = 0.001 * random.uniform(0.5, 2.0, (120, 160, 1)) * np.ones(3)
+    thing[random.uniform(size=(120, 160)) < 0.1] = 0.0
+    rows, columns = np.mgrid[:120, :160]
+    outside = (rows - 60) ** 2 + (columns - 80) ** 2 > 30**2
+    alone = np.where(outside[..., None], 0.0, thing).astype(np.float32)
+    whole = fitted_tone("photograph", thing.astype(np.float32))
+    assert fitted_tone("photograph", alone).exposure == pytest.approx(whole.exposure, rel=0.1)
+    # Where nothing is lit for more than a part, what there is counts.
+    specks = np.where(random.uniform(size=(120, 160, 1)) < 0.02, 1.0, 0.0) * np.ones(3)
+    assert 0.5 < fitted_tone("film", specks.astype(np.float32)).exposure < 50.0

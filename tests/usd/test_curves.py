@@ -278,3 +278,12 @@ def test_one_width_is_that_of_all_and_others_that_do_not_fit_their_mean() -> Non
     three = surface("BasisCurves", {"widths": "vertex"}, widths=[0.1, 0.2, 0.3], **line)
     assert volume(three) == pytest.approx(np.pi * 0.1**2 * 2.0)
     assert "their mean is taken" in three.losses[0][1]
+
+
+@pytest.mark.parametrize("kind", ["linear", "cubic"])
+def test_a_curve_of_one_point_leaves_the_others(kind: str) -> None:
+    said = {"type": kind, "basis": "bspline", "wrap": "pinned"}
+    found = curves([*BENT[:4], (9, 9, 9)], counts=[4, 1], **said)
+    whole = curves(BENT[:4], **said)
+    assert found.mesh is not None and whole.mesh is not None
+    assert np.abs(found.mesh.points - whole.mesh.points).max() < 1e-12

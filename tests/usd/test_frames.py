@@ -1,10 +1,21 @@
 """Frames against USD's own matrices."""
 
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-from openrooms_usd.usd.frames import gf_matrix, local_to_world, matrix, world_from_stage
+from openrooms_usd.usd.frames import (
+    gf_matrix,
+    local_to_world,
+    matrix,
+    meters_per_unit,
+    odd_frame,
+    world_from_stage,
+)
 
 
 @pytest.mark.parametrize(
@@ -47,3 +58,27 @@ def test_matrices_act_on_columns_as_usds_do_on_rows() -> None:
     found = local_to_world(inner.GetPrim(), UsdGeom.XformCache()) @ [*point, 1.0]
     np.testing.assert_allclose(found[:3], placed.Transform(point))
     assert gf_matrix(matrix(placed)) == placed
+
+
+@pytest.mark.parametrize("written", [np.float32(0.25), 1, 0.25])
+def test_units_of_any_number_are_read(tmp_path: Path, written: Any) -> None:
+    """USD's own function raises where a crate holds a float, as Blender 2.8 wrote it."""
+    file = tmp_path / "stage.usdc"
+    layer = Sdf.Layer.CreateNew(str(file))
+    root = layer.pseudoRoot
+    value = Vt.Float(float(written)) if isinstance(written, np.floating) else written
+    root.SetInfo("metersPerUnit", value)
+    layer.Save()
+    stage = Usd.Stage.Open(str(file))
+    assert meters_per_unit(stage) == float(written)
+    assert world_from_stage(stage)[0, 0] == float(written)
+    assert odd_frame(stage) == []
+
+
+def test_units_that_are_no_number_are_told() -> None:
+    # USD would not let anybody write these, but reads them.
+    said = {"metersPerUnit": "an inch", "upAxis": "X"}
+    stage: Any = SimpleNamespace(GetMetadata=said.__getitem__)
+    assert meters_per_unit(stage) == 0.01
+    metres, up = odd_frame(stage)
+    assert "is no length" in metres and "'X' is none" in up

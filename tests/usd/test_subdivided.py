@@ -9,6 +9,7 @@ from pxr import Sdf, Usd, UsdGeom, Vt
 from scipy.interpolate import BSpline
 
 from openrooms_usd.usd.gprims import Surface, read_surface
+from openrooms_usd.usd.subdivided import Topologies
 
 Array = NDArray[np.float64]
 # Four squares about the origin, seen from above.
@@ -115,3 +116,46 @@ def test_what_loop_cannot_refine_is_drawn_as_it_is() -> None:
     found = surface(lambda mesh: mesh.CreateSubdivisionSchemeAttr("loop"))
     assert found.mesh is not None and len(found.mesh.faces) == 8
     assert "loop refines triangles alone" in found.losses[0][1]
+
+
+def test_equal_topologies_are_refined_once_and_give_the_same() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    prims = []
+    for number in range(3):
+        mesh = UsdGeom.Mesh.Define(stage, f"/m{number}")
+        points = np.random.default_rng(number).uniform(-1.0, 1.0, (8, 3))
+        mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points.astype(np.float32)))
+        mesh.CreateFaceVertexCountsAttr([4] * 6)
+        mesh.CreateFaceVertexIndicesAttr(
+            [0, 1, 3, 2, 2, 3, 5, 4, 4, 5, 7, 6, 6, 7, 1, 0, 1, 7, 5, 3, 6, 0, 2, 4]
+        )
+        if number == 2:
+            # Another surface of the same faces.
+            mesh.CreateCornerIndicesAttr([0])
+            mesh.CreateCornerSharpnessesAttr([10.0])
+        prims.append(mesh.GetPrim())
+    known = Topologies()
+    shared = [read_surface(prim, topologies=known).mesh for prim in prims]
+    alone = [read_surface(prim).mesh for prim in prims]
+    assert len(known._known) == 2
+    for one, other in zip(shared, alone, strict=True):
+        assert one is not None and other is not None
+        assert np.array_equal(one.points, other.points)
+        assert np.array_equal(one.normals, other.normals)
+
+
+def test_a_bilinear_cube_has_flat_sides() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    mesh = UsdGeom.Mesh.Define(stage, "/cube")
+    points = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    mesh.CreatePointsAttr(points)
+    mesh.CreateFaceVertexCountsAttr([4] * 6)
+    mesh.CreateFaceVertexIndicesAttr(
+        [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3]
+    )
+    mesh.CreateSubdivisionSchemeAttr("bilinear")
+    found = read_surface(mesh.GetPrim()).mesh
+    assert found is not None and found.normals is None
+    corners = found.points[found.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.sort(np.abs(normals), axis=1)[:, :2].max() < 1e-12

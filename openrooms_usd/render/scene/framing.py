@@ -21,11 +21,10 @@ _MANY_TRIANGLES: Final = 500_000
 def is_framed_here(scene: Scene) -> bool:
     """Whether a scene is so large that a ray caster of its own would take long to make.
 
-    Renderers look through panes, and see what stands outside; where there is any of that, the
-    stage's own meshes tell what a room is.
+    Renderers see what stands outside before windows; where there is any of that, the stage's own
+    meshes tell what a room is.
     """
-    many = len(scene.triangles) > _MANY_TRIANGLES
-    return many and not scene.panes and not scene.has_outside
+    return len(scene.triangles) > _MANY_TRIANGLES and not scene.has_outside
 
 
 def framed(scene: Scene, tracer: RayTracer, width: int, height: int) -> PinholeCamera:
@@ -39,7 +38,9 @@ def framed(scene: Scene, tracer: RayTracer, width: int, height: int) -> PinholeC
     """
     dark = joined([patch.triangles for patch in scene.patches if patch.radiance is None])
     shown = dark if len(dark) else scene.triangles
-    view = framing_view(shown.hull, _SceneCaster(scene, tracer), width / height)
+    # Rays go through panes, which are to be seen all the same.
+    points = np.concatenate([shown.hull, *(pane.triangles.hull for pane in scene.panes)])
+    view = framing_view(points, _SceneCaster(scene, tracer), width / height)
     return PinholeCamera(intrinsics(FOV_DEG, width, height), view.poses()[0])
 
 

@@ -63,7 +63,9 @@ class Instances(Triangles):
 
     def rows(self, which: Any) -> Triangles:
         """See `Triangles.rows`; no others are expanded."""
-        numbers = np.arange(len(self))[which]
+        numbers = _numbers(which, len(self))
+        if not len(numbers):
+            return Triangles.of(())
         instances, own = np.divmod(numbers, max(len(self.prototype), 1))
         of = self.prototype.rows(own)
         return Triangles(
@@ -167,6 +169,14 @@ class Instances(Triangles):
         return np.where(mirrored[:, None, None, None], values[:, :, ::-1], values)
 
 
+def _numbers(which: Any, size: int) -> NDArray[np.int64]:
+    """Rows by their numbers, of so many: there may be a hundred million, of which few are asked."""
+    if isinstance(which, slice):
+        return np.arange(*which.indices(size))
+    rows = np.asarray(which)
+    return np.flatnonzero(rows) if rows.dtype == np.bool_ else rows % max(size, 1)
+
+
 def _of_parts(name: str) -> Any:
     """A field of plain triangles: the same of all parts, put together once."""
     return cached_property(lambda one: np.concatenate([getattr(part, name) for part in one.parts]))
@@ -197,7 +207,7 @@ class _Several(Triangles):
 
     def rows(self, which: Any) -> Triangles:
         """See `Triangles.rows`."""
-        numbers = np.arange(len(self))[which]
+        numbers = _numbers(which, len(self))
         of = np.searchsorted(self._ends, numbers, side="right") - 1
         found = Triangles(
             np.empty((len(numbers), 3, 3)),

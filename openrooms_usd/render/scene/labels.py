@@ -1,6 +1,7 @@
 """Numbers for objects, parts, materials and classes, and what they mean."""
 
 from dataclasses import dataclass
+from typing import Final
 
 from pxr import Usd, UsdShade
 
@@ -71,6 +72,11 @@ class Labels:
         return self._objects[stands]
 
 
+_LABELS: Final = frozenset(
+    f"SemanticsLabelsAPI:{kind}" for kind in (names.CATEGORY, *CLASS_CHANNELS)
+)
+
+
 @dataclass(frozen=True)
 class _Owner:
     """The object that a surface is part of: levels above it, its category, numbers of classes."""
@@ -106,9 +112,7 @@ def _owner(prim: Usd.Prim) -> tuple[Usd.Prim, int]:
 
 
 def _is_labelled(prim: Usd.Prim) -> bool:
-    schemas = prim.GetAppliedSchemas()
-    kinds = (names.CATEGORY, *CLASS_CHANNELS)
-    return any(f"SemanticsLabelsAPI:{kind}" in schemas for kind in kinds)
+    return not _LABELS.isdisjoint(prim.GetAppliedSchemas())
 
 
 def material_path(material: UsdShade.Material | None) -> str | None:

@@ -1,17 +1,20 @@
 """Numbers that meshes carry: one for all of it, or one at each corner as a picture."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import UsdGeom
+from pxr import Usd, UsdGeom
 
 from openrooms_usd.render.scene.pictures import Picture, Value
+from openrooms_usd.render.scene.surfaces import CLEAR, Surface
 from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.meshes import PlacedMesh
+from openrooms_usd.usd.surfaces import PreviewSurface
 
 # So many blocks of two texels by two are as many as fit into a picture of 4096 by 4096.
 _MOST_TRIANGLES: Final = 2048**2
@@ -56,6 +59,21 @@ def paint(mesh: PlacedMesh, name: str) -> Paint | None:
     return Paint(mean, *_blocks(np.clip(corners.astype(np.float64), 0.0, 1.0)))
 
 
+def passed_on(stage: Usd.Stage) -> frozenset[str]:
+    """The primvars that prims of a stage may inherit: those that are said elsewhere than of shapes.
+
+    Instances of one prototype differ by these alone.
+    """
+    begin = "primvars:"
+    return frozenset(
+        attribute.GetName().removeprefix(begin)
+        for root in (stage.GetPseudoRoot(), *stage.GetPrototypes())
+        for prim in Usd.PrimRange(root)
+        if not prim.IsA(UsdGeom.Gprim)
+        for attribute in prim.GetAuthoredPropertiesInNamespace(begin)
+    )
+
+
 def _values(mesh: PlacedMesh, name: str) -> NDArray[np.float64]:
     """(N, 1 or 3) its own values, those of its instance, or what it inherits; none without any."""
     api = UsdGeom.PrimvarsAPI(mesh.prim)
@@ -96,7 +114,38 @@ def _blocks(colors: NDArray[np.float64]) -> tuple[Picture, NDArray[np.float32]]:
     return Picture(texels, wrap="clamp"), st
 
 
-def painted_value(
+def paint_over(
+    surface: Surface, preview: PreviewSurface, found: Mapping[str, Paint], losses: list[str]
+) -> tuple[dict[str, Value], NDArray[np.float32] | None]:
+    """What fields of a surface become by what a mesh has painted.
+
+    Args:
+        surface: The surface.
+        preview: What it was read of.
+        found: What is painted, by field.
+        losses: Receives what was approximated.
+
+    Returns:
+        The fields, and (M, 3, 2) where the mesh lies in pictures among them, if there are any.
+    """
+    primvars, st = dict(preview.painted), None
+    values: dict[str, Value] = {}
+    for field, one in found.items():
+        picture = one.picture
+        # Pictures of the material want other texture coordinates than what is painted.
+        if picture is not None and surface.is_textured:
+            losses.append(f"its primvars:{primvars[field]} are taken as their mean beside textures")
+            picture = None
+        else:
+            losses += one.losses
+        values[field] = _value(field, one.mean, picture, preview.opacity_threshold)
+        st = st if picture is None else one.st
+        if field == "opacity" and preview.opacity_threshold <= 0.0 and _is_clear(values[field]):
+            losses.append(CLEAR)
+    return values, st
+
+
+def _value(
     field: str, mean: tuple[float, ...], picture: Picture | None, threshold: float = 0.0
 ) -> Value:
     """What a field of a `Surface` becomes by what is painted.
@@ -121,6 +170,6 @@ def painted_value(
     return red, green, blue
 
 
-def is_clear(opacity: Value) -> bool:
+def _is_clear(opacity: Value) -> bool:
     """Whether an opacity lets anything through."""
     return bool(np.min(opacity.pixels if isinstance(opacity, Picture) else opacity) < 1.0)

@@ -141,7 +141,13 @@ def evaluate(value: Value, st: Array, channels: int) -> Array:
     return np.broadcast_to(np.asarray(value, dtype=np.float64), (*st.shape[:-1], channels))
 
 
-def load(texture: Texture, channels: int, limits: tuple[float, float], uv: Array) -> Picture:
+def load(
+    texture: Texture,
+    channels: int,
+    limits: tuple[float, float],
+    uv: Array,
+    side: int = MAX_SIDE,
+) -> Picture:
     """Read a texture and apply its colour space, scale, bias and channel.
 
     Args:
@@ -149,6 +155,7 @@ def load(texture: Texture, channels: int, limits: tuple[float, float], uv: Array
         channels: 1 or 3: what the input needs.
         limits: The least and the greatest value that make sense.
         uv: (3, 3) from the mesh's texture coordinates to the picture's.
+        side: The longest side that is kept as it is, pixels.
     """
     losses: list[str] = []
     try:
@@ -157,12 +164,12 @@ def load(texture: Texture, channels: int, limits: tuple[float, float], uv: Array
         losses.append(f"{texture.file}: {error.message}; its fallback colour is used")
         values = np.array(texture.fallback, dtype=np.float32).reshape(1, 1, 4)
     else:
-        if max(stored.shape[:2]) > MAX_SIDE:
-            losses.append(f"{texture.file}: longer than {MAX_SIDE} pixels, made smaller")
+        if max(stored.shape[:2]) > side:
+            losses.append(made_smaller(texture.file, side))
         stored, damaged = mended(stored)
         if damaged:
             losses.append(f"{texture.file}: {damaged} texels are no numbers; mended by neighbours")
-        rgba = _rgba(within(stored))
+        rgba = _rgba(within(stored, side))
         if texture.color_space == "sRGB":
             rgba[..., :3] = linear_from_srgb(rgba[..., :3])
         values = rgba * np.array(texture.scale, np.float32) + np.array(texture.bias, np.float32)
@@ -239,10 +246,15 @@ def _picked(rgba: NDArray[np.float32], channel: str, channels: int) -> NDArray[n
     return np.repeat(rgba[..., index : index + 1], channels, axis=2)
 
 
-def within(stored: NDArray[np.float32]) -> NDArray[np.float32]:
+def made_smaller(file: str, side: int) -> str:
+    """What is lost of a picture that is longer than is kept."""
+    return f"{file}: longer than {side} pixels, made smaller"
+
+
+def within(stored: NDArray[np.float32], side: int = MAX_SIDE) -> NDArray[np.float32]:
     """Halve a picture until its longer side fits."""
-    while max(stored.shape[:2]) > MAX_SIDE:
-        height, width = (side // 2 * 2 for side in stored.shape[:2])
+    while max(stored.shape[:2]) > side:
+        height, width = (length // 2 * 2 for length in stored.shape[:2])
         even = stored[: max(height, 1), : max(width, 1)]
         rows = even if height == 0 else (even[::2] + even[1::2]) / 2
         halved = rows if width == 0 else (rows[:, ::2] + rows[:, 1::2]) / 2

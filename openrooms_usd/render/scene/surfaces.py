@@ -1,8 +1,9 @@
 """What a surface does to light: between UsdPreviewSurface and a renderer's BSDFs."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
@@ -10,9 +11,11 @@ import numpy as np
 
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
+from openrooms_usd.errors import InputError
 from openrooms_usd.render.scene.codes import Known, load_picture
-from openrooms_usd.render.scene.pictures import Array, Limits, Picture, Value
+from openrooms_usd.render.scene.pictures import MAX_SIDE, Array, Limits, Picture, Value
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
+from openrooms_usd.usd.textures import texture_size
 
 _UNIT_RANGE: Final = (0.0, 1.0)
 _POSITIVE_RANGE: Final = (0.0, math.inf)
@@ -33,6 +36,10 @@ _NEEDS: Final[dict[str, tuple[int, Limits]]] = {
     "clearcoat_roughness": (1, _UNIT_RANGE),
 }
 _MOST_IOR: Final = 20.0
+# What pictures may take together, of which each channel of a texel takes a code and a half float.
+_MOST_TEXEL_BYTES: Final = 2.0e9
+_BYTES_OF_A_TEXEL: Final = 3
+_LEAST_SIDE: Final = 256
 _MOST_REFLECTANCE: Final = 0.9
 _FLAT_NORMAL: Final = (0.0, 0.0, 1.0)
 CLEAR: Final = "opacity lets light straight through; clear parts reflect nothing"
@@ -99,9 +106,15 @@ class Surface:
 
 
 class SurfaceReader:
-    """Turns preview surfaces into `Surface`, reading each picture once."""
+    """Turns preview surfaces into `Surface`, reading each picture once.
 
-    def __init__(self) -> None:
+    Args:
+        side: The longest side of pictures that are kept as they are, pixels; None: so long that all
+            of a stage take at most 2 GB.
+    """
+
+    def __init__(self, side: int | None = None) -> None:
+        self._side, self._is_asked = side or MAX_SIDE, side is not None
         self._surfaces: dict[PreviewSurface, Surface] = {}
         self._pictures: dict[_Need, Picture] = {}
         self._codes: Known = {}
@@ -110,6 +123,8 @@ class SurfaceReader:
         """Read the pictures of surfaces that will be read, on all cores."""
         wanted = dict.fromkeys(need for preview in previews for need in _pictures_of(preview))
         missing = [need for need in wanted if need not in self._pictures]
+        if not self._is_asked:
+            self._side = _affordable_side(missing)
         # One of each file at the same time; what shares its codes follows.
         files = list({(need[0].file, need[0].channel, need[1]): need for need in missing}.values())
         with ThreadPoolExecutor() as pool:
@@ -189,7 +204,7 @@ class SurfaceReader:
     def _load(self, need: "_Need") -> Picture:
         texture, channels, limits, mapping = need
         uv = np.frombuffer(mapping).reshape(3, 3)
-        return load_picture(texture, channels, limits, uv, self._codes)
+        return load_picture(texture, channels, limits, uv, self._codes, self._side)
 
     def _opacity(self, preview: PreviewSurface, uv: Array) -> Value:
         opacity = self._value(preview, "opacity", uv)
@@ -204,6 +219,26 @@ class SurfaceReader:
 
 # A texture, the channels and limits of its input, and the bytes of the (3, 3) mapping.
 _Need = tuple[Texture, int, Limits, bytes]
+
+
+def _affordable_side(needs: Sequence[_Need]) -> int:
+    """The longest side that pictures may have, so that all of them fit into `_MOST_TEXEL_BYTES`."""
+    sizes = []
+    for file, channels in {(need[0].file, need[1]) for need in needs}:
+        with suppress(InputError):
+            sizes.append((*texture_size(file), channels))
+    side = MAX_SIDE
+    while side > _LEAST_SIDE and _texel_bytes(sizes, side) > _MOST_TEXEL_BYTES:
+        side //= 2
+    return side
+
+
+def _texel_bytes(sizes: Sequence[tuple[int, int, int]], side: int) -> float:
+    total = 0.0
+    for wide, high, channels in sizes:
+        share = min(1.0, side / max(wide, high, 1))
+        total += wide * high * share**2 * channels * _BYTES_OF_A_TEXEL
+    return total
 
 
 def _pictures_of(preview: PreviewSurface) -> Iterator[_Need]:

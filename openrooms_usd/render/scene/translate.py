@@ -15,9 +15,9 @@ from openrooms_usd.render.scene import lamps
 from openrooms_usd.render.scene.arrays import Environment, Scene, Sun
 from openrooms_usd.render.scene.gathering import Gathered, shapes
 from openrooms_usd.render.scene.labels import Labels, material_path
-from openrooms_usd.render.scene.painted import Paint, is_clear, paint, painted_value
+from openrooms_usd.render.scene.painted import Paint, paint, paint_over, passed_on
 from openrooms_usd.render.scene.pictures import Picture, Value
-from openrooms_usd.render.scene.surfaces import CLEAR, Surface, SurfaceReader
+from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.triangles import Floats, Ints
 from openrooms_usd.render.scene.unseen import report_unseen
@@ -34,7 +34,7 @@ from openrooms_usd.usd.lights import (
     read_lights,
 )
 from openrooms_usd.usd.linking import LightLinks
-from openrooms_usd.usd.materials import BARE, bound_material, bound_subsets, read_preview_surface
+from openrooms_usd.usd.materials import BARE, bound_materials, bound_subsets, read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh, TriangleMesh, read_meshes
 from openrooms_usd.usd.portals import Portal, read_portals
 from openrooms_usd.usd.profiles import Shaping
@@ -57,25 +57,36 @@ def _surface_of(light: Usd.Prim) -> Usd.Prim:
     return surface or light
 
 
-def translate(stage: Usd.Stage, *, outside: bool = True, default_light: bool = False) -> Scene:
+def translate(
+    stage: Usd.Stage,
+    *,
+    outside: bool = True,
+    default_light: bool = False,
+    texture_side: int | None = None,
+) -> Scene:
     """Translate a stage; nothing that it holds raises.
 
     Args:
         stage: The composed stage, with any up axis and unit.
         outside: Whether what stands outside before the windows is part of it.
         default_light: Whether a stage without any light gets one, which the report tells.
+        texture_side: The longest side of textures that are kept as they are, pixels; None: 4096, or
+            less where all together would take much memory.
 
     Returns:
         The scene, whose report names every prim that was not translated whole.
     """
     # Absurd numbers overflow; what comes of them is looked at where it matters.
     with np.errstate(all="ignore"):
-        return _translated(stage, outside, default_light)
+        return _translated(stage, outside, default_light, texture_side)
 
 
-def _translated(stage: Usd.Stage, outside: bool, default_light: bool) -> Scene:
+def _translated(
+    stage: Usd.Stage, outside: bool, default_light: bool, texture_side: int | None
+) -> Scene:
     lights = read_lights(stage)
-    work = _Translation(LightLinks(stage, lights))
+    reader = SurfaceReader(texture_side)
+    work = _Translation(LightLinks(stage, lights), passed_on(stage), reader)
     # 1. Light, first: a mesh has to know whether it emits.
     for light in lights:
         work.add_light(stage, light)
@@ -100,12 +111,15 @@ def _translated(stage: Usd.Stage, outside: bool, default_light: bool) -> Scene:
 class _Translation:
     """Gathers what will be the scene."""
 
-    def __init__(self, links: LightLinks) -> None:
+    def __init__(
+        self, links: LightLinks, passed_on: frozenset[str], surfaces: SurfaceReader
+    ) -> None:
         self._links = links
+        self._passed_on = passed_on
         self._responses: dict[str, tuple[float, float]] = {}
         self.report = Report()
         self._labels = Labels()
-        self._surfaces = SurfaceReader()
+        self._surfaces = surfaces
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
         self._materials: dict[str, Surface] = {}
         self._paints: dict[tuple[object, ...], Paint | None] = {}
@@ -193,7 +207,9 @@ class _Translation:
 
     def with_materials(self, meshes: Iterable[PlacedMesh]) -> list[tuple[PlacedMesh, _Parts]]:
         """Meshes with the materials of their triangles, whose pictures are then all read."""
-        found = [(mesh, list(_materials(mesh))) for mesh in meshes]
+        placed = list(meshes)
+        bound = bound_materials([mesh.prim for mesh in placed])
+        found = [(m, list(_materials(m, own))) for m, own in zip(placed, bound, strict=True)]
         for _, parts in found:
             for _, material in parts:
                 if material is not None and _key(material) not in self._previews:
@@ -273,9 +289,9 @@ class _Translation:
     def _paint(self, mesh: PlacedMesh, name: str) -> Paint | None:
         """What a mesh says in a primvar of colours; instances of one share it."""
         # What is one colour may be inherited, and differ between instances.
-        own = name in mesh.mesh.colors
-        inherited = "" if own else (str(mesh.prim.GetPath()), dict(mesh.tints).get(name))
-        key = id(mesh.mesh), name, inherited
+        tint = dict(mesh.tints).get(name)
+        own = name in mesh.mesh.colors or name not in self._passed_on
+        key = id(mesh.mesh), name, tint, "" if own else str(mesh.prim.GetPath())
         if key not in self._paints:
             self._paints[key] = paint(mesh, name)
         return self._paints[key]
@@ -289,22 +305,7 @@ class _Translation:
         losses: list[str],
     ) -> tuple[Surface, Floats | None]:
         """A surface with what a mesh has painted, and where the mesh lies in the pictures of it."""
-        names_of, st = dict(preview.painted), None
-        values: dict[str, Value] = {}
-        for field, one in found.items():
-            picture = one.picture
-            # Pictures of the material want other texture coordinates than what is painted.
-            if picture is not None and surface.is_textured:
-                losses.append(
-                    f"its primvars:{names_of[field]} are taken as their mean beside textures"
-                )
-                picture = None
-            else:
-                losses += one.losses
-            values[field] = painted_value(field, one.mean, picture, preview.opacity_threshold)
-            st = st if picture is None else one.st
-            if field == "opacity" and is_clear(values[field]) and not preview.opacity_threshold:
-                losses.append(CLEAR)
+        values, st = paint_over(surface, preview, found, losses)
         key = (
             id(surface),
             *(
@@ -353,8 +354,13 @@ def _key(material: UsdShade.Material) -> str:
     return str(source.GetPath())
 
 
-def _materials(mesh: PlacedMesh) -> Iterator[_Part]:
-    """(rows of triangles, their material) for each part of a mesh with a material of its own."""
+def _materials(mesh: PlacedMesh, own: UsdShade.Material | None) -> Iterator[_Part]:
+    """(rows of triangles, their material) for each part of a mesh with a material of its own.
+
+    Args:
+        mesh: The mesh.
+        own: The material of what is in no such part.
+    """
     faces = mesh.mesh.faces
     rest = np.ones(len(faces), dtype=bool)
     for indices, material in bound_subsets(mesh.prim):
@@ -363,4 +369,4 @@ def _materials(mesh: PlacedMesh) -> Iterator[_Part]:
             rest[rows] = False
             yield rows.astype(np.int32), material
     if rest.any():
-        yield np.flatnonzero(rest).astype(np.int32), bound_material(mesh.prim)
+        yield np.flatnonzero(rest).astype(np.int32), own

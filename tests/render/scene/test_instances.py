@@ -8,8 +8,9 @@ from pxr import Usd
 
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene import gathering
-from openrooms_usd.render.scene.instances import Instances
+from openrooms_usd.render.scene.instances import Instances, joined
 from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.render.scene.triangles import Triangles
 from tests.crowd import crowd
 
 EXACT = ("depth", "position", "normal", "base_color", "instance", "part", "material")
@@ -83,3 +84,24 @@ def test_they_move(open_stage: Any, keep: Any, picture: str) -> None:
         pictures.append(opened.render(request).images["depth"].pixels)
         assert (pictures[-1] != still).mean() > 0.01
     assert np.isclose(*pictures, atol=1e-4).mean() > 0.997
+
+
+def test_rows_are_found_by_numbers_flags_and_slices() -> None:
+    """Whichever way they are asked for, they are those of the triangles that lie in memory."""
+    own = Triangles(
+        np.arange(27.0).reshape(3, 3, 3),
+        np.tile(np.float32([0.0, 0.0, 1.0]), (3, 3, 1)),
+        np.zeros((3, 3, 2), np.float32),
+        np.zeros(3, np.int32),
+    )
+    matrices = np.tile(np.eye(4), (4, 1, 1))
+    matrices[:, 0, 3] = np.arange(4) * 100.0
+    instances = Instances(own, matrices, np.arange(4, dtype=np.int32))
+    several = joined([own, instances])
+    for triangles in (instances, several):
+        every = triangles.corners
+        flags = np.arange(len(triangles)) % 3 == 1
+        for which in ([5, 0, 7], [-1, 2], flags, slice(2, None, 3), slice(0, 0)):
+            chosen = np.array(which) if isinstance(which, list) else which
+            found = triangles.rows(chosen)
+            assert np.array_equal(found.corners, every[chosen])
