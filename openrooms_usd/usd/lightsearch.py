@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,10 @@ from openrooms_usd.usd.traversal import instances_of
 
 Matrix = NDArray[np.float64]
 
-_PROXIES = Usd.TraverseInstanceProxies()
+_PROXIES: Final = Usd.TraverseInstanceProxies()
 # Prototypes of point instancers may be mere overs or classes.
-_PROTOTYPES = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
-_SEEN = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
+_PROTOTYPES: Final = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
+_SEEN: Final = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
 
 
 def read_lights(stage: Usd.Stage) -> list[Light]:
@@ -67,27 +68,22 @@ class _Search:
     def lights(self) -> Iterator[Light]:
         walk = iter(Usd.PrimRange.Stage(self._stage))
         for prim in walk:
-            if prim.IsInstance():
-                if self._has_lights(prim.GetPrototype()):
-                    yield from self._below(prim)
-            elif prim.IsA(UsdGeom.PointInstancer):
-                walk.PruneChildren()
-                if _is_seen(prim):
-                    matrix = local_to_world(prim, self._cache)
-                    yield from self._scattered(prim, str(prim.GetPath()), matrix)
-            elif is_light(prim) and _is_seen(prim):
-                yield read_light(prim)
+            if not prim.IsInstance():
+                yield from self._own(prim, walk)
+            elif self._has_lights(prim.GetPrototype()):
+                inside = iter(Usd.PrimRange(prim, _PROXIES))
+                for proxy in inside:
+                    yield from self._own(proxy, inside)
 
-    def _below(self, instance: Usd.Prim) -> Iterator[Light]:
-        walk = iter(Usd.PrimRange(instance, _PROXIES))
-        for prim in walk:
-            if prim.IsA(UsdGeom.PointInstancer):
-                walk.PruneChildren()
-                if _is_seen(prim):
-                    matrix = local_to_world(prim, self._cache)
-                    yield from self._scattered(prim, str(prim.GetPath()), matrix)
-            elif is_light(prim) and _is_seen(prim):
-                yield read_light(prim)
+    def _own(self, prim: Usd.Prim, walk: Any) -> Iterator[Light]:
+        """What a prim shines itself; a walk does not go into point instancers."""
+        if prim.IsA(UsdGeom.PointInstancer):
+            walk.PruneChildren()
+            if _is_seen(prim):
+                matrix = local_to_world(prim, self._cache)
+                yield from self._scattered(prim, str(prim.GetPath()), matrix)
+        elif is_light(prim) and _is_seen(prim):
+            yield read_light(prim)
 
     def _has_lights(self, prototype: Usd.Prim) -> bool:
         """Whether there is any light in what instances share, or a point instancer with some."""
