@@ -223,3 +223,20 @@ def test_very_many_colors_of_instances_are_rounded_and_told(build: Any) -> None:
     number = np.floor(at[:, 0] / 3.0 + 1e-9).astype(int)
     own = number % 4 != 3
     assert np.abs(found - rows[number])[own].max() <= 1.0 / 8.0 + 1e-6
+
+
+def test_of_nested_instancers_the_inner_one_counts(build: Any) -> None:
+    made = build()
+    made.mesh("/Set/Inner/Proto", POINTS, FACES)
+    for path, target in (("/Set/Inner", "/Set/Inner/Proto"), ("/Set", "/Set/Inner")):
+        instancer = UsdGeom.PointInstancer.Define(made.stage, path)
+        instancer.CreatePrototypesRel().SetTargets([target])
+        instancer.CreateProtoIndicesAttr([0, 0])
+        instancer.CreatePositionsAttr(vectors([(0, 0, 0), (30 if path == "/Set" else 3, 0, 0)]))
+    outer, inner = (UsdGeom.PointInstancer.Get(made.stage, p) for p in ("/Set", "/Set/Inner"))
+    colors(outer, "vertex", COLORS[2:])
+    at, found = at_corners(made.stage)
+    assert np.abs(found - np.array(COLORS[2:])[(at[:, 0] > 15).astype(int)]).max() < 1e-6
+    colors(inner, "vertex", COLORS[:2])
+    at, found = at_corners(made.stage)
+    assert np.abs(found - np.array(COLORS[:2])[(at[:, 0] % 30 > 2.5).astype(int)]).max() < 1e-6
