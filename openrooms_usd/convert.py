@@ -1,6 +1,6 @@
 """The contract of exporters, and the report of what became of every prim."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
@@ -37,6 +37,11 @@ class Report:
     def add(self, prim: object, outcome: Outcome, reason: str = "") -> None:
         """Say what became of a prim."""
         self.rows.append((str(prim), outcome, reason))
+
+    def say(self, prim: object, losses: Iterable[str]) -> None:
+        """Say that a prim was translated: whole, or approximated for these reasons."""
+        reason = "; ".join(dict.fromkeys(losses))
+        self.add(prim, "approximated" if reason else "translated", reason)
 
     def lose(self, reasons: Mapping[str, str]) -> None:
         """Say what was lost of prims later on; those with an empty reason stay as they are.
