@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
+from openrooms_usd.usd.bindings import bound_material, bound_subsets
 from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.materials import bound_material, bound_subsets, read_preview_surface
+from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.surfaces import PreviewSurface
 

@@ -82,7 +82,7 @@ def read_looks(stage: "Usd.Stage", world: World) -> Looks:
     """
     from pxr import UsdShade
 
-    from openrooms_usd.usd.materials import read_preview_surface
+    from openrooms_usd.usd.materialreader import read_preview_surface
 
     visuals = (v for body in world.bodies for link in body.links for v in link.visuals)
     looks: dict[str, Look] = {}

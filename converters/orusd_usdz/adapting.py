@@ -17,11 +17,8 @@ from openrooms_usd.package import package
 from openrooms_usd.usd import layers
 from openrooms_usd.usd.diagnostics import reading
 from openrooms_usd.usd.frames import TIME, up_axis
-from openrooms_usd.usd.materials import (
-    PANE_OPACITY,
-    define_preview_surface,
-    read_preview_surface,
-)
+from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import PANE_OPACITY, define_preview_surface
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
 from orusd_usdz.profiles import Profile
 from orusd_usdz.textures import Textures

@@ -7,7 +7,8 @@
 - places: `frames`, `metrics`, `transforms`, `placements`, `partitions`, `settled`;
 - surfaces: `traversal`, `gprims`, `arrays`, `tessellation`, `subdivided`, `creases`,
   `curves`, `patches` (both give a `drawn`), `meshes`;
-- materials: `surfaces`, `networks`, `uvtextures`, `textures`, `udim`, `materials`, `physics`;
+- materials: `surfaces`, `materials`, `materialreader`, `bindings`, `physics`; of their networks
+  `networks`, `uvtextures`, `textures`, `udim`;
   of MaterialX `mtlxlayers`, `uber`, `nodegraphs`, `nodecoordinates`;
 - light: `photometry`, `emitters`, `lightreader`, `lightsearch`, `shaping` (with IES `profiles`,
   `cones`), `lights`, `linking`, `portals`; `cameras`, `fields_of_view`, `rendersettings`;

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.arrays import number_of, vector_of
+from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.emitters import (
     CylinderLight,
     DiskLight,
@@ -28,7 +29,8 @@ from openrooms_usd.usd.emitters import (
 )
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.linking import includes_all
-from openrooms_usd.usd.materials import Texture, bound_material, read_preview_surface
+from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import Texture
 from openrooms_usd.usd.photometry import world_area, world_from_prim
 from openrooms_usd.usd.shaping import read_shaping
 

@@ -285,7 +285,7 @@ def test_panes_are_read_and_move(build: Any, shoot: Any, variant: str, closed: b
 def test_a_pane_survives_usd(build: Any) -> None:
     from pxr import UsdShade
 
-    from openrooms_usd.usd.materials import read_preview_surface
+    from openrooms_usd.usd.materialreader import read_preview_surface
 
     made = build()
     path = made.material("/Glass", pane=TINT, ior=IOR, roughness=0.0)

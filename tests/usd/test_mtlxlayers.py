@@ -13,7 +13,7 @@ from openrooms_usd.convert import convert_stage
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.render import render_stage
 from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.materials import read_preview_surface
+from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.mtlxlayers import read_mtlx_layers
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 

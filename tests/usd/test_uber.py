@@ -11,7 +11,8 @@ from pxr import Usd, UsdShade
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.render.scene.pictures import load
-from openrooms_usd.usd.materials import PreviewSurface, Texture, read_preview_surface
+from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import PreviewSurface, Texture
 from openrooms_usd.usd.surfaces import f0_of
 
 STANDARD, OPEN_PBR, GLTF, PREVIEW = (

@@ -8,7 +8,8 @@ import pytest
 from pxr import Usd, UsdShade
 
 from openrooms_usd.render.scene.surfaces import SurfaceReader
-from openrooms_usd.usd.materials import Texture, read_preview_surface
+from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import Texture
 from tests.usd.test_materials import write_picture
 
 SURFACES = ("standard_surface", "open_pbr_surface", "gltf_pbr", "UsdPreviewSurface")

@@ -10,7 +10,8 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.render.scene.pictures import load
 from openrooms_usd.usd import udim
-from openrooms_usd.usd.materials import Texture, define_preview_surface, read_preview_surface
+from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import Texture, define_preview_surface
 from openrooms_usd.usd.surfaces import PreviewSurface
 from openrooms_usd.usd.textures import read_texture
 

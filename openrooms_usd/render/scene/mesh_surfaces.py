@@ -12,7 +12,8 @@ from openrooms_usd.render.scene.painted import Paint, paint, paint_over
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.triangles import Floats, Ints
-from openrooms_usd.usd.materials import BARE, bound_materials, bound_subsets, read_preview_surface
+from openrooms_usd.usd.bindings import bound_materials, bound_subsets
+from openrooms_usd.usd.materialreader import BARE, read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh, TriangleMesh
 from openrooms_usd.usd.surfaces import PreviewSurface
 

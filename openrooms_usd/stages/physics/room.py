@@ -23,7 +23,7 @@ from openrooms_usd.stages.physics.cache import cached_shapes
 from openrooms_usd.stages.physics.colliders import Collider, LinkColliders
 from openrooms_usd.stages.physics.objects import Objects, search_colliders
 from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
-from openrooms_usd.usd.materials import read_preview_surface
+from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.semantics import read_label
 
 # A floor and a ceiling are treated as convex: no seam stops sliding objects, and nothing is beyond.
