@@ -243,6 +243,6 @@ def test_usd(tmp_path):
     _, data = run("usd", tmp_path / "u.json")
     assert len(data["rows"]) == 5
     for row in data["rows"]:
-        for ours in (row["vectorized"], row["scalar"]):
+        for ours in (row["auto"], row["scalar"]):
             assert 0 < ours["translated"] < ours["opened"] < ours["first"]
             assert ours["error"] < 1e-5
