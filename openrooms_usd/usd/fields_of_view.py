@@ -6,6 +6,7 @@ from typing import Final
 from pxr import Usd, UsdGeom, UsdRender
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.usd.arrays import number_of
 from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.rendersettings import render_settings
@@ -36,5 +37,5 @@ def set_field_of_view(stage: Usd.Stage, degrees: float) -> None:
             policy.Set(UsdRender.Tokens.adjustApertureHeight)
         for prim in list_cameras(stage):
             camera = UsdGeom.Camera(prim)
-            aperture = float(camera.GetHorizontalApertureAttr().Get(TIME))
+            aperture = number_of(camera.GetHorizontalApertureAttr().Get(TIME)) or 0.0
             camera.GetFocalLengthAttr().Set(0.5 * aperture / math.tan(math.radians(degrees) / 2.0))

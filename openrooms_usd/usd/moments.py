@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.arrays import array_of
+from openrooms_usd.usd.arrays import array_of, number_of
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.rendersettings import is_set
 from openrooms_usd.usd.skinning import has_skin, skin
@@ -251,7 +251,7 @@ def _shutter(camera: UsdGeom.Camera, time_code: float | None) -> tuple[float, fl
     """When a camera's shutter opens and closes, time codes from the frame; None for an instant."""
     when = TIME if time_code is None else Usd.TimeCode(time_code)
     opens, closes = (
-        float(attribute.Get(when) or 0.0)
+        number_of(attribute.Get(when)) or 0.0
         for attribute in (camera.GetShutterOpenAttr(), camera.GetShutterCloseAttr())
     )
     return (opens, closes) if opens < closes else None

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array, kron
 
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.splines import rational, spans
-from openrooms_usd.usd.arrays import integers, numbers
+from openrooms_usd.usd.arrays import integers, numbers, vector_of
 from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
 
@@ -60,7 +60,7 @@ def read_patch(prim: Usd.Prim) -> Drawn:
     if not np.isfinite(points).all():
         return Drawn(None, ["points hold NaN or infinity"])
     losses = ["it is drawn as flat pieces"]
-    if len(patch.GetTrimCurveCountsAttr().Get(TIME) or []):
+    if len(integers(patch.GetTrimCurveCountsAttr())):
         losses.append("its trimming curves are not applied")
     sheet = _sheet(weights @ points, u.shape[0], v.shape[0])
     return Drawn(sheet, losses, lambda values, _: _each(values, len(points), weights))
@@ -81,12 +81,16 @@ def _each(values: Array, count: int, weights: csr_array | None = None) -> Array:
 def _side(
     count: Usd.Attribute, order: Usd.Attribute, knots: Usd.Attribute, reach: Usd.Attribute
 ) -> csr_array:
-    size, degree = int(count.Get(TIME) or 0), int(order.Get(TIME) or 0)
+    size, degree = _whole(count), _whole(order)
     values = numbers(knots)
     if size < 2 or len(values) != size + degree:
         raise ValueError("knots do not fit the count and the order of points")
-    said = reach.Get(TIME)
-    return spans(values, degree, size, None if said is None else np.array(said, float))
+    return spans(values, degree, size, vector_of(reach.Get(TIME), 2))
+
+
+def _whole(attribute: Usd.Attribute) -> int:
+    value = attribute.Get(TIME)
+    return value if isinstance(value, int) else 0
 
 
 def _sheet(points: Array, columns: int, rows: int) -> Mesh:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdLux
 
+from openrooms_usd.usd.arrays import number_of
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.transforms import author_matrix
 
@@ -54,7 +55,8 @@ def read_portals(stage: Usd.Stage) -> tuple[Portal, ...]:
             light = UsdLux.PortalLight(prim)
             world = to_world @ local_to_world(prim, cache)
             lengths = np.linalg.norm(world[:3, :3], axis=0)
-            size = lengths[:2] * [light.GetWidthAttr().Get(TIME), light.GetHeightAttr().Get(TIME)]
+            sides = (light.GetWidthAttr(), light.GetHeightAttr())
+            size = lengths[:2] * [number_of(side.Get(TIME)) or 0.0 for side in sides]
             if np.isfinite(world).all() and min(size) > 0.0 and lengths[2] > 0.0:
                 world[:3, :3] /= lengths
                 found.append(Portal(str(prim.GetPath()), world, *size.tolist()))

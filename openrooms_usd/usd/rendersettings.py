@@ -4,9 +4,10 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
-from pxr import Sdf, Usd, UsdGeom, UsdRender
+from pxr import Sdf, Usd, UsdGeom, UsdRender, Vt
 
 from openrooms_usd import names
+from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.frames import TIME
 
 _POLICY: Final = "aspectRatioConformPolicy"
@@ -44,8 +45,8 @@ def render_settings(stage: Usd.Stage) -> UsdRender.Settings | None:
 
 def asked_resolution(stage: Usd.Stage) -> tuple[int, int] | None:
     """Width and height in pixels, by the first product that says, else the settings."""
-    size = _setting(stage, None, "resolution")
-    return (int(size[0]), int(size[1])) if size is not None and min(size) > 0 else None
+    size = vector_of(_setting(stage, None, "resolution"), 2)
+    return (int(size[0]), int(size[1])) if size is not None and size.min() >= 1.0 else None
 
 
 def asked_cameras(stage: Usd.Stage) -> tuple[str, ...]:
@@ -56,8 +57,8 @@ def asked_cameras(stage: Usd.Stage) -> tuple[str, ...]:
 def asked_purposes(stage: Usd.Stage) -> tuple[str, ...]:
     """The purposes of prims that are drawn."""
     settings = render_settings(stage)
-    asked = settings.GetIncludedPurposesAttr().Get(TIME) if settings else None
-    return tuple(map(str, asked or _PURPOSES))
+    asked = _tokens(settings.GetIncludedPurposesAttr()) if settings else ()
+    return asked or _PURPOSES
 
 
 def is_set(stage: Usd.Stage, camera: str | None, *flags: str) -> bool:
@@ -72,11 +73,11 @@ def conformed_aperture(camera: UsdGeom.Camera, width: int, height: int) -> float
     the vertical one follows the picture.
     """
     across, high = (
-        float(attribute.Get(TIME) or 0.0)
+        number_of(attribute.Get(TIME)) or 0.0
         for attribute in (camera.GetHorizontalApertureAttr(), camera.GetVerticalApertureAttr())
     )
     prim = camera.GetPrim()
-    policy = _setting(prim.GetStage(), str(prim.GetPath()), _POLICY)
+    policy = str(_setting(prim.GetStage(), str(prim.GetPath()), _POLICY))
     if policy not in _CONFORM or not (0.0 < high < math.inf and 0.0 < across < math.inf):
         return across
     return _CONFORM[policy](across, high * width / height)
@@ -87,19 +88,21 @@ def settings_losses(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
     settings = render_settings(stage)
     if settings is None:
         return
-    bound = settings.GetMaterialBindingPurposesAttr().Get(TIME) or []
-    if bound and str(bound[0]) not in ("full", ""):
+    bound = _tokens(settings.GetMaterialBindingPurposesAttr())
+    if bound and bound[0] not in ("full", ""):
         yield str(settings.GetPath()), f"materials bound for {bound[0]!r} give way to those in full"
     size = asked_resolution(stage)
     for one in (settings, *_products(stage)):
         path = str(one.GetPath())
-        if (window := one.GetDataWindowNDCAttr().Get(TIME)) and tuple(window) != _WHOLE:
+        window = vector_of(one.GetDataWindowNDCAttr().Get(TIME), 4)
+        if window is not None and tuple(window) != _WHOLE:
             yield path, "dataWindowNDC is left out: the whole picture is rendered"
         policy = one.GetAspectRatioConformPolicyAttr().Get(TIME)
         if one.GetPixelAspectRatioAttr().Get(TIME) != 1.0 or policy == "adjustPixelAspectRatio":
             yield path, "pixels are square"
-        own = one.GetResolutionAttr()
-        if own.HasAuthoredValue() and size and tuple(own.Get(TIME)) != size:
+        attribute = one.GetResolutionAttr()
+        own = vector_of(attribute.Get(TIME), 2) if attribute.HasAuthoredValue() else None
+        if own is not None and size and tuple(own) != size:
             yield path, f"all views have {size[0]}x{size[1]} pixels"
     for product in _products(stage):
         yield from _var_losses(product)
@@ -131,6 +134,12 @@ def _camera_of(product: UsdRender.Product) -> str | None:
         if targets and UsdGeom.Camera(stage.GetPrimAtPath(targets[0])):
             return str(targets[0])
     return None
+
+
+def _tokens(attribute: Usd.Attribute) -> tuple[str, ...]:
+    """The words of an attribute; none where its value is of another type."""
+    value = attribute.Get(TIME)
+    return tuple(map(str, value)) if isinstance(value, Vt.TokenArray) else ()
 
 
 def _setting(stage: Usd.Stage, camera: str | None, name: str) -> Any:
