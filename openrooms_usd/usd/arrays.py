@@ -34,6 +34,11 @@ def array_of(value: Any, dtype: type[np.generic], width: int | None = None) -> N
     return found if found.ndim == empty.ndim and found.shape[1:] == empty.shape[1:] else empty
 
 
+def in_rows(values: NDArray[Any]) -> NDArray[Any]:
+    """(N, width) values, of which there may be none; each single number is a row of its own."""
+    return values[:, None] if values.ndim == 1 else values
+
+
 def number_of(value: Any) -> float | None:
     """A number, which may be infinite or none; None where there is no value, or another type."""
     return float(value) if isinstance(value, int | float) else None

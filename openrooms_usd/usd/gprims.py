@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
-from openrooms_usd.usd.arrays import array_of
+from openrooms_usd.usd.arrays import array_of, in_rows
 from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.tessellation import tessellate
@@ -105,8 +105,7 @@ def _colors_along(prim: Usd.Prim, drawn: Drawn, triangles: Ints) -> dict[str, ND
     """(M, 3, C) what primvars of colours are at the corners of what is drawn, by their names."""
     found = {}
     for primvar, width in _painting(prim):
-        values = array_of(primvar.ComputeFlattened(TIME), np.float64, width)
-        values = values.reshape(len(values), -1)
+        values = in_rows(array_of(primvar.ComputeFlattened(TIME), np.float64, width))
         at = drawn.at_points(values, primvar.GetInterpolation())
         if at is not None and np.isfinite(at).all():
             found[primvar.GetPrimvarName()] = at[triangles].astype(np.float32)
@@ -228,8 +227,7 @@ class _Polygons:
         """(K', width) primvars at the corners of fine faces, by their names."""
         sets = {}
         for primvar, width in primvars:
-            values = array_of(primvar.Get(TIME), np.float64, width)
-            values = values.reshape(len(values), -1)
+            values = in_rows(array_of(primvar.Get(TIME), np.float64, width))
             indices = array_of(primvar.GetIndices(TIME), np.int64)
             carried = fine.carried(values, indices, primvar.GetInterpolation())
             name = primvar.GetPrimvarName()
@@ -279,8 +277,7 @@ class _Polygons:
         """(M, 3, width) primvars at each corner, by their names."""
         sets: dict[str, NDArray[np.float32]] = {}
         for primvar, width in primvars:
-            values = array_of(primvar.Get(TIME), np.float32, width)
-            values = values.reshape(len(values), -1)
+            values = in_rows(array_of(primvar.Get(TIME), np.float32, width))
             indices = array_of(primvar.GetIndices(TIME), np.int32)
             rows = self._rows(primvar.GetInterpolation(), corners, faces)
             name = primvar.GetPrimvarName()

@@ -153,3 +153,21 @@ def test_what_reaches_beyond_single_precision_is_left_out() -> None:
     scene = scene_of(stage)
     assert len(scene.triangles) == 12 + 2
     assert all("farther" in reasons(scene, path) for path in ("/far", "/far/light"))
+
+
+@pytest.mark.parametrize("scheme", ["none", "catmullClark"])
+@pytest.mark.parametrize("type_name", ["float[]", "color3f[]", "texCoord2f[]"])
+def test_primvars_without_any_value_are_left_out(scheme: str, type_name: str) -> None:
+    stage = Usd.Stage.CreateInMemory()
+    mesh = UsdGeom.Mesh.Define(stage, "/Mesh")
+    mesh.CreateSubdivisionSchemeAttr(scheme)
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
+    mesh.CreateFaceVertexCountsAttr([4])
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+    name = {"float[]": "displayOpacity", "color3f[]": "displayColor"}.get(type_name, "st")
+    kind = Sdf.ValueTypeNames.Find(type_name)
+    primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(name, kind, "vertex")
+    primvar.Set([])
+    scene = scene_of(stage)
+    assert len(scene.triangles) > 0
+    assert not faults(scene)
