@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
+from openrooms_usd.usd.arrays import flattened
 from openrooms_usd.usd.bindings import bound_material, bound_subsets
-from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.surfaces import PreviewSurface
@@ -73,7 +73,7 @@ def _parts(mesh: PlacedMesh) -> Iterator[tuple[Rows, UsdShade.Material | None]]:
 
 def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
     primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
-    values = np.asarray(primvar.ComputeFlattened(TIME) or [], dtype=np.float64).reshape(-1, 3)
+    values = np.asarray(flattened(primvar) or [], dtype=np.float64).reshape(-1, 3)
     if not len(values) or not np.isfinite(values).all():
         return (0.18, 0.18, 0.18), "it has no material: taken as grey"
     red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()

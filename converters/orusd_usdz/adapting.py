@@ -15,8 +15,9 @@ from openrooms_usd import names
 from openrooms_usd.convert import Report
 from openrooms_usd.package import package
 from openrooms_usd.usd import layers
+from openrooms_usd.usd.arrays import flattened
 from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.frames import TIME, up_axis
+from openrooms_usd.usd.frames import up_axis
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.materials import PANE_OPACITY, define_preview_surface
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
@@ -173,7 +174,7 @@ class _Adaptation:
         """A material for what has none: its ``displayColor``, which phones pass over."""
         if UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]:
             return
-        values = UsdGeom.Gprim(prim).GetDisplayColorPrimvar().ComputeFlattened(TIME)
+        values = flattened(UsdGeom.Gprim(prim).GetDisplayColorPrimvar())
         colors = np.asarray(values or [PreviewSurface.base_color], dtype=np.float64).reshape(-1, 3)
         red, green, blue = np.clip(np.nan_to_num(colors.mean(axis=0)), 0.0, 1.0).tolist()
         root = prim.GetPath().GetPrefixes()[0]

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd
+from pxr import Tf, Usd, UsdGeom
 
 from openrooms_usd.usd.diagnostics import NO_TYPE
 from openrooms_usd.usd.frames import TIME
@@ -37,6 +37,14 @@ def array_of(value: Any, dtype: type[np.generic], width: int | None = None) -> N
 def in_rows(values: NDArray[Any]) -> NDArray[Any]:
     """(N, width) values, of which there may be none; each single number is a row of its own."""
     return values[:, None] if values.ndim == 1 else values
+
+
+def flattened(primvar: UsdGeom.Primvar) -> Any:
+    """A primvar's values in the order of its indices; None where these make no sense."""
+    try:
+        return primvar.ComputeFlattened(TIME)
+    except Tf.ErrorException:
+        return None
 
 
 def number_of(value: Any) -> float | None:

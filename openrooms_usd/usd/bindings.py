@@ -6,6 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
+from openrooms_usd.usd.arrays import array_of
+from openrooms_usd.usd.frames import TIME
+
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
     """The material that a prim shows: the binding for ``full``, for all purposes, or a preview."""
@@ -44,7 +47,7 @@ def bound_subsets(prim: Usd.Prim) -> list[tuple[NDArray[np.int32], UsdShade.Mate
     subsets = api.GetMaterialBindSubsets() if prim.IsA(UsdGeom.Mesh) else []
     found = [(subset, bound_material(subset.GetPrim())) for subset in subsets]
     return [
-        (np.array(subset.GetIndicesAttr().Get() or [], dtype=np.int32), material)
+        (array_of(subset.GetIndicesAttr().Get(TIME), np.int32), material)
         for subset, material in found
         if material is not None and subset.GetElementTypeAttr().Get() == UsdGeom.Tokens.face
     ]

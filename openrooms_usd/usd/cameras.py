@@ -311,8 +311,8 @@ def _intrinsics(camera: UsdGeom.Camera, focal: float, width: int, height: int) -
 
 
 def _pose(prim: Usd.Prim, world: Array) -> Array:
-    placed = world @ local_to_world(prim, UsdGeom.XformCache(TIME)) @ FLIP
     with np.errstate(all="ignore"):
+        placed = world @ local_to_world(prim, UsdGeom.XformCache(TIME)) @ FLIP
         determinant = np.linalg.det(placed[:3, :3])
     if not (np.isfinite(placed).all() and math.isfinite(determinant) and determinant > 0):
         raise _unusable(

@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
-from openrooms_usd.usd.arrays import array_of, in_rows
+from openrooms_usd.usd.arrays import array_of, flattened, in_rows
 from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.tessellation import tessellate
@@ -105,7 +105,7 @@ def _colors_along(prim: Usd.Prim, drawn: Drawn, triangles: Ints) -> dict[str, ND
     """(M, 3, C) what primvars of colours are at the corners of what is drawn, by their names."""
     found = {}
     for primvar, width in _painting(prim):
-        values = in_rows(array_of(primvar.ComputeFlattened(TIME), np.float64, width))
+        values = in_rows(array_of(flattened(primvar), np.float64, width))
         at = drawn.at_points(values, primvar.GetInterpolation())
         if at is not None and np.isfinite(at).all():
             found[primvar.GetPrimvarName()] = at[triangles].astype(np.float32)

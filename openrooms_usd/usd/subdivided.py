@@ -155,15 +155,19 @@ class Subdivided:
         corners, faces = corners[seen], faces[seen]
         # Bilinear surfaces are flat between the edges of the cage.
         flat = bare or self.scheme == _T.bilinear
-        normals = None if flat else smooth_normals(cage, points)
+        normals = None if flat else smooth_normals(cage, points)[corners]
+        if normals is not None:
+            # Where faces lie back to back those around a point add up to nothing.
+            none = ~normals.any(axis=-1, keepdims=True)
+            normals = np.where(none, _flat_normals(points[cage.indices[corners]]), normals)
         if left_handed:
             corners = corners[:, ::-1]
-            normals = None if normals is None else -normals
+            normals = None if normals is None else -normals[:, ::-1]
         return TriangleMesh(
             points,
             cage.indices[corners].astype(np.int32),
             faces.astype(np.int32),
-            None if normals is None else normals[corners].astype(np.float32),
+            None if normals is None else normals.astype(np.float32),
             {name: values[corners].astype(np.float32) for name, values in uvs.items()},
             None,
             {name: values[corners].astype(np.float32) for name, values in colors.items()},
@@ -254,3 +258,11 @@ def _pinned(values: Cage, points: Ints, cage: Cage, rule: str) -> NDArray[np.boo
         pinned |= darts & (number == 1)
         pinned |= (number == 2) & (np.bincount(points, weights=alone)[points] > 0)
     return pinned
+
+
+def _flat_normals(triangles: Array) -> Array:
+    """(M, 1, 3) the unit normal of each of (M, 3, 3) triangles, all of which have an area."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    ways = np.cross(b - a, c - a)
+    unit: Array = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    return unit[:, None]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Tf, Usd, UsdGeom
 
-from openrooms_usd.usd.arrays import array_of, integers
+from openrooms_usd.usd.arrays import array_of, flattened, integers
 from openrooms_usd.usd.frames import TIME, local_to_parent
 from openrooms_usd.usd.gprims import Surface, read_surface
 
@@ -263,7 +263,7 @@ def _tints(instancer: UsdGeom.PointInstancer, count: int) -> tuple[list[Tints], 
     told = ""
     for name, width in TINTS.items():
         primvar = UsdGeom.PrimvarsAPI(instancer).GetPrimvar(name)
-        values = array_of(primvar.ComputeFlattened(TIME) if primvar else None, np.float64,
+        values = array_of(flattened(primvar) if primvar else None, np.float64,
                           width if width > 1 else None)  # fmt: skip
         if len(values) == count > 1 and np.isfinite(values).all():
             rows = np.clip(values.reshape(count, width), 0.0, 1.0)
@@ -321,5 +321,7 @@ def instances_of(
         return _UNFIT
     matrices = np.asarray(placed, dtype=np.float64).swapaxes(1, 2)
     mask = instancer.ComputeMaskAtTime(TIME) or [True] * len(indices)
+    if len(mask) != len(indices):
+        return "ids do not fit protoIndices"
     rows = zip(indices.tolist(), matrices, mask, strict=True)
     return [(number, *row[:2]) for number, row in enumerate(rows) if row[2]]

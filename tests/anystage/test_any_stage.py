@@ -171,3 +171,9 @@ def test_primvars_without_any_value_are_left_out(scheme: str, type_name: str) ->
     scene = scene_of(stage)
     assert len(scene.triangles) > 0
     assert not faults(scene)
+
+
+# Of ten thousand broken stages some of these were no scene and no sentence.
+@pytest.mark.parametrize("first", [2800, 4150, 6450, 7850, 9125, 9850])
+def test_batches_that_were_neither(first: int) -> None:
+    test_a_broken_stage_is_a_scene_or_a_sentence(range(first, first + BATCH))

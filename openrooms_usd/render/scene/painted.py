@@ -11,8 +11,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.render.scene.pictures import Picture, Value
 from openrooms_usd.render.scene.surfaces import CLEAR, Surface
-from openrooms_usd.usd.arrays import array_of
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.arrays import array_of, flattened
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.surfaces import PreviewSurface
 
@@ -81,7 +80,7 @@ def _values(mesh: PlacedMesh, name: str) -> NDArray[np.float64]:
     if tint is not None and not api.GetPrimvar(name).HasAuthoredValue():
         return np.array([tint])
     primvar = api.FindPrimvarWithInheritance(name)
-    said = primvar.ComputeFlattened(TIME) if primvar else None
+    said = flattened(primvar) if primvar else None
     for width in (3, None):
         # One value is not always written as an array of one.
         for whole in (said, [said]):
